@@ -1,0 +1,11 @@
+# Debian ships SuiteSparse without CMake or pkg-config files. Defines SuiteSparse::cholmod.
+find_path(SuiteSparse_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
+find_library(SuiteSparse_CHOLMOD cholmod)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD SuiteSparse_INCLUDE_DIR)
+if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::cholmod)
+  add_library(SuiteSparse::cholmod UNKNOWN IMPORTED)
+  set_target_properties(SuiteSparse::cholmod PROPERTIES
+    IMPORTED_LOCATION ${SuiteSparse_CHOLMOD}
+    INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
+endif()

@@ -1,0 +1,35 @@
+#pragma once
+// The global condensed system: order of the unknowns, pattern, values, right-hand side.
+
+#include "solver/factor.hpp"
+#include "solver/skeleton.hpp"
+
+namespace kerf {
+
+/// Rows of the condensed matrix: the free unknowns of one edge lie together, edges by nested dissection, and the bounded
+/// jumps (those that a contact law acts on) last. A function of the topology alone.
+struct Ordering {
+  std::vector<Index> row;       // per skeleton unknown, none where fixed
+  Index size = 0;               // rows
+  Index trailing = 0;           // of them bounded jumps, at the end, in the order of the cracks' paths
+  std::vector<Index> first;     // per node its first row, one more entry at the end
+  std::vector<Index> node_of;   // per row its node
+  std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
+  std::vector<Index> adjacent_start;
+};
+Ordering order(const Mesh& mesh, const Skeleton& s);
+
+/// K x = F over the free unknowns: K = sum_T K_T on the traces that each triangle sees, F from tractions, body force and
+/// prescribed values. Symmetric positive definite when the supports hold the body; on the bounded jumps x the solution
+/// satisfies K x - F = p >= 0, x >= 0, p x = 0 instead of K x = F.
+struct System {
+  SparseMatrix K;         // lower triangle
+  Eigen::MatrixXd force;  // force moments, a column per triangle; no columns without a body force
+  Eigen::VectorXd F;
+};
+System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const Ordering& order,
+                int threads);
+
+ForceMoments force_of(const System& a, Index t);
+
+}  // namespace kerf

@@ -1,0 +1,179 @@
+#include "solver/estimate.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
+#include "solver/recover.hpp"
+
+#include <Eigen/QR>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int edge_points = 3;
+constexpr double efficiency_index = 5.2;
+
+// D tau at the Gauss points of the three edges, in each edge's own direction.
+using EdgeTraces = Eigen::Matrix<double, 2, 3 * edge_points>;
+
+struct Interior {
+  double square = 0;  // the part of eta^2 that the triangle has by itself
+  double stress = 0;  // |s|^2
+};
+
+// Derivatives of a polynomial known at the quadrature points, by interpolation in (l1, l2).
+struct Derivatives {
+  Eigen::MatrixXd along[2];  // values at the points -> values of d/dl1, d/dl2 there
+};
+
+Derivatives derivatives(const TriangleRule& rule, int degree) {
+  const Eigen::MatrixXd v = monomials(degree, rule.x).transpose();
+  const Eigen::MatrixXd fit = v.completeOrthogonalDecomposition().pseudoInverse();
+  Derivatives d;
+  for (int axis = 0; axis < 2; ++axis) d.along[axis] = v * derivative(degree, axis) * fit;
+  return d;
+}
+
+Interior interior_part(const Model& m, const State& s, Index t, const Derivatives& d) {
+  const Triangle shape = triangle(m, t);
+  const TriangleRule& rule = m.kernel.rule;
+  const Points x = rule_points(rule, shape);
+  const Fields f = evaluate(m.kernel, shape, s.interior.col(t), x);
+  const double mu = m.scene.material.mu;
+  double h = 0;
+  for (int i = 0; i < 3; ++i) h = std::max(h, (shape.x[(i + 1) % 3] - shape.x[i]).norm());
+
+  Mat2 jacobian;
+  jacobian << shape.x[1] - shape.x[0], shape.x[2] - shape.x[0];
+  const Mat2 inverse = jacobian.inverse();  // d/dx = sum_k inverse(k, x) d/dl_k
+  const Eigen::Index n = x.cols();
+  Eigen::MatrixX4d gradient(n, 4), stress = f.stress.transpose();
+  for (Eigen::Index q = 0; q < n; ++q)
+    gradient.row(q) = displacement_gradient(m.scene.material, f.stress.col(q), f.rotation[q]).transpose();
+  const auto derive = [&](const auto& column, int axis) -> Eigen::VectorXd {
+    return inverse(0, axis) * (d.along[0] * column) + inverse(1, axis) * (d.along[1] * column);
+  };
+  Interior result;
+  for (int row = 0; row < 2; ++row) {
+    const Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
+    result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
+    if (m.scene.body) {
+      Eigen::VectorXd rest = derive(stress.col(2 * row), 0) + derive(stress.col(2 * row + 1), 1);
+      for (Eigen::Index q = 0; q < n; ++q) rest[q] += m.scene.body(x.col(q))[row];
+      result.square += h * h * rule.w.dot(rest.cwiseAbs2());
+    }
+  }
+  result.square += rule.w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
+  for (int c = 0; c < 4; ++c) result.stress += rule.w.dot(stress.col(c).cwiseAbs2());
+  result.square *= area(shape);
+  result.stress *= area(shape);
+  return result;
+}
+
+EdgeTraces edge_traces(const Model& m, const State& s, Index t, const EdgeRule& rule) {
+  const Triangle shape = triangle(m, t);
+  Points x(2, 3 * edge_points);
+  std::array<Vec2, 3> tau;
+  for (int e = 0; e < 3; ++e) {
+    const Index edge = m.mesh.edges_of[t][e];
+    const Vec2& a = m.mesh.points[m.mesh.edges[edge][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[edge][1]] - a;
+    tau[e] = side.normalized();
+    for (int g = 0; g < edge_points; ++g) x.col(edge_points * e + g) = a + rule.s[g] * side;
+  }
+  const Fields f = evaluate(m.kernel, shape, s.interior.col(t), x);
+  EdgeTraces traces;
+  for (int i = 0; i < 3 * edge_points; ++i) {
+    const Eigen::Vector4d d = displacement_gradient(m.scene.material, f.stress.col(i), f.rotation[i]);
+    const Vec2& direction = tau[i / edge_points];
+    traces.col(i) << d.head<2>().dot(direction), d.tail<2>().dot(direction);
+  }
+  return traces;
+}
+
+// What supports prescribe on a boundary edge at parameter s, in the edge's frame: which components, and d_tau u_D by
+// central differences of the data.
+struct Prescribed {
+  std::array<bool, 2> component{false, false};
+  Vec2 slope = Vec2::Zero();
+};
+
+Prescribed prescribed(const Model& m, Index e, double s) {
+  const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+  const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+  const Vec2 n = m.mesh.sides[e][1] == none ? normal(m.mesh, e) : Vec2(-normal(m.mesh, e));
+  constexpr double step = 1e-3;
+  Prescribed p;
+  for (const Support& support : m.scene.supports) {
+    if (support.label != m.mesh.label[e]) continue;
+    const Vec2 after = support.value(a + (s + step) * side, n), before = support.value(a + (s - step) * side, n);
+    for (int d = 0; d < 2; ++d)
+      if (d == 0 ? support.first : support.second) {
+        p.component[d] = true;
+        p.slope[d] = (after[d] - before[d]) / (2 * step * side.norm());
+      }
+  }
+  return p;
+}
+
+}  // namespace
+
+Indicator error_indicator(const Model& m, const State& s) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const Derivatives difference = derivatives(m.kernel.rule, std::max(m.kernel.element.stress, m.kernel.element.bubbles ? 2 : 0));
+  const EdgeRule rule = gauss(edge_points);
+  std::vector<Interior> own(triangles);
+  std::vector<EdgeTraces> traces(triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      own[t] = interior_part(m, s, t, difference);
+      traces[t] = edge_traces(m, s, t, rule);
+    }
+  });
+
+  Indicator result{Eigen::VectorXd(triangles), 0};
+  double total = 0, stress = 0;
+  for (Index t = 0; t < triangles; ++t) {
+    double square = own[t].square;
+    for (int i = 0; i < 3; ++i) {
+      const Index e = m.mesh.edges_of[t][i];
+      const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
+      const double l = length(m.mesh, e), scale = 4 * std::pow(m.scene.material.mu * l, 2);
+      bool contact = false;
+      if (m.skeleton.jump[e] != none)
+        for (int k = 0; k < m.skeleton.per_edge; ++k) {
+          const Index unknown = m.skeleton.jump[e] + k;
+          contact = contact || m.skeleton.fixed[unknown] || s.force[unknown] > 0;
+        }
+      for (int g = 0; g < edge_points; ++g) {
+        Vec2 jump = traces[t].col(edge_points * i + g);
+        double weight = 0.5;
+        if (other != none) {
+          int j = 0;
+          while (m.mesh.edges_of[other][j] != e) ++j;
+          jump -= traces[other].col(edge_points * j + g);
+          if (m.skeleton.jump[e] != none) {
+            const Vec2 n = m.skeleton.frame[e].col(0);
+            jump = contact ? Vec2(jump.dot(n) * n) : Vec2(Vec2::Zero());
+          }
+        } else {
+          const Prescribed given = prescribed(m, e, rule.s[g]);
+          weight = 1;
+          jump = m.skeleton.frame[e].transpose() * jump - given.slope;
+          for (int d = 0; d < 2; ++d)
+            if (!given.component[d]) jump[d] = 0;
+        }
+        square += weight * scale * rule.w[g] * jump.squaredNorm();  // |e| times the integral over e
+      }
+    }
+    result.eta[t] = std::sqrt(square);
+    total += square;
+    stress += own[t].stress;
+  }
+  if (stress > 0) result.relative = std::sqrt(total / stress) / efficiency_index;
+  return result;
+}
+
+}  // namespace kerf

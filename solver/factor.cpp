@@ -1,0 +1,175 @@
+#include "solver/factor.hpp"
+
+#include <cholmod.h>
+#include <fmt/core.h>
+
+namespace kerf {
+
+namespace {
+
+// Views of arrays that Eigen or a vector owns; CHOLMOD only reads them.
+cholmod_sparse view(Index n, Index* start, Index* rows, double* values, int stype) {
+  cholmod_sparse a{};
+  a.nrow = a.ncol = static_cast<std::size_t>(n);
+  a.nzmax = static_cast<std::size_t>(start[n]);
+  a.p = start;
+  a.i = rows;
+  a.x = values;
+  a.stype = stype;
+  a.itype = CHOLMOD_INT;
+  a.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = 1;
+  a.packed = 1;
+  return a;
+}
+
+struct Session {  // a CHOLMOD workspace with its lifetime
+  cholmod_common c{};
+  Session() {
+    cholmod_start(&c);
+    c.print = 0;
+    c.error_handler = nullptr;
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() {
+    cholmod_finish(&c);
+  }
+};
+
+[[noreturn]] void out_of_memory() {
+  throw Error(Fault::Numerics, "not enough memory for the factorisation; use a coarser mesh (mesh.size)");
+}
+
+}  // namespace
+
+std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours) {
+  const Index n = static_cast<Index>(start.size()) - 1;
+  std::vector<Index> order(n);
+  Session session;
+  // An unsymmetric pattern stands for A A' in CHOLMOD; stype 1 with both triangles stored reads the upper one.
+  std::vector<Index> upper_start(n + 1, 0), upper;
+  upper.reserve(neighbours.size() / 2);
+  for (Index j = 0; j < n; ++j) {
+    for (Index p = start[j]; p < start[j + 1]; ++p)
+      if (neighbours[p] < j) upper.push_back(neighbours[p]);
+    upper_start[j + 1] = static_cast<Index>(upper.size());
+  }
+  if (upper.empty()) upper.push_back(0);
+  cholmod_sparse a = view(n, upper_start.data(), upper.data(), nullptr, 1);
+  a.sorted = 0;
+  if (!cholmod_metis(&a, nullptr, 0, 1, order.data(), &session.c)) out_of_memory();
+  return order;
+}
+
+struct Factor::Impl {
+  mutable Session session;
+  cholmod_factor* factor = nullptr;
+  Index size = 0, trailing = 0;
+  bool permuted = false;
+  double entries = 0, flops = 0;
+  Eigen::MatrixXd trailing_factor;
+
+  ~Impl() {
+    if (factor) cholmod_free_factor(&factor, &session.c);
+  }
+
+  Eigen::VectorXd apply(int system, const Eigen::VectorXd& b) const {
+    cholmod_dense in{};
+    in.nrow = in.d = in.nzmax = static_cast<std::size_t>(size);
+    in.ncol = 1;
+    in.x = const_cast<double*>(b.data());
+    in.xtype = CHOLMOD_REAL;
+    in.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense* out = cholmod_solve(system, factor, &in, &session.c);
+    if (!out) out_of_memory();
+    Eigen::VectorXd x = Eigen::Map<Eigen::VectorXd>(static_cast<double*>(out->x), size);
+    cholmod_free_dense(&out, &session.c);
+    return x;
+  }
+
+  // The supernodes hold the columns of L as dense blocks; the last one may begin before the trailing columns.
+  void read_trailing() {
+    trailing_factor = Eigen::MatrixXd::Zero(trailing, trailing);
+    const Index first = size - trailing;
+    const auto* super = static_cast<const Index*>(factor->super);
+    const auto* rows_start = static_cast<const Index*>(factor->pi);
+    const auto* values_start = static_cast<const Index*>(factor->px);
+    const auto* rows = static_cast<const Index*>(factor->s);
+    const auto* values = static_cast<const double*>(factor->x);
+    for (std::size_t s = 0; s < factor->nsuper; ++s) {
+      if (super[s + 1] <= first) continue;
+      const Index height = rows_start[s + 1] - rows_start[s];
+      for (Index j = std::max(super[s], first); j < super[s + 1]; ++j) {
+        const double* column = values + values_start[s] + std::int64_t{j - super[s]} * height;
+        for (Index i = j - super[s]; i < height; ++i) {
+          const Index row = rows[rows_start[s] + i];
+          if (row >= j) trailing_factor(row - first, j - first) = column[i];
+        }
+      }
+    }
+  }
+};
+
+Factor::Factor(const SparseMatrix& lower, Index trailing) : impl_(std::make_unique<Impl>()) {
+  impl_->size = static_cast<Index>(lower.cols());
+  impl_->trailing = trailing;
+  if (impl_->size == 0) return;
+  cholmod_common& c = impl_->session.c;
+  c.supernodal = CHOLMOD_SUPERNODAL;
+  c.nmethods = 1;
+  c.method[0].ordering = CHOLMOD_NATURAL;
+  c.postorder = 0;  // `dissection` is a postorder already, and the trailing columns must stay where they are
+  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.outerIndexPtr()),
+                          const_cast<Index*>(lower.innerIndexPtr()), const_cast<double*>(lower.valuePtr()), -1);
+  impl_->factor = cholmod_analyze(&a, &c);
+  if (!impl_->factor) out_of_memory();
+  impl_->entries = c.lnz;
+  impl_->flops = c.fl;
+  const int done = cholmod_factorize(&a, impl_->factor, &c);
+  // cholmod_solve resets the status: it must be read here.
+  if (c.status == CHOLMOD_NOT_POSDEF)
+    throw Error(Fault::Numerics, fmt::format("the condensed matrix is not positive definite at column {} of {}",
+                                             impl_->factor->minor, impl_->size));
+  if (!done || c.status != CHOLMOD_OK) out_of_memory();
+  impl_->permuted = impl_->factor->ordering != CHOLMOD_NATURAL;
+  if (impl_->permuted) throw std::logic_error("CHOLMOD did not keep the given order");
+  impl_->read_trailing();
+}
+
+Factor::~Factor() = default;
+Factor::Factor(Factor&&) noexcept = default;
+Factor& Factor::operator=(Factor&&) noexcept = default;
+
+Eigen::MatrixXd Factor::schur_complement() const {
+  const auto l = impl_->trailing_factor.triangularView<Eigen::Lower>();
+  Eigen::MatrixXd s = impl_->trailing_factor.transpose();
+  return l * s;
+}
+
+Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
+  return impl_->size == 0 ? b : impl_->apply(CHOLMOD_L, b);
+}
+
+Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
+  return impl_->size == 0 ? y : impl_->apply(CHOLMOD_Lt, y);
+}
+
+Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
+  return backward(forward(b));
+}
+
+const Eigen::MatrixXd& Factor::trailing_factor() const {
+  return impl_->trailing_factor;
+}
+
+double Factor::entries() const {
+  return impl_->entries;
+}
+
+double Factor::flops() const {
+  return impl_->flops;
+}
+
+}  // namespace kerf

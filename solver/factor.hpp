@@ -1,0 +1,50 @@
+#pragma once
+// A factorised sparse symmetric positive definite matrix. SuiteSparse lives in factor.cpp and nowhere else.
+
+#include "geometry/types.hpp"
+
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+namespace kerf {
+
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
+
+/// Fill-reducing order of the nodes of an undirected graph (nested dissection, METIS), postordered. `start` and
+/// `neighbours` list the neighbours of each node, both directions, without the node itself. Returns order[k] = node k-th
+/// to be eliminated.
+std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours);
+
+/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that the
+/// trailing block of L is the Cholesky factor of the Schur complement onto them.
+class Factor {
+ public:
+  /// `lower`: lower triangle, columns sorted. Throws Error(Numerics) naming the first bad column when K is not positive
+  /// definite (Error::what says "column N"), or when memory runs out.
+  Factor(const SparseMatrix& lower, Index trailing);
+  ~Factor();
+  Factor(Factor&&) noexcept;
+  Factor& operator=(Factor&&) noexcept;
+
+  /// S = D - B K^-1 B' on the trailing columns, dense: read off the factor.
+  Eigen::MatrixXd schur_complement() const;
+
+  /// Halves of a solve: y = L^-1 P' b, x = P L^-T y. The tail of y belongs to the trailing columns (in K's order):
+  /// tail = (factor of S)^-1 (condensed right-hand side).
+  Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+
+  /// Lower triangular trailing block of L.
+  const Eigen::MatrixXd& trailing_factor() const;
+
+  double entries() const;  // nonzeros of L
+  double flops() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,352 @@
+#include "solver/local.hpp"
+
+#include "solver/polynomial.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// The local problem is set in xi = (x - centroid)/h, h = sqrt(2 |T|), where the triangle has area 1/2 and every basis
+// function is O(1). In these coordinates the condensed matrix does not depend on h: with u = h u_xi and m = h m_xi,
+//   M s + B'(u_xi, r) = C' m_xi,   B s = (-h (f, v), 0),   tractions = h C s.
+struct Scaled {
+  Vec2 center;
+  double h;
+  std::array<Vec2, 3> x;         // vertices in xi
+  std::array<Vec2, 3> gradient;  // of the barycentric coordinates, in xi
+};
+
+Scaled scale(const Triangle& t) {
+  Scaled s;
+  s.center = centroid(t);
+  s.h = std::sqrt(2 * area(t));
+  for (int i = 0; i < 3; ++i) s.x[i] = (t.x[i] - s.center) / s.h;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 e = s.x[(i + 2) % 3] - s.x[(i + 1) % 3];
+    s.gradient[i] = Vec2(-e.y(), e.x());  // inward normal times length over twice the area, which is 1
+  }
+  return s;
+}
+
+// curl(27 l1 l2 l3) = (d2 b, -d1 b) at barycentric coordinates l.
+Vec2 bubble_curl(const Scaled& s, double l0, double l1, double l2) {
+  const Vec2 g = 27 * (l1 * l2 * s.gradient[0] + l0 * l2 * s.gradient[1] + l0 * l1 * s.gradient[2]);
+  return {g.y(), -g.x()};
+}
+
+template <int Rows, int Columns>
+using Rowwise = Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+// Everything about one triangle in arrays of compile-time size. S, U, R, X: numbers of stress, displacement, rotation and
+// skeleton functions.
+template <int StressDegree, int Bubbles, int DisplacementDegree, int RotationDegree, int TraceDegree>
+struct Sized {
+  static constexpr int P = monomial_count(StressDegree);
+  static constexpr int S = 4 * P + Bubbles;
+  static constexpr int U = 2 * monomial_count(DisplacementDegree);
+  static constexpr int R = monomial_count(RotationDegree);
+  static constexpr int B = U + R;
+  static constexpr int G = TraceDegree + 1;
+  static constexpr int X = 6 * G;
+  static constexpr int Degree = std::max({StressDegree, DisplacementDegree, RotationDegree});
+  static constexpr int Monomials = monomial_count(Degree);
+
+  // Monomials of degree <= Degree.
+  static Eigen::Matrix<double, Monomials, 1> monomials_at(const Vec2& xi) {
+    Eigen::Matrix<double, Monomials, 1> v;
+    v[0] = 1;
+    for (int k = 1; k <= Degree; ++k) {
+      for (int j = 0; j < k; ++j) v[place(k - j, j)] = v[place(k - j - 1, j)] * xi.x();
+      v[place(0, k)] = v[place(0, k - 1)] * xi.y();
+    }
+    return v;
+  }
+
+  // Columns: the stress functions; rows s11, s12, s21, s22. Function 4 m + c is monomial m in component c.
+  static Eigen::Matrix<double, 4, S> stress_basis(const Scaled& s, const Eigen::Matrix<double, Monomials, 1>& v,
+                                                  double l1, double l2) {
+    Eigen::Matrix<double, 4, S> value = Eigen::Matrix<double, 4, S>::Zero();
+    for (int m = 0; m < P; ++m)
+      for (int c = 0; c < 4; ++c) value(c, 4 * m + c) = v[m];
+    if constexpr (Bubbles > 0) {
+      const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
+      value.template block<2, 1>(0, 4 * P) = curl;
+      value.template block<2, 1>(2, 4 * P + 1) = curl;
+    }
+    return value;
+  }
+
+  static Vec2 point(const Scaled& s, double l1, double l2) {
+    return (1 - l1 - l2) * s.x[0] + l1 * s.x[1] + l2 * s.x[2];
+  }
+
+  struct System {
+    Rowwise<S, S> M;      // (A s, t) / h^2
+    Rowwise<S, B> Bt;     // transposed constraints: divergence, then asymmetry
+    Rowwise<S, X> Ct;     // transposed moments of s n
+    Rowwise<B, 1> given;  // right-hand side of the constraints
+  };
+
+  static System assemble(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
+                         const ForceMoments& force) {
+    System a;
+    a.M.setZero();
+    a.Bt.setZero();
+    a.given.setZero();
+    if (force.size() > 0) a.given.template head<U>() = -0.5 * s.h * force;  // the triangle's area in xi is 1/2
+    // A s : t = dev s : dev t / (2 mu) + c tr s tr t, split into four squares.
+    const double difference = 1 / std::sqrt(4 * material.mu), shear = 1 / std::sqrt(2 * material.mu),
+                 trace = std::sqrt(material.c);
+    for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
+      const double l1 = k.rule.x(0, q), l2 = k.rule.x(1, q), w = 0.5 * k.rule.w[q];
+      const auto v = monomials_at(point(s, l1, l2));
+      const auto value = stress_basis(s, v, l1, l2);
+      Rowwise<4, S> root;
+      root.row(0) = difference * (value.row(0) - value.row(3));
+      root.row(1) = shear * value.row(1);
+      root.row(2) = shear * value.row(2);
+      root.row(3) = trace * (value.row(0) + value.row(3));
+      for (int c = 0; c < 4; ++c)
+        for (int i = 0; i < S; ++i) {
+          const double factor = w * root(c, i);
+          for (int j = 0; j < S; ++j) a.M(i, j) += factor * root(c, j);
+        }
+      for (int r = 0; r < R; ++r)
+        for (int i = 0; i < S; ++i) a.Bt(i, U + r) += w * v[r] * (value(1, i) - value(2, i));
+      // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
+      for (int degree = 1; degree <= StressDegree; ++degree)
+        for (int j = 0; j <= degree; ++j) {
+          const int i = degree - j, m = place(i, j);
+          const double dx = i > 0 ? i * v[place(i - 1, j)] : 0, dy = j > 0 ? j * v[place(i, j - 1)] : 0;
+          for (int b = 0; b < U / 2; ++b)
+            for (int row = 0; row < 2; ++row) {
+              a.Bt(4 * m + 2 * row, 2 * b + row) += w * v[b] * dx;
+              a.Bt(4 * m + 2 * row + 1, 2 * b + row) += w * v[b] * dy;
+            }
+        }
+    }
+    for (int e = 0; e < 3; ++e) {
+      const int from = (e + 1) % 3, to = (e + 2) % 3;
+      const Vec2 side = s.x[to] - s.x[from];
+      const Vec2 n(side.y(), -side.x());  // outward, times the length
+      for (int g = 0; g < G; ++g) {
+        const double along = t.forward[e] ? k.trace.s[g] : 1 - k.trace.s[g];
+        const auto v = monomials_at(s.x[from] + along * side);
+        for (int d = 0; d < 2; ++d) {
+          const int column = 2 * (G * e + g) + d;
+          const Vec2 f = k.trace.w[g] * t.frame[e].col(d);
+          const double weight[4] = {f.x() * n.x(), f.x() * n.y(), f.y() * n.x(), f.y() * n.y()};
+          for (int m = 0; m < P; ++m)
+            for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) = v[m] * weight[c];
+          // The bubble rows have no normal trace.
+          for (int b = 4 * P; b < S; ++b) a.Ct(b, column) = 0;
+        }
+      }
+    }
+    return a;
+  }
+
+  // In place: lower Cholesky factor, with the inverse of its diagonal on the diagonal.
+  template <int N>
+  static void cholesky(Rowwise<N, N>& a) {
+    for (int j = 0; j < N; ++j) {
+      double pivot = a(j, j);
+      for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
+      const double inverse = 1 / std::sqrt(pivot);
+      a(j, j) = inverse;
+      for (int i = j + 1; i < N; ++i) {
+        double sum = a(i, j);
+        for (int k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
+        a(i, j) = sum * inverse;
+      }
+    }
+  }
+  template <int N, int Columns>
+  static void forward(const Rowwise<N, N>& l, Rowwise<N, Columns>& x) {
+    for (int i = 0; i < N; ++i) {
+      for (int k = 0; k < i; ++k) x.row(i) -= l(i, k) * x.row(k);
+      x.row(i) *= l(i, i);
+    }
+  }
+  template <int N>
+  static void backward(const Rowwise<N, N>& l, Rowwise<N, 1>& x) {
+    for (int i = N - 1; i >= 0; --i) {
+      x[i] *= l(i, i);
+      for (int k = 0; k < i; ++k) x[k] -= l(i, k) * x[i];
+    }
+  }
+
+  // Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant pressure,
+  // so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
+  //   L L' = M + gamma B'B,  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
+  struct Eliminated {
+    Rowwise<S, S> L;
+    Rowwise<B, B> LB;
+    Rowwise<S, B> YB;
+    Rowwise<S, X> YC;
+    Rowwise<B, X> Z;
+    Rowwise<B, 1> given;  // LB^-1 of the right-hand side of the constraints
+    double gamma;
+  };
+  static Eliminated eliminate(const System& a, const Material& material) {
+    Eliminated e;
+    e.gamma = 1 / (2 * material.mu);
+    e.L = a.M;
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) {
+        const double factor = e.gamma * a.Bt(i, b);
+        if (factor != 0)
+          for (int j = 0; j <= i; ++j) e.L(i, j) += factor * a.Bt(j, b);
+      }
+    cholesky<S>(e.L);
+    e.YB = a.Bt;
+    e.YC = a.Ct;
+    forward<S, B>(e.L, e.YB);
+    forward<S, X>(e.L, e.YC);
+    e.LB.setZero();
+    e.Z.setZero();
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) {
+        e.LB.row(b) += e.YB(i, b) * e.YB.row(i);
+        e.Z.row(b) += e.YB(i, b) * e.YC.row(i);
+      }
+    cholesky<B>(e.LB);
+    forward<B, X>(e.LB, e.Z);
+    e.given = a.given;
+    forward<B, 1>(e.LB, e.given);
+    return e;
+  }
+
+  static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
+    const Scaled s = scale(t);
+    const Eliminated e = eliminate(assemble(k, t, s, material, force), material);
+    Rowwise<X, X> K = Rowwise<X, X>::Zero();
+    for (int i = 0; i < S; ++i)
+      for (int x = 0; x < X; ++x) K.row(x) += e.YC(i, x) * e.YC.row(i);
+    for (int b = 0; b < B; ++b)
+      for (int x = 0; x < X; ++x) K.row(x) -= e.Z(b, x) * e.Z.row(b);
+    Condensed result{K, SkeletonVector::Zero(X)};
+    // s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
+    if (force.size() > 0) result.F = -s.h * (e.Z.transpose() * e.given);
+    return result;
+  }
+
+  static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                                  const SkeletonVector& m) {
+    const Scaled s = scale(t);
+    const System a = assemble(k, t, s, material, force);
+    const Eliminated e = eliminate(a, material);
+    const Eigen::Matrix<double, X, 1> scaled = m / s.h;
+    // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
+    Rowwise<B, 1> p = e.given - e.Z * scaled;
+    backward<B>(e.LB, p);
+    Rowwise<S, 1> stress = e.YC * scaled + e.YB * p;
+    backward<S>(e.L, stress);
+    Eigen::VectorXd all(S + B);
+    all.head(S) = stress;
+    for (int b = 0; b < B; ++b) all[S + b] = (b < U ? s.h : 1) * (e.gamma * a.given[b] - p[b]);
+    return all;
+  }
+
+  static Eigen::Vector4d stress_at(const Scaled& s, const Eigen::Ref<const Eigen::VectorXd>& c, const Vec2& xi) {
+    const auto v = monomials_at(xi);
+    Eigen::Vector4d value = Eigen::Vector4d::Zero();
+    for (int m = 0; m < P; ++m) value += v[m] * c.template segment<4>(4 * m);
+    if constexpr (Bubbles > 0) {
+      const double l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi);
+      const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
+      value.head<2>() += c[4 * P] * curl;
+      value.tail<2>() += c[4 * P + 1] * curl;
+    }
+    return value;
+  }
+
+  static Fields evaluate(const Triangle& t, const Eigen::Ref<const Eigen::VectorXd>& c, const Points& x) {
+    const Scaled s = scale(t);
+    Fields f{Eigen::Matrix4Xd(4, x.cols()), Points::Zero(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      const Vec2 xi = (x.col(i) - s.center) / s.h;
+      const auto v = monomials_at(xi);
+      f.stress.col(i) = stress_at(s, c, xi);
+      for (int b = 0; b < U / 2; ++b) f.displacement.col(i) += v[b] * c.template segment<2>(S + 2 * b);
+      for (int r = 0; r < R; ++r) f.rotation[i] += v[r] * c[S + U + r];
+    }
+    return f;
+  }
+};
+
+// One instance per row of the element table.
+template <typename Visitor>
+auto visit(const Element&, Visitor&& visitor) {
+  return visitor(Sized<1, 2, 0, 1, 1>{});
+}
+
+}  // namespace
+
+double area(const Triangle& t) {
+  return 0.5 * cross(t.x[1] - t.x[0], t.x[2] - t.x[0]);
+}
+
+Vec2 centroid(const Triangle& t) {
+  return (t.x[0] + t.x[1] + t.x[2]) / 3;
+}
+
+Kernel kernel(const Element& e) {
+  const int stress_degree = std::max(e.stress, e.bubbles ? 2 : 0);
+  return {e, triangle_rule(2 * stress_degree), triangle_rule(8), gauss(points_per_edge(e))};
+}
+
+Points rule_points(const TriangleRule& rule, const Triangle& t) {
+  Points x(2, rule.w.size());
+  for (Eigen::Index q = 0; q < x.cols(); ++q)
+    x.col(q) = (1 - rule.x(0, q) - rule.x(1, q)) * t.x[0] + rule.x(0, q) * t.x[1] + rule.x(1, q) * t.x[2];
+  return x;
+}
+
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force) {
+  const Points x = rule_points(k.load, t);
+  const Eigen::MatrixXd v = monomials(k.element.displacement, (x.colwise() - centroid(t)) / std::sqrt(2 * area(t)));
+  ForceMoments moments = ForceMoments::Zero(displacement_count(k.element));
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const Vec2 at = x.col(q), value = force(at);
+    if (!value.allFinite())
+      throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", at.x(), at.y()));
+    for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += k.load.w[q] * v(b, q) * value;
+  }
+  return moments;
+}
+
+Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
+  const Vec2& from = t.x[(edge + 1) % 3];
+  const Vec2& to = t.x[(edge + 2) % 3];
+  const double along = t.forward[edge] ? k.trace.s[point] : 1 - k.trace.s[point];
+  return from + along * (to - from);
+}
+
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
+  return visit(k.element, [&](auto sized) { return sized.condense(k, t, material, force); });
+}
+
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m) {
+  return visit(k.element, [&](auto sized) { return sized.interior(k, t, material, force, m); });
+}
+
+Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x) {
+  return visit(k.element, [&](auto sized) { return sized.evaluate(t, interior, x); });
+}
+
+Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior,
+                          const Vec2& x) {
+  return visit(k.element, [&](auto sized) {
+    const Scaled s = scale(t);
+    return sized.stress_at(s, interior, (x - s.center) / s.h);
+  });
+}
+
+}  // namespace kerf

@@ -1,0 +1,69 @@
+#pragma once
+// One triangle: the dense stationary system of the element, its condensation onto the edges, and the way back. The only
+// place where unknowns are eliminated.
+
+#include "solver/element.hpp"
+#include "solver/quadrature.hpp"
+#include "solver/scene.hpp"
+
+#include <array>
+
+namespace kerf {
+
+struct Triangle {
+  std::array<Vec2, 3> x;      // counter-clockwise; edge i is opposite vertex i
+  std::array<Mat2, 3> frame;  // per edge: columns are the directions of its two components
+  std::array<bool, 3> forward;  // the edge's own direction (smaller to larger vertex) is counter-clockwise here
+};
+
+/// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame.
+inline constexpr int max_skeleton = 24;
+using SkeletonMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
+using SkeletonVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_skeleton, 1>;
+
+/// What the local problems of one element share: quadrature and trace points. Made once per model.
+struct Kernel {
+  Element element;
+  TriangleRule rule;  // exact for products of two stresses
+  TriangleRule load;  // for data: exact to degree 8
+  EdgeRule trace;     // the Gauss points that carry the multipliers
+};
+Kernel kernel(const Element& e);
+
+/// Means over T of f v for v in P_displacement(T)^2 (monomials scaled to the triangle): all that the element sees of f.
+using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 12, 1>;
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
+
+/// Stationary point over (s, u, r) for given edge displacements m of
+///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
+/// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
+/// `force` holds the moments of f (see force_moments), or is empty when there is none.
+struct Condensed {
+  SkeletonMatrix K;  // symmetric, positive semidefinite: the rigid motions are its kernel
+  SkeletonVector F;
+};
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force);
+
+/// Coefficients (s, u, r) from the edge displacements; the same elimination, backwards.
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m);
+
+/// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
+struct Fields {
+  Eigen::Matrix4Xd stress;    // rows s11, s12, s21, s22: symmetric only weakly
+  Points displacement;        // the element's own (piecewise constant for bdms); recover.hpp has a better one
+  Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
+};
+Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
+
+/// Stress alone at one point: what maps ask for, without allocation.
+Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior,
+                          const Vec2& x);
+
+double area(const Triangle& t);
+Vec2 centroid(const Triangle& t);
+Points rule_points(const TriangleRule& rule, const Triangle& t);
+/// The k-th Gauss point of edge i.
+Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point);
+
+}  // namespace kerf

@@ -1,0 +1,254 @@
+#include "solver/model.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <Eigen/Cholesky>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// Supports must hold every piece that the cracks leave, but loads in equilibrium hold a whole body by themselves.
+std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
+                                        std::vector<std::string>& notes) {
+  std::vector<bool> cut(mesh.edges.size(), false);
+  for (std::size_t e = 0; e < cut.size(); ++e)
+    cut[e] = mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+  const std::vector<Index> piece = pieces(mesh, cut);
+  const Index count = piece.empty() ? 0 : 1 + *std::max_element(piece.begin(), piece.end());
+  if (count > 1) {
+    for (Index p = 0; p < count; ++p) {
+      const auto motions = free_motions(mesh, k, s, piece, p);
+      if (motions.empty()) continue;
+      const Index inside = static_cast<Index>(std::find(piece.begin(), piece.end(), p) - piece.begin());
+      const Vec2 x = centroid(mesh, inside);
+      throw Error(Fault::Numerics,
+                  fmt::format("cracks cut the body into {} pieces, and the supports do not hold the piece around ({:.4g}, "
+                              "{:.4g}): it is free to make {}; support each piece on its own (contact alone does not "
+                              "count), or end the crack inside the body",
+                              count, x.x(), x.y(), describe(motions.front())));
+    }
+    return {};
+  }
+  const auto motions = free_motions(mesh, k, s, piece, 0);
+  std::string free;
+  for (const RigidMotion& m : motions) {
+    constexpr double balanced = 1e-6;  // boundary data are integrated numerically
+    const double work = relative_work(mesh, k, s, scene, m);
+    if (work > balanced)
+      throw Error(Fault::Numerics,
+                  fmt::format("the supports leave the body free to make {}, and the loads do not balance on it (net "
+                              "work {:.3g} of the loads' absolute work); add a [[boundary]] with a displacement that "
+                              "stops it, or loads in equilibrium",
+                              describe(m), work));
+    free += (free.empty() ? "" : ", ") + describe(m);
+  }
+  if (!motions.empty())
+    notes.push_back("the supports leave " + free +
+                    " free; the loads are in equilibrium, and the rigid motion is fixed by zero mean displacement and "
+                    "rotation");
+  return motions;
+}
+
+// Takes out of a solution that pins hold the rigid motion with the closest displacement in the mean.
+void remove_motion(const Model& m, State& s) {
+  const Index n = static_cast<Index>(m.floating.size());
+  const int first = stress_count(m.kernel.element);
+  const int rotation = first + displacement_count(m.kernel.element);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(m, t);
+    const Vec2 x = centroid(shape), u = s.interior.col(t).segment<2>(first);
+    for (Index i = 0; i < n; ++i) {
+      moment[i] += area(shape) * u.dot(m.floating[i].at(x));
+      for (Index j = 0; j < n; ++j) gram(i, j) += area(shape) * m.floating[i].at(x).dot(m.floating[j].at(x));
+    }
+  }
+  const Eigen::VectorXd share = gram.llt().solve(moment);
+  for (Index i = 0; i < n; ++i) {
+    s.skeleton.head(m.skeleton.base) -= share[i] * trace(m.mesh, m.kernel, m.skeleton, m.floating[i]);
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+      s.interior.col(t).segment<2>(first) -= share[i] * m.floating[i].at(centroid(triangle(m, t)));
+      s.interior(rotation, t) += share[i] * m.floating[i].rotation;  // omega = (d2 u1 - d1 u2)/2
+    }
+  }
+}
+
+struct Solved {
+  Eigen::VectorXd x, force;  // per row; force on closed bounded rows
+  std::vector<bool> closed;  // per bounded row
+};
+
+// |K x - F| with what the closed contacts carry taken as their force.
+Certificate certify(const Model& m, Solved& s) {
+  const Index leading = m.ordering.size - m.ordering.trailing;
+  Eigen::VectorXd rest = m.system.K.selfadjointView<Eigen::Lower>() * s.x - m.system.F;
+  s.force = Eigen::VectorXd::Zero(m.ordering.size);
+  double negative = 0, complementarity = 0;
+  const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+  const double largest_jump = m.ordering.trailing > 0 ? s.x.tail(m.ordering.trailing).cwiseAbs().maxCoeff() : 0;
+  const double displacement = std::max(s.x.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+  for (Index i = 0; i < m.ordering.trailing; ++i) {
+    const Index row = leading + i;
+    if (s.closed[i]) {
+      s.force[row] = rest[row];
+      rest[row] = 0;
+      negative = std::max(negative, -s.force[row] / load);
+    } else {
+      negative = std::max(negative, -s.x[row] / displacement);
+    }
+    if (largest_jump > 0)
+      complementarity = std::max(complementarity, std::abs(s.force[row] * s.x[row]) / (load * largest_jump));
+  }
+  Certificate c;
+  c.residual = rest.cwiseAbs().maxCoeff() / load;
+  c.kkt = std::max({c.residual, negative, complementarity});
+  return c;
+}
+
+// Newton correction for the residual with the contact set frozen.
+void refine(const Model& m, Solved& s) {
+  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
+  const Eigen::VectorXd rest = m.system.F + s.force - m.system.K.selfadjointView<Eigen::Lower>() * s.x;
+  Eigen::VectorXd y = m.factor.forward(rest);
+  if (trailing > 0) {
+    const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
+    const Eigen::VectorXd jump = open_jumps(m.factor.schur_complement(), lower * y.tail(trailing), s.closed);
+    y.tail(trailing) = lower.transpose() * jump;
+  }
+  s.x += m.factor.backward(y);
+  for (Index i = 0; i < trailing; ++i)
+    if (s.closed[i]) s.x[leading + i] = 0;
+}
+
+}  // namespace
+
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
+  if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
+  Stopwatch watch;
+  const Kernel k = kernel(e);
+  Skeleton skeleton = number(mesh, k, scene);
+  std::vector<std::string> notes;
+  std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
+  if (!floating.empty())
+    for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
+  Ordering ordering = order(mesh, skeleton);
+  ModelSeconds seconds;
+  const double numbering = watch.lap();
+  System system = assemble(mesh, k, skeleton, scene, ordering, threads);
+  seconds.assemble = watch.lap() + numbering;
+  Factor factor(system.K, ordering.trailing);
+  seconds.factor = watch.lap();
+  return {std::move(mesh),   k,       std::move(scene),    std::move(skeleton), std::move(ordering), std::move(system),
+          std::move(factor), std::move(floating), std::move(notes), threads,    seconds};
+}
+
+State solve(const Model& m) {
+  Stopwatch watch;
+  State state;
+  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
+  state.skeleton = Eigen::Map<const Eigen::VectorXd>(m.skeleton.prescribed.data(), m.skeleton.total);
+  state.force = Eigen::VectorXd::Zero(m.skeleton.total);
+  if (m.ordering.size > 0) {
+    Eigen::VectorXd y = m.factor.forward(m.system.F);
+    Solved solved;
+    state.seconds.solve += watch.lap();
+    if (trailing > 0) {
+      const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
+      const Contact contact = solve_unilateral(m.factor.schur_complement(), lower * y.tail(trailing));
+      y.tail(trailing) = lower.transpose() * contact.jump;
+      solved.closed = contact.closed;
+      state.contact_iterations = contact.iterations;
+      state.converged = contact.converged;
+      state.seconds.contact = watch.lap();
+    }
+    solved.x = m.factor.backward(y);
+    for (Index i = 0; i < trailing; ++i)
+      if (solved.closed[i]) solved.x[leading + i] = 0;
+    state.linear_solves = 1;
+    state.certificate = certify(m, solved);
+    constexpr double good_enough = 1e-12;
+    for (int sweep = 0; sweep < 3 && state.certificate.residual > good_enough; ++sweep) {
+      Solved better = solved;
+      refine(m, better);
+      ++state.linear_solves;
+      const Certificate next = certify(m, better);
+      if (!(next.kkt < state.certificate.kkt)) break;
+      solved = std::move(better);
+      state.certificate = next;
+    }
+    for (Index u = 0; u < m.skeleton.total; ++u)
+      if (m.ordering.row[u] != none) {
+        state.skeleton[u] = solved.x[m.ordering.row[u]];
+        state.force[u] = solved.force[m.ordering.row[u]];
+      }
+  }
+
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  state.interior.resize(interior_count(m.kernel.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Triangle shape = triangle(m, t);
+      const Seen view = seen(m.mesh, m.skeleton, t);
+      SkeletonVector trace(view.count);
+      for (int i = 0; i < view.count; ++i)
+        trace[i] = state.skeleton[view.base[i]] + (view.jump[i] == none ? 0 : state.skeleton[view.jump[i]]);
+      state.interior.col(t) = interior(m.kernel, shape, m.scene.material, force_of(m.system, t), trace);
+    }
+  });
+  if (!m.floating.empty()) remove_motion(m, state);
+  state.seconds.solve += watch.lap();
+  return state;
+}
+
+Triangle triangle(const Model& model, Index t) {
+  return triangle(model.mesh, model.skeleton, t);
+}
+
+Fields evaluate(const Model& model, const State& state, Index t, const Points& x) {
+  return evaluate(model.kernel, triangle(model, t), state.interior.col(t), x);
+}
+
+double strain_energy(const Model& m, const State& s) {
+  double energy = 0;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(m, t);
+    const Points x = rule_points(m.kernel.rule, shape);
+    double sum = 0;
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      const Eigen::Vector4d v = stress_at(m.kernel, shape, s.interior.col(t), x.col(q));
+      const double difference = v[0] - v[3], trace = v[0] + v[3];
+      sum += m.kernel.rule.w[q] *
+             ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * m.scene.material.mu) +
+              m.scene.material.c * trace * trace);
+    }
+    energy += 0.5 * area(shape) * sum;
+  }
+  return energy;
+}
+
+double work_of_loads(const Model& m, const State& s) {
+  double work = traction_loads(m.mesh, m.kernel, m.skeleton, m.scene).dot(s.skeleton);
+  const int first = stress_count(m.kernel.element), count = displacement_count(m.kernel.element);
+  for (Index t = 0; t < static_cast<Index>(m.system.force.cols()); ++t)
+    work += area(m.mesh, t) * m.system.force.col(t).dot(s.interior.col(t).segment(first, count));
+  return work;
+}
+
+double potential_energy(const Model& m, const State& s) {
+  return strain_energy(m, s) - work_of_loads(m, s);
+}
+
+double area(const Model& m) {
+  double sum = 0;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) sum += area(m.mesh, t);
+  return sum;
+}
+
+}  // namespace kerf

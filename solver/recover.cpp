@@ -1,0 +1,148 @@
+#include "solver/recover.hpp"
+
+#include "solver/parallel.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int gradients = 5;  // monomials of degree 1 and 2
+
+Eigen::Matrix<double, 2, gradients> monomial_gradients(const Vec2& xi) {
+  Eigen::Matrix<double, 2, gradients> g;
+  g << 1, 0, 2 * xi.x(), xi.y(), 0,  //
+      0, 1, 0, xi.x(), 2 * xi.y();
+  return g;
+}
+
+Eigen::Matrix<double, gradients, 1> monomial_values(const Vec2& xi) {
+  return {xi.x(), xi.y(), xi.x() * xi.x(), xi.x() * xi.y(), xi.y() * xi.y()};
+}
+
+}  // namespace
+
+Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& s, double rotation) {
+  const double trace = s[0] + s[3], pressure = m.c * trace;
+  const double difference = 0.5 * (s[0] - s[3]) / (2 * m.mu);
+  return {difference + pressure, s[1] / (2 * m.mu) + rotation, s[2] / (2 * m.mu) - rotation, -difference + pressure};
+}
+
+Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x) {
+  const Triangle shape = triangle(model, t);
+  const Vec2 center = centroid(shape);
+  const double h = std::sqrt(2 * area(shape));
+  const Points q = rule_points(model.kernel.rule, shape);
+  const Fields f = evaluate(model.kernel, shape, state.interior.col(t), q);
+  Eigen::Matrix<double, gradients, gradients> stiffness = Eigen::Matrix<double, gradients, gradients>::Zero();
+  Eigen::Matrix<double, gradients, 2> load = Eigen::Matrix<double, gradients, 2>::Zero();
+  Eigen::Matrix<double, gradients, 1> mean = Eigen::Matrix<double, gradients, 1>::Zero();
+  Vec2 mean_displacement = Vec2::Zero();
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    const double w = model.kernel.rule.w[i];
+    const Vec2 xi = (q.col(i) - center) / h;
+    const auto g = monomial_gradients(xi);
+    const Eigen::Vector4d d = displacement_gradient(model.scene.material, f.stress.col(i), f.rotation[i]);
+    stiffness += w * g.transpose() * g;
+    load.col(0) += w * g.transpose() * d.head<2>();
+    load.col(1) += w * g.transpose() * d.tail<2>();
+    mean += w * monomial_values(xi);
+    mean_displacement += w * f.displacement.col(i);
+  }
+  // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
+  const Eigen::Matrix<double, gradients, 2> c = h * stiffness.llt().solve(load);
+  Points u(2, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    u.col(i) = mean_displacement + c.transpose() * (monomial_values((x.col(i) - center) / h) - mean);
+  return u;
+}
+
+CornerValues corner_values(const Model& model, const State& state, const Corners& corners) {
+  const Index triangles = static_cast<Index>(model.mesh.triangles.size());
+  const Eigen::Index n = static_cast<Eigen::Index>(corners.vertex.size());
+  // Values in every triangle in parallel, then sums in the order of the triangles.
+  Eigen::Matrix<double, 7, Eigen::Dynamic> local(7, Eigen::Index{3} * triangles);
+  parallel_for(triangles, model.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Triangle shape = triangle(model, t);
+      Points x(2, 3);
+      x << shape.x[0], shape.x[1], shape.x[2];
+      const Fields f = evaluate(model.kernel, shape, state.interior.col(t), x);
+      auto block = local.middleCols<3>(Eigen::Index{3} * t);
+      block.topRows<2>() = recovered_displacement(model, state, t, x);
+      block.middleRows<4>(2) = f.stress;
+      block.row(6) = f.rotation;
+    }
+  });
+  Eigen::Matrix<double, 7, Eigen::Dynamic> sum = Eigen::Matrix<double, 7, Eigen::Dynamic>::Zero(7, n);
+  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Zero(n);
+  for (Index t = 0; t < triangles; ++t) {
+    const double w = area(model.mesh, t);
+    for (int i = 0; i < 3; ++i) {
+      sum.col(corners.of[t][i]) += w * local.col(Eigen::Index{3} * t + i);
+      weight[corners.of[t][i]] += w;
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) sum.col(i) /= weight[i];
+  return {sum.topRows<2>(), sum.middleRows<4>(2), sum.row(6)};
+}
+
+double mean_stress(const Model& model, const State& state) {
+  double square = 0;
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(model, t);
+    square += area(shape) * stress_at(model.kernel, shape, state.interior.col(t), centroid(shape)).squaredNorm();
+  }
+  return std::sqrt(square / area(model));
+}
+
+std::vector<CrackPoint> crack_profile(const Model& model, const State& state, Index crack) {
+  const Skeleton& s = model.skeleton;
+  const bool unilateral = model.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
+  const bool bonded = model.scene.laws[crack].kind == CrackLaw::Kind::Bonded;
+  const int points = points_per_edge(model.kernel.element);
+  double total = 0, done = 0;
+  for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
+  // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
+  constexpr double rounding = 1e-8;
+  const double no_pressure = rounding * mean_stress(model, state);
+  const double no_gap = no_pressure * total / plane_modulus(model.scene.material);
+
+  std::vector<CrackPoint> profile;
+  for (const CrackEdge& c : model.mesh.cracks[crack]) {
+    const double l = length(model.mesh, c.edge);
+    const Triangle left = triangle(model, model.mesh.sides[c.edge][0]);
+    const Vec2& a = model.mesh.points[model.mesh.edges[c.edge][0]];
+    const Vec2& b = model.mesh.points[model.mesh.edges[c.edge][1]];
+    for (int k = 0; k < points; ++k) {
+      const int g = c.forward ? k : points - 1 - k;
+      const double along = model.kernel.trace.s[g], share = l * model.kernel.trace.w[g];
+      CrackPoint p{};
+      p.s = done + l * (c.forward ? along : 1 - along);
+      p.at = a + along * (b - a);
+      p.length = share;
+      const Index unknown = s.jump[c.edge] + 2 * g;
+      p.jump_n = state.skeleton[unknown];
+      p.jump_t = -state.skeleton[unknown + 1];
+      if (unilateral) p.sigma_n = -state.force[unknown] / share;
+      if (bonded) {
+        const Eigen::Vector4d v = stress_at(model.kernel, left, state.interior.col(model.mesh.sides[c.edge][0]), p.at);
+        const Vec2 n = s.frame[c.edge].col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
+        p.sigma_n = traction.dot(n);
+        p.sigma_t = -traction.dot(s.frame[c.edge].col(1));
+      }
+      const bool gap = p.jump_n > no_gap, pressure = -p.sigma_n > no_pressure;
+      p.status = bonded || pressure ? CrackPoint::Status::Closed
+                 : gap || !unilateral ? CrackPoint::Status::Open
+                                      : CrackPoint::Status::Biactive;
+      profile.push_back(p);
+    }
+    done += l;
+  }
+  return profile;
+}
+
+}  // namespace kerf

@@ -1,0 +1,112 @@
+#include "solver/rigid.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+Vec2 edge_point(const Mesh& mesh, const Kernel& k, Index e, int g) {
+  const Vec2& a = mesh.points[mesh.edges[e][0]];
+  return a + k.trace.s[g] * (mesh.points[mesh.edges[e][1]] - a);
+}
+
+}  // namespace
+
+std::string describe(const RigidMotion& m) {
+  // Tidy the numbers of the eigenvectors: -0 and 1e-17 do not help anybody.
+  const auto tidy = [](double v) { return std::abs(v) < 1e-9 ? 0.0 : v; };
+  if (std::abs(m.rotation) < 1e-9 * m.translation.norm()) {
+    const Vec2 d = m.translation.normalized();
+    return fmt::format("a translation along ({:.4g}, {:.4g})", tidy(d.x()), tidy(d.y()));
+  }
+  const Vec2 c = m.center + Vec2(-m.translation.y(), m.translation.x()) / m.rotation;
+  return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x()), tidy(c.y()));
+}
+
+std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
+                                      const std::vector<Index>& piece, Index which) {
+  Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (piece[t] == which)
+      for (const Index v : mesh.triangles[t]) {
+        low = low.cwiseMin(mesh.points[v]);
+        high = high.cwiseMax(mesh.points[v]);
+      }
+  const Vec2 center = 0.5 * (low + high);
+  const double radius = 0.5 * (high - low).norm();
+  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+    if (mesh.label[e] == none || piece[t] != which) continue;
+    for (int u = 0; u < s.per_edge; ++u) {
+      if (!s.fixed[e * s.per_edge + u]) continue;
+      const Vec2 direction = s.frame[e].col(u % 2), x = (edge_point(mesh, k, e, u / 2) - center) / radius;
+      const Eigen::Vector3d row(direction.x(), direction.y(), cross(x, direction));
+      gram += row * row.transpose();
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(gram);
+  const double largest = spectrum.eigenvalues()[2];
+  std::vector<RigidMotion> motions;
+  if (largest == 0) {
+    motions.push_back({center, Vec2(1, 0), 0});
+    motions.push_back({center, Vec2(0, 1), 0});
+    motions.push_back({center, Vec2(0, 0), 1 / radius});
+    return motions;
+  }
+  for (int i = 0; i < 3; ++i)
+    if (spectrum.eigenvalues()[i] < 1e-12 * largest) {
+      const Eigen::Vector3d v = spectrum.eigenvectors().col(i);
+      motions.push_back({center, v.head<2>(), v[2] / radius});
+    }
+  return motions;
+}
+
+Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion) {
+  Eigen::VectorXd value(s.base);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    for (int g = 0; g < s.per_edge / 2; ++g)
+      value.segment<2>(e * s.per_edge + 2 * g) = s.frame[e].transpose() * motion.at(edge_point(mesh, k, e, g));
+  return value;
+}
+
+double relative_work(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
+                     const RigidMotion& motion) {
+  const Eigen::ArrayXd terms = traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
+  double work = terms.sum(), size = terms.abs().sum();
+  if (scene.body)
+    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+      const Triangle shape = triangle(mesh, s, t);
+      const Points x = rule_points(k.load, shape);
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const double term = area(shape) * k.load.w[q] * scene.body(x.col(q)).dot(motion.at(x.col(q)));
+        work += term;
+        size += std::abs(term);
+      }
+    }
+  return size > 0 ? std::abs(work) / size : 0;
+}
+
+std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions) {
+  const Index n = static_cast<Index>(motions.size());
+  Eigen::MatrixXd rows(s.base, n);
+  for (Index i = 0; i < n; ++i) rows.col(i) = trace(mesh, k, s, motions[i]);
+  for (Index u = 0; u < s.base; ++u)
+    if (s.fixed[u] || mesh.label[u / s.per_edge] == none) rows.row(u).setZero();
+  std::vector<Index> chosen;
+  for (Index i = 0; i < n; ++i) {
+    // The row farthest from the span of those chosen before; the first among equals.
+    Eigen::Index best = 0;
+    rows.rowwise().squaredNorm().maxCoeff(&best);
+    chosen.push_back(static_cast<Index>(best));
+    const Eigen::RowVectorXd direction = rows.row(best).normalized();
+    rows -= (rows * direction.transpose()) * direction;
+  }
+  return chosen;
+}
+
+}  // namespace kerf

@@ -1,0 +1,66 @@
+#pragma once
+// What the body is made of and what acts on it: material, supports, loads, crack laws.
+
+#include "geometry/types.hpp"
+
+#include <vector>
+
+namespace kerf {
+
+/// Plane isotropic elasticity in two numbers: strain = A s = dev(s)/(2 mu) + c tr(s) I, traces in 2D.
+/// c = 0 is the incompressible limit of plane strain.
+struct Material {
+  double mu = 1;
+  double c = 0;
+};
+
+constexpr Material plane_strain(double young, double poisson) {
+  const double mu = young / (2 * (1 + poisson));
+  return {mu, (1 - 2 * poisson) / (4 * mu)};
+}
+constexpr Material plane_stress(double young, double poisson) {
+  const double mu = young / (2 * (1 + poisson));
+  return {mu, (1 - poisson) / (4 * mu * (1 + poisson))};
+}
+
+/// 1/E' = (kappa + 1)/(8 mu): E' = E in plane stress, E/(1 - nu^2) in plane strain.
+constexpr double plane_modulus(const Material& m) {
+  return 1 / (1 / (4 * m.mu) + m.c);
+}
+
+inline Mat2 strain(const Material& m, const Mat2& s) {
+  const double t = s.trace();
+  return (s - 0.5 * t * Mat2::Identity()) / (2 * m.mu) + m.c * t * Mat2::Identity();
+}
+
+/// Data on the boundary as a function of the point and the outward unit normal.
+using BoundaryField = std::function<Vec2(const Vec2& x, const Vec2& n)>;
+using VectorField = std::function<Vec2(const Vec2& x)>;
+
+/// Prescribed displacement on a label. The components are x, y, or normal, tangential when `normal_frame` is set; only
+/// the components with first/second set are prescribed, the others stay free (rollers).
+struct Support {
+  Index label = none;
+  bool normal_frame = false;
+  bool first = true, second = true;
+  BoundaryField value;  // in those components
+};
+
+struct Traction {
+  Index label = none;
+  BoundaryField value;  // x, y components of sigma n
+};
+
+struct CrackLaw {
+  enum class Kind { Unilateral, Open, Bonded } kind = Kind::Unilateral;
+};
+
+struct Scene {
+  Material material;
+  VectorField body;  // force per area; empty: none
+  std::vector<Support> supports;
+  std::vector<Traction> tractions;
+  std::vector<CrackLaw> laws;  // per crack
+};
+
+}  // namespace kerf
