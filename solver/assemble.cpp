@@ -121,6 +121,12 @@ ForceMoments force_of(const System& a, Index t) {
 System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const Ordering& o,
                 int threads) {
   System a;
+  // Below this compliance plain condensation loses more than two digits: nu > 0.498 in plane strain.
+  const double small = 1e-3 / scene.material.mu;
+  if (scene.material.c < small) {
+    a.penalty = small;
+    a.traces.resize(3 * s.per_edge + 2, static_cast<Eigen::Index>(mesh.triangles.size()));
+  }
   const Index nodes = static_cast<Index>(o.first.size()) - 1;
 
   // Columns of one node have the rows of the node from the diagonal down, then those of the adjacent nodes.
@@ -177,7 +183,8 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
     for (Index t = begin; t < end; ++t) {
       const Triangle shape = triangle(mesh, s, t);
       if (scene.body) a.force.col(t) = force_moments(k, shape, scene.body);
-      Condensed c = condense(k, shape, scene.material, force_of(a, t));
+      Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
+      if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
       const Seen view = seen(mesh, s, t);
       int used = 0;
       for (int i = 0; i < view.count; ++i) {

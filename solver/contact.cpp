@@ -59,11 +59,12 @@ void lawson_hanson(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, Contact& 
 
 }  // namespace
 
-Contact solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r) {
+Contact solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, std::vector<bool> closed) {
   constexpr int patience = 30;
   const Eigen::Index n = r.size();
   Contact c;
-  c.closed.assign(n, false);
+  c.closed = std::move(closed);
+  c.closed.resize(n, false);
   if (n == 0) return c;
   const double stiffness = S.diagonal().maxCoeff();
   bool settled = false;

@@ -4,6 +4,7 @@
 #include "solver/polynomial.hpp"
 #include "solver/recover.hpp"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <cmath>

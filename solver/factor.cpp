@@ -47,6 +47,7 @@ struct Session {  // a CHOLMOD workspace with its lifetime
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours) {
   const Index n = static_cast<Index>(start.size()) - 1;
   std::vector<Index> order(n);
+  if (n == 0) return order;
   Session session;
   // An unsymmetric pattern stands for A A' in CHOLMOD; stype 1 with both triangles stored reads the upper one.
   std::vector<Index> upper_start(n + 1, 0), upper;
@@ -67,7 +68,6 @@ struct Factor::Impl {
   mutable Session session;
   cholmod_factor* factor = nullptr;
   Index size = 0, trailing = 0;
-  bool permuted = false;
   double entries = 0, flops = 0;
   Eigen::MatrixXd trailing_factor;
 
@@ -133,8 +133,7 @@ Factor::Factor(const SparseMatrix& lower, Index trailing) : impl_(std::make_uniq
     throw Error(Fault::Numerics, fmt::format("the condensed matrix is not positive definite at column {} of {}",
                                              impl_->factor->minor, impl_->size));
   if (!done || c.status != CHOLMOD_OK) out_of_memory();
-  impl_->permuted = impl_->factor->ordering != CHOLMOD_NATURAL;
-  if (impl_->permuted) throw std::logic_error("CHOLMOD did not keep the given order");
+  if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
   impl_->read_trailing();
 }
 

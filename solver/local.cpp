@@ -90,6 +90,7 @@ struct Sized {
     Rowwise<S, B> Bt;     // transposed constraints: divergence, then asymmetry
     Rowwise<S, X> Ct;     // transposed moments of s n
     Rowwise<B, 1> given;  // right-hand side of the constraints
+    Rowwise<S, 1> trace;  // int tr s
   };
 
   static System assemble(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
@@ -97,6 +98,7 @@ struct Sized {
     System a;
     a.M.setZero();
     a.Bt.setZero();
+    a.trace.setZero();
     a.given.setZero();
     if (force.size() > 0) a.given.template head<U>() = -0.5 * s.h * force;  // the triangle's area in xi is 1/2
     // A s : t = dev s : dev t / (2 mu) + c tr s tr t, split into four squares.
@@ -116,6 +118,7 @@ struct Sized {
           const double factor = w * root(c, i);
           for (int j = 0; j < S; ++j) a.M(i, j) += factor * root(c, j);
         }
+      for (int i = 0; i < S; ++i) a.trace[i] += w * (value(0, i) + value(3, i));
       for (int r = 0; r < R; ++r)
         for (int i = 0; i < S; ++i) a.Bt(i, U + r) += w * v[r] * (value(1, i) - value(2, i));
       // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
@@ -191,12 +194,15 @@ struct Sized {
     Rowwise<S, X> YC;
     Rowwise<B, X> Z;
     Rowwise<B, 1> given;  // LB^-1 of the right-hand side of the constraints
+    Rowwise<S, 1> YT;  // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
+    Rowwise<B, 1> ZT;
     double gamma;
   };
-  static Eliminated eliminate(const System& a, const Material& material) {
+  static Eliminated eliminate(const System& a, const Material& material, const Penalty& penalty) {
     Eliminated e;
     e.gamma = 1 / (2 * material.mu);
     e.L = a.M;
+    if (penalty.a > 0) e.L += 2 * penalty.a * a.trace * a.trace.transpose();  // the area in xi is 1/2
     for (int i = 0; i < S; ++i)
       for (int b = 0; b < B; ++b) {
         const double factor = e.gamma * a.Bt(i, b);
@@ -219,33 +225,47 @@ struct Sized {
     forward<B, X>(e.LB, e.Z);
     e.given = a.given;
     forward<B, 1>(e.LB, e.given);
+    if (penalty.a > 0) {
+      e.YT = a.trace;
+      forward<S, 1>(e.L, e.YT);
+      e.ZT = e.YB.transpose() * e.YT;
+      forward<B, 1>(e.LB, e.ZT);
+    }
     return e;
   }
 
-  static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
+  static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                            const Penalty& penalty) {
     const Scaled s = scale(t);
-    const Eliminated e = eliminate(assemble(k, t, s, material, force), material);
+    const Eliminated e = eliminate(assemble(k, t, s, material, force), material, penalty);
     Rowwise<X, X> K = Rowwise<X, X>::Zero();
     for (int i = 0; i < S; ++i)
       for (int x = 0; x < X; ++x) K.row(x) += e.YC(i, x) * e.YC.row(i);
     for (int b = 0; b < B; ++b)
       for (int x = 0; x < X; ++x) K.row(x) -= e.Z(b, x) * e.Z.row(b);
-    Condensed result{K, SkeletonVector::Zero(X)};
+    Condensed result{K, SkeletonVector::Zero(X), {}, 0, 0};
     // s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
     if (force.size() > 0) result.F = -s.h * (e.Z.transpose() * e.given);
+    if (penalty.a > 0) {
+      result.trace = s.h * (e.YC.transpose() * e.YT - e.Z.transpose() * e.ZT);
+      result.own = 2 * e.ZT.dot(e.given);
+      result.by_theta = 2 * (e.YT.squaredNorm() - e.ZT.squaredNorm());
+    }
     return result;
   }
 
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
-                                  const SkeletonVector& m) {
+                                  const SkeletonVector& m, const Penalty& penalty) {
     const Scaled s = scale(t);
     const System a = assemble(k, t, s, material, force);
-    const Eliminated e = eliminate(a, material);
+    const Eliminated e = eliminate(a, material, penalty);
     const Eigen::Matrix<double, X, 1> scaled = m / s.h;
     // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
     Rowwise<B, 1> p = e.given - e.Z * scaled;
+    if (penalty.a > 0) p -= penalty.theta * e.ZT;
     backward<B>(e.LB, p);
     Rowwise<S, 1> stress = e.YC * scaled + e.YB * p;
+    if (penalty.a > 0) stress += penalty.theta * e.YT;
     backward<S>(e.L, stress);
     Eigen::VectorXd all(S + B);
     all.head(S) = stress;
@@ -328,13 +348,14 @@ Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
   return from + along * (to - from);
 }
 
-Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
-  return visit(k.element, [&](auto sized) { return sized.condense(k, t, material, force); });
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                   const Penalty& penalty) {
+  return visit(k.element, [&](auto sized) { return sized.condense(k, t, material, force, penalty); });
 }
 
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
-                         const SkeletonVector& m) {
-  return visit(k.element, [&](auto sized) { return sized.interior(k, t, material, force, m); });
+                         const SkeletonVector& m, const Penalty& penalty) {
+  return visit(k.element, [&](auto sized) { return sized.interior(k, t, material, force, m, penalty); });
 }
 
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x) {

@@ -34,6 +34,14 @@ Kernel kernel(const Element& e);
 using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 12, 1>;
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
 
+/// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| / 2,
+/// t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found by a
+/// short iteration [iterated penalty, elements.md section 5]. a = 0: neither.
+struct Penalty {
+  double a = 0;      // compliance
+  double theta = 0;  // strain, from the sweep before
+};
+
 /// Stationary point over (s, u, r) for given edge displacements m of
 ///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
 /// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
@@ -41,12 +49,16 @@ ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField
 struct Condensed {
   SkeletonMatrix K;  // symmetric, positive semidefinite: the rigid motions are its kernel
   SkeletonVector F;
+  // With a penalty: theta changes F by -theta trace, and mean(tr s) = trace.m/|T| + own + theta by_theta.
+  SkeletonVector trace;
+  double own = 0, by_theta = 0;
 };
-Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force);
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                   const Penalty& penalty = {});
 
 /// Coefficients (s, u, r) from the edge displacements; the same elimination, backwards.
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
-                         const SkeletonVector& m);
+                         const SkeletonVector& m, const Penalty& penalty = {});
 
 /// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
 struct Fields {

@@ -83,12 +83,59 @@ void remove_motion(const Model& m, State& s) {
 struct Solved {
   Eigen::VectorXd x, force;  // per row; force on closed bounded rows
   std::vector<bool> closed;  // per bounded row
+  Eigen::VectorXd theta;     // per triangle, with a penalty
 };
 
+SkeletonVector trace_seen(const Model& m, const Eigen::VectorXd& skeleton, Index t) {
+  const Seen view = seen(m.mesh, m.skeleton, t);
+  SkeletonVector trace(view.count);
+  for (int i = 0; i < view.count; ++i)
+    trace[i] = skeleton[view.base[i]] + (view.jump[i] == none ? 0 : skeleton[view.jump[i]]);
+  return trace;
+}
+
+// All skeleton unknowns from the free ones.
+Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
+  Eigen::VectorXd all(m.skeleton.total);
+  for (Index u = 0; u < m.skeleton.total; ++u)
+    all[u] = m.ordering.row[u] != none ? rows[m.ordering.row[u]] : elsewhere ? (*elsewhere)[u] : 0;
+  return all;
+}
+
+// theta = a mean(tr s) of the present solution.
+void update_theta(const Model& m, Solved& s) {
+  const Eigen::VectorXd skeleton = spread(m, s.x, &m.skeleton.prescribed);
+  const Eigen::Index count = m.system.traces.rows() - 2;
+  parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const auto column = m.system.traces.col(t);
+      const double mean = column.head(count).dot(trace_seen(m, skeleton, t)) / area(m.mesh, t) + column[count] +
+                          s.theta[t] * column[count + 1];
+      s.theta[t] = m.system.penalty * mean;
+    }
+  });
+}
+
+// F with the penalty paid back. Scattered in the order of the triangles.
+Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
+  Eigen::VectorXd F = m.system.F;
+  const auto add = [&](Index unknown, double value) {
+    if (unknown != none && m.ordering.row[unknown] != none) F[m.ordering.row[unknown]] -= value;
+  };
+  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+    const Seen view = seen(m.mesh, m.skeleton, t);
+    for (int i = 0; i < view.count; ++i) {
+      add(view.base[i], s.theta[t] * m.system.traces(i, t));
+      add(view.jump[i], s.theta[t] * m.system.traces(i, t));
+    }
+  }
+  return F;
+}
+
 // |K x - F| with what the closed contacts carry taken as their force.
-Certificate certify(const Model& m, Solved& s) {
+Certificate certify(const Model& m, Solved& s, const Eigen::VectorXd& F) {
   const Index leading = m.ordering.size - m.ordering.trailing;
-  Eigen::VectorXd rest = m.system.K.selfadjointView<Eigen::Lower>() * s.x - m.system.F;
+  Eigen::VectorXd rest = m.system.K.selfadjointView<Eigen::Lower>() * s.x - F;
   s.force = Eigen::VectorXd::Zero(m.ordering.size);
   double negative = 0, complementarity = 0;
   const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
@@ -112,19 +159,35 @@ Certificate certify(const Model& m, Solved& s) {
   return c;
 }
 
-// Newton correction for the residual with the contact set frozen.
-void refine(const Model& m, Solved& s) {
+// K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
+void solve_contact(const Model& m, const Eigen::VectorXd& F, Solved& s, State& state) {
+  Stopwatch watch;
   const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
-  const Eigen::VectorXd rest = m.system.F + s.force - m.system.K.selfadjointView<Eigen::Lower>() * s.x;
+  // The correction solves for x as a whole on the bounded rows: their part of the guess is dropped first.
+  const bool guess = s.x.size() > 0;
+  if (guess) s.x.tail(trailing).setZero();
+  const Eigen::VectorXd rest =
+      guess ? Eigen::VectorXd(F - m.system.K.selfadjointView<Eigen::Lower>() * s.x) : F;
   Eigen::VectorXd y = m.factor.forward(rest);
+  ++state.linear_solves;
+  state.seconds.solve += watch.lap();
   if (trailing > 0) {
     const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
-    const Eigen::VectorXd jump = open_jumps(m.factor.schur_complement(), lower * y.tail(trailing), s.closed);
-    y.tail(trailing) = lower.transpose() * jump;
+    const Contact contact = solve_unilateral(m.factor.schur_complement(), lower * y.tail(trailing), s.closed);
+    y.tail(trailing) = lower.transpose() * contact.jump;
+    s.closed = contact.closed;
+    state.contact_iterations += contact.iterations;
+    state.converged = contact.converged;
+    state.seconds.contact += watch.lap();
   }
-  s.x += m.factor.backward(y);
+  const Eigen::VectorXd correction = m.factor.backward(y);
+  if (guess)
+    s.x += correction;
+  else
+    s.x = correction;
   for (Index i = 0; i < trailing; ++i)
     if (s.closed[i]) s.x[leading + i] = 0;
+  state.seconds.solve += watch.lap();
 }
 
 }  // namespace
@@ -150,56 +213,48 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
 }
 
 State solve(const Model& m) {
-  Stopwatch watch;
   State state;
-  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
-  state.skeleton = Eigen::Map<const Eigen::VectorXd>(m.skeleton.prescribed.data(), m.skeleton.total);
-  state.force = Eigen::VectorXd::Zero(m.skeleton.total);
-  if (m.ordering.size > 0) {
-    Eigen::VectorXd y = m.factor.forward(m.system.F);
-    Solved solved;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  Solved solved;
+  if (m.system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
+  Eigen::VectorXd F = m.system.F;
+  if (m.ordering.size == 0) solved.x.resize(0);
+  // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one.
+  constexpr int most_sweeps = 15;
+  // With a penalty F is as large as 1/a, so that the sweeps go on until rounding stops them.
+  const double good_enough = m.system.penalty > 0 ? 1e-16 : 1e-12;
+  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    Solved next = solved;
+    if (m.ordering.size > 0) solve_contact(m, F, next, state);
+    Stopwatch watch;
+    if (m.system.penalty > 0) {
+      update_theta(m, next);
+      F = right_hand_side(m, next);
+    }
+    if (m.ordering.size == 0) {
+      solved = std::move(next);
+      if (m.system.penalty == 0) break;
+      continue;
+    }
+    const Certificate certificate = certify(m, next, F);
+    const bool better = sweep == 0 || certificate.kkt < state.certificate.kkt;
     state.seconds.solve += watch.lap();
-    if (trailing > 0) {
-      const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
-      const Contact contact = solve_unilateral(m.factor.schur_complement(), lower * y.tail(trailing));
-      y.tail(trailing) = lower.transpose() * contact.jump;
-      solved.closed = contact.closed;
-      state.contact_iterations = contact.iterations;
-      state.converged = contact.converged;
-      state.seconds.contact = watch.lap();
-    }
-    solved.x = m.factor.backward(y);
-    for (Index i = 0; i < trailing; ++i)
-      if (solved.closed[i]) solved.x[leading + i] = 0;
-    state.linear_solves = 1;
-    state.certificate = certify(m, solved);
-    constexpr double good_enough = 1e-12;
-    for (int sweep = 0; sweep < 3 && state.certificate.residual > good_enough; ++sweep) {
-      Solved better = solved;
-      refine(m, better);
-      ++state.linear_solves;
-      const Certificate next = certify(m, better);
-      if (!(next.kkt < state.certificate.kkt)) break;
-      solved = std::move(better);
-      state.certificate = next;
-    }
-    for (Index u = 0; u < m.skeleton.total; ++u)
-      if (m.ordering.row[u] != none) {
-        state.skeleton[u] = solved.x[m.ordering.row[u]];
-        state.force[u] = solved.force[m.ordering.row[u]];
-      }
+    if (!better) break;
+    const bool slow = sweep > 0 && certificate.kkt > 0.5 * state.certificate.kkt;
+    solved = std::move(next);
+    state.certificate = certificate;
+    if (certificate.kkt <= good_enough || slow) break;
   }
 
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  Stopwatch watch;
+  state.skeleton = spread(m, solved.x, &m.skeleton.prescribed);
+  state.force = spread(m, solved.force, nullptr);
   state.interior.resize(interior_count(m.kernel.element), triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const Triangle shape = triangle(m, t);
-      const Seen view = seen(m.mesh, m.skeleton, t);
-      SkeletonVector trace(view.count);
-      for (int i = 0; i < view.count; ++i)
-        trace[i] = state.skeleton[view.base[i]] + (view.jump[i] == none ? 0 : state.skeleton[view.jump[i]]);
-      state.interior.col(t) = interior(m.kernel, shape, m.scene.material, force_of(m.system, t), trace);
+      const Penalty penalty{m.system.penalty, m.system.penalty > 0 ? solved.theta[t] : 0};
+      state.interior.col(t) = interior(m.kernel, triangle(m, t), m.scene.material, force_of(m.system, t),
+                                       trace_seen(m, state.skeleton, t), penalty);
     }
   });
   if (!m.floating.empty()) remove_motion(m, state);

@@ -11,7 +11,7 @@ namespace kerf {
 /// c = 0 is the incompressible limit of plane strain.
 struct Material {
   double mu = 1;
-  double c = 0;
+  double c = 0.1;  // nu = 0.3 in plane strain
 };
 
 constexpr Material plane_strain(double young, double poisson) {

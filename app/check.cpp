@@ -1,0 +1,128 @@
+#include "app/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace kerf {
+
+namespace {
+
+std::string at(const Vec2& p) {
+  // -0 is 0
+  return fmt::format("({:.6g}, {:.6g})", p.x() + 0.0, p.y() + 0.0);
+}
+
+/// "traction", "roller in y + traction", ...: what the scene says about a label.
+std::string condition(const Scene& scene, Index label) {
+  std::vector<std::string> parts;
+  for (const Support& s : scene.supports) {
+    if (s.label != label) continue;
+    if (s.first && s.second) {
+      parts.push_back("displacement");
+    } else {
+      parts.push_back(s.normal_frame ? "roller, normal" : s.first ? "roller in x" : "roller in y");
+    }
+  }
+  for (const Traction& t : scene.tractions)
+    if (t.label == label) parts.push_back("traction");
+  return parts.empty() ? "free" : fmt::format("{}", fmt::join(parts, " + "));
+}
+
+const char* law(const CrackLaw& crack) {
+  switch (crack.kind) {
+    case CrackLaw::Kind::Open:
+      return "open";
+    case CrackLaw::Kind::Bonded:
+      return "bonded";
+    default:
+      return "unilateral";
+  }
+}
+
+/// Where the crack's end lies: "interior", or the label of the boundary it meets.
+std::string place(const Shape& shape, const Mesh& mesh, Index vertex) {
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.label[e] != none && (mesh.edges[e][0] == vertex || mesh.edges[e][1] == vertex))
+      return "on " + shape.labels[mesh.label[e]];
+  return "interior";
+}
+
+std::size_t outside(const Mesh& mesh, const std::vector<Vec2>& points) {
+  const std::vector<Index> found = locate(mesh, points);
+  return static_cast<std::size_t>(std::count(found.begin(), found.end(), none));
+}
+
+}  // namespace
+
+std::string check(const Case& c) {
+  const Mesh mesh = triangulate(c.shape, c.sizing);
+  std::string out;
+  std::vector<std::string> notes;
+  const auto print = [&out]<class... Arguments>(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(out), format, std::forward<Arguments>(arguments)...);
+  };
+
+  double body = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) body += area(mesh, static_cast<Index>(t));
+  Vec2 low = mesh.points.at(0), high = low;
+  for (const Vec2& p : mesh.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  print("{}\n", c.title);
+  print("body      {} to {}, area {:.6g}, {} holes\n", at(low), at(high), body, c.shape.holes.size());
+  print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
+  const Quality q = quality(mesh);
+  print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",
+        mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
+
+  for (std::size_t k = 0; k < c.shape.cracks.size(); ++k) {
+    const Crack& crack = c.shape.cracks[k];
+    const auto& edges = mesh.cracks.at(k);
+    double path = 0;
+    for (std::size_t i = 1; i < crack.points.size(); ++i) path += (crack.points[i] - crack.points[i - 1]).norm();
+    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path, edges.size());
+    if (edges.empty()) {
+      notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
+    } else {
+      const Index start = mesh.edges[edges.front().edge][edges.front().forward ? 0 : 1];
+      const Index end = mesh.edges[edges.back().edge][edges.back().forward ? 1 : 0];
+      print(", {} {} to {} {}", at(crack.points.front()), place(c.shape, mesh, start), at(crack.points.back()),
+            place(c.shape, mesh, end));
+    }
+    print("\n");
+  }
+
+  print("\n{:<20} {:>6} {:>12}  {}\n", "label", "edges", "length", "condition");
+  for (std::size_t label = 0; label < c.shape.labels.size(); ++label) {
+    std::size_t count = 0;
+    double total = 0;
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (mesh.label[e] == static_cast<Index>(label)) {
+        ++count;
+        total += length(mesh, static_cast<Index>(e));
+      }
+    print("{:<20} {:>6} {:>12.6g}  {}\n", c.shape.labels[label], count, total,
+          condition(c.scene, static_cast<Index>(label)));
+    if (count == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", c.shape.labels[label]));
+  }
+
+  for (const Probe& probe : c.probes)
+    if (const std::size_t lost = outside(mesh, probe.points))
+      notes.push_back(
+          fmt::format("probe \"{}\": {} of {} points lie outside the body", probe.name, lost, probe.points.size()));
+  if (c.map && !c.map->points.empty())
+    if (const std::size_t lost = outside(mesh, c.map->points))
+      notes.push_back(fmt::format("map: {} of {} points lie outside the body", lost, c.map->points.size()));
+  if (c.scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
+  if (c.scene.supports.empty() && c.scene.tractions.empty() && !c.scene.body)
+    notes.push_back("nothing acts on the body: the solution is zero");
+  if (!notes.empty()) print("\n");
+  for (const std::string& note : notes) print("note: {}\n", note);
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,199 @@
+#include "app/collect.hpp"
+
+#include "solver/fracture.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+namespace kerf {
+
+namespace {
+
+// Von Mises stress with s_zz = nu (s_xx + s_yy) in plane strain, 0 in plane stress. 4 mu c = 1 - 2 nu in plane strain.
+double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s) {
+  const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
+  const double share = plane_strain ? 4 * m.mu * m.c : 1;
+  return std::sqrt(share * share * mean * mean + 3 * (difference * difference + shear * shear));
+}
+
+}  // namespace
+
+PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
+  PlotData d;
+  d.corners = split_at_cracks(model.mesh);
+  for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
+  d.values = corner_values(model, state, d.corners);
+  d.plane_strain = plane_strain;
+  d.von_mises.resize(d.values.stress.cols());
+  for (Eigen::Index i = 0; i < d.von_mises.size(); ++i)
+    d.von_mises[i] = von_mises(model.scene.material, plane_strain, d.values.stress.col(i));
+  return d;
+}
+
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
+  StateResult r;
+  r.element = model.kernel.element.name;
+  r.condensed_unknowns = model.ordering.size;
+  r.unknowns = model.ordering.size +
+               interior_count(model.kernel.element) * static_cast<Index>(model.mesh.triangles.size());
+  r.residual = state.certificate.residual;
+  r.energy = potential_energy(model, state);
+  r.compliance = work_of_loads(model, state);
+  r.area = area(model);
+  r.estimated_error = indicator.relative;
+  r.notes = model.notes;
+  return r;
+}
+
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape) {
+  std::vector<CrackResult> results;
+  const std::vector<TipIntensity> tips = crack_tips(model, state);
+  const auto word = [](CrackPoint::Status s) { return s == CrackPoint::Status::Closed ? "closed" : "open"; };
+  for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
+    CrackResult r;
+    r.name = shape.cracks[c].name;
+    const std::vector<CrackPoint> profile = crack_profile(model, state, c);
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      const CrackPoint& p = profile[i];
+      const bool closed = p.status == CrackPoint::Status::Closed;
+      r.length += p.length;
+      (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
+      r.max_opening = std::max(r.max_opening, p.jump_n);
+      r.max_pressure = std::max(r.max_pressure, -p.sigma_n);
+      r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed});
+      if (i > 0 && (profile[i - 1].status == CrackPoint::Status::Closed) != closed)
+        r.transitions.push_back({0.5 * (profile[i - 1].at + p.at), word(profile[i - 1].status), word(p.status)});
+    }
+    for (const TipIntensity& t : tips)
+      if (t.crack == c) {
+        TipResult tip{.at = t.at};
+        if (std::isfinite(t.K_I)) tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G;
+        r.tips.push_back(tip);
+      }
+    results.push_back(std::move(r));
+  }
+  return results;
+}
+
+ContactResultSummary contact_result(const Model&, const State& state, const std::string& method,
+                                    const std::vector<CrackResult>& cracks) {
+  ContactResultSummary r{.method = method,
+                         .iterations = state.contact_iterations,
+                         .linear_solves = state.linear_solves,
+                         .kkt = state.certificate.kkt};
+  for (const CrackResult& c : cracks) {
+    r.open_length += c.open_length;
+    r.closed_length += c.closed_length;
+    r.biactive_length += c.biactive_length;
+  }
+  return r;
+}
+
+std::vector<Vec2> singular_points(const Model& model) {
+  const Mesh& mesh = model.mesh;
+  std::set<Index> vertices;
+  for (const auto& crack : mesh.cracks)
+    for (std::size_t i = 0; i < crack.size(); ++i) {
+      const auto start = [&](std::size_t k) { return mesh.edges[crack[k].edge][crack[k].forward ? 0 : 1]; };
+      if (i == 0) {
+        vertices.insert(start(0));
+        vertices.insert(mesh.edges[crack.back().edge][crack.back().forward ? 1 : 0]);
+        continue;
+      }
+      const Vec2 before = mesh.points[start(i)] - mesh.points[start(i - 1)];
+      const Index end = mesh.edges[crack[i].edge][crack[i].forward ? 1 : 0];
+      const Vec2 after = mesh.points[end] - mesh.points[start(i)];
+      constexpr double kink = 0.05;  // radians
+      if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(start(i));
+    }
+  // Boundary vertices: interior angle, and whether the two edges are held in the same way.
+  std::vector<double> angle(mesh.points.size(), 0);
+  for (const auto& t : mesh.triangles)
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 a = mesh.points[t[(i + 1) % 3]] - mesh.points[t[i]], b = mesh.points[t[(i + 2) % 3]] - mesh.points[t[i]];
+      angle[t[i]] += std::atan2(cross(a, b), a.dot(b));
+    }
+  std::vector<int> held(mesh.points.size(), -1);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    int kind = 0;  // which components are held
+    for (const Support& support : model.scene.supports)
+      if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
+    for (const Index v : mesh.edges[e]) {
+      constexpr double reentrant = 200 * std::numbers::pi / 180;  // polygonal arcs turn by less per vertex
+      if (angle[v] > reentrant || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
+      held[v] = kind;
+    }
+  }
+  std::vector<Vec2> points;
+  for (const Index v : vertices) points.push_back(mesh.points[v]);
+  return points;
+}
+
+Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular, double radius) {
+  Extrema e;
+  bool any = false;
+  for (Index t = 0; t < static_cast<Index>(at_centroids.size()); ++t) {
+    const Vec2 x = centroid(model.mesh, t);
+    bool near = false;
+    for (const Vec2& p : singular) near = near || (x - p).squaredNorm() < radius * radius;
+    if (near) continue;
+    if (!any || at_centroids[t] < e.min.value) e.min = {x, at_centroids[t]};
+    if (!any || at_centroids[t] > e.max.value) e.max = {x, at_centroids[t]};
+    any = true;
+  }
+  if (!any) e.min.value = e.max.value = std::numeric_limits<double>::quiet_NaN();
+  return e;
+}
+
+std::vector<std::array<Index, 3>> plot_triangles(const PlotData& data) {
+  return data.corners.of;
+}
+
+std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
+                                     const Indicator& indicator) {
+  const Eigen::Index n = data.values.stress.cols(), cells = state.interior.cols();
+  Eigen::MatrixXd symmetric(3, n), first(1, n), second(1, n), raw(4, cells);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector4d s = data.values.stress.col(i);
+    const double shear = 0.5 * (s[1] + s[2]), mean = 0.5 * (s[0] + s[3]);
+    const double radius = std::hypot(0.5 * (s[0] - s[3]), shear);
+    symmetric.col(i) << s[0], s[3], shear;
+    first(0, i) = mean + radius;
+    second(0, i) = mean - radius;
+  }
+  for (Index t = 0; t < static_cast<Index>(cells); ++t) {
+    const Eigen::Vector4d s =
+        stress_at(model.kernel, triangle(model, t), state.interior.col(t), centroid(model.mesh, t));
+    raw.col(t) << s[0], s[3], s[1], s[2];
+  }
+  return {{"u", false, data.values.displacement},
+          {"sigma", false, symmetric},
+          {"von_mises", false, data.von_mises.transpose()},
+          {"principal_stress_1", false, first},
+          {"principal_stress_2", false, second},
+          {"gamma", false, data.values.rotation},
+          {"sigma_raw", true, raw},
+          {"error_indicator", true, indicator.eta.transpose()}};
+}
+
+std::vector<NamedField> crack_fields(const CrackResult& crack) {
+  const Eigen::Index n = static_cast<Eigen::Index>(crack.rows.size());
+  std::vector<NamedField> fields;
+  const auto add = [&](const char* name, auto value) {
+    Eigen::MatrixXd row(1, n);
+    for (Eigen::Index i = 0; i < n; ++i) row(0, i) = value(crack.rows[static_cast<std::size_t>(i)]);
+    fields.push_back({name, false, std::move(row)});
+  };
+  add("s", [](const CrackRow& r) { return r.s; });
+  add("jump_n", [](const CrackRow& r) { return r.jump_n; });
+  add("jump_t", [](const CrackRow& r) { return r.jump_t; });
+  add("sigma_n", [](const CrackRow& r) { return r.sigma_n; });
+  add("sigma_t", [](const CrackRow& r) { return r.sigma_t; });
+  add("contact_status", [](const CrackRow& r) { return r.closed ? 1.0 : 0.0; });
+  return fields;
+}
+
+}  // namespace kerf

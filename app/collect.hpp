@@ -1,0 +1,45 @@
+#pragma once
+// From a model and its solution to the numbers, fields and pictures of a result.
+
+#include "cases/case.hpp"
+#include "report/picture.hpp"
+#include "report/result.hpp"
+#include "report/vtk.hpp"
+#include "solver/estimate.hpp"
+#include "topo/map.hpp"
+
+namespace kerf {
+
+/// Everything that plots need, computed once.
+struct PlotData {
+  Corners corners;
+  std::vector<Vec2> points;                     // of the corners
+  CornerValues values;
+  Eigen::VectorXd von_mises;                    // at corners
+  bool plane_strain = true;
+};
+PlotData plot_data(const Model& model, const State& state, bool plane_strain);
+
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
+ContactResultSummary contact_result(const Model& model, const State& state, const std::string& method,
+                                    const std::vector<CrackResult>& cracks);
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
+
+/// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be infinite.
+std::vector<Vec2> singular_points(const Model& model);
+/// Smallest and largest value over the triangles whose centroid is at least `radius` from every singular point.
+struct Extrema {
+  PlacedValue min, max;
+};
+Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular, double radius);
+
+std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
+                                     const Indicator& indicator);
+std::vector<NamedField> crack_fields(const CrackResult& crack);
+std::vector<std::array<Index, 3>> plot_triangles(const PlotData& data);
+
+Picture mesh_picture(const Case& c, const Model& model);
+Picture stress_picture(const Case& c, const Model& model, const PlotData& data);
+Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map);
+
+}  // namespace kerf

@@ -1,0 +1,108 @@
+#include "app/collect.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+// The corner number that triangle t has at vertex v.
+Index corner(const Model& model, const PlotData& data, Index t, Index v) {
+  for (int i = 0; i < 3; ++i)
+    if (model.mesh.triangles[t][i] == v) return data.corners.of[t][i];
+  return none;
+}
+
+// Boundary edges and crack faces as lines through the given positions of the corners.
+void add_lines(const Model& model, const PlotData& data, const std::vector<Vec2>& position, Picture& p) {
+  const Mesh& mesh = model.mesh;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+    p.outlines.push_back({position[corner(model, data, t, mesh.edges[e][0])],
+                          position[corner(model, data, t, mesh.edges[e][1])]});
+  }
+  for (const auto& crack : mesh.cracks)
+    for (int side = 0; side < 2; ++side) {
+      std::vector<Vec2> line;
+      for (const CrackEdge& c : crack) {
+        const Index t = mesh.sides[c.edge][c.forward ? side : 1 - side];
+        const int from = c.forward ? 0 : 1;
+        if (line.empty()) line.push_back(position[corner(model, data, t, mesh.edges[c.edge][from])]);
+        line.push_back(position[corner(model, data, t, mesh.edges[c.edge][1 - from])]);
+      }
+      p.cracks.push_back(std::move(line));
+    }
+}
+
+Eigen::Matrix3Xd spread(const PlotData& data, const Eigen::VectorXd& at_corners) {
+  Eigen::Matrix3Xd values(3, static_cast<Eigen::Index>(data.corners.of.size()));
+  for (Eigen::Index t = 0; t < values.cols(); ++t)
+    for (int i = 0; i < 3; ++i) values(i, t) = at_corners[data.corners.of[static_cast<std::size_t>(t)][i]];
+  return values;
+}
+
+// A round factor that makes the largest displacement a few percent of the body.
+double exaggeration(const PlotData& data) {
+  Vec2 low = data.points.front(), high = low;
+  for (const Vec2& x : data.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double largest = std::sqrt(data.values.displacement.colwise().squaredNorm().maxCoeff());
+  if (!(largest > 0)) return 0;
+  const double wanted = 0.06 * (high - low).norm() / largest;
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double round : {5.0, 2.0})
+    if (wanted >= round * power) return round * power;
+  return power;
+}
+
+}  // namespace
+
+Picture mesh_picture(const Case& c, const Model& model) {
+  const Quality q = quality(model.mesh);
+  Picture p{.title = c.title,
+            .subtitle = fmt::format("mesh: {} triangles, edges {:.3g} to {:.3g}, smallest angle {:.1f} degrees",
+                                    model.mesh.triangles.size(), q.h_min, q.h_max, q.min_angle_deg)};
+  p.points = model.mesh.points;
+  p.triangles = model.mesh.triangles;
+  p.edges = true;
+  PlotData plain;
+  plain.corners = {model.mesh.triangles, {}};
+  add_lines(model, plain, p.points, p);
+  return p;
+}
+
+Picture stress_picture(const Case& c, const Model& model, const PlotData& data) {
+  const double factor = exaggeration(data);
+  Picture p{.title = c.title, .subtitle = fmt::format("von Mises stress; displacements drawn {:g} times", factor)};
+  p.points = data.points;
+  for (std::size_t i = 0; i < p.points.size(); ++i)
+    p.points[i] += factor * data.values.displacement.col(static_cast<Eigen::Index>(i));
+  p.triangles = plot_triangles(data);
+  p.values = spread(data, data.von_mises);
+  p.value_label = "von Mises stress";
+  add_lines(model, data, p.points, p);
+  return p;
+}
+
+Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map) {
+  Picture p{.title = c.title, .subtitle = "topological derivative of the energy for a small hole: J(hole) - J = pi eps\u00b2 T"};
+  p.points = data.points;
+  p.triangles = plot_triangles(data);
+  p.values = spread(data, map.at_corners);
+  p.value_label = "topological derivative T";
+  const bool both_signs = map.at_corners.minCoeff() < 0 && map.at_corners.maxCoeff() > 0;
+  p.scale = both_signs ? Scale::Diverging : Scale::Linear;
+  p.clip = 0.02;  // the map is infinite at tips
+  add_lines(model, data, p.points, p);
+  if (c.map)
+    for (std::size_t i = 0; i < c.map->points.size() && i < 20; ++i)
+      p.marks.emplace_back(c.map->points[i], std::to_string(i + 1));
+  return p;
+}
+
+}  // namespace kerf

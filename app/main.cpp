@@ -1,0 +1,184 @@
+// kerf: arguments, exit codes, signals. CLI11 lives here and nowhere else.
+
+#include "app/progress.hpp"
+#include "app/run.hpp"
+#include "cases/words.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <new>
+#include <thread>
+
+namespace kerf {
+
+namespace {
+
+// Set by the first Ctrl-C; a signal handler can reach nothing else.
+volatile std::sig_atomic_t stop_requested = 0;
+
+extern "C" void request_stop(int) {
+  stop_requested = 1;
+}
+
+/// The first signal asks for a clean stop, the second one ends the process.
+void catch_signals() {
+  struct sigaction action = {};
+  action.sa_handler = request_stop;
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+struct Arguments {
+  std::string command, case_file, folder;
+  std::vector<std::string> overrides;
+  int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
+  bool quiet = false, force = false;
+  std::string log_level;  // empty: info, or warn when quiet
+};
+
+struct Command {
+  std::string name, description;
+  bool supported;
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> all = {
+      {"run", "Every job that the case names: solve, map, report", true},
+      {"solve", "The state alone", true},
+      {"map", "The state and the map of the topological derivative", true},
+      {"check", "Read the case, mesh it, print what each label selected; solve nothing", true},
+      {"validate", "The expansion against computations with finite holes (not supported yet)", false},
+      {"optimize", "Improve the shape (not supported yet)", false},
+      {"init", "Write a template case (not supported yet)", false},
+      {"bench", "Speed against error (not supported yet)", false}};
+  return all;
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", "kerf " KERF_VERSION);
+  app.require_subcommand(0, 1);
+  app.footer("Exit codes: 0 done, 2 wrong usage or case file, 3 invalid geometry, 4 not solved, 5 files.");
+  for (const Command& command : commands()) {
+    CLI::App* sub = app.add_subcommand(command.name, command.description);
+    sub->callback([&arguments, name = command.name] { arguments.command = name; });
+    if (!command.supported) {
+      sub->allow_extras();
+      continue;
+    }
+    sub->add_option("CASE", arguments.case_file, "The case file (TOML)")->required();
+    sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
+    sub->add_option("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+    sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
+    sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
+    sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
+        ->check(CLI::IsMember(log_levels()));
+    sub->add_flag("--force", arguments.force, "Overwrite results");
+  }
+}
+
+/// Nothing when help or the version was asked for and has been printed.
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf");
+  declare(app, arguments);
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.push_back(command.name);
+  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
+    throw Error(Fault::Usage, fmt::format("unknown command {}; {}", quote(argv[1]), suggest(argv[1], names)));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) {
+      app.exit(e);
+      return std::nullopt;
+    }
+    std::string message = e.what();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    const auto parsed = app.get_subcommands();
+    throw Error(Fault::Usage,
+                fmt::format("{}; see kerf {}--help", message, parsed.empty() ? "" : parsed.front()->get_name() + " "));
+  }
+  if (arguments.command.empty()) {
+    std::cout << app.help();
+    throw Error(Fault::Usage, "a command is missing");
+  }
+  return arguments;
+}
+
+void make_ready(const std::filesystem::path& folder, bool force) {
+  const std::filesystem::path result = folder / "result.json";
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw Error(Fault::Files, fmt::format("{} is not a folder; choose another with --output", folder.string()));
+  if (!std::filesystem::exists(std::filesystem::symlink_status(result))) return;
+  if (!force)
+    throw Error(Fault::Files, fmt::format("{} already holds results; use --force to overwrite", folder.string()));
+  std::filesystem::remove(result);
+}
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(Fault::Files, "cannot write to standard output");
+}
+
+int perform(const Arguments& arguments) {
+  for (const Command& command : commands())
+    if (command.name == arguments.command && !command.supported)
+      throw Error(Fault::Usage,
+                  fmt::format("kerf {} is not supported yet; use run, solve, map or check", command.name));
+  const Case c = read_case(arguments.case_file, arguments.overrides);
+  if (arguments.command == "check") {
+    print(check(c));
+    return 0;
+  }
+  RunOptions options;
+  options.folder = std::filesystem::path(arguments.folder);
+  if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  make_ready(options.folder, arguments.force);
+  catch_signals();
+  Progress progress(!arguments.log_level.empty() ? arguments.log_level : arguments.quiet ? "warn" : "info");
+  options.threads = arguments.threads;
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
+  options.stop_asked = [] { return stop_requested != 0; };
+  const Job job = arguments.command == "solve" ? Job::Solve : arguments.command == "map" ? Job::Map : Job::Run;
+  const Result result = run(c, job, options);
+  progress.finish();
+  if (!arguments.quiet) print(fmt::format("{}\nresults in {}\n", summary(result), options.folder.string()));
+  if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
+  return 0;
+}
+
+}  // namespace
+
+}  // namespace kerf
+
+int main(int argc, char** argv) {
+  // No call here may throw: not for want of memory, not because stderr is closed.
+  const auto report = [](const char* before, const char* message, kerf::Fault fault) {
+    std::fprintf(stderr, "kerf: %s%s\n", before, message);
+    return static_cast<int>(fault);
+  };
+  try {
+    const auto arguments = kerf::parse(argc, argv);
+    return arguments ? kerf::perform(*arguments) : 0;
+  } catch (const kerf::Error& e) {
+    return report("", e.what(), e.fault);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return report("", e.what(), kerf::Fault::Files);
+  } catch (const std::bad_alloc&) {
+    return report("", "out of memory; use a coarser mesh (a larger mesh.size)", kerf::Fault::Numerics);
+  } catch (const std::exception& e) {
+    return report("unexpected failure: ", e.what(), kerf::Fault::Numerics);
+  } catch (...) {
+    return report("", "unexpected failure", kerf::Fault::Numerics);
+  }
+}

@@ -1,0 +1,182 @@
+#include "app/run.hpp"
+
+#include "app/collect.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+std::vector<std::vector<double>> probe_rows(const Model& model, const State& state, const Probe& probe, bool with_map) {
+  const std::vector<Index> where = locate(model.mesh, probe.points);
+  const std::vector<double> map =
+      with_map ? energy_map(model, state, probe.points)
+               : std::vector<double>(probe.points.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < probe.points.size(); ++i) {
+    const Vec2& x = probe.points[i];
+    std::vector<double> row(8, std::numeric_limits<double>::quiet_NaN());  // an empty cell: outside the body
+    row[0] = x.x(), row[1] = x.y();
+    if (where[i] != none) {
+      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
+      const Eigen::Vector4d s = stress_at(model.kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
+      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i]};
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+MapResult map_result(const Model& model, const State& state, const Case& c, const FullMap& full) {
+  MapResult r{.perturbation = "hole"};
+  const std::vector<Vec2> singular = singular_points(model);
+  constexpr double share = 0.02;  // of the body's extent
+  r.excluded_radius = singular.empty() ? 0 : share * extent(c.shape);
+  const Extrema e = extrema(model, full.at_centroids, singular, r.excluded_radius);
+  r.min = e.min;
+  r.max = e.max;
+  if (c.map) {
+    const std::vector<double> values = energy_map(model, state, c.map->points);
+    for (std::size_t i = 0; i < values.size(); ++i) r.points.push_back({.at = c.map->points[i], .value = values[i]});
+  }
+  return r;
+}
+
+std::vector<std::vector<double>> map_rows(const MapResult& r, const PlotData& data, const FullMap& full) {
+  std::vector<std::vector<double>> rows;
+  for (const MapPoint& p : r.points) rows.push_back({p.at.x(), p.at.y(), p.value});
+  if (r.points.empty())
+    for (std::size_t i = 0; i < data.points.size(); ++i)
+      rows.push_back({data.points[i].x(), data.points[i].y(), full.at_corners[static_cast<Eigen::Index>(i)]});
+  return rows;
+}
+
+}  // namespace
+
+Result run(const Case& c, Job job, const RunOptions& options) {
+  Stopwatch whole, watch;
+  const auto begin = [&](const std::string& phase) {
+    if (options.stop_asked && options.stop_asked()) throw Error(Fault::Numerics, "stopped before " + phase);
+    if (options.on_phase) options.on_phase(phase);
+    watch.lap();
+  };
+  std::error_code failed;
+  std::filesystem::create_directories(options.folder, failed);
+  if (failed)
+    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
+  const auto file = [&](const std::string& name) { return options.folder / name; };
+
+  Result r;
+  r.version = KERF_VERSION;
+  r.case_name = c.name;
+  r.title = c.title;
+
+  begin("mesh");
+  Mesh mesh = triangulate(c.shape, c.sizing);
+  r.triangles = static_cast<Index>(mesh.triangles.size());
+  r.vertices = static_cast<Index>(mesh.points.size());
+  r.mesh = quality(mesh);
+  r.seconds.mesh = watch.lap();
+
+  begin("assemble and factorise");
+  const auto finish = [&] {
+    r.seconds.total = whole.lap();
+    r.peak_memory_mb = peak_memory_mb();
+    write_json(file("result.json"), r);
+  };
+  std::optional<Model> prepared;
+  try {
+    prepared.emplace(prepare(std::move(mesh), element(c.element), c.scene, options.threads));
+  } catch (const Error& e) {
+    r.status = "failed";
+    r.reason = e.what();
+    finish();
+    throw;
+  }
+  const Model& model = *prepared;
+  r.seconds.assemble = model.seconds.assemble;
+  r.seconds.factor = model.seconds.factor;
+
+  begin("solve");
+  const State state = solve(model);
+  r.seconds.solve = state.seconds.solve;
+  r.seconds.contact = state.seconds.contact;
+
+  begin("recover");
+  const Indicator indicator = error_indicator(model, state);
+  r.state = state_result(model, state, indicator);
+  r.cracks = crack_results(model, state, c.shape);
+  if (!r.cracks.empty()) r.contact = contact_result(model, state, c.contact, r.cracks);
+  r.functional = {c.functional, r.state->energy};
+  const PlotData data = plot_data(model, state, c.plane_strain);
+  r.seconds.solve += watch.lap();
+
+  const bool with_map = job == Job::Map || (job == Job::Run && c.map);
+  FullMap full;
+  if (with_map) {
+    begin("map");
+    full = energy_map(model, state, data.corners, data.values);
+    r.map = map_result(model, state, c, full);
+    r.seconds.map = watch.lap();
+  }
+
+  begin("write");
+  if (c.output.vtk) {
+    write_vtu(file("state.vtu"), data.points, plot_triangles(data), state_fields(model, state, data, indicator));
+    if (with_map) {
+      const std::vector<NamedField> fields{{"topological_derivative", false, full.at_corners.transpose()},
+                                           {"topological_derivative_at_centroid", true, full.at_centroids.transpose()}};
+      write_vtu(file("map.vtu"), data.points, plot_triangles(data), fields);
+    }
+  }
+  for (const CrackResult& crack : r.cracks) {
+    write_crack_csv(file("crack_" + crack.name + ".csv"), crack);
+    if (!c.output.vtk) continue;
+    std::vector<std::vector<Vec2>> line(1);
+    for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
+    write_vtp(file("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
+  }
+  if (with_map) write_csv(file("map.csv"), {"x", "y", "topological_derivative"}, map_rows(*r.map, data, full));
+  for (const Probe& probe : c.probes)
+    write_csv(file("probe_" + probe.name + ".csv"),
+              {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"},
+              probe_rows(model, state, probe, with_map));
+  std::vector<std::pair<std::string, std::filesystem::path>> pictures;
+  if (c.output.png) {
+    const auto picture = [&](const std::string& name, const std::string& caption, const Picture& p) {
+      draw(file(name), p);
+      pictures.emplace_back(caption, file(name));
+    };
+    picture("mesh.png", "Mesh", mesh_picture(c, model));
+    picture("von_mises.png", "Von Mises stress", stress_picture(c, model, data));
+    if (with_map) picture("map.png", "Topological derivative", map_picture(c, model, data, full));
+  }
+
+  constexpr double certified = 1e-8;
+  if (!state.converged || !(state.certificate.kkt <= certified)) {
+    r.status = "not converged";
+    r.reason = !state.converged ? "the contact set did not settle"
+                                : fmt::format("the optimality conditions hold only to {:.2g}", state.certificate.kkt);
+  }
+  r.seconds.output = watch.lap();
+  r.seconds.total = whole.lap();
+  r.peak_memory_mb = peak_memory_mb();
+  if (c.output.html) write_page(file("report.html"), r, pictures);
+  write_json(file("result.json"), r);
+  return r;
+}
+
+}  // namespace kerf

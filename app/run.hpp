@@ -1,0 +1,25 @@
+#pragma once
+// Case -> files. The whole toolkit in one page of calls.
+
+#include "cases/case.hpp"
+#include "report/result.hpp"
+
+namespace kerf {
+
+enum class Job { Run, Solve, Map };
+
+struct RunOptions {
+  std::filesystem::path folder;  // made if absent
+  int threads = 1;
+  std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
+  std::function<bool()> stop_asked;                        // polled between phases: what is done so far stays on disk
+};
+
+/// Runs the jobs and writes every file of the interface; result.json last. Throws Error(Geometry | Numerics | Files).
+/// A state that cannot be solved or certified is written (status, reason) before Error(Numerics) leaves.
+Result run(const Case& c, Job job, const RunOptions& options);
+
+/// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing.
+std::string check(const Case& c);
+
+}  // namespace kerf

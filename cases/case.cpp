@@ -1,0 +1,133 @@
+#include "cases/case.hpp"
+
+#include "cases/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+void read_material(const Field& document, Case& c) {
+  need(document, "material");
+  const Field material = *find_table(document, "material");
+  allow_only(material, {"young", "poisson", "state"});
+  const auto state = find(material, "state");
+  c.plane_strain = !state || choice(*state, {"plane strain", "plane stress"}) == "plane strain";
+  c.young = positive(need(material, "young"));
+  const Field poisson = need(material, "poisson");
+  c.poisson = between(poisson, 0, 0.5);
+  constexpr double largest = 0.499999;  // beyond it the elimination in a triangle loses its digits
+  if (c.plane_strain && c.poisson > largest)
+    fail(poisson.node->position,
+         fmt::format("{} = {} in plane strain is not supported yet; use at most {}", poisson.name, c.poisson, largest));
+  c.scene.material = c.plane_strain ? plane_strain(c.young, c.poisson) : plane_stress(c.young, c.poisson);
+  const Material& m = c.scene.material;
+  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
+    fail(material.node->position,
+         fmt::format("{}: young = {} is out of range; choose other units", material.name, c.young));
+}
+
+void read_mesh(const Field& document, Case& c) {
+  const auto mesh = find_table(document, "mesh");
+  if (!mesh) return;
+  allow_only(*mesh, {"size", "crack_tip_size", "min_angle"},
+             {{"adapt", "choose size and crack_tip_size, which grade the mesh towards the tips"}});
+  if (const auto size = find(*mesh, "size")) c.sizing.size = positive(*size);
+  if (const auto size = find(*mesh, "crack_tip_size")) c.sizing.crack_tip_size = positive(*size);
+  if (const auto angle = find(*mesh, "min_angle")) c.sizing.min_angle_deg = between(*angle, 0, 30);
+}
+
+void read_solver(const Field& document, Case& c) {
+  const auto solver = find_table(document, "solver");
+  if (!solver) return;
+  allow_only(*solver, {"element", "degree", "contact", "backend"});
+  if (const auto element = find(*solver, "element"))
+    c.element =
+        choice(*element, {"bdms"},
+               {"peers", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"});
+  if (const auto degree = find(*solver, "degree"))
+    if (whole_number(*degree, 1, 20) != 1)
+      fail(degree->node->position, degree->name + " > 1 is not supported yet; use degree = 1");
+  if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp"}, {"active-set", "uzawa"});
+  if (const auto backend = find(*solver, "backend")) choice(*backend, {"cholmod"}, {"umfpack", "petsc"});
+}
+
+void read_functional(const Field& document, Case& c) {
+  const auto functional = find_table(document, "functional");
+  if (!functional) return;
+  if (const auto kind = find(*functional, "kind"))
+    c.functional = choice(*kind, {"energy"},
+                          {"compliance", "volume", "displacement_tracking", "boundary_tracking", "stress_power",
+                           "stress_pnorm", "misfit", "energy_release_rate", "crack_opening", "sum"});
+  std::vector<Later> later;
+  for (const char* key : {"target", "weight", "on", "p", "measured", "crack", "tip", "ring", "terms"})
+    later.push_back({key, "kind = \"energy\" needs no other key"});
+  allow_only(*functional, {"kind"}, later);
+  need(*functional, "kind");
+}
+
+void read_map(const Field& document, Case& c) {
+  const auto map = find_table(document, "map");
+  if (!map) return;
+  allow_only(*map, {"perturbation", "points", "bounds"});
+  if (const auto perturbation = find(*map, "perturbation")) {
+    if (perturbation->node->kind == Node::Kind::Table) {
+      allow_only({perturbation->node, perturbation->name}, {"young", "poisson"});
+      fail(perturbation->node->position,
+           perturbation->name + ": an inclusion is not supported yet; use perturbation = \"hole\"");
+    }
+    choice(*perturbation, {"hole"}, {"clamped_hole", "crack"});
+  }
+  c.map.emplace();
+  if (const auto at = find(*map, "points")) {
+    if (at->node->kind == Node::Kind::Array && at->node->items.empty())
+      fail(at->node->position, at->name + " is empty; leave it out for a map everywhere in the body");
+    c.map->points = points(*at, 1);
+  }
+  if (const auto bounds = find(*map, "bounds"); bounds && boolean(*bounds))
+    fail(bounds->node->position, bounds->name + " = true is not supported yet; use bounds = false");
+}
+
+void read_output(const Field& document, Case& c) {
+  const auto output = find_table(document, "output");
+  if (!output) return;
+  allow_only(*output, {"vtk", "png", "html"});
+  if (const auto wanted = find(*output, "vtk")) c.output.vtk = boolean(*wanted);
+  if (const auto wanted = find(*output, "png")) c.output.png = boolean(*wanted);
+  if (const auto wanted = find(*output, "html")) c.output.html = boolean(*wanted);
+}
+
+}  // namespace
+
+Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  Node root = read_document(path);
+  for (const std::string& assignment : overrides) override_value(root, assignment);
+  const Field document{&root, ""};
+  allow_only(
+      document,
+      {"title", "domain", "hole", "crack", "material", "boundary", "body", "define", "mesh", "solver", "functional",
+       "map", "probe", "output"},
+      {{"region", "the body has one [material]"}, {"validate", "remove the table"}, {"optimize", "remove the table"}});
+
+  Case c;
+  c.name = path.stem().string();
+  const auto title = find(document, "title");
+  c.title = title ? text(*title) : c.name;
+  read_shape(document, c);
+  read_material(document, c);
+  Definitions definitions = read_definitions(document, c);
+  read_conditions(document, definitions, c);
+  check_all_used(definitions);
+  read_mesh(document, c);
+  read_solver(document, c);
+  read_functional(document, c);
+  read_map(document, c);
+  read_probes(document, path.parent_path(), c);
+  read_output(document, c);
+  return c;
+}
+
+}  // namespace kerf

@@ -1,0 +1,49 @@
+#pragma once
+// A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
+
+#include "geometry/mesher.hpp"
+#include "solver/scene.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+struct Probe {
+  std::string name;
+  std::vector<Vec2> points;
+};
+
+struct MapRequest {
+  std::vector<Vec2> points;  // empty: everywhere in the body
+};
+
+struct OutputRequest {
+  bool vtk = true, png = true, html = true;
+};
+
+struct Case {
+  std::string name;   // file name without extension
+  std::string title;  // the name when the file gives none
+  Shape shape;
+  Sizing sizing;
+  Scene scene;  // one law per crack of the shape
+  double young = 1, poisson = 0.3;
+  bool plane_strain = true;
+  std::string element = "bdms";
+  std::string contact = "dual-qp";
+  std::string functional = "energy";
+  std::optional<MapRequest> map;
+  std::vector<Probe> probes;
+  OutputRequest output;
+};
+
+/// Strict: an unknown, duplicated or ill-typed key, an unknown label, an unused definition is an Error(Usage) that
+/// reads `file:line:column: what is wrong; what would be right`. An unreadable file is an Error(Files). `overrides` are
+/// "key.path=value" in TOML syntax, applied in order before anything is checked.
+Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides = {});
+
+}  // namespace kerf

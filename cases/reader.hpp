@@ -1,0 +1,46 @@
+#pragma once
+// A TOML document as plain data that remembers where everything stands. toml++ lives in reader.cpp and nowhere else.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerf {
+
+/// A place in a file, or (line 0) the override that a value came from.
+struct Position {
+  std::shared_ptr<const std::string> source;
+  std::uint32_t line = 0, column = 0;
+};
+std::string to_string(const Position& position);  // "file:line:column" or "--set key"
+
+struct Entry;
+struct Node {
+  enum class Kind { Boolean, Integer, Float, String, Date, Array, Table } kind = Kind::Table;
+  bool boolean = false;
+  double number = 0;  // of Integer too
+  std::string text;
+  std::vector<Node> items;
+  std::vector<Entry> entries;  // in the order of the file
+  Position position;
+};
+struct Entry {
+  std::string key;
+  Position position;
+  Node value;
+};
+
+/// Throws Error(Files) when the file cannot be read, Error(Usage) when it is not TOML.
+Node read_document(const std::filesystem::path& path);
+
+/// The whole of a regular file. Throws Error(Files), naming what is wrong with it.
+std::string read_text(const std::filesystem::path& path);
+
+/// "mesh.size=0.02", "crack[0].contact='open'": replaces a value or adds a key. Throws Error(Usage) naming the
+/// override.
+void override_value(Node& document, std::string_view assignment);
+
+}  // namespace kerf

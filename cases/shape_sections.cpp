@@ -1,0 +1,141 @@
+#include "cases/sections.hpp"
+#include "cases/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The arc from a to b about (nearly) `center`, the shorter way round; half a turn runs counter-clockwise. The center
+/// is moved along the chord until both ends have exactly the same distance to it.
+Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given, const Field& field) {
+  const double ra = (a - given).norm(), rb = (b - given).norm(), chord = (b - a).norm();
+  if (!(std::abs(ra - rb) <= 1e-6 * std::max(ra, rb)) || !(ra > 0))
+    fail(field.node->position, fmt::format("{}: the center must have the same distance to both ends of the arc, not "
+                                           "{:.9g} to ({:.9g}, {:.9g}) and {:.9g} to ({:.9g}, {:.9g})",
+                                           field.name, ra, a.x(), a.y(), rb, b.x(), b.y()));
+  if (!(chord > 1e-9 * ra))
+    fail(field.node->position, fmt::format("{}: the arc begins and ends at the same point; split a full turn into two "
+                                           "arcs, or use a [[hole]]",
+                                           field.name));
+  const Vec2 along = (b - a) / chord;
+  const Vec2 center = given + along * along.dot(0.5 * (a + b) - given);
+  const Vec2 p = a - center, q = b - center;
+  double turn = std::atan2(cross(p, q), p.dot(q));
+  if (std::abs(turn) > pi - 1e-6) turn = std::abs(turn);
+  const double from = std::atan2(p.y(), p.x());
+  return {center, p.norm() * Mat2::Identity(), from, from + turn};
+}
+
+/// Entry i of `outline` is vertex i, or an arc that arrives at vertex i from vertex i - 1 (cyclic). Edge i runs from
+/// vertex i to vertex i + 1 and is labelled sides[i]: an arc at entry i + 1 makes edge i an arc, and a first entry that
+/// is an arc makes the last edge one.
+void read_outline(const Field& domain, Shape& shape) {
+  const Field outline = need(domain, "outline");
+  std::vector<Vec2> vertices;
+  std::vector<std::optional<Vec2>> center;  // of the edge that arrives at the vertex
+  const std::vector<Field> entries = items(outline);
+  if (entries.size() < 3)
+    fail(outline.node->position,
+         fmt::format("{} has {} vertices; a body needs at least 3", outline.name, entries.size()));
+  for (const Field& entry : entries) {
+    if (entry.node->kind == Node::Kind::Table) {
+      allow_only(entry, {"arc_to", "center"});
+      vertices.push_back(point(need(entry, "arc_to")));
+      center.emplace_back(point(need(entry, "center")));
+    } else {
+      vertices.push_back(point(entry));
+      center.emplace_back();
+    }
+  }
+
+  const Field sides = need(domain, "sides");
+  const std::vector<Field> labels = items(sides);
+  if (labels.size() != vertices.size())
+    fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
+                                           sides.name, labels.size(), vertices.size()));
+  shape.outline.name = "outline";
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const std::string label = safe_name(labels[i]);
+    const auto known = std::find(shape.labels.begin(), shape.labels.end(), label);
+    const auto number = static_cast<Index>(known - shape.labels.begin());
+    if (known == shape.labels.end()) shape.labels.push_back(label);
+    const std::size_t next = (i + 1) % vertices.size();
+    Side side{vertices[i], number, std::nullopt};
+    if (center[next]) side.arc = arc_between(vertices[i], vertices[next], *center[next], entries[next]);
+    shape.outline.sides.push_back(std::move(side));
+  }
+}
+
+void check_unique(const std::string& name, const Field& field, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end())
+    fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
+  names.push_back(name);
+}
+
+Loop read_hole(const Field& hole, const std::string& name, Index label) {
+  const std::string kind = one_of(hole, {"circle", "ellipse", "polygon"});
+  const Field form = need(hole, kind);
+  if (kind == "circle") {
+    allow_only(form, {"center", "radius"});
+    return circle(name, point(need(form, "center")), positive(need(form, "radius")), label);
+  }
+  if (kind == "ellipse") {
+    allow_only(form, {"center", "semi_axes", "angle_deg"});
+    const std::vector<Field> axes = pair(need(form, "semi_axes"));
+    const auto angle = find(form, "angle_deg");
+    return ellipse(name, point(need(form, "center")), {positive(axes[0]), positive(axes[1])},
+                   (angle ? number(*angle) : 0.0) * pi / 180, label);
+  }
+  return polygon(name, points(form, 3), label);
+}
+
+}  // namespace
+
+void read_shape(const Field& document, Case& c) {
+  need(document, "domain");
+  const Field domain = *find_table(document, "domain");
+  allow_only(domain, {"outline", "sides"}, {{"file", "draw the body with outline, sides and [[hole]]"}});
+  read_outline(domain, c.shape);
+
+  std::vector<std::string> names;
+  for (const Field& hole : find_tables(document, "hole")) {
+    allow_only(hole, {"name", "circle", "ellipse", "polygon"});
+    const Field field = need(hole, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const auto label = static_cast<Index>(c.shape.labels.size());
+    c.shape.labels.push_back("hole:" + name);
+    c.shape.holes.push_back(read_hole(hole, name, label));
+  }
+
+  names.clear();
+  for (const Field& crack : find_tables(document, "crack")) {
+    allow_only(crack, {"name", "path", "contact", "friction"},
+               {{"arc", "give the crack as a polyline, path = [[x, y], ...]"}, {"tresca", "contact is frictionless"}});
+    const Field field = need(crack, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const auto contact = find(crack, "contact");
+    const std::string law = contact ? choice(*contact, {"unilateral", "open", "bonded"}) : "unilateral";
+    if (const auto friction = find(crack, "friction")) {
+      const double coefficient = number(*friction);
+      if (coefficient < 0) fail(friction->node->position, friction->name + " must not be negative");
+      if (coefficient > 0)
+        fail(friction->node->position, friction->name + " > 0 is not supported yet; use friction = 0.0");
+    }
+    c.shape.cracks.push_back({name, points(need(crack, "path"), 2)});
+    c.scene.laws.push_back({law == "open"     ? CrackLaw::Kind::Open
+                            : law == "bonded" ? CrackLaw::Kind::Bonded
+                                              : CrackLaw::Kind::Unilateral});
+  }
+}
+
+}  // namespace kerf

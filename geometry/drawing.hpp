@@ -1,0 +1,60 @@
+#pragma once
+// The shape as corners and smooth strands between them, crack ends joined to the sides on which they end. What
+// find_problem looks at and the mesher splits; internal to this room.
+
+#include "geometry/shape.hpp"
+
+namespace kerf {
+
+/// Crack ends nearer to a side than this part of the extent end on it.
+inline constexpr double join_tolerance = 1e-6;
+/// Nothing nearer than this part of the extent counts as apart.
+inline constexpr double touch_tolerance = 1e-9;
+
+Vec2 at(const Arc& arc, double t);
+double determinant(const Arc& arc);      // of the semi-axes
+double largest_radius(const Arc& arc);   // the larger semi-axis
+double smallest_radius(const Arc& arc);  // the smaller one
+double signed_area(const Loop& loop);    // positive when counter-clockwise
+bool closed(const Side& side);           // a whole circle or ellipse
+
+/// A side (or a part of it between crack ends), the body on its left; or a segment of a crack.
+struct Strand {
+  Index from, to;          // corners; equal for a whole circle
+  std::optional<Arc> arc;  // from `from` to `to`
+  Index label = none;
+  Index loop = none;   // 0 the outline, i hole i - 1
+  Index crack = none;  // or the crack
+};
+
+struct Drawing {
+  std::vector<Vec2> corners;
+  std::vector<Strand> strands;  // loops in order, each closed; then cracks, each in the order of its path
+  double extent = 0;
+};
+Drawing draw(const Shape& shape);
+
+/// s in [0, 1] -> point; the corners exactly at the ends.
+Vec2 point(const Drawing& drawing, const Strand& strand, double s);
+
+double distance(const Vec2& x, const Vec2& a, const Vec2& b);  // to the segment
+
+/// Straight pieces between points; points[i] for i < corners is corner i.
+struct Piece {
+  Index a, b;
+  Index strand;
+};
+struct Pieces {
+  std::vector<Vec2> points;
+  std::vector<Piece> pieces;  // along the strands, in their order
+};
+
+/// Arcs split evenly in their parameter, chord error at most `chord` times the extent and a thousandth of the radius.
+Pieces split_evenly(const Drawing& drawing, double chord);
+
+/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces of one strand or loop touch at
+/// `loop_gap`, a crack and anything else at `crack_gap` (lengths); pieces that share a point may meet there.
+std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                        double loop_gap, double crack_gap);
+
+}  // namespace kerf

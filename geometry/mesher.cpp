@@ -1,0 +1,296 @@
+#include "geometry/mesher.hpp"
+
+#include "geometry/lattice.hpp"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Delaunay_mesh_face_base_2.h>
+#include <CGAL/Delaunay_mesh_vertex_base_2.h>
+#include <CGAL/Delaunay_mesher_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double max_triangles = 2e7;
+constexpr double longest_edge = 1.6;  // of the target length: lattice edges reach sqrt 2
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+struct Number {
+  Index value = none;
+};
+using VertexInfo = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
+using VertexBase = CGAL::Delaunay_mesh_vertex_base_2<Kernel, VertexInfo>;
+using FaceBase = CGAL::Delaunay_mesh_face_base_2<Kernel>;
+using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
+using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_predicates_tag>;
+using Vertex = Triangulation::Vertex_handle;
+using Face = Triangulation::Face_handle;
+
+Vec2 vec(const Kernel::Point_2& p) {
+  return {p.x(), p.y()};
+}
+
+/// What CGAL's mesher asks about a face: too long an edge for the size field (to be mended in any case), or too small an
+/// angle (to be mended unless the input forces it).
+class Criteria {
+ public:
+  Criteria(const SizeField& field, double min_angle_deg) : field_(&field) {
+    const double sine = std::sin(min_angle_deg * std::numbers::pi / 180);
+    least_squared_sine_ = sine * sine;
+  }
+
+  struct Quality {
+    double squared_sine = 1, oversize = 0;
+    bool operator<(const Quality& q) const {  // true: mend this one first
+      if (oversize > 1 || q.oversize > 1) return oversize > q.oversize;
+      return squared_sine < q.squared_sine;
+    }
+  };
+
+  class Is_bad {
+   public:
+    Is_bad(const SizeField& field, double least_squared_sine)
+        : field_(&field), least_squared_sine_(least_squared_sine) {}
+
+    CGAL::Mesh_2::Face_badness operator()(const Quality& q) const {
+      if (q.oversize > 1) return CGAL::Mesh_2::IMPERATIVELY_BAD;
+      return q.squared_sine < least_squared_sine_ ? CGAL::Mesh_2::BAD : CGAL::Mesh_2::NOT_BAD;
+    }
+    CGAL::Mesh_2::Face_badness operator()(const Face& face, Quality& q) const {
+      const Vec2 a = vec(face->vertex(0)->point()), b = vec(face->vertex(1)->point()), c = vec(face->vertex(2)->point());
+      std::array<double, 3> squared{(c - b).squaredNorm(), (a - c).squaredNorm(), (b - a).squaredNorm()};
+      std::sort(squared.begin(), squared.end());
+      const double h = longest_edge * size_at(*field_, (a + b + c) / 3);
+      const double twice = cross(b - a, c - a);
+      q.oversize = squared[2] / (h * h);
+      q.squared_sine = q.oversize > 1 ? 1 : twice * twice / (squared[1] * squared[2]);
+      return (*this)(q);
+    }
+
+   private:
+    const SizeField* field_;
+    double least_squared_sine_;
+  };
+  Is_bad is_bad_object() const {
+    return {*field_, least_squared_sine_};
+  }
+
+ private:
+  const SizeField* field_;
+  double least_squared_sine_;
+};
+
+Sizing checked(const Shape& shape, Sizing sizing) {
+  const double whole = extent(shape);
+  const auto require = [](bool holds, const std::string& words) {
+    if (!holds) throw Error(Fault::Geometry, words);
+  };
+  require(std::isfinite(sizing.size) && sizing.size >= 0, "mesh.size must be a positive length, or 0 for the default");
+  require(std::isfinite(sizing.crack_tip_size) && sizing.crack_tip_size >= 0,
+          "mesh.crack_tip_size must be a positive length, or 0 for the default");
+  require(std::isfinite(sizing.grading) && sizing.grading >= 0.01 && sizing.grading <= 2,
+          "the grading of the mesh must lie between 0.01 and 2");
+  require(sizing.min_angle_deg >= 0 && sizing.min_angle_deg <= 30,
+          "mesh.min_angle must lie between 0 and 30 degrees: no mesher can promise more");
+  if (sizing.size == 0) sizing.size = whole / 40;
+  sizing.size = std::min(sizing.size, whole);
+  if (sizing.crack_tip_size == 0) sizing.crack_tip_size = sizing.size / 10;
+  sizing.crack_tip_size = std::min(sizing.crack_tip_size, sizing.size);
+  double area = std::abs(signed_area(shape.outline));
+  for (const Loop& hole : shape.holes) area -= std::abs(signed_area(hole));
+  const double predicted = area / (std::sqrt(3.0) / 4 * sizing.size * sizing.size);
+  require(predicted <= max_triangles,
+          fmt::format("mesh.size = {:.3g} would give about {:.2g} triangles; at most {:.0e} are allowed", sizing.size,
+                      predicted, max_triangles));
+  require(sizing.crack_tip_size >= 1e-11 * whole,
+          fmt::format("mesh.crack_tip_size = {:.3g} is below the digits of the coordinates of a body of extent {:.3g}",
+                      sizing.crack_tip_size, whole));
+  return sizing;
+}
+
+/// The pieces as constraints of an empty triangulation; vertices carry the number of their point.
+std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Pieces& pieces) {
+  std::vector<Vertex> vertex(pieces.points.size());
+  Face hint;
+  for (const Piece& piece : pieces.pieces)  // in path order, so that each point lies close to the last one
+    for (const Index v : {piece.a, piece.b}) {
+      if (vertex[std::size_t(v)] != Vertex()) continue;
+      const Vec2& x = pieces.points[std::size_t(v)];
+      vertex[std::size_t(v)] = triangulation.insert({x.x(), x.y()}, hint);
+      hint = vertex[std::size_t(v)]->face();
+      if (vertex[std::size_t(v)]->info().value != none)
+        throw Error(Fault::Geometry, fmt::format("two points of the shape coincide at ({:.6g}, {:.6g})", x.x(), x.y()));
+      vertex[std::size_t(v)]->info().value = v;
+    }
+  const auto count = triangulation.number_of_vertices();
+  for (const Piece& piece : pieces.pieces)
+    triangulation.insert_constraint(vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]);
+  if (triangulation.number_of_vertices() != count)
+    throw Error(Fault::Geometry, "sides or cracks of the shape cross within the digits of their coordinates");
+  return vertex;
+}
+
+/// Marks the faces inside: crossing a loop changes sides, crossing a crack does not.
+void mark_domain(Triangulation& triangulation, const Drawing& drawing, const Pieces& pieces) {
+  std::vector<Index> next(pieces.points.size(), none);  // along loops
+  for (const Piece& piece : pieces.pieces)
+    if (drawing.strands[std::size_t(piece.strand)].loop != none) next[std::size_t(piece.a)] = piece.b;
+  const auto on_loop = [&](const Face& face, int i) {
+    if (!face->is_constrained(i)) return false;
+    const Index a = face->vertex(Triangulation::ccw(i))->info().value,
+                b = face->vertex(Triangulation::cw(i))->info().value;
+    return next[std::size_t(a)] == b || next[std::size_t(b)] == a;
+  };
+  for (const Face face : triangulation.all_face_handles()) face->set_in_domain(false);
+  std::vector<std::pair<Face, bool>> open{{triangulation.infinite_face(), false}};
+  CGAL::Unique_hash_map<Face, bool> seen(false, triangulation.number_of_faces());
+  seen[triangulation.infinite_face()] = true;
+  while (!open.empty()) {
+    const auto [face, inside] = open.back();
+    open.pop_back();
+    for (int i = 0; i < 3; ++i) {
+      const Face other = face->neighbor(i);
+      if (seen[other]) continue;
+      seen[other] = true;
+      const bool there = inside != on_loop(face, i);
+      other->set_in_domain(there);
+      open.push_back({other, there});
+    }
+  }
+}
+
+std::string nearest_name(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const Vec2& x) {
+  double least = std::numeric_limits<double>::infinity();
+  std::string name;
+  for (const Piece& piece : pieces.pieces) {
+    const double d = distance(x, pieces.points[std::size_t(piece.a)], pieces.points[std::size_t(piece.b)]);
+    if (d >= least) continue;
+    least = d;
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
+    name = strand.crack != none ? fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name)
+           : strand.loop == 0   ? "the outline"
+                                : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
+  }
+  return name;
+}
+
+void refine(Triangulation& triangulation, const Criteria& criteria, const Shape& shape, const Drawing& drawing,
+            const Pieces& pieces) {
+  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(triangulation, criteria);
+  const std::size_t start = triangulation.number_of_vertices();
+  const std::size_t budget = 200000 + 20 * start;
+  mesher.init(true);
+  for (std::size_t step = 0; !mesher.is_refinement_done(); ++step) {
+    if (step == budget) {
+      const Vec2 x = vec(mesher.next_refinement_point());
+      throw Error(Fault::Geometry,
+                  fmt::format("the mesh around ({:.6g}, {:.6g}), next to {}, does not settle: {} refinement steps were "
+                              "not enough; look there for nearly touching sides or very small angles",
+                              x.x(), x.y(), nearest_name(shape, drawing, pieces, x), budget));
+    }
+    mesher.try_one_step_refine_mesh();
+  }
+}
+
+/// The vertices along the constraint from a to b, which the refinement may have split.
+std::vector<Vertex> chain(const Triangulation& triangulation, const Vertex& a, const Vertex& b) {
+  const auto each_neighbour = [&](const Vertex& v, auto&& visit) {
+    auto edge = triangulation.incident_edges(v);
+    const auto begin = edge;
+    do {
+      const auto& [face, i] = *edge;
+      if (!face->is_constrained(i)) continue;
+      const Vertex u = face->vertex(Triangulation::ccw(i)), w = face->vertex(Triangulation::cw(i));
+      visit(u == v ? w : u);
+    } while (++edge != begin);
+  };
+  std::vector<Vertex> path, found;
+  each_neighbour(a, [&](const Vertex& first) {
+    path = {a, first};
+    while (path.back()->info().value == none) {
+      const Vertex before = path[path.size() - 2];
+      Vertex after;
+      each_neighbour(path.back(), [&](const Vertex& v) {
+        if (v != before) after = v;
+      });
+      path.push_back(after);
+    }
+    if (path.back() == b) found = path;
+  });
+  return found;
+}
+
+}  // namespace
+
+Mesh triangulate(const Shape& shape, const Sizing& given) {
+  if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
+  const Sizing sizing = checked(shape, given);
+  const Drawing drawing = draw(shape);
+  Vec2 low = drawing.corners.front(), high = low;
+  const Pieces outline = split_evenly(drawing, join_tolerance);
+  for (const Vec2& x : outline.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double margin = 0.01 * drawing.extent;
+  const SizeField field = size_field(find_sources(shape, drawing, sizing), sizing.size, sizing.grading,
+                                     low.array() - margin, high.array() + margin);
+  // Chords may touch what their arcs do not: then the arcs get more pieces.
+  Pieces pieces = split_to_size(drawing, field, 1);
+  for (int finer = 2; const auto problem = find_contact(shape, drawing, pieces, 0, 0); finer *= 2) {
+    if (finer > 256) throw Error(Fault::Geometry, *problem);
+    pieces = split_to_size(drawing, field, finer);
+  }
+
+  Triangulation triangulation;
+  const std::vector<Vertex> vertex = insert_pieces(triangulation, pieces);
+  Face hint = vertex.front()->face();
+  for (const Vec2& x : lattice_points(drawing, pieces, field, std::size_t(max_triangles / 2)))
+    hint = triangulation.insert({x.x(), x.y()}, hint)->face();
+  mark_domain(triangulation, drawing, pieces);
+  refine(triangulation, Criteria(field, sizing.min_angle_deg), shape, drawing, pieces);
+
+  std::vector<Marked> marked;
+  std::vector<std::vector<Vertex>> chains;
+  for (const Piece& piece : pieces.pieces) {
+    chains.push_back(chain(triangulation, vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]));
+    if (chains.back().empty())
+      throw Error(Fault::Geometry,
+                  fmt::format("the mesher lost an edge of {} at ({:.6g}, {:.6g}); something nearly touches it there",
+                              nearest_name(shape, drawing, pieces, pieces.points[std::size_t(piece.a)]),
+                              pieces.points[std::size_t(piece.a)].x(), pieces.points[std::size_t(piece.a)].y()));
+  }
+  for (const Vertex v : triangulation.finite_vertex_handles()) v->info().value = none;
+  std::vector<Vec2> points;
+  std::vector<std::array<Index, 3>> triangles;
+  points.reserve(triangulation.number_of_vertices());
+  triangles.reserve(triangulation.number_of_faces());
+  for (const Face face : triangulation.finite_face_handles()) {
+    if (!face->is_in_domain()) continue;
+    std::array<Index, 3> t;
+    for (int i = 0; i < 3; ++i) {
+      Index& number = face->vertex(i)->info().value;
+      if (number == none) {
+        number = Index(points.size());
+        points.push_back(vec(face->vertex(i)->point()));
+      }
+      t[std::size_t(i)] = number;
+    }
+    triangles.push_back(t);
+  }
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    const Strand& strand = drawing.strands[std::size_t(pieces.pieces[i].strand)];
+    for (std::size_t k = 0; k + 1 < chains[i].size(); ++k)
+      marked.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, strand.label, strand.crack});
+  }
+  return connect(std::move(points), std::move(triangles), marked);
+}
+
+}  // namespace kerf

@@ -1,0 +1,199 @@
+// What makes a shape unusable, cheapest checks first.
+
+#include "geometry/drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+using Problem = std::optional<std::string>;
+
+std::string text(const Vec2& x) {
+  return fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
+}
+
+std::string name(const Shape& shape, std::size_t loop) {
+  return loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[loop - 1].name);
+}
+const Loop& loop(const Shape& shape, std::size_t number) {
+  return number == 0 ? shape.outline : shape.holes[number - 1];
+}
+
+/// Numbers that are no numbers, or so large that their squares are not.
+bool usable(const Vec2& x) {
+  return x.allFinite() && x.cwiseAbs().maxCoeff() < 1e100;
+}
+
+Problem numbers(const Shape& shape) {
+  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+    const std::vector<Side>& sides = loop(shape, l).sides;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const Side& side = sides[i];
+      const bool arc_usable = !side.arc || (usable(side.arc->center) && usable(side.arc->axes.col(0)) &&
+                                            usable(side.arc->axes.col(1)) && std::isfinite(side.arc->from) &&
+                                            std::isfinite(side.arc->to));
+      if (!usable(side.start) || !arc_usable)
+        return fmt::format("side {} of {} has a coordinate that is no finite number below 1e100", i + 1, name(shape, l));
+      if (side.label < none || side.label >= Index(shape.labels.size()))
+        return fmt::format("side {} of {} has label number {}, but the shape has {} labels", i + 1, name(shape, l),
+                           side.label, shape.labels.size());
+    }
+  }
+  for (const Crack& crack : shape.cracks)
+    for (std::size_t i = 0; i < crack.points.size(); ++i)
+      if (!usable(crack.points[i]))
+        return fmt::format("point {} of crack '{}' has a coordinate that is no finite number below 1e100", i + 1,
+                           crack.name);
+  return {};
+}
+
+Problem counts(const Shape& shape) {
+  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+    const std::vector<Side>& sides = loop(shape, l).sides;
+    const bool curved = std::any_of(sides.begin(), sides.end(), [](const Side& s) { return s.arc.has_value(); });
+    if (sides.empty()) return fmt::format("{} has no sides", name(shape, l));
+    if (sides.size() == 1 && curved && !closed(sides.front()))
+      return fmt::format("{} is one arc that does not close; it must turn by 2 pi", name(shape, l));
+    if (sides.size() < (curved ? 1u : 3u))
+      return fmt::format("{} has {} sides; a closed polygon needs at least three", name(shape, l), sides.size());
+  }
+  for (const Crack& crack : shape.cracks)
+    if (crack.points.size() < 2)
+      return fmt::format("crack '{}' has {} point{}; its path needs at least two", crack.name, crack.points.size(),
+                         crack.points.size() == 1 ? "" : "s");
+  return {};
+}
+
+Problem arc_problem(const Arc& arc, const Vec2& start, const Vec2& end, double size) {
+  // The small axis as determinant over norm: zero as well when the axes are parallel.
+  const double least = arc.axes.norm() > 0 ? std::abs(determinant(arc)) / arc.axes.norm() : 0;
+  if (!(least > touch_tolerance * size)) return "has an arc without a radius; its axes must not be zero or parallel";
+  const double turn = std::abs(arc.to - arc.from);
+  if (!(turn * least > touch_tolerance * size)) return "has zero length";
+  if (turn > 2 * std::acos(-1.0) + 1e-9) return "has an arc that turns by more than 2 pi";
+  if (!((at(arc, arc.from) - start).norm() <= join_tolerance * size))
+    return fmt::format("has an arc that starts at {} instead of {}", text(at(arc, arc.from)), text(start));
+  if (!((at(arc, arc.to) - end).norm() <= join_tolerance * size))
+    return fmt::format("has an arc that ends at {} instead of {}", text(at(arc, arc.to)), text(end));
+  return {};
+}
+
+Problem lengths(const Shape& shape, double size) {
+  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+    const std::vector<Side>& sides = loop(shape, l).sides;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const Vec2 &start = sides[i].start, &end = sides[(i + 1) % sides.size()].start;
+      if (sides[i].arc) {
+        if (const Problem problem = arc_problem(*sides[i].arc, start, end, size))
+          return fmt::format("side {} of {} {}", i + 1, name(shape, l), *problem);
+      } else if (!((end - start).norm() > touch_tolerance * size)) {
+        return fmt::format("side {} of {} has zero length at {}; remove the repeated point", i + 1, name(shape, l),
+                           text(start));
+      }
+    }
+  }
+  for (const Crack& crack : shape.cracks) {
+    double length = 0;
+    for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) {
+      const double edge = (crack.points[i + 1] - crack.points[i]).norm();
+      if (!(edge > touch_tolerance * size))
+        return fmt::format("edge {} of crack '{}' has zero length at {}; remove the repeated point", i + 1, crack.name,
+                           text(crack.points[i]));
+      length += edge;
+    }
+    if (!(length > 4 * join_tolerance * size))
+      return fmt::format("crack '{}' is too short: {:.3g} in a body of extent {:.3g}", crack.name, length, size);
+  }
+  return {};
+}
+
+bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, const Vec2& x) {
+  bool inside = false;
+  for (const Piece& piece : loop) {
+    const Vec2 &a = points[std::size_t(piece.a)], &b = points[std::size_t(piece.b)];
+    if ((a.y() > x.y()) == (b.y() > x.y())) continue;
+    if (x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside;
+}
+
+/// Loops and cracks are known not to cross: one point of each says where it lies.
+Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
+  std::vector<std::vector<Piece>> of(shape.holes.size() + 1);
+  for (const Piece& piece : pieces.pieces) {
+    const Index l = drawing.strands[std::size_t(piece.strand)].loop;
+    if (l != none) of[std::size_t(l)].push_back(piece);
+  }
+  const auto inside = [&](std::size_t l, const Vec2& x) { return contains(pieces.points, of[l], x); };
+  for (std::size_t h = 1; h < of.size(); ++h) {
+    const Vec2& x = pieces.points[std::size_t(of[h].front().a)];
+    if (!inside(0, x)) return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(x));
+    for (std::size_t other = 1; other < of.size(); ++other)
+      if (other != h && inside(other, x))
+        return fmt::format("{} lies inside {}; remove it", name(shape, h), name(shape, other));
+  }
+  std::vector<bool> seen(shape.cracks.size(), false);
+  for (const Piece& piece : pieces.pieces) {
+    const Index c = drawing.strands[std::size_t(piece.strand)].crack;
+    if (c == none || seen[std::size_t(c)]) continue;
+    seen[std::size_t(c)] = true;
+    const Vec2 x = (pieces.points[std::size_t(piece.a)] + pieces.points[std::size_t(piece.b)]) / 2;
+    const std::string& crack = shape.cracks[std::size_t(c)].name;
+    if (!inside(0, x)) return fmt::format("crack '{}' lies outside the body, at {}", crack, text(x));
+    for (std::size_t h = 1; h < of.size(); ++h)
+      if (inside(h, x)) return fmt::format("crack '{}' lies inside {}, at {}", crack, name(shape, h), text(x));
+  }
+  return {};
+}
+
+Problem closed_crack(const Shape& shape, const Drawing& drawing) {
+  std::vector<Index> start(shape.cracks.size(), none), end(shape.cracks.size(), none);
+  for (const Strand& strand : drawing.strands) {
+    if (strand.crack == none) continue;
+    if (start[std::size_t(strand.crack)] == none) start[std::size_t(strand.crack)] = strand.from;
+    end[std::size_t(strand.crack)] = strand.to;
+  }
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c)
+    if (start[c] == end[c] || (shape.cracks[c].points.front() - shape.cracks[c].points.back()).norm() <=
+                                  join_tolerance * drawing.extent)
+      return fmt::format("crack '{}' touches itself at {}: it starts and ends there; a closed cut is a hole",
+                         shape.cracks[c].name, text(shape.cracks[c].points.front()));
+  // Ends that meet on a side share its corner, where the pieces themselves may meet.
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c)
+    for (std::size_t d = c + 1; d < shape.cracks.size(); ++d)
+      for (const Index corner : {start[c], end[c]})
+        if (corner == start[d] || corner == end[d])
+          return fmt::format("cracks '{}' and '{}' touch at {}; branching cracks are not supported yet",
+                             shape.cracks[c].name, shape.cracks[d].name, text(drawing.corners[std::size_t(corner)]));
+  return {};
+}
+
+}  // namespace
+
+std::optional<std::string> find_problem(const Shape& shape) {
+  for (const auto check : {numbers, counts})
+    if (Problem problem = check(shape)) return problem;
+  const double size = extent(shape);
+  if (!(size > 1e-100)) return "the outline has no extent";
+  double farthest = 0;
+  for (const Side& side : shape.outline.sides) farthest = std::max(farthest, side.start.cwiseAbs().maxCoeff());
+  if (farthest > 1e5 * size)
+    return fmt::format("the outline, of extent {:.3g}, lies {:.3g} away from the origin, too far for the digits of its "
+                       "coordinates; move the origin closer",
+                       size, farthest);
+  if (Problem problem = lengths(shape, size)) return problem;
+  const Drawing drawing = draw(shape);
+  const Pieces pieces = split_evenly(drawing, join_tolerance);
+  if (Problem problem =
+          find_contact(shape, drawing, pieces, touch_tolerance * size, join_tolerance * size))
+    return problem;
+  if (Problem problem = closed_crack(shape, drawing)) return problem;
+  return places(shape, drawing, pieces);
+}
+
+}  // namespace kerf

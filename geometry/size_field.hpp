@@ -1,0 +1,49 @@
+#pragma once
+// The target edge length at every point: h(x) = min(cap, min over sources of size + grading dist(x, source)); internal to
+// this room.
+
+#include "geometry/drawing.hpp"
+#include "geometry/mesher.hpp"
+
+#include <vector>
+
+namespace kerf {
+
+/// A segment (or a point, a = b) where something asks for short edges.
+struct Source {
+  Vec2 a, b;
+  double size;
+};
+
+/// The sources, filed in a quadtree: a leaf lists those that can be the least one somewhere in its square.
+struct SizeField {
+  struct Node {
+    Index child = none;  // the first of four, or none for a leaf
+    Index first = 0, count = 0;
+  };
+  double cap = 1, grading = 0.25;
+  std::vector<Source> sources;
+  Vec2 low = Vec2::Zero();  // of the root square
+  double width = 1;
+  std::vector<Node> nodes;
+  std::vector<Index> listed;
+};
+SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high);
+
+double size_at(const SizeField& field, const Vec2& x);
+
+/// What asks for short edges in a drawing: crack tips inside the body, kinks and mouths of cracks, reentrant corners,
+/// curved sides, narrow gaps. Throws Error(Geometry) naming the two sides of a gap too narrow to mesh.
+std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing);
+
+/// Per corner whether the body fills more than 190 degrees around it (corners of loops only).
+std::vector<bool> reentrant_corners(const Drawing& drawing);
+
+/// The narrow gaps alone: between two sides or cracks that face each other across the body nearer than twice the size.
+void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vector<Source>& sources);
+
+/// Strands split at the target length. Whole circles and ellipses on which no crack ends get the polygon that has their
+/// area. `finer` multiplies the number of pieces on arcs.
+Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer);
+
+}  // namespace kerf

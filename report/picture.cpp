@@ -1,0 +1,412 @@
+#include "report/picture.hpp"
+
+#include "report/files.hpp"
+#include "report/layout.hpp"
+#include "report/raster.hpp"
+#include "report/text.hpp"
+
+#include <cairo.h>
+#include <fmt/core.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+constexpr std::uint32_t ink = 0x1c242c, grey = 0x5a6570, paper = 0xffffff, frame_grey = 0x8a949e;
+
+struct Destroy {
+  void operator()(cairo_surface_t* surface) const {
+    cairo_surface_destroy(surface);
+  }
+  void operator()(cairo_t* context) const {
+    cairo_destroy(context);
+  }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
+using Context = std::unique_ptr<cairo_t, Destroy>;
+
+struct Sheet {
+  Surface surface;
+  Context context;
+  cairo_t* pen() const {
+    return context.get();
+  }
+};
+
+Sheet sheet(int width, int height) {
+  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  Context context(cairo_create(surface.get()));
+  cairo_font_options_t* options = cairo_font_options_create();
+  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(context.get(), options);
+  cairo_font_options_destroy(options);
+  cairo_set_line_cap(context.get(), CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
+  return {std::move(surface), std::move(context)};
+}
+
+void colour(cairo_t* pen, std::uint32_t rgb, double alpha = 1) {
+  cairo_set_source_rgba(pen, (rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, alpha);
+}
+
+void choose(cairo_t* pen, const Font& font) {
+  cairo_select_font_face(pen, "DejaVu Sans", font.italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,
+                         font.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(pen, font.size);
+}
+
+double text_width(cairo_t* pen, const std::string& text, const Font& font) {
+  choose(pen, font);
+  cairo_text_extents_t extents;
+  cairo_text_extents(pen, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+/// `anchor` 0, 1/2, 1: `at` is the left end, the middle or the right end of the text, half way up its capitals.
+void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, double anchor,
+           std::uint32_t rgb = ink, bool upright = false) {
+  const double width = text_width(pen, text, font);
+  cairo_save(pen);
+  cairo_translate(pen, at.x(), at.y());
+  if (upright) cairo_rotate(pen, -0.5 * std::numbers::pi);
+  cairo_move_to(pen, -anchor * width, 0.365 * font.size);
+  colour(pen, rgb);
+  cairo_show_text(pen, text.c_str());
+  cairo_restore(pen);
+}
+
+/// Lines below each other, the first at the top of the block at `y`; upright: beside each other from `at` to the right.
+void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, double anchor, std::uint32_t rgb = ink,
+                 bool upright = false) {
+  const double pitch = 1.3 * lines.font.size;
+  for (std::size_t i = 0; i < lines.text.size(); ++i) {
+    const double off = (static_cast<double>(i) + 0.5) * pitch;
+    write(pen, upright ? Vec2(at.x() + off, at.y()) : Vec2(at.x(), at.y() + off), lines.text[i], lines.font, anchor,
+          rgb, upright);
+  }
+}
+
+void trace(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& line) {
+  bool down = false;
+  for (const Vec2& p : line) {
+    const Vec2 at = layout.place(p);
+    if (!at.allFinite()) {
+      down = false;
+    } else if (down) {
+      cairo_line_to(pen, at.x(), at.y());
+    } else {
+      cairo_move_to(pen, at.x(), at.y());
+      cairo_line_to(pen, at.x(), at.y());  // a single point becomes a dot
+      down = true;
+    }
+  }
+}
+
+void stroke(cairo_t* pen, double width, std::uint32_t rgb, double alpha = 1) {
+  cairo_set_line_width(pen, width);
+  colour(pen, rgb, alpha);
+  cairo_stroke(pen);
+}
+
+/// Puts pixels of ours at an integer place.
+void put(cairo_t* pen, Image& image, double x, double y) {
+  const Surface source(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
+                                                           CAIRO_FORMAT_ARGB32, image.width, image.height,
+                                                           4 * image.width));
+  cairo_set_source_surface(pen, source.get(), x, y);
+  cairo_paint(pen);
+  colour(pen, ink);  // lets go of the source before its pixels
+}
+
+void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const Limits& limits) {
+  std::vector<Vec2> pixels;
+  pixels.reserve(picture.points.size());
+  for (const Vec2& p : picture.points) pixels.push_back(layout.place(p) - Vec2(layout.plot.x, layout.plot.y));
+  Painting painting;
+  painting.points = pixels;
+  painting.triangles = picture.triangles;
+  painting.values = &picture.values;
+  painting.limits = limits;
+  painting.scale = picture.scale;
+  if (picture.edges || picture.values.cols() == 0) painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;
+  Image image = paint(static_cast<int>(layout.plot.width), static_cast<int>(layout.plot.height), painting);
+  put(pen, image, layout.plot.x, layout.plot.y);
+
+  for (const auto& line : picture.outlines) trace(pen, layout, line);
+  stroke(pen, 2.2, ink);
+  // A white rim, so that a crack shows on dark colours, too; all rims lie under all lines.
+  for (const auto& line : picture.cracks) trace(pen, layout, line);
+  stroke(pen, 6.5, paper, 0.85);
+  for (const auto& line : picture.cracks) trace(pen, layout, line);
+  stroke(pen, 3.6, 0x000000);
+}
+
+bool apart(const Box& a, const Box& b) {
+  return a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+}
+
+/// Does the segment a-b meet the box? The piece of it left of, right of, ... the four sides is cut away.
+bool meets(const Box& box, const Vec2& a, const Vec2& b) {
+  double from = 0, to = 1;
+  const auto cut = [&](double start, double step, double low, double high) {
+    if (step == 0) return start >= low && start <= high;
+    const double t0 = (low - start) / step, t1 = (high - start) / step;
+    from = std::max(from, std::min(t0, t1));
+    to = std::min(to, std::max(t0, t1));
+    return from <= to;
+  };
+  return cut(a.x(), b.x() - a.x(), box.x, box.x + box.width) && cut(a.y(), b.y() - a.y(), box.y, box.y + box.height);
+}
+
+struct Mark {
+  Vec2 at;
+  Lines name;
+  double width;  // of the name
+};
+
+/// The first of several places around the mark where its name touches nothing; if lines are everywhere, where it
+/// touches no other mark or name; if even that fails the name is left out.
+std::optional<Box> free_place(const Layout& layout, const Mark& mark, const std::vector<Box>& taken,
+                              const std::vector<std::array<Vec2, 2>>& lines) {
+  const double width = mark.width + 8, height = mark.name.height();
+  const Box& plot = layout.plot;
+  for (const bool among_lines : {false, true}) {
+    for (int place = 0; place < 24; ++place) {
+      const bool diagonal = place % 2 == 0;  // upper right first, then clockwise, then farther away
+      const double angle = (place % 8 - 1) * std::numbers::pi / 4, away = (diagonal ? 10 : 13) + 24.0 * (place / 8);
+      const Vec2 to(std::round(std::cos(angle) * 1.2), std::round(std::sin(angle) * 1.2));
+      const Vec2 centre = mark.at + Vec2(to.x() * (away + 0.5 * width), to.y() * (away + 0.5 * height));
+      const Box box{centre.x() - 0.5 * width, centre.y() - 0.5 * height, width, height};
+      bool free = box.x >= plot.x + 4 && box.x + width <= plot.x + plot.width - 4 && box.y >= plot.y + 4 &&
+                  box.y + height <= plot.y + plot.height - 4;
+      for (const Box& other : taken) free = free && apart(box, other);
+      if (free && !among_lines) {
+        for (const auto& [a, b] : lines) free = free && !meets(box, a, b);
+      }
+      if (free) return box;
+    }
+  }
+  return std::nullopt;
+}
+
+void draw_marks(cairo_t* pen, const Layout& layout, const Picture& picture) {
+  const double arm = 9;
+  const Box& plot = layout.plot;
+  std::vector<Mark> marks;
+  std::vector<Box> taken;
+  for (const auto& [p, name] : picture.marks) {
+    const Vec2 at = layout.place(p);
+    const Vec2 inside = at - Vec2(plot.x, plot.y);
+    if (!(inside.minCoeff() >= 0 && inside.x() <= plot.width && inside.y() <= plot.height)) continue;
+    const Measure measure = [&](const std::string& text, const Font& font) { return text_width(pen, text, font); };
+    Mark mark{at, wrap(name, {22}, 15, plot.width - 20, 4, measure), 0};
+    for (const auto& line : mark.name.text) mark.width = std::max(mark.width, measure(line, mark.name.font));
+    marks.push_back(std::move(mark));
+    taken.push_back({at.x() - arm, at.y() - arm, 2 * arm, 2 * arm});
+  }
+  if (marks.empty()) return;
+  for (const auto& [width, rgb] : {std::pair(6.5, paper), std::pair(2.8, std::uint32_t(0xc2185b))}) {
+    for (const Mark& mark : marks) {
+      cairo_move_to(pen, mark.at.x() - arm, mark.at.y());
+      cairo_line_to(pen, mark.at.x() + arm, mark.at.y());
+      cairo_move_to(pen, mark.at.x(), mark.at.y() - arm);
+      cairo_line_to(pen, mark.at.x(), mark.at.y() + arm);
+    }
+    stroke(pen, width, rgb);
+  }
+  std::vector<std::array<Vec2, 2>> lines;
+  for (const auto* group : {&picture.cracks, &picture.outlines}) {
+    for (const auto& line : *group) {
+      for (std::size_t i = 1; i < line.size(); ++i) lines.push_back({layout.place(line[i - 1]), layout.place(line[i])});
+    }
+  }
+  for (const Mark& mark : marks) {
+    if (mark.name.text.empty()) continue;
+    const auto box = free_place(layout, mark, taken, lines);
+    if (!box) continue;
+    taken.push_back(*box);
+    choose(pen, mark.name.font);
+    for (const bool rim : {true, false}) {
+      for (std::size_t i = 0; i < mark.name.text.size(); ++i) {
+        cairo_move_to(pen, box->x + 4, box->y + (1.3 * (static_cast<double>(i) + 0.5) + 0.365) * mark.name.font.size);
+        cairo_text_path(pen, mark.name.text[i].c_str());
+      }
+      if (rim) {
+        stroke(pen, 5, paper, 0.9);
+      } else {
+        colour(pen, ink);
+        cairo_fill(pen);
+      }
+    }
+  }
+}
+
+void draw_axes(cairo_t* pen, const Layout& layout) {
+  const Box& plot = layout.plot;
+  const double bottom = plot.y + plot.height, outside = layout.tick_length + layout.tick_gap;
+  cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
+  cairo_rectangle(pen, plot.x, plot.y, plot.width, plot.height);
+  stroke(pen, 1.6, frame_grey);
+  double labels_width = 0;
+  for (std::size_t i = 0; i < layout.x.at.size(); ++i) {
+    const double x = layout.place({layout.x.at[i], layout.low.y()}).x();
+    write(pen, {x, bottom + outside + 0.5 * layout.tick.size}, layout.x.labels[i], layout.tick, 0.5);
+    cairo_new_path(pen);
+    cairo_move_to(pen, x, bottom);
+    cairo_line_to(pen, x, bottom + layout.tick_length);
+    stroke(pen, 1.6, frame_grey);
+  }
+  for (std::size_t i = 0; i < layout.y.at.size(); ++i) {
+    const double y = layout.place({layout.low.x(), layout.y.at[i]}).y();
+    write(pen, {plot.x - outside, y}, layout.y.labels[i], layout.tick, 1);
+    labels_width = std::max(labels_width, text_width(pen, layout.y.labels[i], layout.tick));
+    cairo_new_path(pen);
+    cairo_move_to(pen, plot.x, y);
+    cairo_line_to(pen, plot.x - layout.tick_length, y);
+    stroke(pen, 1.6, frame_grey);
+  }
+  write_block(pen, {plot.x + 0.5 * plot.width, layout.x_label_y}, layout.x_label, 0.5);
+  const double label_x = plot.x - outside - labels_width - 8 - layout.y_label.height();
+  write_block(pen, {label_x, plot.y + 0.5 * plot.height}, layout.y_label, 0.5, ink, true);
+}
+
+void draw_bar(cairo_t* pen, const Layout& layout, const Picture& picture, const Limits& limits) {
+  const Box& bar = layout.bar;
+  const Colours& table = colours(picture.scale);
+  const bool upright = layout.beside;
+  Image image{static_cast<int>(bar.width), static_cast<int>(bar.height), {}};
+  image.pixels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  for (int j = 0; j < image.height; ++j) {
+    for (int i = 0; i < image.width; ++i) {
+      const double share = upright ? 1 - (j + 0.5) / image.height : (i + 0.5) / image.width;
+      image.pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(i)] =
+          table[static_cast<std::size_t>(256 * share)];
+    }
+  }
+  put(pen, image, bar.x, bar.y);
+
+  // Everything below is for an upright bar whose low end is at 0, length along -y; a lying one is turned.
+  const double length = upright ? bar.height : bar.width, thickness = upright ? bar.width : bar.height;
+  const auto at = [&](double along, double across) {
+    return upright ? Vec2(bar.x + across, bar.y + bar.height - along) : Vec2(bar.x + along, bar.y + across);
+  };
+  const auto to = [&](double along, double across) {
+    const Vec2 p = at(along, across);
+    cairo_line_to(pen, p.x(), p.y());
+  };
+  const auto pointed = [&](double end, double tip, std::uint32_t rgb) {
+    cairo_new_path(pen);
+    to(end, 0);
+    to(tip, 0.5 * thickness);
+    to(end, thickness);
+    cairo_close_path(pen);
+    colour(pen, rgb);
+    cairo_fill(pen);
+  };
+  if (limits.below()) pointed(0, -layout.point, table.front());
+  if (limits.above()) pointed(length, length + layout.point, table.back());
+  cairo_new_path(pen);
+  to(0, 0);
+  if (limits.below()) to(-layout.point, 0.5 * thickness);
+  to(0, thickness);
+  to(length, thickness);
+  if (limits.above()) to(length + layout.point, 0.5 * thickness);
+  to(length, 0);
+  cairo_close_path(pen);
+  stroke(pen, 1.6, frame_grey);
+
+  const double outside = layout.tick_length + layout.tick_gap;
+  for (std::size_t i = 0; i < layout.values.at.size(); ++i) {
+    const double along = (layout.values.at[i] - limits.low) / (limits.high - limits.low) * length;
+    cairo_new_path(pen);
+    to(along, thickness);
+    to(along, thickness + layout.tick_length);
+    stroke(pen, 1.6, frame_grey);
+    const Vec2 where = at(along, thickness + outside + (upright ? 0 : 0.5 * layout.tick.size));
+    write(pen, where, layout.values.labels[i], layout.tick, upright ? 0 : 0.5);
+  }
+  const std::string least = extreme_text("min", limits.least), most = extreme_text("max", limits.most);
+  if (upright) {
+    if (limits.above()) write(pen, at(length + layout.point, thickness + outside), most, layout.extreme, 0, grey);
+    if (limits.below()) write(pen, at(-layout.point, thickness + outside), least, layout.extreme, 0, grey);
+    write_block(pen, {bar.x + thickness + layout.label_gap, layout.plot.y + 0.5 * layout.plot.height},
+                layout.value_label, 0.5, ink, true);
+    return;
+  }
+  const Vec2 label = {bar.x + 0.5 * length, bar.y + thickness + layout.label_gap};
+  write_block(pen, label, layout.value_label, 0.5);
+  double half = 0;
+  for (const auto& line : layout.value_label.text)
+    half = std::max(half, 0.5 * text_width(pen, line, layout.value_label.font));
+  const double y = label.y() + 0.65 * layout.value_label.font.size, room = 0.5 * length + layout.point - half - 30;
+  if (limits.below() && text_width(pen, least, layout.extreme) < room) {
+    write(pen, {bar.x - layout.point, y}, least, layout.extreme, 0, grey);
+  }
+  if (limits.above() && text_width(pen, most, layout.extreme) < room) {
+    write(pen, {bar.x + length + layout.point, y}, most, layout.extreme, 1, grey);
+  }
+}
+
+void check(const Picture& picture) {
+  const auto count = static_cast<Eigen::Index>(picture.triangles.size());
+  if (picture.values.cols() != 0 && picture.values.cols() != count) {
+    throw std::invalid_argument(fmt::format("picture '{}' has values for {} triangles; {} would be right",
+                                            picture.title, picture.values.cols(), count));
+  }
+  for (const auto& triangle : picture.triangles) {
+    for (const Index p : triangle) {
+      if (p < 0 || static_cast<std::size_t>(p) >= picture.points.size()) {
+        throw std::invalid_argument(
+            fmt::format("a triangle of picture '{}' names point {} of {}", picture.title, p, picture.points.size()));
+      }
+    }
+  }
+}
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int count) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+void draw(const std::filesystem::path& path, const Picture& picture) {
+  check(picture);
+  const Limits scale = limits(picture);
+  const Sheet ruler = sheet(1, 1);
+  const Layout layout = lay_out(
+      picture, scale, [&](const std::string& text, const Font& font) { return text_width(ruler.pen(), text, font); });
+
+  const Sheet page = sheet(layout.width, layout.height);
+  cairo_t* pen = page.pen();
+  colour(pen, paper);
+  cairo_paint(pen);
+  write_block(pen, {layout.title_x, layout.margin}, layout.title, 0);
+  write_block(pen, {layout.title_x, layout.margin + layout.title.height()}, layout.subtitle, 0, grey);
+  cairo_save(pen);
+  cairo_rectangle(pen, layout.plot.x, layout.plot.y, layout.plot.width, layout.plot.height);
+  cairo_clip(pen);
+  cairo_new_path(pen);
+  draw_body(pen, layout, picture, scale);
+  draw_marks(pen, layout, picture);
+  cairo_restore(pen);
+  draw_axes(pen, layout);
+  if (layout.has_bar) draw_bar(pen, layout, picture, scale);
+
+  std::string bytes;
+  cairo_status_t status = cairo_status(pen);
+  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png_stream(page.surface.get(), append, &bytes);
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw Error(Fault::Files, fmt::format("cannot draw '{}': {}", path.string(), cairo_status_to_string(status)));
+  }
+  write_file(path, bytes);
+}
+
+}  // namespace kerf

@@ -1,0 +1,36 @@
+#pragma once
+// A field on triangles as a PNG one would show to a colleague. Cairo lives in picture.cpp and nowhere else.
+
+#include "geometry/types.hpp"
+
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+enum class Scale {
+  Linear,     // viridis-like, from the clipped minimum to the clipped maximum
+  Diverging,  // blue - white - red, symmetric about 0
+};
+
+struct Picture {
+  std::string title, subtitle;
+  std::vector<Vec2> points;                     // where to draw (displaced already, if at all)
+  std::vector<std::array<Index, 3>> triangles;  // into `points`
+  Eigen::Matrix3Xd values;                      // per triangle its three corner values; no columns: mesh only
+  std::string value_label;                      // beside the colour bar
+  Scale scale = Scale::Linear;
+  double clip = 0.005;                      // share of the area whose values may lie beyond each end of the colour bar
+  bool edges = false;                       // draw the edges of the triangles
+  std::vector<std::vector<Vec2>> outlines;  // thin dark lines: boundary
+  std::vector<std::vector<Vec2>> cracks;    // strong lines; one per face when displaced
+  std::vector<std::pair<Vec2, std::string>> marks;  // small labelled crosses
+};
+
+/// Throws Error(Files) naming the path. Values that are not finite are drawn in grey.
+void draw(const std::filesystem::path& path, const Picture& picture);
+
+}  // namespace kerf

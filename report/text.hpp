@@ -1,0 +1,20 @@
+#pragma once
+// Numbers and names as text for people.
+
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// Six significant digits; "-" when not finite.
+std::string six(double value);
+
+/// Invalid UTF-8 becomes U+FFFD, control characters and line ends become spaces.
+std::string clean_text(std::string_view text);
+
+/// Cleaned, and & < > " ' as entities.
+std::string escape_html(std::string_view text);
+
+std::string base64(std::string_view bytes);
+
+}  // namespace kerf

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Rooms look down only, and each foreign library stays in its own translation unit.
+set -u
+cd "${1:-.}"
+status=0
+declare -A below=(
+  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [cases]="cases topo solver geometry"
+  [report]="report topo solver geometry" [app]="app cases report topo solver geometry"
+)
+for room in "${!below[@]}"; do
+  while IFS=: read -r file line; do
+    target=$(sed -E 's/.*"([a-z_]+)\/.*/\1/' <<<"$line")
+    case " ${below[$room]} " in
+      *" $target "*) ;;
+      *) echo "$file looks up: $line"; status=1 ;;
+    esac
+  done < <(grep -HE '^#include "[a-z_]+/' "$room"/*.cpp "$room"/*.hpp)
+done
+only() {  # only PATTERN FILE: the header may be included in that file alone
+  while IFS= read -r file; do
+    [ "$file" = "$2" ] || { echo "$file includes $1, which belongs in $2"; status=1; }
+  done < <(grep -lE "^#include <$1" geometry/* solver/* topo/* cases/* report/* app/* 2>/dev/null)
+}
+only CGAL/ geometry/mesher.cpp
+only cholmod solver/factor.cpp
+only 'toml\+\+' cases/reader.cpp
+only muParser cases/expression.cpp
+only vtk report/vtk_module.cpp
+only cairo report/picture.cpp
+only nlohmann report/result.cpp
+only CLI app/main.cpp
+only spdlog app/progress.cpp
+exit $status

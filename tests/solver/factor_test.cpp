@@ -1,0 +1,95 @@
+#include "solver/factor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include <numeric>
+#include <random>
+
+namespace kerf {
+namespace {
+
+// A grid Laplacian plus a diagonal, with some dense rows at the end.
+SparseMatrix lower_grid(Index side, Index dense) {
+  const Index n = side * side + dense;
+  std::vector<Eigen::Triplet<double, Index>> entries;
+  for (Index i = 0; i < side; ++i)
+    for (Index j = 0; j < side; ++j) {
+      const Index k = i * side + j;
+      entries.emplace_back(k, k, 4.1);
+      if (j + 1 < side) entries.emplace_back(k + 1, k, -1);
+      if (i + 1 < side) entries.emplace_back(k + side, k, -1);
+    }
+  for (Index d = 0; d < dense; ++d) {
+    const Index row = side * side + d;
+    entries.emplace_back(row, row, 6 + d);
+    for (Index k = d; k < side * side; k += 7) entries.emplace_back(row, k, 0.1);
+  }
+  SparseMatrix a(n, n);
+  a.setFromTriplets(entries.begin(), entries.end());
+  return a;
+}
+
+TEST(Factor, TrailingBlockIsTheFactorOfTheSchurComplement) {
+  const Index dense = 5;
+  const SparseMatrix lower = lower_grid(9, dense);
+  const Index n = static_cast<Index>(lower.cols()), m = n - dense;
+  const Factor factor(lower, dense);
+  const Eigen::MatrixXd full = Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd K = full.topLeftCorner(m, m), B = full.bottomLeftCorner(dense, m);
+  const Eigen::MatrixXd schur = full.bottomRightCorner(dense, dense) - B * K.llt().solve(B.transpose());
+  EXPECT_LT((factor.schur_complement() - schur).norm(), 1e-13 * schur.norm());
+
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1, 2);
+  EXPECT_LT((full * factor.solve(b) - b).norm(), 1e-12);
+  const Eigen::VectorXd y = factor.forward(b);
+  const Eigen::VectorXd condensed = b.tail(dense) - B * K.llt().solve(b.head(m));
+  const Eigen::VectorXd found = factor.trailing_factor().triangularView<Eigen::Lower>() * y.tail(dense);
+  EXPECT_LT((found - condensed).norm(), 1e-13);
+}
+
+TEST(Factor, NotPositiveDefiniteNamesTheColumn) {
+  SparseMatrix a = lower_grid(4, 0);
+  a.coeffRef(7, 7) = -1;
+  try {
+    Factor factor(a, 0);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Numerics);
+    EXPECT_NE(std::string(e.what()).find("column 7"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Factor, DissectionIsAPermutationThatSavesFill) {
+  const Index side = 40, n = side * side;
+  std::vector<Index> start{0}, neighbours;
+  for (Index k = 0; k < n; ++k) {
+    if (k % side > 0) neighbours.push_back(k - 1);
+    if (k % side + 1 < side) neighbours.push_back(k + 1);
+    if (k >= side) neighbours.push_back(k - side);
+    if (k + side < n) neighbours.push_back(k + side);
+    start.push_back(static_cast<Index>(neighbours.size()));
+  }
+  std::vector<Index> order = dissection(start, neighbours);
+  std::vector<Index> place(n);
+  for (Index k = 0; k < n; ++k) place[order[k]] = k;
+  const SparseMatrix natural = lower_grid(side, 0);
+  std::vector<Eigen::Triplet<double, Index>> entries;
+  for (Index j = 0; j < n; ++j)
+    for (SparseMatrix::InnerIterator it(natural, j); it; ++it)
+      entries.emplace_back(std::max(place[it.row()], place[j]), std::min(place[it.row()], place[j]), it.value());
+  SparseMatrix permuted(n, n);
+  permuted.setFromTriplets(entries.begin(), entries.end());
+  EXPECT_LT(Factor(permuted, 0).entries(), 0.7 * Factor(natural, 0).entries());
+  std::sort(order.begin(), order.end());
+  for (Index k = 0; k < n; ++k) ASSERT_EQ(order[k], k);
+}
+
+TEST(Factor, EmptySystemSolvesToNothing) {
+  const Factor factor(SparseMatrix(0, 0), 0);
+  EXPECT_EQ(factor.solve(Eigen::VectorXd(0)).size(), 0);
+}
+
+}  // namespace
+}  // namespace kerf
