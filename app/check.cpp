@@ -97,17 +97,17 @@ std::string check(const Case& c) {
   }
 
   print("\n{:<20} {:>6} {:>12}  {}\n", "label", "edges", "length", "condition");
-  for (std::size_t label = 0; label < c.shape.labels.size(); ++label) {
-    std::size_t count = 0;
-    double total = 0;
-    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-      if (mesh.label[e] == static_cast<Index>(label)) {
-        ++count;
-        total += length(mesh, static_cast<Index>(e));
-      }
-    print("{:<20} {:>6} {:>12.6g}  {}\n", c.shape.labels[label], count, total,
+  std::vector<std::size_t> count(c.shape.labels.size(), 0);
+  std::vector<double> total(c.shape.labels.size(), 0.0);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.label[e] == none) continue;
+    ++count[mesh.label[e]];
+    total[mesh.label[e]] += length(mesh, static_cast<Index>(e));
+  }
+  for (std::size_t label = 0; label < count.size(); ++label) {
+    print("{:<20} {:>6} {:>12.6g}  {}\n", c.shape.labels[label], count[label], total[label],
           condition(c.scene, static_cast<Index>(label)));
-    if (count == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", c.shape.labels[label]));
+    if (count[label] == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", c.shape.labels[label]));
   }
 
   for (const Probe& probe : c.probes)

@@ -133,8 +133,7 @@ void print(const std::string& text) {
 int perform(const Arguments& arguments) {
   for (const Command& command : commands())
     if (command.name == arguments.command && !command.supported)
-      throw Error(Fault::Usage,
-                  fmt::format("kerf {} is not supported yet; use run, solve, map or check", command.name));
+      throw Error(Fault::Usage, fmt::format("{} is not supported yet; use run, solve, map or check", command.name));
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
     print(check(c));
@@ -152,7 +151,7 @@ int perform(const Arguments& arguments) {
   const Job job = arguments.command == "solve" ? Job::Solve : arguments.command == "map" ? Job::Map : Job::Run;
   const Result result = run(c, job, options);
   progress.finish();
-  if (!arguments.quiet) print(fmt::format("{}\nresults in {}\n", summary(result), options.folder.string()));
+  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));
   if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
   return 0;
 }

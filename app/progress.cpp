@@ -61,11 +61,6 @@ void Progress::phase(const std::string& name) {
   }
 }
 
-void Progress::warn(const std::string& message) {
-  state_->wipe();
-  state_->log.warn("{}", message);
-}
-
 void Progress::finish() {
   State& s = *state_;
   s.wipe();

@@ -21,8 +21,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void phase(const std::string& name);  // begins
-  void warn(const std::string& message);
-  void finish();  // the last phase has ended
+  void finish();                        // the last phase has ended
 
  private:
   struct State;

@@ -178,9 +178,11 @@ void override_value(Node& document, std::string_view assignment) {
   if (equals == std::string_view::npos)
     throw Error(Fault::Usage, fmt::format("--set {}: a value is missing; write key=value", quote(assignment)));
   const std::string_view path = trim(assignment.substr(0, equals)), text = trim(assignment.substr(equals + 1));
-  const std::string name = fmt::format("--set {}", path.empty() ? quote(assignment) : quote(path));
+  const bool printable = !path.empty() && path.size() < 100 &&
+                         std::all_of(path.begin(), path.end(), [](char c) { return c > 32 && c < 127; });
+  const std::string name = "--set " + (printable ? std::string(path) : quote(assignment));
   const std::vector<Step> steps = parse_path(path, name);
-  const Position origin{std::make_shared<const std::string>("--set " + std::string(path)), 0, 0};
+  const Position origin{std::make_shared<const std::string>(name), 0, 0};
 
   Node value;
   try {

@@ -17,8 +17,7 @@ Vec2 on_strand(const std::vector<Vec2>& corners, const Strand& strand, double s)
   if (s <= 0) return corners[std::size_t(strand.from)];
   if (s >= 1) return corners[std::size_t(strand.to)];
   if (strand.arc) return at(*strand.arc, parameter(*strand.arc, s));
-  return corners[std::size_t(strand.from)] +
-         s * (corners[std::size_t(strand.to)] - corners[std::size_t(strand.from)]);
+  return corners[std::size_t(strand.from)] + s * (corners[std::size_t(strand.to)] - corners[std::size_t(strand.from)]);
 }
 
 struct Foot {
@@ -66,8 +65,11 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number) {
   for (Index i = 0; i < count; ++i) {
     const Side& side = loop.sides[std::size_t(i)];
     drawing.corners.push_back(side.start);
-    drawing.strands.push_back({.from = first_corner + i, .to = first_corner + (i + 1) % count, .arc = side.arc,
-                               .label = side.label, .loop = number});
+    drawing.strands.push_back({.from = first_corner + i,
+                               .to = first_corner + (i + 1) % count,
+                               .arc = side.arc,
+                               .label = side.label,
+                               .loop = number});
   }
   const bool body_on_left = (signed_area(loop) > 0) == (number == 0);
   if (body_on_left) return;
@@ -177,6 +179,13 @@ Vec2 point(const Drawing& drawing, const Strand& strand, double s) {
   return on_strand(drawing.corners, strand, s);
 }
 
+Vec2 velocity(const Drawing& drawing, const Strand& strand, double s) {
+  if (!strand.arc) return drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)];
+  const Arc& arc = *strand.arc;
+  const double t = parameter(arc, s);
+  return (arc.to - arc.from) * (arc.axes * Vec2(-std::sin(t), std::cos(t)));
+}
+
 double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
   const double squared = d.squaredNorm();
@@ -202,29 +211,25 @@ Drawing draw(const Shape& shape) {
       const bool last = i + 1 == path.size();
       const Index to = last ? ends[c][1] : Index(drawing.corners.size());
       if (!last) drawing.corners.push_back(path[i]);
-      drawing.strands.push_back({.from = from, .to = to, .arc = std::nullopt, .label = none, .loop = none,
-                                 .crack = Index(c)});
+      drawing.strands.push_back(
+          {.from = from, .to = to, .arc = std::nullopt, .label = none, .loop = none, .crack = Index(c)});
       from = to;
     }
   }
   return drawing;
 }
 
-Pieces split_evenly(const Drawing& drawing, double chord) {
+Pieces split_evenly(const Drawing& drawing) {
+  constexpr double step = 0.09;
   Pieces all{drawing.corners, {}};
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
-    int count = 1;
-    if (strand.arc) {
-      const double radius = largest_radius(*strand.arc);
-      const double error = std::min(chord * drawing.extent / radius, 1e-3);
-      count = std::max(3, int(std::ceil(std::abs(strand.arc->to - strand.arc->from) / std::sqrt(8 * error))));
-    }
+    const int count = strand.arc ? std::max(3, int(std::ceil(std::abs(strand.arc->to - strand.arc->from) / step))) : 1;
     Index previous = strand.from;
     for (int i = 1; i <= count; ++i) {
       const Index next = i == count ? strand.to : Index(all.points.size());
       if (i < count) all.points.push_back(point(drawing, strand, double(i) / count));
-      all.pieces.push_back({previous, next, Index(k)});
+      all.pieces.push_back({previous, next, Index(k), double(i - 1) / count, double(i) / count});
       previous = next;
     }
   }

@@ -37,24 +37,31 @@ Drawing draw(const Shape& shape);
 /// s in [0, 1] -> point; the corners exactly at the ends.
 Vec2 point(const Drawing& drawing, const Strand& strand, double s);
 
+Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
 double distance(const Vec2& x, const Vec2& a, const Vec2& b);  // to the segment
 
 /// Straight pieces between points; points[i] for i < corners is corner i.
 struct Piece {
   Index a, b;
   Index strand;
+  double from, to;  // the strand's s at a and b
 };
 struct Pieces {
   std::vector<Vec2> points;
   std::vector<Piece> pieces;  // along the strands, in their order
 };
 
-/// Arcs split evenly in their parameter, chord error at most `chord` times the extent and a thousandth of the radius.
-Pieces split_evenly(const Drawing& drawing, double chord);
+/// Arcs split evenly in their parameter, about 70 pieces a turn.
+Pieces split_evenly(const Drawing& drawing);
 
-/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces of one strand or loop touch at
-/// `loop_gap`, a crack and anything else at `crack_gap` (lengths); pieces that share a point may meet there.
+/// Lengths at which things touch: loops one another and themselves, a crack and anything else.
+struct Gaps {
+  double loop, crack;
+};
+
+/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces that share a point may meet there.
+/// `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
 std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
-                                        double loop_gap, double crack_gap);
+                                        const Gaps& gaps, bool curved);
 
 }  // namespace kerf

@@ -56,13 +56,12 @@ std::string name(const Shape& shape, const Strand& strand) {
 
 int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
   if (!strand.arc) {
-    const double length =
-        (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
+    const double length = (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
     return int(std::clamp(std::ceil(length / longest), 1.0, 1e6));
   }
   const double angle = std::abs(strand.arc->to - strand.arc->from);
-  return int(std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / std::numbers::pi)), 1.0,
-                        1e6));
+  return int(
+      std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / std::numbers::pi)), 1.0, 1e6));
 }
 
 Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
@@ -74,8 +73,8 @@ Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach)
     const int count = even_pieces(drawing, strand, reach);
     for (int i = 0; i < count; ++i) {
       const Vec2 a = point(drawing, strand, double(i) / count), b = point(drawing, strand, double(i + 1) / count);
-      targets.all.push_back({a, b, Index(k), i == 0 && tip[std::size_t(strand.from)],
-                             i + 1 == count && tip[std::size_t(strand.to)]});
+      targets.all.push_back(
+          {a, b, Index(k), i == 0 && tip[std::size_t(strand.from)], i + 1 == count && tip[std::size_t(strand.to)]});
       targets.low = targets.low.cwiseMin(a).cwiseMin(b);
       high = high.cwiseMax(a).cwiseMax(b);
     }

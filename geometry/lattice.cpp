@@ -83,7 +83,8 @@ struct Filler {
         for (std::int64_t i = left; i <= right; ++i) {
           const Vec2 x(shift + double(i) * column, y);
           if (!sure && level(size_at(field, x)) != k) continue;
-          if (!near.empty() && (!is_clear(x, field.cap * scale, near) || crosses(reference, x, near) == inside)) continue;
+          if (!near.empty() && (!is_clear(x, field.cap * scale, near) || crosses(reference, x, near) == inside))
+            continue;
           found.push_back(x);
         }
       }
@@ -94,7 +95,8 @@ struct Filler {
                                                2 * most));
   }
 
-  /// `inside`: whether the reference point, somewhere in the parent square, lies in the body; `near`: the parent's pieces.
+  /// `inside`: whether the reference point, somewhere in the parent square, lies in the body; `near`: the parent's
+  /// pieces.
   void visit(const Vec2& low, double width, const std::vector<Index>& near_parent, const Vec2& reference, bool inside) {
     const Vec2 center = low.array() + width / 2;
     const double radius = width * std::sqrt(0.5), h = size_at(field, center);
@@ -110,8 +112,7 @@ struct Filler {
     if (near.empty() && !inside) return;
     // Small squares where h varies, so that h_low stays positive and few levels meet in one.
     if (width > leaf * h_high || (h_low < h_high && (h_low < 0.3 * h_high) && width > 1e-3 * h)) {
-      for (int q = 0; q < 4; ++q)
-        visit(low + width / 2 * Vec2(q & 1, q >> 1), width / 2, near, center, inside);
+      for (int q = 0; q < 4; ++q) visit(low + width / 2 * Vec2(q & 1, q >> 1), width / 2, near, center, inside);
       return;
     }
     fill(low, width, std::max(h_low, 0.25 * h), h_high, near, center, inside);

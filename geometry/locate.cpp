@@ -89,8 +89,7 @@ std::vector<Index> locate(const Mesh& mesh, std::span<const Vec2> points) {
     const Vec2& x = points[p];
     // Not finite, or outside the box: no triangle.
     if (!((x - all.low).minCoeff() >= -margin && (all.high - x).minCoeff() >= -margin)) continue;
-    const std::size_t cell =
-        std::size_t(grid.row(x.y())) * std::size_t(grid.columns) + std::size_t(grid.column(x.x()));
+    const std::size_t cell = std::size_t(grid.row(x.y())) * std::size_t(grid.columns) + std::size_t(grid.column(x.x()));
     double least = margin;
     for (Index i = grid.start[cell]; i < grid.start[cell + 1]; ++i) {
       const Index t = grid.triangle[std::size_t(i)];

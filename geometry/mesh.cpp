@@ -75,7 +75,8 @@ Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangl
   // Counting sort of the half edges by their smaller vertex, then each short list by the larger one.
   std::vector<Index> start(points.size() + 1, 0);
   for (const auto& v : triangles)
-    for (Index i = 0; i < 3; ++i) ++start[std::size_t(std::min(v[std::size_t(next(i))], v[std::size_t(previous(i))])) + 1];
+    for (Index i = 0; i < 3; ++i)
+      ++start[std::size_t(std::min(v[std::size_t(next(i))], v[std::size_t(previous(i))])) + 1];
   for (std::size_t v = 0; v < points.size(); ++v) start[v + 1] += start[v];
   std::vector<Half> halves(3 * triangles.size());
   std::vector<Index> fill(start.begin(), start.end() - 1);
@@ -104,8 +105,8 @@ Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangl
       }
       Index& side = mesh.sides.back()[std::size_t(h->side)];
       if (side != none)
-        throw std::invalid_argument(fmt::format("edge ({}, {}) has two triangles on one side: {} and {}", v, h->other,
-                                                side, h->triangle));
+        throw std::invalid_argument(
+            fmt::format("edge ({}, {}) has two triangles on one side: {} and {}", v, h->other, side, h->triangle));
       side = h->triangle;
       mesh.edges_of[std::size_t(h->triangle)][std::size_t(h->edge)] = Index(mesh.edges.size()) - 1;
     }

@@ -1,6 +1,7 @@
 #include "geometry/mesher.hpp"
 
 #include "geometry/lattice.hpp"
+#include "geometry/smooth.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
@@ -12,12 +13,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace kerf {
 
 namespace {
 
+constexpr int sweeps = 8;  // of smoothing
 constexpr double max_triangles = 2e7;
 constexpr double longest_edge = 1.6;  // of the target length: lattice edges reach sqrt 2
 
@@ -37,8 +40,8 @@ Vec2 vec(const Kernel::Point_2& p) {
   return {p.x(), p.y()};
 }
 
-/// What CGAL's mesher asks about a face: too long an edge for the size field (to be mended in any case), or too small an
-/// angle (to be mended unless the input forces it).
+/// What CGAL's mesher asks about a face: too long an edge for the size field (to be mended in any case), or too small
+/// an angle (to be mended unless the input forces it).
 class Criteria {
  public:
   Criteria(const SizeField& field, double min_angle_deg) : field_(&field) {
@@ -64,7 +67,8 @@ class Criteria {
       return q.squared_sine < least_squared_sine_ ? CGAL::Mesh_2::BAD : CGAL::Mesh_2::NOT_BAD;
     }
     CGAL::Mesh_2::Face_badness operator()(const Face& face, Quality& q) const {
-      const Vec2 a = vec(face->vertex(0)->point()), b = vec(face->vertex(1)->point()), c = vec(face->vertex(2)->point());
+      const Vec2 a = vec(face->vertex(0)->point()), b = vec(face->vertex(1)->point()),
+                 c = vec(face->vertex(2)->point());
       std::array<double, 3> squared{(c - b).squaredNorm(), (a - c).squaredNorm(), (b - a).squaredNorm()};
       std::sort(squared.begin(), squared.end());
       const double h = longest_edge * size_at(*field_, (a + b + c) / 3);
@@ -115,20 +119,27 @@ Sizing checked(const Shape& shape, Sizing sizing) {
   return sizing;
 }
 
-/// The pieces as constraints of an empty triangulation; vertices carry the number of their point.
+/// The pieces as constraints of an empty triangulation; vertices carry the number of their point. Points enter in ever
+/// finer subsets of the path, each next to one already there: in path order every new point would see all earlier ones.
 std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Pieces& pieces) {
   std::vector<Vertex> vertex(pieces.points.size());
-  Face hint;
-  for (const Piece& piece : pieces.pieces)  // in path order, so that each point lies close to the last one
-    for (const Index v : {piece.a, piece.b}) {
-      if (vertex[std::size_t(v)] != Vertex()) continue;
-      const Vec2& x = pieces.points[std::size_t(v)];
-      vertex[std::size_t(v)] = triangulation.insert({x.x(), x.y()}, hint);
-      hint = vertex[std::size_t(v)]->face();
-      if (vertex[std::size_t(v)]->info().value != none)
-        throw Error(Fault::Geometry, fmt::format("two points of the shape coincide at ({:.6g}, {:.6g})", x.x(), x.y()));
-      vertex[std::size_t(v)]->info().value = v;
-    }
+  const std::size_t end = pieces.pieces.size();
+  std::size_t stride = 1;
+  while (2 * stride < end) stride *= 2;
+  const auto insert = [&](Index v, std::size_t before) {
+    if (vertex[std::size_t(v)] != Vertex()) return;
+    const Vertex close = vertex[std::size_t(pieces.pieces[before].a)];
+    const Vec2& x = pieces.points[std::size_t(v)];
+    const Vertex added = triangulation.insert({x.x(), x.y()}, close == Vertex() ? Face() : close->face());
+    if (added->info().value != none)
+      throw Error(Fault::Geometry, fmt::format("two points of the shape coincide at ({:.6g}, {:.6g})", x.x(), x.y()));
+    added->info().value = v;
+    vertex[std::size_t(v)] = added;
+  };
+  for (std::size_t i = 0; i < end; i += stride) insert(pieces.pieces[i].a, i >= stride ? i - stride : 0);
+  for (; stride > 1; stride /= 2)
+    for (std::size_t i = stride / 2; i < end; i += stride) insert(pieces.pieces[i].a, i - stride / 2);
+  for (std::size_t i = 0; i < end; ++i) insert(pieces.pieces[i].b, i);  // ends of cracks
   const auto count = triangulation.number_of_vertices();
   for (const Piece& piece : pieces.pieces)
     triangulation.insert_constraint(vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]);
@@ -234,7 +245,7 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   Vec2 low = drawing.corners.front(), high = low;
-  const Pieces outline = split_evenly(drawing, join_tolerance);
+  const Pieces outline = split_evenly(drawing);
   for (const Vec2& x : outline.points) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
@@ -244,8 +255,8 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
                                      low.array() - margin, high.array() + margin);
   // Chords may touch what their arcs do not: then the arcs get more pieces.
   Pieces pieces = split_to_size(drawing, field, 1);
-  for (int finer = 2; const auto problem = find_contact(shape, drawing, pieces, 0, 0); finer *= 2) {
-    if (finer > 256) throw Error(Fault::Geometry, *problem);
+  for (int finer = 2; const auto problem = find_contact(shape, drawing, pieces, {0, 0}, false); finer *= 2) {
+    if (finer > 16) throw Error(Fault::Geometry, *problem);
     pieces = split_to_size(drawing, field, finer);
   }
 
@@ -290,7 +301,9 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
     for (std::size_t k = 0; k + 1 < chains[i].size(); ++k)
       marked.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, strand.label, strand.crack});
   }
-  return connect(std::move(points), std::move(triangles), marked);
+  const Mesh rough = connect(std::move(points), std::move(triangles), marked);
+  Smoothed smoothed = smooth(rough, sizing.min_angle_deg, sweeps);
+  return connect(std::move(smoothed.points), std::move(smoothed.triangles), marked);
 }
 
 }  // namespace kerf

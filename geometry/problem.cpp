@@ -34,11 +34,12 @@ Problem numbers(const Shape& shape) {
     const std::vector<Side>& sides = loop(shape, l).sides;
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const Side& side = sides[i];
-      const bool arc_usable = !side.arc || (usable(side.arc->center) && usable(side.arc->axes.col(0)) &&
-                                            usable(side.arc->axes.col(1)) && std::isfinite(side.arc->from) &&
-                                            std::isfinite(side.arc->to));
+      const bool arc_usable =
+          !side.arc || (usable(side.arc->center) && usable(side.arc->axes.col(0)) && usable(side.arc->axes.col(1)) &&
+                        std::isfinite(side.arc->from) && std::isfinite(side.arc->to));
       if (!usable(side.start) || !arc_usable)
-        return fmt::format("side {} of {} has a coordinate that is no finite number below 1e100", i + 1, name(shape, l));
+        return fmt::format("side {} of {} has a coordinate that is no finite number below 1e100", i + 1,
+                           name(shape, l));
       if (side.label < none || side.label >= Index(shape.labels.size()))
         return fmt::format("side {} of {} has label number {}, but the shape has {} labels", i + 1, name(shape, l),
                            side.label, shape.labels.size());
@@ -122,31 +123,41 @@ bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, c
   return inside;
 }
 
-/// Loops and cracks are known not to cross: one point of each says where it lies.
+/// Whether most of the points lie in the loop. All do or none, but close to an arc its chords may say otherwise.
+bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, const std::vector<Vec2>& x) {
+  const auto inside = std::count_if(x.begin(), x.end(), [&](const Vec2& y) { return contains(points, loop, y); });
+  return 2 * inside > std::ptrdiff_t(x.size());
+}
+
+/// Loops and cracks are known not to cross: each lies on one side of every other.
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
-  std::vector<std::vector<Piece>> of(shape.holes.size() + 1);
+  std::vector<std::vector<Piece>> loops(shape.holes.size() + 1);
+  std::vector<std::vector<Vec2>> on_loop(loops.size()), on_crack(shape.cracks.size());
   for (const Piece& piece : pieces.pieces) {
-    const Index l = drawing.strands[std::size_t(piece.strand)].loop;
-    if (l != none) of[std::size_t(l)].push_back(piece);
+    const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
+    if (strand.crack != none) {
+      on_crack[std::size_t(strand.crack)].push_back((a + b) / 2);
+    } else {
+      loops[std::size_t(strand.loop)].push_back(piece);
+      on_loop[std::size_t(strand.loop)].push_back(a);
+    }
   }
-  const auto inside = [&](std::size_t l, const Vec2& x) { return contains(pieces.points, of[l], x); };
-  for (std::size_t h = 1; h < of.size(); ++h) {
-    const Vec2& x = pieces.points[std::size_t(of[h].front().a)];
-    if (!inside(0, x)) return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(x));
-    for (std::size_t other = 1; other < of.size(); ++other)
-      if (other != h && inside(other, x))
+  const auto within = [&](const std::vector<Vec2>& x, std::size_t l) { return contains(pieces.points, loops[l], x); };
+  for (std::size_t h = 1; h < loops.size(); ++h) {
+    if (!within(on_loop[h], 0))
+      return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(on_loop[h].front()));
+    for (std::size_t other = 1; other < loops.size(); ++other)
+      if (other != h && within({on_loop[h].front()}, other) && within(on_loop[h], other))
         return fmt::format("{} lies inside {}; remove it", name(shape, h), name(shape, other));
   }
-  std::vector<bool> seen(shape.cracks.size(), false);
-  for (const Piece& piece : pieces.pieces) {
-    const Index c = drawing.strands[std::size_t(piece.strand)].crack;
-    if (c == none || seen[std::size_t(c)]) continue;
-    seen[std::size_t(c)] = true;
-    const Vec2 x = (pieces.points[std::size_t(piece.a)] + pieces.points[std::size_t(piece.b)]) / 2;
-    const std::string& crack = shape.cracks[std::size_t(c)].name;
-    if (!inside(0, x)) return fmt::format("crack '{}' lies outside the body, at {}", crack, text(x));
-    for (std::size_t h = 1; h < of.size(); ++h)
-      if (inside(h, x)) return fmt::format("crack '{}' lies inside {}, at {}", crack, name(shape, h), text(x));
+  for (std::size_t c = 0; c < on_crack.size(); ++c) {
+    const std::string& crack = shape.cracks[c].name;
+    if (!within(on_crack[c], 0))
+      return fmt::format("crack '{}' lies outside the body, at {}", crack, text(on_crack[c].front()));
+    for (std::size_t h = 1; h < loops.size(); ++h)
+      if (within(on_crack[c], h))
+        return fmt::format("crack '{}' lies inside {}, at {}", crack, name(shape, h), text(on_crack[c].front()));
   }
   return {};
 }
@@ -159,8 +170,8 @@ Problem closed_crack(const Shape& shape, const Drawing& drawing) {
     end[std::size_t(strand.crack)] = strand.to;
   }
   for (std::size_t c = 0; c < shape.cracks.size(); ++c)
-    if (start[c] == end[c] || (shape.cracks[c].points.front() - shape.cracks[c].points.back()).norm() <=
-                                  join_tolerance * drawing.extent)
+    if (start[c] == end[c] ||
+        (shape.cracks[c].points.front() - shape.cracks[c].points.back()).norm() <= join_tolerance * drawing.extent)
       return fmt::format("crack '{}' touches itself at {}: it starts and ends there; a closed cut is a hole",
                          shape.cracks[c].name, text(shape.cracks[c].points.front()));
   // Ends that meet on a side share its corner, where the pieces themselves may meet.
@@ -183,15 +194,15 @@ std::optional<std::string> find_problem(const Shape& shape) {
   double farthest = 0;
   for (const Side& side : shape.outline.sides) farthest = std::max(farthest, side.start.cwiseAbs().maxCoeff());
   if (farthest > 1e5 * size)
-    return fmt::format("the outline, of extent {:.3g}, lies {:.3g} away from the origin, too far for the digits of its "
-                       "coordinates; move the origin closer",
-                       size, farthest);
+    return fmt::format(
+        "the outline, of extent {:.3g}, lies {:.3g} away from the origin, too far for the digits of its "
+        "coordinates; move the origin closer",
+        size, farthest);
   if (Problem problem = lengths(shape, size)) return problem;
   const Drawing drawing = draw(shape);
-  const Pieces pieces = split_evenly(drawing, join_tolerance);
-  if (Problem problem =
-          find_contact(shape, drawing, pieces, touch_tolerance * size, join_tolerance * size))
-    return problem;
+  const Pieces pieces = split_evenly(drawing);
+  const Gaps gaps{touch_tolerance * size, join_tolerance * size};
+  if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
   if (Problem problem = closed_crack(shape, drawing)) return problem;
   return places(shape, drawing, pieces);
 }

@@ -46,7 +46,8 @@ Loop polygon(std::string name, const std::vector<Vec2>& points, Index label) {
 
 Polygon flatten(const Loop& loop, double chord, double longest) {
   if (!(chord > 0) || !(longest > 0))
-    throw Error(Fault::Geometry, fmt::format("'{}': the chord error and the longest piece must be positive", loop.name));
+    throw Error(Fault::Geometry,
+                fmt::format("'{}': the chord error and the longest piece must be positive", loop.name));
   Polygon polygon;
   for (const Side& side : loop.sides) {
     polygon.points.push_back(side.start);
@@ -55,14 +56,14 @@ Polygon flatten(const Loop& loop, double chord, double longest) {
     const Arc& arc = *side.arc;
     const double radius = largest_radius(arc);
     // The chord's distance is at most radius (1 - cos(step / 2)), the piece's length at most radius step.
-    const double step = std::min({std::numbers::pi / 3, longest / radius,
-                                  2 * std::acos(std::max(0.5, 1 - chord / radius)),
-                                  // acos loses its digits near 1
-                                  chord < 1e-8 * radius ? std::sqrt(8 * chord / radius) : std::numbers::pi});
+    const double step =
+        std::min({std::numbers::pi / 3, longest / radius, 2 * std::acos(std::max(0.5, 1 - chord / radius)),
+                  // acos loses its digits near 1
+                  chord < 1e-8 * radius ? std::sqrt(8 * chord / radius) : std::numbers::pi});
     const double count = std::ceil(std::abs(arc.to - arc.from) / step * (1 - 1e-12));
     if (!(count <= 1e7))
-      throw Error(Fault::Geometry, fmt::format("'{}': an arc would need {:g} pieces; allow a larger chord error",
-                                               loop.name, count));
+      throw Error(Fault::Geometry,
+                  fmt::format("'{}': an arc would need {:g} pieces; allow a larger chord error", loop.name, count));
     for (int i = 1; i < int(count); ++i) {
       polygon.points.push_back(at(arc, arc.from + (arc.to - arc.from) * i / count));
       polygon.label.push_back(side.label);

@@ -12,8 +12,7 @@ namespace {
 
 constexpr std::size_t few = 4;    // a square with no more sources is a leaf
 constexpr std::size_t many = 12;  // no leaf lists more
-constexpr int max_depth = 40;   // of the quadtree
-constexpr double max_pieces = 4e6;
+constexpr int max_depth = 40;     // of the quadtree
 
 double size_of(const SizeField& field, const Source& s, const Vec2& x) {
   return s.size + field.grading * distance(x, s.a, s.b);
@@ -57,74 +56,6 @@ void grow(SizeField& field, std::size_t node, const Vec2& low, double width, con
 
 constexpr double degree = std::numbers::pi / 180;
 
-Vec2 speed(const Drawing& drawing, const Strand& strand, double s) {
-  if (!strand.arc) return drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)];
-  const Arc& arc = *strand.arc;
-  const double t = arc.from + s * (arc.to - arc.from);
-  return (arc.to - arc.from) * (arc.axes * Vec2(-std::sin(t), std::cos(t)));
-}
-
-/// Parameters that split a strand into pieces of about the target length: equal steps of the integral of ds / h.
-std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer) {
-  struct Stretch {
-    double from, to;
-  };
-  std::vector<double> s{0}, steps{0};
-  std::vector<Stretch> open{{0, 1}};
-  const int least = strand.arc ? 8 : 1;
-  while (!open.empty()) {
-    const auto [from, to] = open.back();
-    open.pop_back();
-    const double middle = (from + to) / 2, length = speed(drawing, strand, middle).norm() * (to - from);
-    const double h = size_at(field, point(drawing, strand, middle));
-    if ((length > 0.5 * h || to - from > 1.01 / least) && to - from > 1e-14) {
-      open.push_back({middle, to});
-      open.push_back({from, middle});
-      continue;
-    }
-    s.push_back(to);
-    steps.push_back(steps.back() + length / h);
-    if (steps.back() > max_pieces)
-      throw Error(Fault::Geometry,
-                  fmt::format("the mesh would need more than {:g} edges along one side; raise mesh.size", max_pieces));
-  }
-  const bool whole = strand.arc && strand.from == strand.to;
-  int count = std::max(whole ? 8 : 1, int(std::lround(steps.back())));
-  if (strand.arc) count *= finer;
-  std::vector<double> at{0};
-  std::size_t k = 1;
-  for (int i = 1; i < count; ++i) {
-    const double target = steps.back() * i / count;
-    while (steps[k] < target) ++k;
-    at.push_back(s[k - 1] + (s[k] - s[k - 1]) * (target - steps[k - 1]) / (steps[k] - steps[k - 1]));
-  }
-  at.push_back(1);
-  return at;
-}
-
-/// Factors that move the points of a whole ellipse away from its center, so that the polygon through them has its area.
-/// In proportion to the squares of the steps beside them: where the steps are short the points hardly move.
-std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
-  const std::size_t n = s.size() - 1;
-  std::vector<double> step(n), factor(n);
-  for (std::size_t i = 0; i < n; ++i) step[i] = (s[i + 1] - s[i]) * std::abs(arc.to - arc.from);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double before = step[(i + n - 1) % n];
-    factor[i] = (before * before + step[i] * step[i]) / 24;
-  }
-  // Twice the area is sum (1 + m f_i) (1 + m f_j) sin(step): solve for m.
-  double constant = -2 * std::numbers::pi, linear = 0, quadratic = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double sine = std::sin(step[i]), other = factor[(i + 1) % n];
-    constant += sine;
-    linear += sine * (factor[i] + other);
-    quadratic += sine * factor[i] * other;
-  }
-  const double m = -2 * constant / (linear + std::sqrt(linear * linear - 4 * quadratic * constant));
-  for (double& f : factor) f = 1 + m * f;
-  return factor;
-}
-
 double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
   return std::atan2(cross(in, out), in.dot(out));
 }
@@ -144,7 +75,7 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
     open.pop_back();
     const double middle = (from + to) / 2;
     const double least = std::min({wanted(from), wanted(middle), wanted(to)});
-    const double length = speed(drawing, strand, middle).norm() * (to - from);
+    const double length = velocity(drawing, strand, middle).norm() * (to - from);
     const double angle = (to - from) * std::abs(arc.to - arc.from);
     if (angle > std::numbers::pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
       open.push_back({middle, to});
@@ -158,8 +89,13 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
 }  // namespace
 
 SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high) {
-  SizeField field{.cap = cap, .grading = grading, .sources = std::move(sources), .low = low,
-                  .width = (high - low).maxCoeff(), .nodes = std::vector<SizeField::Node>(1), .listed = {}};
+  SizeField field{.cap = cap,
+                  .grading = grading,
+                  .sources = std::move(sources),
+                  .low = low,
+                  .width = (high - low).maxCoeff(),
+                  .nodes = std::vector<SizeField::Node>(1),
+                  .listed = {}};
   std::vector<Index> all(field.sources.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = Index(i);
   grow(field, 0, field.low, field.width, all, 0);
@@ -190,7 +126,8 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
     if (strand.loop != none) {
       // The body lies to the left of its loops: a turn to the right is a reentrant corner.
       const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
-      reentrant[std::size_t(strand.from)] = turn(speed(drawing, before, 1), speed(drawing, strand, 0)) < -10 * degree;
+      reentrant[std::size_t(strand.from)] =
+          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
     }
   return reentrant;
 }
@@ -218,7 +155,8 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
     if (strand.crack != none) {
       const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
-      if (follows && std::abs(turn(speed(drawing, drawing.strands[i - 1], 1), speed(drawing, strand, 0))) > 5 * degree)
+      if (follows &&
+          std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1), velocity(drawing, strand, 0))) > 5 * degree)
         ask(strand.from, size / 4);
       if (!follows) ask(strand.from, on_loop[std::size_t(strand.from)] ? size / 4 : sizing.crack_tip_size);
       if (last) ask(strand.to, on_loop[std::size_t(strand.to)] ? size / 4 : sizing.crack_tip_size);
@@ -229,35 +167,6 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     if (reentrant[v]) ask(Index(v), size / 5);
   add_gaps(shape, drawing, size, sources);
   return sources;
-}
-
-Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) {
-  Pieces all{drawing.corners, {}};
-  std::vector<bool> mouth(drawing.corners.size(), false);
-  for (const Strand& strand : drawing.strands)
-    if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
-  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
-    const Strand& strand = drawing.strands[k];
-    const std::vector<double> s = spaced(drawing, strand, field, finer);
-    std::vector<double> factor(s.size() - 1, 1.0);
-    if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
-      factor = area_factors(*strand.arc, s);
-    const auto moved = [&](const Vec2& x, std::size_t i) -> Vec2 {
-      return factor[i] == 1 ? x : strand.arc->center + factor[i] * (x - strand.arc->center);
-    };
-    all.points[std::size_t(strand.from)] = moved(all.points[std::size_t(strand.from)], 0);
-    Index previous = strand.from;
-    for (std::size_t i = 1; i < s.size(); ++i) {
-      Index next = strand.to;
-      if (i + 1 < s.size()) {
-        next = Index(all.points.size());
-        all.points.push_back(moved(point(drawing, strand, s[i]), i));
-      }
-      all.pieces.push_back({previous, next, Index(k)});
-      previous = next;
-    }
-  }
-  return all;
 }
 
 }  // namespace kerf

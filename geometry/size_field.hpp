@@ -1,6 +1,6 @@
 #pragma once
-// The target edge length at every point: h(x) = min(cap, min over sources of size + grading dist(x, source)); internal to
-// this room.
+// The target edge length at every point: h(x) = min(cap, min over sources of size + grading dist(x, source)); internal
+// to this room.
 
 #include "geometry/drawing.hpp"
 #include "geometry/mesher.hpp"

@@ -1,7 +1,9 @@
 #include "solver/factor.hpp"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <fmt/core.h>
+#include <omp.h>
 
 namespace kerf {
 
@@ -37,6 +39,14 @@ struct Session {  // a CHOLMOD workspace with its lifetime
     cholmod_finish(&c);
   }
 };
+
+// OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k triangles:
+// half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
+void use_one_thread() {
+  omp_set_max_active_levels(0);
+  using Set = void (*)(int);
+  if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
+}
 
 [[noreturn]] void out_of_memory() {
   throw Error(Fault::Numerics, "not enough memory for the factorisation; use a coarser mesh (mesh.size)");
@@ -113,6 +123,7 @@ struct Factor::Impl {
 };
 
 Factor::Factor(const SparseMatrix& lower, Index trailing) : impl_(std::make_unique<Impl>()) {
+  use_one_thread();
   impl_->size = static_cast<Index>(lower.cols());
   impl_->trailing = trailing;
   if (impl_->size == 0) return;

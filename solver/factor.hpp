@@ -20,7 +20,7 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// trailing block of L is the Cholesky factor of the Schur complement onto them.
 class Factor {
  public:
-  /// `lower`: lower triangle, columns sorted. Throws Error(Numerics) naming the first bad column when K is not positive
+  /// `lower`: lower triangle, columns sorted. Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K is not positive
   /// definite (Error::what says "column N"), or when memory runs out.
   Factor(const SparseMatrix& lower, Index trailing);
   ~Factor();

@@ -1,6 +1,5 @@
 #pragma once
-// Stress intensity factors and energy release rate at crack tips, by interaction integrals over a domain around the
-// tip.
+// Stress intensity factors and energy release rate at crack tips, by interaction integrals around the tips.
 
 #include "solver/model.hpp"
 

@@ -67,20 +67,7 @@ struct Sized {
     return v;
   }
 
-  // Columns: the stress functions; rows s11, s12, s21, s22. Function 4 m + c is monomial m in component c.
-  static Eigen::Matrix<double, 4, S> stress_basis(const Scaled& s, const Eigen::Matrix<double, Monomials, 1>& v,
-                                                  double l1, double l2) {
-    Eigen::Matrix<double, 4, S> value = Eigen::Matrix<double, 4, S>::Zero();
-    for (int m = 0; m < P; ++m)
-      for (int c = 0; c < 4; ++c) value(c, 4 * m + c) = v[m];
-    if constexpr (Bubbles > 0) {
-      const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
-      value.template block<2, 1>(0, 4 * P) = curl;
-      value.template block<2, 1>(2, 4 * P + 1) = curl;
-    }
-    return value;
-  }
-
+  // Stress function 4 m + c is monomial m in component c of 11, 12, 21, 22; then the bubbles.
   static Vec2 point(const Scaled& s, double l1, double l2) {
     return (1 - l1 - l2) * s.x[0] + l1 * s.x[1] + l2 * s.x[2];
   }
@@ -101,38 +88,56 @@ struct Sized {
     a.trace.setZero();
     a.given.setZero();
     if (force.size() > 0) a.given.template head<U>() = -0.5 * s.h * force;  // the triangle's area in xi is 1/2
-    // A s : t = dev s : dev t / (2 mu) + c tr s tr t, split into four squares.
-    const double difference = 1 / std::sqrt(4 * material.mu), shear = 1 / std::sqrt(2 * material.mu),
-                 trace = std::sqrt(material.c);
+    // Moments of products of monomials, of monomials with the bubble's curl, of the curl with itself.
+    Eigen::Matrix<double, Monomials, Monomials> moment = Eigen::Matrix<double, Monomials, Monomials>::Zero();
+    Eigen::Matrix<double, Monomials, 2> with_curl = Eigen::Matrix<double, Monomials, 2>::Zero();
+    Mat2 curl_curl = Mat2::Zero();
     for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
       const double l1 = k.rule.x(0, q), l2 = k.rule.x(1, q), w = 0.5 * k.rule.w[q];
       const auto v = monomials_at(point(s, l1, l2));
-      const auto value = stress_basis(s, v, l1, l2);
-      Rowwise<4, S> root;
-      root.row(0) = difference * (value.row(0) - value.row(3));
-      root.row(1) = shear * value.row(1);
-      root.row(2) = shear * value.row(2);
-      root.row(3) = trace * (value.row(0) + value.row(3));
-      for (int c = 0; c < 4; ++c)
-        for (int i = 0; i < S; ++i) {
-          const double factor = w * root(c, i);
-          for (int j = 0; j < S; ++j) a.M(i, j) += factor * root(c, j);
-        }
-      for (int i = 0; i < S; ++i) a.trace[i] += w * (value(0, i) + value(3, i));
-      for (int r = 0; r < R; ++r)
-        for (int i = 0; i < S; ++i) a.Bt(i, U + r) += w * v[r] * (value(1, i) - value(2, i));
-      // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
-      for (int degree = 1; degree <= StressDegree; ++degree)
-        for (int j = 0; j <= degree; ++j) {
-          const int i = degree - j, m = place(i, j);
-          const double dx = i > 0 ? i * v[place(i - 1, j)] : 0, dy = j > 0 ? j * v[place(i, j - 1)] : 0;
-          for (int b = 0; b < U / 2; ++b)
-            for (int row = 0; row < 2; ++row) {
-              a.Bt(4 * m + 2 * row, 2 * b + row) += w * v[b] * dx;
-              a.Bt(4 * m + 2 * row + 1, 2 * b + row) += w * v[b] * dy;
-            }
-        }
+      moment += w * v * v.transpose();
+      if constexpr (Bubbles > 0) {
+        const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
+        with_curl += w * v * curl.transpose();
+        curl_curl += w * curl * curl.transpose();
+      }
     }
+    // A s : t = dev s : dev t / (2 mu) + c tr s tr t on the components 11, 12, 21, 22. Bubble b is curl in row b.
+    const double half = 1 / (4 * material.mu), full = 1 / (2 * material.mu), c = material.c;
+    Eigen::Matrix4d compliance;
+    compliance << half + c, 0, 0, c - half,  //
+        0, full, 0, 0,                       //
+        0, 0, full, 0,                       //
+        c - half, 0, 0, half + c;
+    for (int m = 0; m < P; ++m) {
+      for (int n = 0; n < P; ++n) a.M.template block<4, 4>(4 * m, 4 * n) = moment(m, n) * compliance;
+      for (int b = 0; b < Bubbles; ++b) {
+        const Eigen::Vector4d column = compliance.middleCols<2>(2 * b) * with_curl.row(m).transpose();
+        a.M.template block<4, 1>(4 * m, 4 * P + b) = column;
+        a.M.template block<1, 4>(4 * P + b, 4 * m) = column.transpose();
+      }
+      a.trace[4 * m] = a.trace[4 * m + 3] = moment(m, 0);
+      for (int r = 0; r < R; ++r) {
+        a.Bt(4 * m + 1, U + r) = moment(m, r);
+        a.Bt(4 * m + 2, U + r) = -moment(m, r);
+      }
+    }
+    for (int b = 0; b < Bubbles; ++b) {
+      for (int d = 0; d < Bubbles; ++d)
+        a.M(4 * P + b, 4 * P + d) = compliance.block<2, 2>(2 * b, 2 * d).cwiseProduct(curl_curl).sum();
+      a.trace[4 * P + b] = with_curl(0, b);
+      for (int r = 0; r < R; ++r) a.Bt(4 * P + b, U + r) = b == 0 ? with_curl(r, 1) : -with_curl(r, 0);
+    }
+    // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
+    for (int degree = 1; degree <= StressDegree; ++degree)
+      for (int j = 0; j <= degree; ++j) {
+        const int i = degree - j, m = place(i, j);
+        for (int b = 0; b < U / 2; ++b)
+          for (int row = 0; row < 2; ++row) {
+            if (i > 0) a.Bt(4 * m + 2 * row, 2 * b + row) = i * moment(place(i - 1, j), b);
+            if (j > 0) a.Bt(4 * m + 2 * row + 1, 2 * b + row) = j * moment(place(i, j - 1), b);
+          }
+      }
     for (int e = 0; e < 3; ++e) {
       const int from = (e + 1) % 3, to = (e + 2) % 3;
       const Vec2 side = s.x[to] - s.x[from];

@@ -67,8 +67,9 @@ TEST(Connect, EdgesAndSidesFit) {
     const Vec2 n = normal(m, Index(e)), middle = (m.points[std::size_t(a)] + m.points[std::size_t(b)]) / 2;
     EXPECT_NEAR(n.norm(), 1, 1e-15);
     EXPECT_NEAR(n.dot(tangent(m, Index(e))), 0, 1e-15);
-    EXPECT_NEAR((m.points[std::size_t(b)] - m.points[std::size_t(a)] - length(m, Index(e)) * tangent(m, Index(e))).norm(), 0,
-                1e-15);
+    EXPECT_NEAR(
+        (m.points[std::size_t(b)] - m.points[std::size_t(a)] - length(m, Index(e)) * tangent(m, Index(e))).norm(), 0,
+        1e-15);
     for (int side = 0; side < 2; ++side) {
       const Index t = m.sides[e][std::size_t(side)];
       if (t == none) continue;
@@ -119,8 +120,8 @@ TEST(Connect, CarriesLabelsAndCracksInPathOrder) {
   }
   EXPECT_EQ(std::ranges::count(m.crack, none), Index(m.edges.size()) - 3);
   const Mesh plain = grid(2, 1);
-  const Mesh labelled =
-      connect(plain.points, plain.triangles, std::vector<Marked>{{vertex_at(plain, {2, 0}), vertex_at(plain, {1, 0}), 4}});
+  const Mesh labelled = connect(plain.points, plain.triangles,
+                                std::vector<Marked>{{vertex_at(plain, {2, 0}), vertex_at(plain, {1, 0}), 4}});
   EXPECT_EQ(std::ranges::count(labelled.label, 4), 1);
 }
 
@@ -129,13 +130,13 @@ TEST(Connect, RefusesWhatIsNoMesh) {
   const auto fails = [&](std::vector<std::array<Index, 3>> triangles, std::vector<Marked> marked = {}) {
     EXPECT_THROW(connect(points, triangles, marked), std::invalid_argument);
   };
-  fails({{0, 2, 1}});                                      // clockwise
-  fails({{0, 1, 1}});                                      // degenerate
-  fails({{0, 1, 9}});                                      // no such vertex
-  fails({{0, 1, 2}, {1, 3, 2}, {0, 1, 4}});                // two on one side of an edge
-  fails({{0, 1, 2}}, {{0, 3, 1}});                         // marked pair is no edge
-  fails({{0, 1, 2}}, {{0, 7, 1}});                         // nor this
-  fails({{0, 1, 2}}, {{0, 1, none, 0}});                   // crack on the boundary
+  fails({{0, 2, 1}});                                                 // clockwise
+  fails({{0, 1, 1}});                                                 // degenerate
+  fails({{0, 1, 9}});                                                 // no such vertex
+  fails({{0, 1, 2}, {1, 3, 2}, {0, 1, 4}});                           // two on one side of an edge
+  fails({{0, 1, 2}}, {{0, 3, 1}});                                    // marked pair is no edge
+  fails({{0, 1, 2}}, {{0, 7, 1}});                                    // nor this
+  fails({{0, 1, 2}}, {{0, 1, none, 0}});                              // crack on the boundary
   fails({{0, 1, 2}, {1, 3, 2}}, {{1, 2, none, 0}, {2, 1, none, 0}});  // crack twice
   std::vector<Vec2> bad = points;
   bad[0].x() = std::numeric_limits<double>::quiet_NaN();
@@ -192,8 +193,7 @@ TEST(SplitAtCracks, NumbersAgreeAcrossUncrackedEdgesOnly) {
       EXPECT_EQ(corner(left, v) == corner(right, v), m.crack[e] == none || tips.contains(v));
   }
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_EQ(corners.vertex[std::size_t(corners.of[t][i])], m.triangles[t][i]);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(corners.vertex[std::size_t(corners.of[t][i])], m.triangles[t][i]);
 }
 
 TEST(SplitAtCracks, SeparatesTrianglesThatMeetInAVertexOnly) {
@@ -257,7 +257,8 @@ TEST(Locate, FindsPointsEdgesAndVertices) {
     double s = unit(random), r = unit(random);
     if (s + r > 1) s = 1 - s, r = 1 - r;
     const auto [a, b, c] = m.triangles[t];
-    inside.push_back((1 - s - r) * m.points[std::size_t(a)] + s * m.points[std::size_t(b)] + r * m.points[std::size_t(c)]);
+    inside.push_back((1 - s - r) * m.points[std::size_t(a)] + s * m.points[std::size_t(b)] +
+                     r * m.points[std::size_t(c)]);
   }
   const auto found = locate(m, inside);
   for (std::size_t t = 0; t < inside.size(); ++t) EXPECT_EQ(found[t], Index(t));

@@ -106,7 +106,9 @@ std::vector<Case> good_shapes() {
   Shape disc{circle("outline", {0, 0}, 1, 0), {}, {}, {"side"}};
   Shape ring{circle("outline", {0, 0}, 1, 0), {circle("h", {0, 0}, 0.5, 1)}, {}, {"outer", "inner"}};
   Shape half{{"outline", {{{1, 0}, 0, Arc{{0, 0}, Mat2::Identity(), 0, pi}}, {{-1, 0}, 1, std::nullopt}}},
-             {}, {}, {"arc", "flat"}};
+             {},
+             {},
+             {"arc", "flat"}};
   Shape clockwise = square();
   std::ranges::reverse(clockwise.outline.sides);
   std::vector<Loop> many;
@@ -138,7 +140,9 @@ std::vector<Case> good_shapes() {
       {"ellipse", with_holes({ellipse("h", {0, 0}, {1, 0.2}, 0.3, 4)}), {.size = 0.15}, 16 - 0.2 * pi},
       {"many_holes", with_holes(many), {.size = 0.15}, many_area},
       {"ring", ring, {.size = 0.05}, 0.75 * pi},
-      {"thin_ring", {circle("outline", {0, 0}, 1, 0), {circle("h", {0, 0}, 0.99, 0)}, {}, {"side"}}, {.size = 0.1},
+      {"thin_ring",
+       {circle("outline", {0, 0}, 1, 0), {circle("h", {0, 0}, 0.99, 0)}, {}, {"side"}},
+       {.size = 0.1},
        pi * (1 - 0.99 * 0.99)},
       {"disc", disc, {.size = 0.1}, pi},
       {"coarse_disc", disc, {.size = 5}, pi},
@@ -148,9 +152,12 @@ std::vector<Case> good_shapes() {
       {"crack_outline_to_hole", with(ring, {{"c", {{1, 0}, {0.5, 0}}}}), {.size = 0.08}, -1},
       {"two_cracks_at_a_hole",
        with(with_holes({circle("h", {0, 0}, 0.3, 4)}), {{"c", {{0.3, 0}, {0.8, 0}}}, {"d", {{-0.3, 0}, {-0.8, 0.1}}}}),
-       {.size = 0.15}, -1},
+       {.size = 0.15},
+       -1},
       {"tip_near_side", with_cracks({{"c", {{0, 0}, {1.999, 0}}}}), {.size = 0.2}, 16},
-      {"narrow_gap", with_holes({polygon("h", {{-1, -1.99}, {1, -1.99}, {1, 0}, {-1, 0}}, 4)}), {.size = 0.2},
+      {"narrow_gap",
+       with_holes({polygon("h", {{-1, -1.99}, {1, -1.99}, {1, 0}, {-1, 0}}, 4)}),
+       {.size = 0.2},
        16 - 2 * 1.99},
   };
 }
@@ -220,11 +227,11 @@ TEST(Triangulate, JoinsCrackEndsGivenInDecimals) {
 }
 
 TEST(Triangulate, KeepsTheMeanQualityAt20000Triangles) {
-  for (const auto& [shape, size] : std::vector<std::pair<Shape, double>>{
-           {with_cracks({{"c", {{-1, 0}, {1, 0}}}}), 0.044},
-           {with_cracks({{"c", {{-2, 0.3}, {0, 0.5}, {1, 0}}}}), 0.044},
-           {with_holes({circle("h", {0.3, 0.1}, 1, 4)}), 0.04},
-           {{circle("outline", {0, 0}, 1, 0), {}, {}, {"side"}}, 0.019}}) {
+  for (const auto& [shape, size] :
+       std::vector<std::pair<Shape, double>>{{with_cracks({{"c", {{-1, 0}, {1, 0}}}}), 0.044},
+                                             {with_cracks({{"c", {{-2, 0.3}, {0, 0.5}, {1, 0}}}}), 0.044},
+                                             {with_holes({circle("h", {0.3, 0.1}, 1, 4)}), 0.04},
+                                             {{circle("outline", {0, 0}, 1, 0), {}, {}, {"side"}}, 0.019}}) {
     const Mesh m = triangulate(shape, {.size = size});
     EXPECT_NEAR(double(m.triangles.size()), 20000, 4000);
     EXPECT_GE(quality(m).mean_quality, 0.98);

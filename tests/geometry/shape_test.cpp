@@ -84,18 +84,19 @@ TEST(Extent, IsTheDiagonal) {
   Shape disc;
   disc.outline = ellipse("outline", {3, 1}, {2, 1}, pi / 6, 0);
   // Half widths of a turned ellipse: sqrt((a cos)^2 + (b sin)^2).
-  const double x = std::hypot(2 * std::cos(pi / 6), std::sin(pi / 6)), y = std::hypot(2 * std::sin(pi / 6), std::cos(pi / 6));
+  const double x = std::hypot(2 * std::cos(pi / 6), std::sin(pi / 6)),
+               y = std::hypot(2 * std::sin(pi / 6), std::cos(pi / 6));
   EXPECT_NEAR(extent(disc), 2 * std::hypot(x, y), 1e-12);
 }
 
 TEST(FindProblem, AcceptsGoodShapes) {
   EXPECT_EQ(find_problem(square()), std::nullopt);
   EXPECT_EQ(find_problem(with_crack({{-1, 0}, {1, 0}})), std::nullopt);
-  EXPECT_EQ(find_problem(with_crack({{-2, 0}, {1, 0}})), std::nullopt);                // from the outline
-  EXPECT_EQ(find_problem(with_crack({{-2, 0}, {2, 0.3}})), std::nullopt);              // through the body
-  EXPECT_EQ(find_problem(with_crack({{-2, -2}, {0, 0}})), std::nullopt);               // from a corner
-  EXPECT_EQ(find_problem(with_crack({{-1, 0}, {0, 0.5}, {1, 0}})), std::nullopt);      // kinked
-  EXPECT_EQ(find_problem(with_crack({{-1.9999999, 0}, {1, 0}})), std::nullopt);        // as good as on the outline
+  EXPECT_EQ(find_problem(with_crack({{-2, 0}, {1, 0}})), std::nullopt);            // from the outline
+  EXPECT_EQ(find_problem(with_crack({{-2, 0}, {2, 0.3}})), std::nullopt);          // through the body
+  EXPECT_EQ(find_problem(with_crack({{-2, -2}, {0, 0}})), std::nullopt);           // from a corner
+  EXPECT_EQ(find_problem(with_crack({{-1, 0}, {0, 0.5}, {1, 0}})), std::nullopt);  // kinked
+  EXPECT_EQ(find_problem(with_crack({{-1.9999999, 0}, {1, 0}})), std::nullopt);    // as good as on the outline
   EXPECT_EQ(find_problem(with_holes({circle("h", {0, 0}, 1, 0)})), std::nullopt);
   Shape disc{circle("outline", {0, 0}, 1, 0), {circle("h", {0, 0}, 0.5, 0)}, {}, {"side"}};
   disc.cracks = {{"c", {{0.707107, 0.707107}, {0.353553, 0.353553}}}};  // six decimals
@@ -105,7 +106,8 @@ TEST(FindProblem, AcceptsGoodShapes) {
   Shape clockwise = square();
   std::reverse(clockwise.outline.sides.begin(), clockwise.outline.sides.end());
   EXPECT_EQ(find_problem(clockwise), std::nullopt);
-  Shape half{{"outline", {{{1, 0}, 0, Arc{{0, 0}, Mat2::Identity(), 0, pi}}, {{-1, 0}, 0, std::nullopt}}}, {}, {}, {"s"}};
+  Shape half{
+      {"outline", {{{1, 0}, 0, Arc{{0, 0}, Mat2::Identity(), 0, pi}}, {{-1, 0}, 0, std::nullopt}}}, {}, {}, {"s"}};
   EXPECT_EQ(find_problem(half), std::nullopt);
 }
 
@@ -121,9 +123,7 @@ void PrintTo(const Bad& bad, std::ostream* out) {
 
 std::vector<Bad> bad_shapes() {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  const auto outline = [](std::vector<Vec2> points) {
-    return Shape{polygon("outline", points, 0), {}, {}, {"side"}};
-  };
+  const auto outline = [](std::vector<Vec2> points) { return Shape{polygon("outline", points, 0), {}, {}, {"side"}}; };
   const auto two_cracks = [](std::vector<Vec2> a, std::vector<Vec2> b) {
     Shape shape = with_crack(std::move(a));
     shape.cracks.push_back({"d", std::move(b)});
@@ -167,13 +167,17 @@ std::vector<Bad> bad_shapes() {
       {"hole_across", with_holes({circle("h", {2, 0}, 1, 0)}), {"hole 'h' crosses the outline at (2, "}},
       {"hole_around", with_holes({circle("h", {0, 0}, 5, 0)}), {"hole 'h' lies outside the outline"}},
       {"hole_touching", with_holes({circle("h", {1, 0}, 1, 0)}), {"hole 'h'", "the outline at (2, 0)"}},
-      {"hole_corner_touching", with_holes({polygon("h", {{0, 0}, {1, -1}, {2, 0}, {1, 1}}, 0)}),
+      {"hole_corner_touching",
+       with_holes({polygon("h", {{0, 0}, {1, -1}, {2, 0}, {1, 1}}, 0)}),
        {"hole 'h' touches the outline at (2, 0)"}},
-      {"holes_crossing", with_holes({circle("a", {0, 0}, 1, 0), circle("b", {1, 0}, 0.5, 0)}),
+      {"holes_crossing",
+       with_holes({circle("a", {0, 0}, 1, 0), circle("b", {1, 0}, 0.5, 0)}),
        {"hole 'b' crosses hole 'a'"}},
-      {"holes_equal", with_holes({circle("a", {0, 0}, 1, 0), circle("b", {0, 0}, 1, 0)}),
+      {"holes_equal",
+       with_holes({circle("a", {0, 0}, 1, 0), circle("b", {0, 0}, 1, 0)}),
        {"hole 'b' overlaps hole 'a'"}},
-      {"hole_in_hole", with_holes({circle("a", {0, 0}, 1, 0), circle("b", {0, 0}, 0.5, 0)}),
+      {"hole_in_hole",
+       with_holes({circle("a", {0, 0}, 1, 0), circle("b", {0, 0}, 0.5, 0)}),
        {"hole 'b' lies inside hole 'a'"}},
       {"crack_without_points", with_crack({}), {"crack 'c'", "0 points"}},
       {"crack_of_one_point", with_crack({{0, 0}}), {"crack 'c'", "1 point;"}},
@@ -181,27 +185,33 @@ std::vector<Bad> bad_shapes() {
       {"crack_repeated_point", with_crack({{0, 0}, {1, 0}, {1, 0}}), {"edge 2 of crack 'c'", "zero length", "(1, 0)"}},
       {"crack_short", with_crack({{0, 0}, {1e-6, 0}}), {"crack 'c' is too short"}},
       {"crack_closed", with_crack({{0, 0}, {1, 0}, {0, 1}, {0, 0}}), {"crack 'c' touches itself at (0, 0)"}},
-      {"crack_crossing_itself", with_crack({{0, 0}, {1, 0}, {0.5, 0.5}, {0.5, -0.5}}),
+      {"crack_crossing_itself",
+       with_crack({{0, 0}, {1, 0}, {0.5, 0.5}, {0.5, -0.5}}),
        {"crack 'c' crosses itself at (0.5, 0)"}},
       {"crack_folded", with_crack({{0, 0}, {1, 0}, {0.5, 0}}), {"crack 'c' overlaps itself"}},
-      {"crack_touching_itself", with_crack({{0, 0}, {1, 0}, {0.5, 0.5}, {0.5, 0}}),
+      {"crack_touching_itself",
+       with_crack({{0, 0}, {1, 0}, {0.5, 0.5}, {0.5, 0}}),
        {"crack 'c' touches itself at (0.5, 0)"}},
       {"crack_leaving", with_crack({{0, 0}, {3, 0}}), {"crack 'c' leaves the body at (2, 0)"}},
       {"crack_leaving_a_little", with_crack({{0, 0}, {2.001, 0}}), {"crack 'c' leaves the body at (2, 0)"}},
       {"crack_outside", with_crack({{3, 0}, {4, 0}}), {"crack 'c' lies outside the body"}},
       {"crack_along_the_boundary", with_crack({{-1, -2}, {1, -2}}), {"crack 'c'", "the outline"}},
       {"crack_along_the_boundary_and_off", with_crack({{-1, -2}, {0, -2}, {0, 0}}), {"crack 'c'", "the outline"}},
-      {"crack_touching_the_boundary", with_crack({{-1, 0}, {0, -2}, {1, 0}}),
+      {"crack_touching_the_boundary",
+       with_crack({{-1, 0}, {0, -2}, {1, 0}}),
        {"crack 'c' touches the outline at (0, -2)"}},
       {"crack_into_hole", cracked_hole({{-1.5, 0}, {0, 0}}), {"crack 'c' crosses hole 'h' at (-1, 0)"}},
       {"crack_through_hole", cracked_hole({{-1.5, 0}, {1.5, 0}}), {"crack 'c' crosses hole 'h'"}},
       {"crack_in_hole", cracked_hole({{-0.5, 0}, {0.5, 0}}), {"crack 'c' lies inside hole 'h'"}},
       {"crack_across_hole", cracked_hole({{-1, 0}, {1, 0}}), {"crack 'c' lies inside hole 'h'"}},
-      {"cracks_crossing", two_cracks({{-1, 0}, {1, 0}}, {{0, -1}, {0, 1}}),
+      {"cracks_crossing",
+       two_cracks({{-1, 0}, {1, 0}}, {{0, -1}, {0, 1}}),
        {"'c' and 'd' cross at (0, 0)", "not supported yet"}},
-      {"cracks_branching", two_cracks({{-1, 0}, {1, 0}}, {{0, 0}, {0, 1}}),
+      {"cracks_branching",
+       two_cracks({{-1, 0}, {1, 0}}, {{0, 0}, {0, 1}}),
        {"'c' and 'd' touch at (0, 0)", "not supported yet"}},
-      {"cracks_sharing_a_tip", two_cracks({{-1, 0}, {0, 0}}, {{0, 0}, {0, 1}}),
+      {"cracks_sharing_a_tip",
+       two_cracks({{-1, 0}, {0, 0}}, {{0, 0}, {0, 1}}),
        {"'c' and 'd' touch at (0, 0)", "not supported yet"}},
       {"cracks_sharing_a_mouth", two_cracks({{-2, 0}, {0, 0}}, {{-2, 0}, {0, 1}}), {"'c' and 'd' touch at (-2, 0)"}},
       {"cracks_equal", two_cracks({{-1, 0}, {1, 0}}, {{-1, 0}, {1, 0}}), {"'c' and 'd' overlap"}},

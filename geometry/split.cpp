@@ -1,0 +1,158 @@
+// Strands into pieces of the target length.
+
+#include "geometry/size_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double max_pieces = 4e6;  // per strand
+constexpr double acute = 65 * std::numbers::pi / 180;
+
+double chord(const Drawing& drawing, const Strand& strand) {
+  const Vec2 middle = point(drawing, strand, 0.5);
+  return std::max((drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm(),
+                  (middle - drawing.corners[std::size_t(strand.from)]).norm());
+}
+
+/// At a corner where strands make a sharp angle, the first points on all of them lie at one distance: the triangles in
+/// the angle are then isosceles, and no further splitting of the one strand asks for splitting the other. Zero
+/// elsewhere.
+std::vector<double> corner_radii(const Drawing& drawing, const SizeField& field) {
+  std::vector<std::vector<double>> directions(drawing.corners.size());
+  std::vector<double> shortest(drawing.corners.size(), std::numeric_limits<double>::infinity());
+  for (const Strand& strand : drawing.strands) {
+    const Vec2 out = velocity(drawing, strand, 0), back = -velocity(drawing, strand, 1);
+    directions[std::size_t(strand.from)].push_back(std::atan2(out.y(), out.x()));
+    directions[std::size_t(strand.to)].push_back(std::atan2(back.y(), back.x()));
+    for (const Index v : {strand.from, strand.to})
+      shortest[std::size_t(v)] = std::min(shortest[std::size_t(v)], chord(drawing, strand));
+  }
+  std::vector<double> radius(drawing.corners.size(), 0);
+  for (std::size_t v = 0; v < directions.size(); ++v) {
+    std::vector<double>& angles = directions[v];
+    if (angles.size() < 2) continue;
+    std::sort(angles.begin(), angles.end());
+    double least = angles.front() + 2 * std::numbers::pi - angles.back();
+    for (std::size_t i = 0; i + 1 < angles.size(); ++i) least = std::min(least, angles[i + 1] - angles[i]);
+    if (least < acute) radius[v] = std::min(size_at(field, drawing.corners[v]), shortest[v] / 3);
+  }
+  return radius;
+}
+
+/// The strand's parameter at a distance from its start (or end).
+double parameter_at(const Drawing& drawing, const Strand& strand, double radius, bool from_end) {
+  const Vec2& corner = drawing.corners[std::size_t(from_end ? strand.to : strand.from)];
+  double near = 0, far = 0.5;
+  for (int step = 0; step < 60; ++step) {
+    const double s = (near + far) / 2;
+    ((point(drawing, strand, from_end ? 1 - s : s) - corner).norm() < radius ? near : far) = s;
+  }
+  return from_end ? 1 - far : far;
+}
+
+/// Parameters that split a strand between two of them into pieces of about the target length: equal steps of the
+/// integral of ds / h.
+std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer,
+                           double start, double end) {
+  std::vector<double> s{start}, steps{0};
+  std::vector<std::array<double, 2>> open{{start, end}};
+  const double longest = strand.arc ? 1.0 / 8 : 1;
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double middle = (from + to) / 2, length = velocity(drawing, strand, middle).norm() * (to - from);
+    const double h = size_at(field, point(drawing, strand, middle));
+    if ((length > 0.5 * h || to - from > longest) && to - from > 1e-14) {
+      open.push_back({middle, to});
+      open.push_back({from, middle});
+      continue;
+    }
+    s.push_back(to);
+    steps.push_back(steps.back() + length / h);
+    if (steps.back() > max_pieces)
+      throw Error(Fault::Geometry,
+                  fmt::format("the mesh would need more than {:g} edges along one side; raise mesh.size", max_pieces));
+  }
+  const bool whole = strand.arc && strand.from == strand.to;
+  int count = std::max(whole ? 8 : 1, int(std::lround(steps.back())));
+  if (strand.arc) count *= finer;
+  std::vector<double> at{start};
+  std::size_t k = 1;
+  for (int i = 1; i < count; ++i) {
+    const double target = steps.back() * i / count;
+    while (steps[k] < target) ++k;
+    at.push_back(s[k - 1] + (s[k] - s[k - 1]) * (target - steps[k - 1]) / (steps[k] - steps[k - 1]));
+  }
+  at.push_back(end);
+  return at;
+}
+
+/// Factors that move the points of a whole ellipse away from its center, so that the polygon through them has its area.
+/// In proportion to the squares of the steps beside them: where the steps are short the points hardly move.
+std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
+  const std::size_t n = s.size() - 1;
+  std::vector<double> step(n), factor(n);
+  for (std::size_t i = 0; i < n; ++i) step[i] = (s[i + 1] - s[i]) * std::abs(arc.to - arc.from);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double before = step[(i + n - 1) % n];
+    factor[i] = (before * before + step[i] * step[i]) / 24;
+  }
+  // Twice the area is sum (1 + m f_i) (1 + m f_j) sin(step): solve for m.
+  double constant = -2 * std::numbers::pi, linear = 0, quadratic = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double sine = std::sin(step[i]), other = factor[(i + 1) % n];
+    constant += sine;
+    linear += sine * (factor[i] + other);
+    quadratic += sine * factor[i] * other;
+  }
+  const double m = -2 * constant / (linear + std::sqrt(linear * linear - 4 * quadratic * constant));
+  for (double& f : factor) f = 1 + m * f;
+  return factor;
+}
+
+}  // namespace
+
+Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) {
+  Pieces all{drawing.corners, {}};
+  std::vector<bool> mouth(drawing.corners.size(), false);
+  for (const Strand& strand : drawing.strands)
+    if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
+  const std::vector<double> radius = corner_radii(drawing, field);
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Strand& strand = drawing.strands[k];
+    const double at_start = radius[std::size_t(strand.from)], at_end = radius[std::size_t(strand.to)];
+    const double start = at_start > 0 ? parameter_at(drawing, strand, at_start, false) : 0;
+    const double end = at_end > 0 ? parameter_at(drawing, strand, at_end, true) : 1;
+    std::vector<double> s = spaced(drawing, strand, field, finer, start, end);
+    if (start > 0) s.insert(s.begin(), 0);
+    if (end < 1) s.push_back(1);
+    std::vector<double> factor(s.size() - 1, 1.0);
+    if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
+      factor = area_factors(*strand.arc, s);
+    const auto moved = [&](const Vec2& x, std::size_t i) -> Vec2 {
+      return factor[i] == 1 ? x : strand.arc->center + factor[i] * (x - strand.arc->center);
+    };
+    all.points[std::size_t(strand.from)] = moved(all.points[std::size_t(strand.from)], 0);
+    Index previous = strand.from;
+    for (std::size_t i = 1; i < s.size(); ++i) {
+      Index next = strand.to;
+      if (i + 1 < s.size()) {
+        next = Index(all.points.size());
+        all.points.push_back(moved(point(drawing, strand, s[i]), i));
+      }
+      all.pieces.push_back({previous, next, Index(k), s[i - 1], s[i]});
+      previous = next;
+    }
+  }
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,283 @@
+// The program as a user meets it: exit codes, messages, files. The words of case-file errors are tested in tests/cases.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code = -1;
+  std::string out, error;
+};
+
+std::string read_all(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+const std::string square = R"(title = "Square"
+[domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 100
+poisson = 0.3
+[mesh]
+size = 0.2
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "top"
+traction = [0, 1]
+)";
+
+/// Every test works in a folder of its own.
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-cli-XXXXXX").string();
+    folder = mkdtemp(name.data());
+    write("a.toml", square);
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name, std::ios::binary) << text;
+  }
+
+  Outcome kerf(const std::string& arguments) const {
+    const std::string command = "cd '" + folder.string() + "' && ('" KERF_PROGRAM "' " + arguments + ") 2>'" +
+                                (folder / "stderr").string() + "'";
+    Outcome outcome;
+    FILE* pipe = popen(command.c_str(), "r");
+    if (!pipe) return outcome;
+    std::array<char, 4096> buffer;
+    while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe))
+      outcome.out.append(buffer.data(), count);
+    const int status = pclose(pipe);
+    if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
+    outcome.error = read_all(folder / "stderr");
+    return outcome;
+  }
+
+  /// One message "kerf: ..." on stderr, nothing else there, and the exit code.
+  void expect_failure(const std::string& arguments, int code, const std::string& words) const {
+    const Outcome o = kerf(arguments + (arguments.rfind("run", 0) == 0 ? " --log-level off" : ""));
+    EXPECT_EQ(o.code, code) << arguments << "\n" << o.error;
+    EXPECT_EQ(o.error.rfind("kerf: ", 0), 0u) << o.error;
+    EXPECT_EQ(std::count(o.error.begin(), o.error.end(), '\n'), 1) << o.error;
+    EXPECT_NE(o.error.find(words), std::string::npos) << o.error;
+  }
+
+  fs::path folder;
+};
+
+TEST_F(Cli, VersionAndHelp) {
+  const Outcome version = kerf("--version");
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out, "kerf 0.1.0\n");
+  EXPECT_EQ(version.error, "");
+
+  const Outcome help = kerf("--help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* command : {"run", "solve", "map", "check", "validate", "optimize", "init", "bench"})
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+  const Outcome run = kerf("run --help");
+  EXPECT_EQ(run.code, 0);
+  for (const char* option : {"--output", "--set", "--threads", "--quiet", "--log-level", "--force"})
+    EXPECT_NE(run.out.find(option), std::string::npos) << option;
+
+  const Outcome alone = kerf("");
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_EQ(alone.out, help.out);
+}
+
+TEST_F(Cli, WrongUsage) {
+  expect_failure("rnu a.toml", 2, "unknown command \"rnu\"; did you mean \"run\"?");
+  expect_failure("run", 2, "CASE is required");
+  expect_failure("run a.toml --bogus", 2, "--bogus");
+  expect_failure("run a.toml b.toml", 2, "b.toml");
+  expect_failure("run a.toml --threads 0", 2, "--threads");
+  expect_failure("run a.toml --threads 257", 2, "--threads");
+  expect_failure("run a.toml --threads two", 2, "--threads");
+  expect_failure("solve a.toml --log-level loud", 2, "loud");
+  expect_failure("solve a.toml --set", 2, "--set");
+  expect_failure("run a.toml --set mesh.size", 2, "--set \"mesh.size\": a value is missing");
+  expect_failure("run a.toml --set mesh.sise=1", 2, "--set mesh.sise: unknown key \"sise\"");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Cli, LaterCommands) {
+  for (const char* arguments :
+       {"validate a.toml", "optimize a.toml --resume", "init plate", "init --list", "bench --list"})
+    expect_failure(arguments, 2, "is not supported yet");
+}
+
+struct Broken {
+  const char* name;
+  const char* added;  // to the square; empty when `from` is replaced
+  const char* from;   // first occurrence in the square ...
+  const char* to;     // ... becomes this
+  int code;
+  const char* words;
+};
+
+class BrokenCase : public Cli, public testing::WithParamInterface<Broken> {};
+
+TEST_P(BrokenCase, EndsWithOneMessage) {
+  const Broken& p = GetParam();
+  std::string text = square + p.added;
+  if (*p.from) {
+    const std::size_t at = text.find(p.from);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, std::string(p.from).size(), p.to);
+  }
+  write("b.toml", text);
+  expect_failure("run b.toml", p.code, p.words);
+  if (p.code == 3) {
+    EXPECT_FALSE(fs::exists(folder / "out/b/result.json"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cli, BrokenCase,
+    testing::Values(
+        Broken{"syntax", "[mesh", "", "", 2, "b.toml:16:6: not valid TOML"},
+        Broken{"duplicate", "traction = [0, 1]", "", "", 2, "b.toml:16:"},
+        Broken{"unknown_key", "", "young", "youg", 2,
+               "b.toml:6:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
+        Broken{"type", "", "100", "\"100\"", 2, "b.toml:6:9: young in [material] must be a number"},
+        Broken{"range", "", "0.3", "0.7", 2, "b.toml:7:11: poisson in [material] must be between 0 and 0.5"},
+        Broken{"missing", "", "young = 100", "", 2, "b.toml:5:1: missing key \"young\" in [material]"},
+        Broken{"label", "", "on = \"top\"", "on = \"tpo\"", 2, "b.toml:14:6: on in [[boundary]]: there is no label"},
+        Broken{"expression", "", "[0, 1]\n", "[0, \"1 + z\"]\n", 2, "unknown name \"z\""},
+        Broken{"not_finite", "", "traction = [0, 1]", "traction = [0, \"log(x - 2)\"]", 2, "is not finite"},
+        Broken{"later", "[validate]\npoints = [[0, 0]]", "", "", 2, "b.toml:16:2: \"validate\" is not supported yet"},
+        Broken{"conflict", "[[boundary]]\non = \"top\"\ntraction = [0, 1]", "", "", 2, "b.toml:18:12: label \"top\""},
+        Broken{"crossing_outline", "", "[1, 0], [1, 1]", "[1, 1], [1, 0]", 3, "outline"},
+        Broken{"crack_outside", "[[crack]]\nname = \"c\"\npath = [[0.5, 0.5], [2, 0.5]]", "", "", 3, "crack 'c'"},
+        Broken{"hole_outside", "[[hole]]\nname = \"h\"\ncircle = { center = [1, 1], radius = 0.1 }", "", "", 3, "'h'"},
+        Broken{"too_fine", "", "size = 0.2", "size = 1e-9", 3, "mesh.size"},
+        Broken{"not_supported_body", "", "displacement = [0, 0]", "traction = [0, 0]", 4, "translation"},
+        Broken{"piece_cut_off", "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [1, 0.5]]", "", "", 4, "pieces"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(Cli, FilesThatCannotBeRead) {
+  expect_failure("run missing.toml", 5, "missing.toml: no such file");
+  expect_failure("run .", 5, "is a directory");
+  expect_failure("check /dev/null", 5, "is not a regular file");
+  write("c.toml", square + "[[probe]]\nname = \"p\"\nfile = \"p.csv\"\n");
+  expect_failure("run c.toml", 5, "c.toml:18:8: file in [[probe]]: p.csv: no such file");
+}
+
+TEST_F(Cli, FoldersThatCannotBeWritten) {
+  write("file", "");
+  expect_failure("run a.toml -o file", 5, "file is not a folder");
+  expect_failure("run a.toml -o file/below", 5, "file/below");
+}
+
+TEST_F(Cli, RunWritesItsResults) {
+  const Outcome o = kerf("run a.toml");
+  ASSERT_EQ(o.code, 0) << o.error;
+  EXPECT_NE(o.out.find("Square"), std::string::npos);
+  EXPECT_NE(o.out.find("results in out/a\n"), std::string::npos);
+  EXPECT_NE(o.error.find("mesh"), std::string::npos);  // the log
+  const auto result = nlohmann::json::parse(read_all(folder / "out/a/result.json"));
+  EXPECT_EQ(result.at("schema"), 1);
+  EXPECT_EQ(result.at("case"), "a");
+  EXPECT_EQ(result.at("status"), "ok");
+  EXPECT_FALSE(result.contains("contact"));
+  EXPECT_FALSE(result.contains("map"));
+  EXPECT_TRUE(fs::exists(folder / "out/a/state.vtu"));
+  EXPECT_TRUE(fs::exists(folder / "out/a/report.html"));
+}
+
+TEST_F(Cli, QuietSaysNothing) {
+  const Outcome o = kerf("solve a.toml --quiet");
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(o.out, "");
+  EXPECT_EQ(o.error, "");
+}
+
+TEST_F(Cli, OldResultsAreKeptUnlessForced) {
+  ASSERT_EQ(kerf("solve a.toml -o r --quiet").code, 0);
+  const std::string old = read_all(folder / "r/result.json");
+  expect_failure("run a.toml -o r", 5, "r already holds results; use --force to overwrite");
+  EXPECT_EQ(read_all(folder / "r/result.json"), old);
+  ASSERT_EQ(kerf("solve a.toml -o r --quiet --force --set mesh.size=0.5").code, 0);
+  EXPECT_NE(read_all(folder / "r/result.json"), old);
+  // With --force an old result goes away even if the new run fails before it has one.
+  expect_failure("run a.toml -o r --force --set mesh.size=1e-9", 3, "mesh.size");
+  EXPECT_FALSE(fs::exists(folder / "r/result.json"));
+}
+
+TEST_F(Cli, SetChangesTheCase) {
+  const auto triangles = [&](const std::string& arguments) {
+    EXPECT_EQ(kerf("solve a.toml --quiet --force -o r " + arguments).code, 0) << arguments;
+    return nlohmann::json::parse(read_all(folder / "r/result.json")).at("mesh").at("triangles").get<int>();
+  };
+  EXPECT_GT(triangles("--set mesh.size=0.1"), 2 * triangles(""));
+  EXPECT_EQ(triangles("--set mesh.size=0.1 --set mesh.size=0.2"), triangles(""));
+  EXPECT_GT(triangles("--set 'domain.outline=[[0, 0], [3, 0], [3, 1], [0, 1]]' --threads 2"), 2 * triangles(""));
+}
+
+TEST_F(Cli, CheckSolvesNothing) {
+  write("c.toml", square +
+                      "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [0.5, 0.5]]\n"
+                      "[[probe]]\nname = \"p\"\npoints = [[0.2, 0.2], [3, 3]]\n");
+  const Outcome o = kerf("check c.toml");
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(o.error, "");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  for (const char* words : {"Square", "(0, 0) to (1, 1), area 1, 0 holes", "c: unilateral, length 0.5",
+                            "(0, 0.5) on left to (0.5, 0.5) interior", "displacement", "traction", "free",
+                            "probe \"p\": 1 of 2 points lie outside the body"})
+    EXPECT_NE(o.out.find(words), std::string::npos) << words << "\n" << o.out;
+}
+
+TEST_F(Cli, CheckNamesEveryCondition) {
+  write("c.toml", square +
+                      "[[boundary]]\non = \"left\"\ndisplacement_x = 0\ntraction = [0, 1]\n"
+                      "[[boundary]]\non = \"right\"\ndisplacement_normal = 0\n");
+  const Outcome o = kerf("check c.toml");
+  EXPECT_NE(o.out.find("roller in x + traction\n"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("roller, normal\n"), std::string::npos) << o.out;
+}
+
+TEST_F(Cli, FirstInterruptStopsCleanly) {
+  // The signal is sent when the log shows that the first phase has begun.
+  const Outcome o = kerf(
+      "solve a.toml --set mesh.size=0.01 & pid=$!; "
+      "for k in $(seq 500); do grep -q mesh stderr && break; sleep 0.01; done; kill -INT $pid; wait $pid");
+  if (o.code == 0) GTEST_SKIP() << "done before the signal came";
+  EXPECT_EQ(o.code, 4) << o.error;
+  EXPECT_NE(o.error.find("kerf: stopped"), std::string::npos) << o.error;
+  EXPECT_FALSE(fs::exists(folder / "out/a/result.json"));
+}
+
+TEST_F(Cli, FullDiskOfStandardOutputIsReported) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP();
+  const Outcome o = kerf("check a.toml >/dev/full");
+  EXPECT_EQ(o.code, 5);
+  EXPECT_EQ(o.error, "kerf: cannot write to standard output\n");
+}
+
+}  // namespace
