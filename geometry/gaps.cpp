@@ -153,7 +153,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vect
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
     for (const Index corner : {strand.from, strand.to}) {
-      if (!tip[std::size_t(corner)] && !reentrant[std::size_t(corner)]) continue;
+      if (strand.crack == none && !reentrant[std::size_t(corner)]) continue;
       const Vec2& x = drawing.corners[std::size_t(corner)];
       // Both strands of an inner corner ask: the same answer twice does no harm.
       use(x, nearest(drawing, targets, x, Vec2::Zero(), Index(k), reach, corner), Index(k));

@@ -69,7 +69,16 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
     const double v = (arc.axes * Vec2(-std::sin(t), std::cos(t))).norm();
     return 2 * std::numbers::pi / 32 * v * v * v / product;
   };
-  std::vector<std::array<double, 2>> open{{0, 1}};
+  // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
+  const auto p = arc.axes.col(0), q = arc.axes.col(1);
+  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = std::numbers::pi / 2;
+  const auto [low, high] = std::minmax(arc.from, arc.to);
+  std::vector<double> breaks{0, 1};
+  for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
+    breaks.push_back((t - arc.from) / (arc.to - arc.from));
+  std::sort(breaks.begin(), breaks.end());
+  std::vector<std::array<double, 2>> open;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
   while (!open.empty()) {
     const auto [from, to] = open.back();
     open.pop_back();

@@ -212,7 +212,7 @@ poisson = 0
 TEST(Case, PartlyClosedHasTheExactDisplacement) {
   const Case c = read_case(fs::path(KERF_CASES) / "partly_closed.toml");
   ASSERT_EQ(c.scene.supports.size(), 1u);
-  std::ifstream table(fs::path(KERF_TEST_DATA) / "exact" / "open_c05_partial_linear_w.csv");
+  std::ifstream table(fs::path(KERF_TEST_DATA) / "exact" / "c05_partial_linear_w.csv");
   ASSERT_TRUE(table);
   std::string line, cell;
   std::getline(table, line);

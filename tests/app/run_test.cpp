@@ -1,0 +1,173 @@
+// Case files that ship with kerf, run as they are: what lands on disk, and whether the numbers are right.
+
+#include "app/run.hpp"
+
+#include "tests/exact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Run : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-run-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  json run_case(const std::string& name, const std::vector<std::string>& overrides, Job job = Job::Run, int threads = 2,
+                const std::string& to = "out") {
+    const Case c = read_case(fs::path(KERF_CASES) / (name + ".toml"), overrides);
+    run(c, job, {.folder = folder / to, .threads = threads});
+    std::ifstream file(folder / to / "result.json");
+    return json::parse(file);
+  }
+  std::string text(const fs::path& name) const {
+    std::ifstream file(folder / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  fs::path folder;
+};
+
+void expect_keys(const json& object, std::initializer_list<const char*> keys, const std::string& where) {
+  for (const char* key : keys) EXPECT_TRUE(object.contains(key)) << where << " lacks " << key;
+}
+
+TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
+  const json r = run_case("cracked_plate", {"mesh.size=0.2", "mesh.crack_tip_size=0.02"});
+  expect_keys(r, {"schema", "version", "case", "status", "mesh", "state", "contact", "cracks", "functional", "map",
+                  "time_s", "peak_memory_mb"}, "result");
+  EXPECT_EQ(r["schema"], 1);
+  EXPECT_EQ(r["case"], "cracked_plate");
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_FALSE(r.contains("validate"));
+  EXPECT_FALSE(r.contains("optimize"));
+  expect_keys(r["mesh"], {"triangles", "vertices", "h_min", "h_max", "min_angle_deg"}, "mesh");
+  expect_keys(r["state"], {"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance", "area",
+                           "estimated_error", "energy_bounds"}, "state");
+  expect_keys(r["contact"], {"method", "iterations", "linear_solves", "kkt", "open_length", "closed_length",
+                             "biactive_length"}, "contact");
+  ASSERT_EQ(r["cracks"].size(), 1u);
+  expect_keys(r["cracks"][0], {"name", "length", "max_opening", "max_pressure", "transitions", "tips"}, "crack");
+  ASSERT_EQ(r["cracks"][0]["tips"].size(), 2u);
+  expect_keys(r["cracks"][0]["tips"][0], {"at", "K_I", "K_II", "G"}, "tip");
+  ASSERT_GE(r["cracks"][0]["transitions"].size(), 1u);
+  expect_keys(r["cracks"][0]["transitions"][0], {"at", "from", "to"}, "transition");
+  expect_keys(r["functional"], {"kind", "value"}, "functional");
+  expect_keys(r["map"], {"perturbation", "min", "max", "points"}, "map");
+  expect_keys(r["map"]["min"], {"at", "value"}, "map.min");
+  expect_keys(r["time_s"], {"mesh", "assemble", "factor", "solve", "contact", "map", "validate", "optimize", "output",
+                            "total"}, "time_s");
+  EXPECT_EQ(r["functional"]["value"], r["state"]["energy"]);
+  // Dead loads on a body held at zero: Clapeyron.
+  EXPECT_NEAR(r["state"]["energy"].get<double>() / r["state"]["compliance"].get<double>(), -0.5, 1e-9);
+  EXPECT_NEAR(r["state"]["area"].get<double>(), 16 - std::acos(-1) * (0.09 + 0.0484), 1e-6);
+  EXPECT_LT(r["contact"]["kkt"].get<double>(), 1e-10);
+  EXPECT_NEAR(r["contact"]["open_length"].get<double>() + r["contact"]["closed_length"].get<double>(), 2, 1e-9);
+  EXPECT_LE(r["map"]["max"]["value"].get<double>(), 0);
+  for (const char* name : {"state.vtu", "map.vtu", "map.csv", "crack_c.vtp", "crack_c.csv", "probe_above_crack.csv",
+                           "probe_ligaments.csv", "report.html", "mesh.png", "von_mises.png", "map.png"})
+    EXPECT_GT(fs::file_size(folder / "out" / name), 100u) << name;
+}
+
+TEST_F(Run, SolveAloneHasNoMap) {
+  const json r = run_case("cracked_plate", {"mesh.size=0.4", "mesh.crack_tip_size=0.1"}, Job::Solve);
+  EXPECT_FALSE(r.contains("map"));
+  EXPECT_FALSE(fs::exists(folder / "out/map.vtu"));
+  const std::string probe = text("out/probe_ligaments.csv");
+  EXPECT_EQ(probe.substr(0, probe.find('\n')), "x,y,u_x,u_y,s_xx,s_yy,s_xy,topological_derivative");
+  EXPECT_EQ(probe.substr(probe.find('\n') + 1, 6), "-1.5,0");
+  EXPECT_EQ(probe[probe.find('\n', probe.find('\n') + 1) - 1], ',') << "an empty cell: not computed";
+}
+
+TEST_F(Run, SceneWithoutACrackHasNoContact) {
+  std::ofstream(folder / "plain.toml") << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
+                                          "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
+                                          "[[boundary]]\non = \"a\"\ndisplacement = [0, 0]\n"
+                                          "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
+  const Case c = read_case(folder / "plain.toml");
+  const Result r = run(c, Job::Run, {.folder = folder / "out"});
+  EXPECT_FALSE(r.contact.has_value());
+  EXPECT_TRUE(r.cracks.empty());
+  EXPECT_FALSE(json::parse(text("out/result.json")).contains("contact"));
+}
+
+TEST_F(Run, PartlyClosedCaseMeetsTheExactSolution) {
+  const json r = run_case("partly_closed", {"mesh.size=0.1", "mesh.crack_tip_size=0.002", "output.png=false",
+                                            "output.html=false"});
+  const exact::Table table = exact::read_table(fs::path(KERF_TEST_DATA) / "exact", "c05_partial_linear_w");
+  // Displacements prescribed all round: the potential energy is the strain energy.
+  EXPECT_NEAR(r["state"]["energy"].get<double>() / table.energy, 1, 2e-4);
+  ASSERT_EQ(r["cracks"][0]["transitions"].size(), 1u);
+  const json& t = r["cracks"][0]["transitions"][0];
+  EXPECT_NEAR(t["at"][0].get<double>(), table.scalars.at("closure_point"), 0.1);
+  EXPECT_EQ(t["from"], "closed");
+  EXPECT_EQ(t["to"], "open");
+  const double k = table.scalars.at("KI_right");
+  EXPECT_NEAR(r["cracks"][0]["tips"][1]["K_I"].get<double>() / k, 1, 2e-3);
+  EXPECT_NEAR(r["cracks"][0]["tips"][0]["K_I"].get<double>(), 0, 1e-3 * k);
+  EXPECT_NEAR(r["cracks"][0]["tips"][1]["G"].get<double>() / table.scalars.at("G_right"), 1, 4e-3);
+  for (const json& p : r["map"]["points"])
+    for (const exact::Row& row : table.rows)
+      if ((row.x - Vec2(p["at"][0], p["at"][1])).norm() < 1e-9) {
+        EXPECT_NEAR(p["value"].get<double>() / row.hole, 1, 0.02) << row.x.transpose();
+      }
+}
+
+TEST_F(Run, SameBitsForAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 5})
+    run_case("cracked_plate", {"mesh.size=0.15", "output.png=false", "output.html=false"}, Job::Run, threads,
+             std::to_string(threads));
+  for (const char* name : {"state.vtu", "map.vtu", "map.csv", "crack_c.csv", "probe_above_crack.csv"})
+    for (const char* other : {"2", "5"}) EXPECT_EQ(text(fs::path("1") / name), text(fs::path(other) / name)) << name;
+}
+
+TEST_F(Run, EveryShippedCaseRunsCoarsely) {
+  for (const auto& entry : fs::directory_iterator(KERF_CASES)) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string name = entry.path().stem().string();
+    const json r = run_case(name, {"output.png=false", "output.html=false"}, Job::Run, 2, name);
+    EXPECT_EQ(r["status"], "ok") << name;
+    EXPECT_LT(r["state"]["residual"].get<double>(), 1e-10) << name;
+    EXPECT_LT(r["contact"]["kkt"].get<double>(), 1e-10) << name;
+    EXPECT_GE(r["mesh"]["min_angle_deg"].get<double>(), 25) << name;
+  }
+}
+
+TEST_F(Run, FailureIsWrittenWithItsReason) {
+  std::ofstream(folder / "free.toml") << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
+                                         "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
+                                         "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
+  const Case c = read_case(folder / "free.toml");
+  try {
+    run(c, Job::Run, {.folder = folder / "out"});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Numerics);
+    EXPECT_NE(std::string(e.what()).find("free to make a translation along (0, 1)"), std::string::npos) << e.what();
+  }
+  const json r = json::parse(text("out/result.json"));
+  EXPECT_EQ(r["status"], "failed");
+  EXPECT_FALSE(r.contains("state"));
+}
+
+TEST_F(Run, EquilibratedLoadsSaySoInTheNotes) {
+  const json r = run_case("inclined_closed", {"output.png=false", "output.html=false"});
+  ASSERT_TRUE(r["state"].contains("notes"));
+  EXPECT_NE(r["state"]["notes"][0].get<std::string>().find("rigid motion is fixed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf

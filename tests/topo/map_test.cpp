@@ -1,0 +1,160 @@
+#include "topo/map.hpp"
+
+#include "geometry/mesher.hpp"
+#include "tests/exact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+const std::filesystem::path data = KERF_TEST_DATA;
+
+struct Solved {
+  Model model;
+  State state;
+};
+
+// [-2, 2]^2 with the crack of the field, exact displacement on the outline.
+Solved solved(const exact::ExactField& f, double size, double tip) {
+  Shape shape;
+  shape.labels = {"outer"};
+  shape.outline = polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0);
+  if (f.tips.size() == 2) shape.cracks = {{"c", {f.tips[0].at, f.tips[1].at}}};
+  Scene scene;
+  scene.material = f.material;
+  scene.laws.resize(shape.cracks.size());
+  scene.supports.push_back({0, false, true, true, [f](const Vec2& x, const Vec2&) {
+                              return f.displacement(x, exact::side_of(f, x));
+                            }});
+  Model m = prepare(triangulate(shape, {.size = size, .crack_tip_size = tip}), element("bdms"), scene, 2);
+  State s = solve(m);
+  return {std::move(m), std::move(s)};
+}
+
+// Relative to the largest exact value in the group: root mean square and largest in the bulk, largest around tips.
+struct MapErrors {
+  double mean = 0, bulk = 0, tips = 0;
+};
+MapErrors errors(const Solved& s, const exact::ExactField& field, const exact::Table& table) {
+  double bulk = 0, bulk_size = 0, square = 0;
+  int count = 0;
+  std::map<std::string, std::pair<double, double>> tips;  // per tip and ring
+  std::vector<Vec2> points;
+  for (const exact::Row& row : table.rows) points.push_back(row.x);
+  const std::vector<double> values = energy_map(s.model, s.state, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const exact::Row& row = table.rows[i];
+    const double error = std::abs(values[i] - row.hole);
+    if (row.kind == "bulk") {
+      bulk = std::max(bulk, error);
+      square += error * error;
+      ++count;
+      bulk_size = std::max(bulk_size, std::abs(row.hole));
+    } else if (row.kind.rfind("tip", 0) == 0) {
+      double r = 1e9;
+      for (const exact::ExactTip& tip : field.tips) r = std::min(r, (row.x - tip.at).norm());
+      auto& [worst, size] = tips[row.kind + (r < 0.03 ? " near" : " far")];
+      worst = std::max(worst, error);
+      size = std::max(size, std::abs(row.hole));
+    }
+  }
+  MapErrors e{std::sqrt(square / count) / bulk_size, bulk / bulk_size, 0};
+  for (const auto& [name, pair] : tips)
+    if (pair.second > 1e-12) e.tips = std::max(e.tips, pair.first / pair.second);
+  return e;
+}
+
+class ExactMap : public testing::TestWithParam<const char*> {};
+
+// At the points listed in the reference tables: the bulk, and circles of 0.01 and 0.1 half lengths around the tips.
+TEST_P(ExactMap, AgreesAtTheListedPoints) {
+  const auto field = exact::table_field(GetParam());
+  const exact::Table table = exact::read_table(data / "exact", GetParam());
+  std::vector<MapErrors> e;
+  for (const double size : {0.2, 0.1, 0.05}) e.push_back(errors(solved(field, size, size / 50), field, table));
+  EXPECT_LT(e[2].mean, 0.0015);
+  EXPECT_LT(e[2].bulk, 0.006);
+  EXPECT_LT(e[2].tips, 0.03);
+  EXPECT_LT(e[2].tips, e[0].tips);
+}
+
+// Relative L1 error over the body, 0.1 and more from the tips, at the centroids.
+TEST_P(ExactMap, ConvergesInTheMean) {
+  const auto field = exact::table_field(GetParam());
+  std::vector<double> error;
+  for (const double size : {0.2, 0.1, 0.05}) {
+    const Solved s = solved(field, size, size / 50);
+    std::vector<Vec2> centers;
+    for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t)
+      centers.push_back(centroid(s.model.mesh, t));
+    const std::vector<double> values = energy_map(s.model, s.state, centers);
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+      if ((centers[i] - field.tips[0].at).norm() < 0.1 || (centers[i] - field.tips[1].at).norm() < 0.1) continue;
+      const double value =
+          exact::hole_derivative(field.material, field.stress(centers[i], exact::side_of(field, centers[i])));
+      const double weight = area(s.model.mesh, static_cast<Index>(i));
+      difference += weight * std::abs(values[i] - value);
+      sum += weight * std::abs(value);
+    }
+    error.push_back(difference / sum);
+  }
+  EXPECT_LT(error[2], 6e-4);
+  // The error comes from the tip, whose edges shrink like h: order 1.
+  EXPECT_GT(std::log2(error[0] / error[2]) / 2, 1) << error[0] << ' ' << error[1] << ' ' << error[2];
+}
+
+INSTANTIATE_TEST_SUITE_P(Tables, ExactMap,
+                         testing::Values("c01_modeI", "c02_modeII", "c03_inclined_open", "c04_inclined_closed",
+                                         "c05_partial_linear", "c05_partial_linear_w", "c05b_partial_general"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
+  const auto field = exact::table_field("c05_partial_linear");
+  const Solved s = solved(field, 0.2, 0.05);
+  const Corners corners = split_at_cracks(s.model.mesh);
+  const FullMap map = energy_map(s.model, s.state, corners, corner_values(s.model, s.state, corners));
+  std::vector<Vec2> centers;
+  for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t) centers.push_back(centroid(s.model.mesh, t));
+  const std::vector<double> values = energy_map(s.model, s.state, centers);
+  for (std::size_t i = 0; i < centers.size(); ++i)
+    ASSERT_DOUBLE_EQ(values[i], map.at_centroids[static_cast<Eigen::Index>(i)]);
+  EXPECT_EQ(map.at_corners.size(), static_cast<Eigen::Index>(corners.vertex.size()));
+  EXPECT_TRUE(map.at_corners.allFinite());
+  EXPECT_TRUE(std::isnan(energy_map(s.model, s.state, std::vector<Vec2>{{3, 0}})[0]));
+}
+
+// The whole claim, by brute force: drill a small hole into a body with a partly closed crack and compare energies. The disc
+// is an outline of both meshes' constraints only once drilled, so the sizes are fine and the tolerance is a few percent.
+TEST(Map, PredictsTheEnergyOfADrilledBody) {
+  const auto energy = [](bool drilled, double radius, double* map_value) {
+    Shape shape;
+    shape.labels = {"side", "bottom", "top", "hole"};
+    shape.outline = polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0);
+    shape.outline.sides[0].label = 1;
+    shape.outline.sides[2].label = 2;
+    shape.cracks = {{"c", {Vec2(-1, 0), Vec2(1, 0)}}};
+    const Vec2 at(0.9, 0.7);
+    if (drilled) shape.holes = {circle("h", at, radius, 3)};
+    Scene scene;
+    scene.material = plane_strain(1, 0.3);
+    scene.laws.resize(1);
+    scene.supports.push_back({1, false, true, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }});
+    scene.tractions.push_back({2, [](const Vec2& x, const Vec2&) { return Vec2(0, 0.3 + x.x()); }});
+    Model m = prepare(triangulate(shape, {.size = 0.02, .crack_tip_size = 0.002}), element("bdms"), scene, 2);
+    const State s = solve(m);
+    if (map_value) *map_value = energy_map(m, s, std::vector<Vec2>{at})[0];
+    return potential_energy(m, s);
+  };
+  double coefficient = 0;
+  const double whole = energy(false, 0, &coefficient);
+  const double radius = 0.06;
+  const double measured = (energy(true, radius, nullptr) - whole) / (std::acos(-1) * radius * radius);
+  EXPECT_NEAR(measured / coefficient, 1, 0.05);
+}
+
+}  // namespace
+}  // namespace kerf
