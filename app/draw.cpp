@@ -90,7 +90,7 @@ Picture stress_picture(const Case& c, const Model& model, const PlotData& data) 
 }
 
 Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map) {
-  Picture p{.title = c.title, .subtitle = "topological derivative of the energy for a small hole: J(hole) - J = pi eps\u00b2 T"};
+  Picture p{.title = c.title, .subtitle = "topological derivative of the energy: a hole of radius \u03b5 changes it by \u03c0 \u03b5\u00b2 T"};
   p.points = data.points;
   p.triangles = plot_triangles(data);
   p.values = spread(data, map.at_corners);

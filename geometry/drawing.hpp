@@ -38,7 +38,7 @@ Drawing draw(const Shape& shape);
 Vec2 point(const Drawing& drawing, const Strand& strand, double s);
 
 Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
-double distance(const Vec2& x, const Vec2& a, const Vec2& b);  // to the segment
+double distance(const Vec2& x, const Vec2& a, const Vec2& b);           // to the segment
 
 /// Straight pieces between points; points[i] for i < corners is corner i.
 struct Piece {

@@ -36,7 +36,8 @@ struct Marked {
 };
 
 /// Edges and neighbours of counter-clockwise triangles. The marked edges of one crack come in path order.
-/// Throws std::invalid_argument on a marked pair that is no edge, a degenerate triangle, or an edge with three triangles.
+/// Throws std::invalid_argument on a marked pair that is no edge, a degenerate triangle, or an edge with three
+/// triangles.
 Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangles, std::span<const Marked> marked);
 
 double area(const Mesh& mesh, Index triangle);
@@ -51,8 +52,8 @@ struct Quality {
 };
 Quality quality(const Mesh& mesh);
 
-/// The corners of the triangles, numbered so that two triangles share a number at a vertex exactly when one can walk from
-/// one to the other around that vertex without crossing a crack: a vertex on a crack has two numbers, a tip one.
+/// The corners of the triangles, numbered so that two triangles share a number at a vertex exactly when one can walk
+/// from one to the other around that vertex without crossing a crack: a vertex on a crack has two numbers, a tip one.
 struct Corners {
   std::vector<std::array<Index, 3>> of;  // per triangle
   std::vector<Index> vertex;             // per corner number, its vertex

@@ -105,7 +105,7 @@ Sizing checked(const Shape& shape, Sizing sizing) {
           "mesh.min_angle must lie between 0 and 30 degrees: no mesher can promise more");
   if (sizing.size == 0) sizing.size = whole / 40;
   sizing.size = std::min(sizing.size, whole);
-  if (sizing.crack_tip_size == 0) sizing.crack_tip_size = sizing.size / 10;
+  if (sizing.crack_tip_size == 0) sizing.crack_tip_size = sizing.size / 100;
   sizing.crack_tip_size = std::min(sizing.crack_tip_size, sizing.size);
   double area = std::abs(signed_area(shape.outline));
   for (const Loop& hole : shape.holes) area -= std::abs(signed_area(hole));

@@ -8,13 +8,15 @@ namespace kerf {
 
 struct Sizing {
   double size = 0;            // target edge length; 0: extent / 40
-  double crack_tip_size = 0;  // target edge length at crack tips; 0: size / 10
+  double crack_tip_size = 0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
   double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
   double min_angle_deg = 25;  // wherever the input angles allow it
 };
 
 /// Constrained Delaunay triangulation, seeded with a hexagonal lattice per size level, refined (Ruppert, Shewchuk) and
-/// smoothed. Throws Error(Geometry) with find_problem's words, or when the step budget runs out.
+/// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area. Besides tips, short
+/// edges are asked for by kinks and mouths of cracks, reentrant corners, curved sides, short sides and narrow gaps.
+/// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
 
 }  // namespace kerf

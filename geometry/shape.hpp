@@ -52,10 +52,10 @@ struct Polygon {
 Polygon flatten(const Loop& loop, double chord, double longest);
 
 /// The first thing that makes the shape unusable, in words that name it ("crack 'c' leaves the body at (1, 0)"), or
-/// nothing. Knows: fewer than three sides, zero-length sides, non-finite numbers, a loop that crosses or touches itself,
-/// holes outside the outline, touching it or each other, cracks outside the body or crossing its boundary, crossing,
-/// touching or overlapping cracks, a crack that crosses itself or runs along the boundary. A crack may end on the
-/// outline or on a hole.
+/// nothing. Knows: fewer than three sides, zero-length sides, non-finite numbers, a loop that crosses or touches
+/// itself, holes outside the outline, touching it or each other, cracks outside the body or crossing its boundary,
+/// crossing, touching or overlapping cracks, a crack that crosses itself or runs along the boundary. A crack may end on
+/// the outline or on a hole.
 std::optional<std::string> find_problem(const Shape& shape);
 
 /// Length scale of the shape: the diagonal of its bounding box.

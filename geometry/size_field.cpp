@@ -143,6 +143,7 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
 
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing) {
   const double size = sizing.size;
+  const double corner = size / 25;  // kinks and reentrant corners are singular too, if less than tips
   std::vector<Source> sources;
   const auto ask = [&](Index corner, double wanted) {
     const Vec2& x = drawing.corners[std::size_t(corner)];
@@ -166,14 +167,14 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
       const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
       if (follows &&
           std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1), velocity(drawing, strand, 0))) > 5 * degree)
-        ask(strand.from, size / 4);
+        ask(strand.from, corner);
       if (!follows) ask(strand.from, on_loop[std::size_t(strand.from)] ? size / 4 : sizing.crack_tip_size);
       if (last) ask(strand.to, on_loop[std::size_t(strand.to)] ? size / 4 : sizing.crack_tip_size);
     }
   }
   const std::vector<bool> reentrant = reentrant_corners(drawing);
   for (std::size_t v = 0; v < reentrant.size(); ++v)
-    if (reentrant[v]) ask(Index(v), size / 5);
+    if (reentrant[v]) ask(Index(v), corner);
   add_gaps(shape, drawing, size, sources);
   return sources;
 }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace kerf {
@@ -14,56 +13,12 @@ namespace kerf {
 namespace {
 
 constexpr double max_pieces = 4e6;  // per strand
-constexpr double acute = 65 * std::numbers::pi / 180;
 
-double chord(const Drawing& drawing, const Strand& strand) {
-  const Vec2 middle = point(drawing, strand, 0.5);
-  return std::max((drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm(),
-                  (middle - drawing.corners[std::size_t(strand.from)]).norm());
-}
-
-/// At a corner where strands make a sharp angle, the first points on all of them lie at one distance: the triangles in
-/// the angle are then isosceles, and no further splitting of the one strand asks for splitting the other. Zero
-/// elsewhere.
-std::vector<double> corner_radii(const Drawing& drawing, const SizeField& field) {
-  std::vector<std::vector<double>> directions(drawing.corners.size());
-  std::vector<double> shortest(drawing.corners.size(), std::numeric_limits<double>::infinity());
-  for (const Strand& strand : drawing.strands) {
-    const Vec2 out = velocity(drawing, strand, 0), back = -velocity(drawing, strand, 1);
-    directions[std::size_t(strand.from)].push_back(std::atan2(out.y(), out.x()));
-    directions[std::size_t(strand.to)].push_back(std::atan2(back.y(), back.x()));
-    for (const Index v : {strand.from, strand.to})
-      shortest[std::size_t(v)] = std::min(shortest[std::size_t(v)], chord(drawing, strand));
-  }
-  std::vector<double> radius(drawing.corners.size(), 0);
-  for (std::size_t v = 0; v < directions.size(); ++v) {
-    std::vector<double>& angles = directions[v];
-    if (angles.size() < 2) continue;
-    std::sort(angles.begin(), angles.end());
-    double least = angles.front() + 2 * std::numbers::pi - angles.back();
-    for (std::size_t i = 0; i + 1 < angles.size(); ++i) least = std::min(least, angles[i + 1] - angles[i]);
-    if (least < acute) radius[v] = std::min(size_at(field, drawing.corners[v]), shortest[v] / 3);
-  }
-  return radius;
-}
-
-/// The strand's parameter at a distance from its start (or end).
-double parameter_at(const Drawing& drawing, const Strand& strand, double radius, bool from_end) {
-  const Vec2& corner = drawing.corners[std::size_t(from_end ? strand.to : strand.from)];
-  double near = 0, far = 0.5;
-  for (int step = 0; step < 60; ++step) {
-    const double s = (near + far) / 2;
-    ((point(drawing, strand, from_end ? 1 - s : s) - corner).norm() < radius ? near : far) = s;
-  }
-  return from_end ? 1 - far : far;
-}
-
-/// Parameters that split a strand between two of them into pieces of about the target length: equal steps of the
+/// Parameters that split a strand into pieces of about the target length: equal steps of the
 /// integral of ds / h.
-std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer,
-                           double start, double end) {
-  std::vector<double> s{start}, steps{0};
-  std::vector<std::array<double, 2>> open{{start, end}};
+std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer) {
+  std::vector<double> s{0}, steps{0};
+  std::vector<std::array<double, 2>> open{{0, 1}};
   const double longest = strand.arc ? 1.0 / 8 : 1;
   while (!open.empty()) {
     const auto [from, to] = open.back();
@@ -84,14 +39,14 @@ std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const S
   const bool whole = strand.arc && strand.from == strand.to;
   int count = std::max(whole ? 8 : 1, int(std::lround(steps.back())));
   if (strand.arc) count *= finer;
-  std::vector<double> at{start};
+  std::vector<double> at{0};
   std::size_t k = 1;
   for (int i = 1; i < count; ++i) {
     const double target = steps.back() * i / count;
     while (steps[k] < target) ++k;
     at.push_back(s[k - 1] + (s[k] - s[k - 1]) * (target - steps[k - 1]) / (steps[k] - steps[k - 1]));
   }
-  at.push_back(end);
+  at.push_back(1);
   return at;
 }
 
@@ -125,15 +80,9 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) 
   std::vector<bool> mouth(drawing.corners.size(), false);
   for (const Strand& strand : drawing.strands)
     if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
-  const std::vector<double> radius = corner_radii(drawing, field);
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
-    const double at_start = radius[std::size_t(strand.from)], at_end = radius[std::size_t(strand.to)];
-    const double start = at_start > 0 ? parameter_at(drawing, strand, at_start, false) : 0;
-    const double end = at_end > 0 ? parameter_at(drawing, strand, at_end, true) : 1;
-    std::vector<double> s = spaced(drawing, strand, field, finer, start, end);
-    if (start > 0) s.insert(s.begin(), 0);
-    if (end < 1) s.push_back(1);
+    const std::vector<double> s = spaced(drawing, strand, field, finer);
     std::vector<double> factor(s.size() - 1, 1.0);
     if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
       factor = area_factors(*strand.arc, s);
