@@ -15,7 +15,9 @@ constexpr std::size_t many = 12;  // no leaf lists more
 constexpr int max_depth = 40;     // of the quadtree
 
 double size_of(const SizeField& field, const Source& s, const Vec2& x) {
-  return s.size + field.grading * distance(x, s.a, s.b);
+  const double d = distance(x, s.a, s.b), linear = s.size + field.grading * d;
+  if (d >= s.reach) return linear;
+  return std::min(linear, std::max(s.size, field.cap * std::pow(d / s.reach, 0.8)));
 }
 
 void grow(SizeField& field, std::size_t node, const Vec2& low, double width, const std::vector<Index>& candidates,
@@ -145,10 +147,18 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   const double size = sizing.size;
   const double corner = size / 25;  // kinks and reentrant corners are singular too, if less than tips
   std::vector<Source> sources;
-  const auto ask = [&](Index corner, double wanted) {
+  const auto ask = [&](Index corner, double wanted, double reach = 0) {
     const Vec2& x = drawing.corners[std::size_t(corner)];
-    sources.push_back({x, x, wanted});
+    sources.push_back({x, x, wanted, std::min(reach, extent(shape) / 8)});
   };
+  std::vector<double> crack_length(shape.cracks.size(), 0), shortest(drawing.corners.size(), extent(shape));
+  for (const Strand& s : drawing.strands) {
+    const double length = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
+    if (s.crack != none) crack_length[std::size_t(s.crack)] += length;
+    if (s.loop != none)
+      for (const Index corner : {s.from, s.to})
+        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], length);
+  }
   std::vector<bool> on_loop(drawing.corners.size(), false);
   for (const Strand& s : drawing.strands)
     if (s.loop != none) on_loop[std::size_t(s.from)] = true;
@@ -164,17 +174,20 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     }
     const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
     if (strand.crack != none) {
+      const double reach = crack_length[std::size_t(strand.crack)] / 4;
       const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
       if (follows &&
           std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1), velocity(drawing, strand, 0))) > 5 * degree)
-        ask(strand.from, corner);
-      if (!follows) ask(strand.from, on_loop[std::size_t(strand.from)] ? size / 4 : sizing.crack_tip_size);
-      if (last) ask(strand.to, on_loop[std::size_t(strand.to)] ? size / 4 : sizing.crack_tip_size);
+        ask(strand.from, corner, reach / 2);  // milder than a tip
+      if (!follows)
+        on_loop[std::size_t(strand.from)] ? ask(strand.from, size / 4) : ask(strand.from, sizing.crack_tip_size, reach);
+      if (last)
+        on_loop[std::size_t(strand.to)] ? ask(strand.to, size / 4) : ask(strand.to, sizing.crack_tip_size, reach);
     }
   }
   const std::vector<bool> reentrant = reentrant_corners(drawing);
   for (std::size_t v = 0; v < reentrant.size(); ++v)
-    if (reentrant[v]) ask(Index(v), corner);
+    if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
   add_gaps(shape, drawing, size, sources);
   return sources;
 }
