@@ -137,7 +137,7 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
   const Index nodes = static_cast<Index>(o.first.size()) - 1;
 
   // Columns of one node have the rows of the node from the diagonal down, then those of the adjacent nodes.
-  a.K.resize(o.size, o.size);
+  a.K.size = o.size;
   std::int64_t count = 0;
   for (Index n = 0; n < nodes; ++n) {
     const std::int64_t width = o.first[n + 1] - o.first[n];
@@ -148,11 +148,12 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
   }
   if (count > std::numeric_limits<Index>::max())
     throw Error(Fault::Numerics, "the condensed matrix has too many entries; use a coarser mesh (mesh.size)");
-  a.K.resizeNonZeros(count);
-  Index* column_start = a.K.outerIndexPtr();
-  Index* rows = a.K.innerIndexPtr();
-  double* values = a.K.valuePtr();
-  std::fill(values, values + count, 0.0);
+  a.K.start.resize(o.size + 1);
+  a.K.rows.resize(count);
+  a.K.values.resize(count);
+  Index* column_start = a.K.start.data();
+  Index* rows = a.K.rows.data();
+  double* values = a.K.values.data();
   column_start[0] = 0;
   for (Index n = 0; n < nodes; ++n)
     for (Index j = o.first[n]; j < o.first[n + 1]; ++j) {

@@ -24,7 +24,7 @@ Ordering order(const Mesh& mesh, const Skeleton& s);
 /// satisfies K x - F = p >= 0, x >= 0, p x = 0 instead of K x = F.
 struct System {
   double penalty = 0;  // Penalty::a in K; chosen when c is so small that digits would be lost
-  SparseMatrix K;         // lower triangle
+  LowerTriangle K;
   Eigen::MatrixXd force;  // force moments, a column per triangle; no columns without a body force
   Eigen::VectorXd F;
   Eigen::MatrixXd traces;  // with a penalty, per triangle Condensed::trace, own, by_theta

@@ -122,9 +122,9 @@ struct Factor::Impl {
   }
 };
 
-Factor::Factor(const SparseMatrix& lower, Index trailing) : impl_(std::make_unique<Impl>()) {
+Factor::Factor(const LowerTriangle& lower, Index trailing) : impl_(std::make_unique<Impl>()) {
   use_one_thread();
-  impl_->size = static_cast<Index>(lower.cols());
+  impl_->size = lower.size;
   impl_->trailing = trailing;
   if (impl_->size == 0) return;
   cholmod_common& c = impl_->session.c;
@@ -132,8 +132,8 @@ Factor::Factor(const SparseMatrix& lower, Index trailing) : impl_(std::make_uniq
   c.nmethods = 1;
   c.method[0].ordering = CHOLMOD_NATURAL;
   c.postorder = 0;  // `dissection` is a postorder already, and the trailing columns must stay where they are
-  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.outerIndexPtr()),
-                          const_cast<Index*>(lower.innerIndexPtr()), const_cast<double*>(lower.valuePtr()), -1);
+  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
+                          const_cast<double*>(lower.values.data()), -1);
   impl_->factor = cholmod_analyze(&a, &c);
   if (!impl_->factor) out_of_memory();
   impl_->entries = c.lnz;

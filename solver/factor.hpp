@@ -1,15 +1,12 @@
 #pragma once
 // A factorised sparse symmetric positive definite matrix. SuiteSparse lives in factor.cpp and nowhere else.
 
-#include "geometry/types.hpp"
+#include "solver/sparse.hpp"
 
-#include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
 namespace kerf {
-
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
 
 /// Fill-reducing order of the nodes of an undirected graph (nested dissection, METIS), postordered. `start` and
 /// `neighbours` list the neighbours of each node, both directions, without the node itself. Returns order[k] = node k-th
@@ -20,9 +17,9 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// trailing block of L is the Cholesky factor of the Schur complement onto them.
 class Factor {
  public:
-  /// `lower`: lower triangle, columns sorted. Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K is not positive
+  /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K is not positive
   /// definite (Error::what says "column N"), or when memory runs out.
-  Factor(const SparseMatrix& lower, Index trailing);
+  Factor(const LowerTriangle& lower, Index trailing);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;

@@ -135,7 +135,7 @@ Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
 // |K x - F| with what the closed contacts carry taken as their force.
 Certificate certify(const Model& m, Solved& s, const Eigen::VectorXd& F) {
   const Index leading = m.ordering.size - m.ordering.trailing;
-  Eigen::VectorXd rest = m.system.K.selfadjointView<Eigen::Lower>() * s.x - F;
+  Eigen::VectorXd rest = multiply(m.system.K, s.x) - F;
   s.force = Eigen::VectorXd::Zero(m.ordering.size);
   double negative = 0, complementarity = 0;
   const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
@@ -167,7 +167,7 @@ void solve_contact(const Model& m, const Eigen::VectorXd& F, Solved& s, State& s
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(trailing).setZero();
   const Eigen::VectorXd rest =
-      guess ? Eigen::VectorXd(F - m.system.K.selfadjointView<Eigen::Lower>() * s.x) : F;
+      guess ? Eigen::VectorXd(F - multiply(m.system.K, s.x)) : F;
   Eigen::VectorXd y = m.factor.forward(rest);
   ++state.linear_solves;
   state.seconds.solve += watch.lap();
