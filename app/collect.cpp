@@ -36,8 +36,8 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   StateResult r;
   r.element = model.kernel.element.name;
   r.condensed_unknowns = model.ordering.size;
-  r.unknowns = model.ordering.size +
-               interior_count(model.kernel.element) * static_cast<Index>(model.mesh.triangles.size());
+  r.unknowns =
+      model.ordering.size + interior_count(model.kernel.element) * static_cast<Index>(model.mesh.triangles.size());
   r.residual = state.certificate.residual;
   r.energy = potential_energy(model, state);
   r.compliance = work_of_loads(model, state);
@@ -112,7 +112,8 @@ std::vector<Vec2> singular_points(const Model& model) {
   std::vector<double> angle(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles)
     for (int i = 0; i < 3; ++i) {
-      const Vec2 a = mesh.points[t[(i + 1) % 3]] - mesh.points[t[i]], b = mesh.points[t[(i + 2) % 3]] - mesh.points[t[i]];
+      const Vec2 a = mesh.points[t[(i + 1) % 3]] - mesh.points[t[i]],
+                 b = mesh.points[t[(i + 2) % 3]] - mesh.points[t[i]];
       angle[t[i]] += std::atan2(cross(a, b), a.dot(b));
     }
   std::vector<int> held(mesh.points.size(), -1);
@@ -132,7 +133,8 @@ std::vector<Vec2> singular_points(const Model& model) {
   return points;
 }
 
-Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular, double radius) {
+Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular,
+                double radius) {
   Extrema e;
   bool any = false;
   for (Index t = 0; t < static_cast<Index>(at_centroids.size()); ++t) {

@@ -13,9 +13,9 @@ namespace kerf {
 /// Everything that plots need, computed once.
 struct PlotData {
   Corners corners;
-  std::vector<Vec2> points;                     // of the corners
+  std::vector<Vec2> points;  // of the corners
   CornerValues values;
-  Eigen::VectorXd von_mises;                    // at corners
+  Eigen::VectorXd von_mises;  // at corners
   bool plane_strain = true;
 };
 PlotData plot_data(const Model& model, const State& state, bool plane_strain);
@@ -25,13 +25,15 @@ ContactResultSummary contact_result(const Model& model, const State& state, cons
                                     const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
-/// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be infinite.
+/// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be
+/// infinite.
 std::vector<Vec2> singular_points(const Model& model);
 /// Smallest and largest value over the triangles whose centroid is at least `radius` from every singular point.
 struct Extrema {
   PlacedValue min, max;
 };
-Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular, double radius);
+Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular,
+                double radius);
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);

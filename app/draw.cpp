@@ -21,8 +21,8 @@ void add_lines(const Model& model, const PlotData& data, const std::vector<Vec2>
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
     const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
-    p.outlines.push_back({position[corner(model, data, t, mesh.edges[e][0])],
-                          position[corner(model, data, t, mesh.edges[e][1])]});
+    p.outlines.push_back(
+        {position[corner(model, data, t, mesh.edges[e][0])], position[corner(model, data, t, mesh.edges[e][1])]});
   }
   for (const auto& crack : mesh.cracks)
     for (int side = 0; side < 2; ++side) {
@@ -90,7 +90,9 @@ Picture stress_picture(const Case& c, const Model& model, const PlotData& data) 
 }
 
 Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map) {
-  Picture p{.title = c.title, .subtitle = "topological derivative of the energy: a hole of radius \u03b5 changes it by \u03c0 \u03b5\u00b2 T"};
+  Picture p{
+      .title = c.title,
+      .subtitle = "topological derivative of the energy: a hole of radius \u03b5 changes it by \u03c0 \u03b5\u00b2 T"};
   p.points = data.points;
   p.triangles = plot_triangles(data);
   p.values = spread(data, map.at_corners);

@@ -71,8 +71,8 @@ void remove_earlier_results(const std::filesystem::path& folder) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
     const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
                           (name.starts_with("probe_") && type == ".csv");
-    for (const char* known : {"result.json", "state.vtu", "map.vtu", "map.csv", "mesh.png", "von_mises.png", "map.png",
-                              "report.html"})
+    for (const char* known :
+         {"result.json", "state.vtu", "map.vtu", "map.csv", "mesh.png", "von_mises.png", "map.png", "report.html"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }

@@ -1,11 +1,11 @@
-// Speed against error of the whole line on the exact partly closed crack: mesh, state with contact, map. Three mesh sizes,
-// one thread; time split as in result.json, relative L2 error of the stress, relative L1 error of the map (0.1 and more from
-// the tips), largest resident memory so far.
+// Speed against error of the whole line on the exact partly closed crack: mesh, state with contact, map. Three mesh
+// sizes, one thread; time split as in result.json, relative L2 error of the stress, relative L1 error of the map (0.1
+// and more from the tips), largest resident memory so far.
 
+#include "topo/map.hpp"
 #include "geometry/mesher.hpp"
 #include "solver/stopwatch.hpp"
 #include "tests/exact.hpp"
-#include "topo/map.hpp"
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
@@ -53,9 +53,8 @@ void partly_closed_crack(benchmark::State& bench) {
   Scene scene;
   scene.material = f.material;
   scene.laws.resize(1);
-  scene.supports.push_back({0, false, true, true, [&f](const Vec2& x, const Vec2&) {
-                              return f.displacement(x, exact::side_of(f, x));
-                            }});
+  scene.supports.push_back(
+      {0, false, true, true, [&f](const Vec2& x, const Vec2&) { return f.displacement(x, exact::side_of(f, x)); }});
   for (auto _ : bench) {
     Stopwatch watch;
     Mesh mesh = triangulate(shape, sizing);

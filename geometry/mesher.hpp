@@ -7,8 +7,9 @@
 namespace kerf {
 
 struct Sizing {
-  double size = 0;            // target edge length; 0: extent / 40
-  double crack_tip_size = 0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
+  double size = 0;  // target edge length; 0: extent / 40
+  double crack_tip_size =
+      0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
   double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
   double min_angle_deg = 25;  // wherever the input angles allow it
 };

@@ -10,9 +10,9 @@ namespace kerf {
 
 namespace {
 
-// An order of the edges with `wanted[e]` from nested dissection of the graph of vertices: an edge goes with that of its ends
-// that is eliminated first, so that a separating path of vertices becomes the path of edges between them. The graph is
-// three times smaller than that of the edges.
+// An order of the edges with `wanted[e]` from nested dissection of the graph of vertices: an edge goes with that of its
+// ends that is eliminated first, so that a separating path of vertices becomes the path of edges between them. The
+// graph is three times smaller than that of the edges.
 std::vector<Index> dissect_edges(const Mesh& mesh, const std::vector<bool>& wanted) {
   const Index vertices = static_cast<Index>(mesh.points.size()), edges = static_cast<Index>(mesh.edges.size());
   std::vector<Index> start(vertices + 1, 0);

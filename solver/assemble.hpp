@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// Rows of the condensed matrix: the free unknowns of one edge lie together, edges by nested dissection, and the bounded
-/// jumps (those that a contact law acts on) last. A function of the topology alone.
+/// Rows of the condensed matrix: the free unknowns of one edge lie together, edges by nested dissection, and the
+/// bounded jumps (those that a contact law acts on) last. A function of the topology alone.
 struct Ordering {
   std::vector<Index> row;       // per skeleton unknown, none where fixed
   Index size = 0;               // rows
@@ -19,9 +19,9 @@ struct Ordering {
 };
 Ordering order(const Mesh& mesh, const Skeleton& s);
 
-/// K x = F over the free unknowns: K = sum_T K_T on the traces that each triangle sees, F from tractions, body force and
-/// prescribed values. Symmetric positive definite when the supports hold the body; on the bounded jumps x the solution
-/// satisfies K x - F = p >= 0, x >= 0, p x = 0 instead of K x = F.
+/// K x = F over the free unknowns: K = sum_T K_T on the traces that each triangle sees, F from tractions, body force
+/// and prescribed values. Symmetric positive definite when the supports hold the body; on the bounded jumps x the
+/// solution satisfies K x - F = p >= 0, x >= 0, p x = 0 instead of K x = F.
 struct System {
   double penalty = 0;  // Penalty::a in K; chosen when c is so small that digits would be lost
   LowerTriangle K;

@@ -16,8 +16,8 @@ struct Contact {
   bool converged = true;
 };
 
-/// Primal-dual active set from the solution with `closed` held shut (all open when empty); when it has not settled after 30 steps, the active-set method
-/// of Lawson and Hanson, which cannot cycle, goes on.
+/// Primal-dual active set from the solution with `closed` held shut (all open when empty); when it has not settled
+/// after 30 steps, the active-set method of Lawson and Hanson, which cannot cycle, goes on.
 Contact solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, std::vector<bool> closed = {});
 
 /// The jumps with the closed points held at 0: S_OO j_O = r_O, j_C = 0.

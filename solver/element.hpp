@@ -1,6 +1,6 @@
 #pragma once
-// The elements, as data: polynomial spaces per triangle and per edge, no basis functions. Hybridisation asks only for the
-// span of the stresses, so that an element is a row of this table.
+// The elements, as data: polynomial spaces per triangle and per edge, no basis functions. Hybridisation asks only for
+// the span of the stresses, so that an element is a row of this table.
 
 #include "geometry/types.hpp"
 

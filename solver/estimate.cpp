@@ -123,7 +123,8 @@ Prescribed prescribed(const Model& m, Index e, double s) {
 
 Indicator error_indicator(const Model& m, const State& s) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const Derivatives difference = derivatives(m.kernel.rule, std::max(m.kernel.element.stress, m.kernel.element.bubbles ? 2 : 0));
+  const Derivatives difference =
+      derivatives(m.kernel.rule, std::max(m.kernel.element.stress, m.kernel.element.bubbles ? 2 : 0));
   const EdgeRule rule = gauss(edge_points);
   std::vector<Interior> own(triangles);
   std::vector<EdgeTraces> traces(triangles);

@@ -40,8 +40,8 @@ struct Session {  // a CHOLMOD workspace with its lifetime
   }
 };
 
-// OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k triangles:
-// half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
+// OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k
+// triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
 void use_one_thread() {
   omp_set_max_active_levels(0);
   using Set = void (*)(int);

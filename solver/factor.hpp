@@ -9,16 +9,16 @@
 namespace kerf {
 
 /// Fill-reducing order of the nodes of an undirected graph (nested dissection, METIS), postordered. `start` and
-/// `neighbours` list the neighbours of each node, both directions, without the node itself. Returns order[k] = node k-th
-/// to be eliminated.
+/// `neighbours` list the neighbours of each node, both directions, without the node itself. Returns order[k] = node
+/// k-th to be eliminated.
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours);
 
-/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that the
-/// trailing block of L is the Cholesky factor of the Schur complement onto them.
+/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that
+/// the trailing block of L is the Cholesky factor of the Schur complement onto them.
 class Factor {
  public:
-  /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K is not positive
-  /// definite (Error::what says "column N"), or when memory runs out.
+  /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K
+  /// is not positive definite (Error::what says "column N"), or when memory runs out.
   Factor(const LowerTriangle& lower, Index trailing);
   ~Factor();
   Factor(Factor&&) noexcept;

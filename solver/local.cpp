@@ -42,8 +42,8 @@ Vec2 bubble_curl(const Scaled& s, double l0, double l1, double l2) {
 template <int Rows, int Columns>
 using Rowwise = Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
-// Everything about one triangle in arrays of compile-time size. S, U, R, X: numbers of stress, displacement, rotation and
-// skeleton functions.
+// Everything about one triangle in arrays of compile-time size. S, U, R, X: numbers of stress, displacement, rotation
+// and skeleton functions.
 template <int StressDegree, int Bubbles, int DisplacementDegree, int RotationDegree, int TraceDegree>
 struct Sized {
   static constexpr int P = monomial_count(StressDegree);
@@ -189,8 +189,8 @@ struct Sized {
     }
   }
 
-  // Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant pressure,
-  // so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
+  // Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant
+  // pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
   //   L L' = M + gamma B'B,  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
   struct Eliminated {
     Rowwise<S, S> L;
@@ -199,7 +199,7 @@ struct Sized {
     Rowwise<S, X> YC;
     Rowwise<B, X> Z;
     Rowwise<B, 1> given;  // LB^-1 of the right-hand side of the constraints
-    Rowwise<S, 1> YT;  // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
+    Rowwise<S, 1> YT;     // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
     Rowwise<B, 1> ZT;
     double gamma;
   };
@@ -259,8 +259,8 @@ struct Sized {
     return result;
   }
 
-  static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
-                                  const SkeletonVector& m, const Penalty& penalty) {
+  static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
+                                  const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty) {
     const Scaled s = scale(t);
     const System a = assemble(k, t, s, material, force);
     const Eliminated e = eliminate(a, material, penalty);

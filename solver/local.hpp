@@ -11,14 +11,15 @@
 namespace kerf {
 
 struct Triangle {
-  std::array<Vec2, 3> x;      // counter-clockwise; edge i is opposite vertex i
-  std::array<Mat2, 3> frame;  // per edge: columns are the directions of its two components
+  std::array<Vec2, 3> x;        // counter-clockwise; edge i is opposite vertex i
+  std::array<Mat2, 3> frame;    // per edge: columns are the directions of its two components
   std::array<bool, 3> forward;  // the edge's own direction (smaller to larger vertex) is counter-clockwise here
 };
 
 /// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame.
 inline constexpr int max_skeleton = 24;
-using SkeletonMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
+using SkeletonMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
 using SkeletonVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_skeleton, 1>;
 
 /// What the local problems of one element share: quadrature and trace points. Made once per model.
@@ -34,9 +35,9 @@ Kernel kernel(const Element& e);
 using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 12, 1>;
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
 
-/// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| / 2,
-/// t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found by a
-/// short iteration [iterated penalty, elements.md section 5]. a = 0: neither.
+/// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| /
+/// 2, t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found
+/// by a short iteration [iterated penalty, elements.md section 5]. a = 0: neither.
 struct Penalty {
   double a = 0;      // compliance
   double theta = 0;  // strain, from the sweep before
@@ -62,8 +63,8 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
 
 /// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
 struct Fields {
-  Eigen::Matrix4Xd stress;    // rows s11, s12, s21, s22: symmetric only weakly
-  Points displacement;        // the element's own (piecewise constant for bdms); recover.hpp has a better one
+  Eigen::Matrix4Xd stress;      // rows s11, s12, s21, s22: symmetric only weakly
+  Points displacement;          // the element's own (piecewise constant for bdms); recover.hpp has a better one
   Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
 };
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);

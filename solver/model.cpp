@@ -3,8 +3,8 @@
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,12 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
       if (motions.empty()) continue;
       const Index inside = static_cast<Index>(std::find(piece.begin(), piece.end(), p) - piece.begin());
       const Vec2 x = centroid(mesh, inside);
-      throw Error(Fault::Numerics,
-                  fmt::format("cracks cut the body into {} pieces, and the supports do not hold the piece around ({:.4g}, "
-                              "{:.4g}): it is free to make {}; support each piece on its own (contact alone does not "
-                              "count), or end the crack inside the body",
-                              count, x.x(), x.y(), describe(motions.front())));
+      throw Error(
+          Fault::Numerics,
+          fmt::format("cracks cut the body into {} pieces, and the supports do not hold the piece around ({:.4g}, "
+                      "{:.4g}): it is free to make {}; support each piece on its own (contact alone does not "
+                      "count), or end the crack inside the body",
+                      count, x.x(), x.y(), describe(motions.front())));
     }
     return {};
   }
@@ -132,6 +133,56 @@ Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
   return F;
 }
 
+// K x = b with the closed contacts held at 0.
+Eigen::VectorXd solve_frozen(const Model& m, const Eigen::VectorXd& b, const std::vector<bool>& closed) {
+  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
+  Eigen::VectorXd y = m.factor.forward(b);
+  if (trailing > 0) {
+    const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
+    y.tail(trailing) = lower.transpose() * open_jumps(m.factor.schur_complement(), lower * y.tail(trailing), closed);
+  }
+  Eigen::VectorXd x = m.factor.backward(y);
+  for (Index i = 0; i < trailing; ++i)
+    if (closed[i]) x[leading + i] = 0;
+  return x;
+}
+
+// The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
+// falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
+// delta such that the mean over the body of theta - a mean(tr s) vanishes.
+struct UniformPressure {
+  std::vector<bool> closed;  // contacts that the response was computed with
+  Eigen::VectorXd response;  // of x to theta = 1
+  double stiffness = 0;      // sum_T |T| (1 - a d mean(tr s)/d delta)
+
+  void correct(const Model& m, Solved& s, State& state) {
+    const Eigen::Index count = m.system.traces.rows() - 2;
+    const double a = m.system.penalty;
+    if (response.size() == 0 || closed != s.closed) {
+      Solved unit;
+      unit.theta = Eigen::VectorXd::Ones(s.theta.size());
+      closed = s.closed;
+      response = solve_frozen(m, right_hand_side(m, unit) - m.system.F, closed);
+      ++state.linear_solves;
+      const Eigen::VectorXd skeleton = spread(m, response, nullptr);
+      stiffness = 0;
+      for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+        const auto column = m.system.traces.col(t);
+        stiffness +=
+            area(m.mesh, t) * (1 - a * column[count + 1]) - a * column.head(count).dot(trace_seen(m, skeleton, t));
+      }
+    }
+    if (!(stiffness > 0)) return;
+    const Eigen::VectorXd before = s.theta;
+    update_theta(m, s);
+    double rest = 0;
+    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) rest += area(m.mesh, t) * (s.theta[t] - before[t]);
+    const double delta = rest / stiffness;
+    s.x += delta * response;
+    s.theta = before.array() + delta;
+  }
+};
+
 // |K x - F| with what the closed contacts carry taken as their force.
 Certificate certify(const Model& m, Solved& s, const Eigen::VectorXd& F) {
   const Index leading = m.ordering.size - m.ordering.trailing;
@@ -166,8 +217,7 @@ void solve_contact(const Model& m, const Eigen::VectorXd& F, Solved& s, State& s
   // The correction solves for x as a whole on the bounded rows: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(trailing).setZero();
-  const Eigen::VectorXd rest =
-      guess ? Eigen::VectorXd(F - multiply(m.system.K, s.x)) : F;
+  const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.system.K, s.x)) : F;
   Eigen::VectorXd y = m.factor.forward(rest);
   ++state.linear_solves;
   state.seconds.solve += watch.lap();
@@ -208,8 +258,17 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
   seconds.assemble = watch.lap() + numbering;
   Factor factor(system.K, ordering.trailing);
   seconds.factor = watch.lap();
-  return {std::move(mesh),   k,       std::move(scene),    std::move(skeleton), std::move(ordering), std::move(system),
-          std::move(factor), std::move(floating), std::move(notes), threads,    seconds};
+  return {std::move(mesh),
+          k,
+          std::move(scene),
+          std::move(skeleton),
+          std::move(ordering),
+          std::move(system),
+          std::move(factor),
+          std::move(floating),
+          std::move(notes),
+          threads,
+          seconds};
 }
 
 State solve(const Model& m) {
@@ -218,7 +277,7 @@ State solve(const Model& m) {
   Solved solved;
   if (m.system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
   Eigen::VectorXd F = m.system.F;
-  if (m.ordering.size == 0) solved.x.resize(0);
+  UniformPressure uniform;
   // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one.
   constexpr int most_sweeps = 15;
   // With a penalty F is as large as 1/a, so that the sweeps go on until rounding stops them.
@@ -228,6 +287,7 @@ State solve(const Model& m) {
     if (m.ordering.size > 0) solve_contact(m, F, next, state);
     Stopwatch watch;
     if (m.system.penalty > 0) {
+      uniform.correct(m, next, state);
       update_theta(m, next);
       F = right_hand_side(m, next);
     }

@@ -25,8 +25,8 @@ struct Model {
   ModelSeconds seconds;
 };
 
-/// Numbers, assembles and factorises. Throws Error(Numerics) when the supports leave a rigid motion free on which the loads
-/// do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
+/// Numbers, assembles and factorises. Throws Error(Numerics) when the supports leave a rigid motion free on which the
+/// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads);
 
 struct Certificate {

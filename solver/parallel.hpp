@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-/// body(begin, end) on contiguous chunks that cover [0, count). Runs on the calling thread when threads <= 1 or the loop
-/// is short. The first exception that a chunk throws is rethrown here.
+/// body(begin, end) on contiguous chunks that cover [0, count). Runs on the calling thread when threads <= 1 or the
+/// loop is short. The first exception that a chunk throws is rethrown here.
 void parallel_for(Index count, int threads, const std::function<void(Index begin, Index end)>& body);
 
 }  // namespace kerf

@@ -6,8 +6,7 @@ Eigen::MatrixXd monomials(int degree, const Points& x) {
   Eigen::MatrixXd value(dim(degree), x.cols());
   value.row(0).setOnes();
   for (int k = 1; k <= degree; ++k) {
-    for (int j = 0; j < k; ++j)
-      value.row(place(k - j, j)) = value.row(place(k - j - 1, j)).cwiseProduct(x.row(0));
+    for (int j = 0; j < k; ++j) value.row(place(k - j, j)) = value.row(place(k - j - 1, j)).cwiseProduct(x.row(0));
     value.row(place(0, k)) = value.row(place(0, k - 1)).cwiseProduct(x.row(1));
   }
   return value;

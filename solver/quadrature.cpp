@@ -74,12 +74,13 @@ TriangleRule triangle_rule(int degree) {
   if (degree <= 1) return symmetric(1, {});
   if (degree == 2) return symmetric(0, {{1.0 / 3, 2.0 / 3}});
   if (degree <= 4) {
-    return symmetric(0, {{0.223381589678011465944, 0.108103018168070226664},
-                         {0.109951743655321867640, 0.816847572980458513080}});
+    return symmetric(
+        0, {{0.223381589678011465944, 0.108103018168070226664}, {0.109951743655321867640, 0.816847572980458513080}});
   }
   if (degree == 5) {
     const double root = std::sqrt(15.0);
-    return symmetric(0.225, {{(155 + root) / 1200, 1 - 2 * (6 + root) / 21}, {(155 - root) / 1200, 1 - 2 * (6 - root) / 21}});
+    return symmetric(0.225,
+                     {{(155 + root) / 1200, 1 - 2 * (6 + root) / 21}, {(155 - root) / 1200, 1 - 2 * (6 - root) / 21}});
   }
   return collapsed(degree);
 }

@@ -135,7 +135,7 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
         p.sigma_t = -traction.dot(s.frame[c.edge].col(1));
       }
       const bool gap = p.jump_n > no_gap, pressure = -p.sigma_n > no_pressure;
-      p.status = bonded || pressure ? CrackPoint::Status::Closed
+      p.status = bonded || pressure   ? CrackPoint::Status::Closed
                  : gap || !unilateral ? CrackPoint::Status::Open
                                       : CrackPoint::Status::Biactive;
       profile.push_back(p);

@@ -5,14 +5,14 @@
 
 namespace kerf {
 
-/// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with the
-/// mean of u_h [Stenberg 1991; rates: elements.md section 7].
+/// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with
+/// the mean of u_h [Stenberg 1991; rates: elements.md section 7].
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x);
 
 /// Area-weighted averages over the triangles that meet at a corner, on one side of every crack.
 struct CornerValues {
-  Points displacement;         // of u*
-  Eigen::Matrix4Xd stress;     // s11, s12, s21, s22
+  Points displacement;      // of u*
+  Eigen::Matrix4Xd stress;  // s11, s12, s21, s22
   Eigen::RowVectorXd rotation;
 };
 CornerValues corner_values(const Model& model, const State& state, const Corners& corners);

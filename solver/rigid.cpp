@@ -1,7 +1,7 @@
 #include "solver/rigid.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -76,7 +76,8 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
 
 double relative_work(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
                      const RigidMotion& motion) {
-  const Eigen::ArrayXd terms = traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
+  const Eigen::ArrayXd terms =
+      traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
   double work = terms.sum(), size = terms.abs().sum();
   if (scene.body)
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {

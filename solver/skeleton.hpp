@@ -6,10 +6,10 @@
 
 namespace kerf {
 
-/// What the right side of a crack edge sees is what its left side sees plus a jump. Base unknowns: per_edge per mesh edge
-/// (per Gauss point in the edge's direction the two components of `frame`). Jump unknowns: the same count per crack edge,
-/// numbered behind all base unknowns. Frames of crack edges are (normal, tangent), so that a jump's first component is the
-/// opening [u].n >= 0 whatever the direction of the edge.
+/// What the right side of a crack edge sees is what its left side sees plus a jump. Base unknowns: per_edge per mesh
+/// edge (per Gauss point in the edge's direction the two components of `frame`). Jump unknowns: the same count per
+/// crack edge, numbered behind all base unknowns. Frames of crack edges are (normal, tangent), so that a jump's first
+/// component is the opening [u].n >= 0 whatever the direction of the edge.
 struct Skeleton {
   int per_edge = 0;
   Index base = 0;                  // base unknowns
@@ -26,8 +26,8 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene);
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t);
 
-/// Unknowns seen by triangle t: 3 per_edge base unknowns and, where it lies on the right of a crack edge, the jump that it
-/// sees on top of the base unknown (none elsewhere).
+/// Unknowns seen by triangle t: 3 per_edge base unknowns and, where it lies on the right of a crack edge, the jump that
+/// it sees on top of the base unknown (none elsewhere).
 struct Seen {
   std::array<Index, max_skeleton> base, jump;
   int count = 0;

@@ -47,18 +47,23 @@ void expect_keys(const json& object, std::initializer_list<const char*> keys, co
 
 TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   const json r = run_case("cracked_plate", {"mesh.size=0.2", "mesh.crack_tip_size=0.02"});
-  expect_keys(r, {"schema", "version", "case", "status", "mesh", "state", "contact", "cracks", "functional", "map",
-                  "time_s", "peak_memory_mb"}, "result");
+  expect_keys(r,
+              {"schema", "version", "case", "status", "mesh", "state", "contact", "cracks", "functional", "map",
+               "time_s", "peak_memory_mb"},
+              "result");
   EXPECT_EQ(r["schema"], 1);
   EXPECT_EQ(r["case"], "cracked_plate");
   EXPECT_EQ(r["status"], "ok");
   EXPECT_FALSE(r.contains("validate"));
   EXPECT_FALSE(r.contains("optimize"));
   expect_keys(r["mesh"], {"triangles", "vertices", "h_min", "h_max", "min_angle_deg"}, "mesh");
-  expect_keys(r["state"], {"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance", "area",
-                           "estimated_error", "energy_bounds"}, "state");
-  expect_keys(r["contact"], {"method", "iterations", "linear_solves", "kkt", "open_length", "closed_length",
-                             "biactive_length"}, "contact");
+  expect_keys(r["state"],
+              {"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance", "area",
+               "estimated_error", "energy_bounds"},
+              "state");
+  expect_keys(r["contact"],
+              {"method", "iterations", "linear_solves", "kkt", "open_length", "closed_length", "biactive_length"},
+              "contact");
   ASSERT_EQ(r["cracks"].size(), 1u);
   expect_keys(r["cracks"][0], {"name", "length", "max_opening", "max_pressure", "transitions", "tips"}, "crack");
   ASSERT_EQ(r["cracks"][0]["tips"].size(), 2u);
@@ -68,8 +73,9 @@ TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   expect_keys(r["functional"], {"kind", "value"}, "functional");
   expect_keys(r["map"], {"perturbation", "min", "max", "points"}, "map");
   expect_keys(r["map"]["min"], {"at", "value"}, "map.min");
-  expect_keys(r["time_s"], {"mesh", "assemble", "factor", "solve", "contact", "map", "validate", "optimize", "output",
-                            "total"}, "time_s");
+  expect_keys(r["time_s"],
+              {"mesh", "assemble", "factor", "solve", "contact", "map", "validate", "optimize", "output", "total"},
+              "time_s");
   EXPECT_EQ(r["functional"]["value"], r["state"]["energy"]);
   // Dead loads on a body held at zero: Clapeyron.
   EXPECT_NEAR(r["state"]["energy"].get<double>() / r["state"]["compliance"].get<double>(), -0.5, 1e-9);
@@ -93,10 +99,11 @@ TEST_F(Run, SolveAloneHasNoMap) {
 }
 
 TEST_F(Run, SceneWithoutACrackHasNoContact) {
-  std::ofstream(folder / "plain.toml") << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
-                                          "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
-                                          "[[boundary]]\non = \"a\"\ndisplacement = [0, 0]\n"
-                                          "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
+  std::ofstream(folder / "plain.toml")
+      << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
+         "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
+         "[[boundary]]\non = \"a\"\ndisplacement = [0, 0]\n"
+         "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
   const Case c = read_case(folder / "plain.toml");
   const Result r = run(c, Job::Run, {.folder = folder / "out"});
   EXPECT_FALSE(r.contact.has_value());
@@ -105,8 +112,8 @@ TEST_F(Run, SceneWithoutACrackHasNoContact) {
 }
 
 TEST_F(Run, PartlyClosedCaseMeetsTheExactSolution) {
-  const json r = run_case("partly_closed", {"mesh.size=0.1", "mesh.crack_tip_size=0.002", "output.png=false",
-                                            "output.html=false"});
+  const json r = run_case("partly_closed",
+                          {"mesh.size=0.1", "mesh.crack_tip_size=0.002", "output.png=false", "output.html=false"});
   const exact::Table table = exact::read_table(fs::path(KERF_TEST_DATA) / "exact", "c05_partial_linear_w");
   // Displacements prescribed all round: the potential energy is the strain energy.
   EXPECT_NEAR(r["state"]["energy"].get<double>() / table.energy, 1, 2e-4);
@@ -147,9 +154,10 @@ TEST_F(Run, EveryShippedCaseRunsCoarsely) {
 }
 
 TEST_F(Run, FailureIsWrittenWithItsReason) {
-  std::ofstream(folder / "free.toml") << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
-                                         "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
-                                         "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
+  std::ofstream(folder / "free.toml")
+      << "[domain]\noutline = [[0,0],[1,0],[1,1],[0,1]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
+         "[material]\nyoung = 1\npoisson = 0.3\n[mesh]\nsize = 0.25\n"
+         "[[boundary]]\non = \"c\"\ntraction = [0, 1]\n";
   const Case c = read_case(folder / "free.toml");
   try {
     run(c, Job::Run, {.folder = folder / "out"});

@@ -16,8 +16,10 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
 LowerTriangle lower_triangle(SparseMatrix a) {
   a.makeCompressed();
   const auto n = a.nonZeros();
-  return {static_cast<Index>(a.cols()), {a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1},
-          {a.innerIndexPtr(), a.innerIndexPtr() + n}, {a.valuePtr(), a.valuePtr() + n}};
+  return {static_cast<Index>(a.cols()),
+          {a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1},
+          {a.innerIndexPtr(), a.innerIndexPtr() + n},
+          {a.valuePtr(), a.valuePtr() + n}};
 }
 
 // A grid Laplacian plus a diagonal, with some dense rows at the end.

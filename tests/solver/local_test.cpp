@@ -130,7 +130,8 @@ TEST_P(Local, EliminationAgreesWithTheSaddlePointSystem) {
   const Material material = plane_strain(1, GetParam());
   std::mt19937 random(4);
   const Triangle t = random_triangle(random);
-  const int s = stress_count(k.element), u = displacement_count(k.element), r = rotation_count(k.element), n = s + u + r;
+  const int s = stress_count(k.element), u = displacement_count(k.element), r = rotation_count(k.element),
+            n = s + u + r;
   const TriangleRule rule = triangle_rule(6);
   const Points x = rule_points(rule, t);
   std::vector<Fields> basis;
@@ -144,8 +145,8 @@ TEST_P(Local, EliminationAgreesWithTheSaddlePointSystem) {
         const Eigen::Vector4d v = stress_at(k, t, Eigen::VectorXd::Unit(n, i), trace_point(k, t, e, g));
         sum += 0.5 * Vec2(v[0] * normal.x() + v[1] * normal.y(), v[2] * normal.x() + v[3] * normal.y());
         for (int d = 0; d < 2; ++d)
-          moments(i, 4 * e + 2 * g + d) +=
-              0.5 * t.frame[e].col(d).dot(Vec2(v[0] * normal.x() + v[1] * normal.y(), v[2] * normal.x() + v[3] * normal.y()));
+          moments(i, 4 * e + 2 * g + d) += 0.5 * t.frame[e].col(d).dot(Vec2(v[0] * normal.x() + v[1] * normal.y(),
+                                                                            v[2] * normal.x() + v[3] * normal.y()));
       }
     }
     return sum;
@@ -174,7 +175,8 @@ TEST_P(Local, EliminationAgreesWithTheSaddlePointSystem) {
   const Eigen::VectorXd found = interior(k, t, material, {}, m);
   EXPECT_LT((found - expected).norm(), 1e-10 / (1 - 1.99 * GetParam()) * expected.norm());
   const Eigen::VectorXd tractions = moments.transpose() * expected;
-  EXPECT_LT((condense(k, t, material, {}).K * m - tractions).norm(), 1e-10 / (1 - 1.99 * GetParam()) * tractions.norm());
+  EXPECT_LT((condense(k, t, material, {}).K * m - tractions).norm(),
+            1e-10 / (1 - 1.99 * GetParam()) * tractions.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(PoissonRatios, Local, testing::Values(0.0, 0.3, 0.49, 0.4999));
@@ -188,7 +190,8 @@ TEST(Quadrature, TriangleRulesIntegrateMonomialsExactly) {
         double sum = 0;
         for (Eigen::Index q = 0; q < rule.w.size(); ++q)
           sum += rule.w[q] * std::pow(rule.x(0, q), i) * std::pow(rule.x(1, q), j);
-        EXPECT_NEAR(sum, 2 * factorial(i) * factorial(j) / factorial(i + j + 2), 1e-14) << degree << ' ' << i << ' ' << j;
+        EXPECT_NEAR(sum, 2 * factorial(i) * factorial(j) / factorial(i + j + 2), 1e-14)
+            << degree << ' ' << i << ' ' << j;
       }
   }
 }

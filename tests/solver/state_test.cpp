@@ -64,8 +64,8 @@ double norm(const Model& m, const State& s) {
   return std::sqrt(sum);
 }
 
-// L2 errors along the crack of the opening and of the normal traction, both linear on every edge between the values at its
-// two Gauss points; `reach`: only |s| < reach from the middle.
+// L2 errors along the crack of the opening and of the normal traction, both linear on every edge between the values at
+// its two Gauss points; `reach`: only |s| < reach from the middle.
 struct FaceErrors {
   double opening = 0, traction = 0;
 };
@@ -221,6 +221,29 @@ TEST(State, SmoothSolutionConvergesAtOrderTwoUpToTheIncompressibleLimit) {
   }
   EXPECT_LT(finest[1] / finest[0], 1.5);
   EXPECT_LT(finest[2] / finest[0], 1.5);
+}
+
+// With the displacement given all round, the mean pressure hangs on the small compliance c alone.
+TEST(State, MeanPressureOfAnEnclosedNearlyIncompressibleBody) {
+  for (const double nu : {0.49, 0.4985, 0.4999, 0.499999}) {
+    for (const bool crack : {false, true}) {
+      const auto smooth = exact::wave_field(nu);
+      const auto closed = exact::crack_case("II", 0, plane_strain(2 * (1 + nu), nu));
+      const exact::ExactField& f = crack ? closed : smooth;
+      const Mesh mesh = crack ? exact::crack_mesh(16) : exact::unit_square_mesh(16);
+      const Model m = prepare(mesh, element("bdms"), scene_of(f, {0, 1, 2, 3}, crack), 1);
+      const State s = solve(m);
+      EXPECT_LT(s.certificate.kkt, 1e-12) << nu << ' ' << crack;
+      EXPECT_LT(s.linear_solves, 16) << nu << ' ' << crack;
+      double found = 0, expected = 0;
+      for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+        const Fields fields = evaluate(m, s, t, rule_points(m.kernel.rule, triangle(m, t)));
+        found += area(m.mesh, t) * (fields.stress.row(0) + fields.stress.row(3)).dot(m.kernel.rule.w);
+      }
+      expected = exact::integrate(m.mesh, f, [&](Index, int side, const Vec2& x) { return f.stress(x, side).trace(); });
+      EXPECT_NEAR(found, expected, crack ? 2e-2 : 1e-6) << nu << ' ' << crack;
+    }
+  }
 }
 
 struct CrackCase {

@@ -43,7 +43,8 @@ TEST(Expansion, PureShearDiscAgainstTheClosedForm) {
     const double d = 0.7, k = (3 - nu) / (1 + nu);
     const double coefficient = hole_energy(m, tensor(d, -d, 0), Vec2::Zero(), Vec2::Zero());
     const auto energy = [&](double e) {
-      return -0.5 * std::numbers::pi * d * d * (1 - 2 * e * e + k * e * e + (k + 4) * std::pow(e, 4) + k * std::pow(e, 6)) /
+      return -0.5 * std::numbers::pi * d * d *
+             (1 - 2 * e * e + k * e * e + (k + 4) * std::pow(e, 4) + k * std::pow(e, 6)) /
              (m.mu * std::pow(1 - e * e, 3));
     };
     for (const double eps : {0.02, 0.01}) {

@@ -26,9 +26,8 @@ Solved solved(const exact::ExactField& f, double size, double tip) {
   Scene scene;
   scene.material = f.material;
   scene.laws.resize(shape.cracks.size());
-  scene.supports.push_back({0, false, true, true, [f](const Vec2& x, const Vec2&) {
-                              return f.displacement(x, exact::side_of(f, x));
-                            }});
+  scene.supports.push_back(
+      {0, false, true, true, [f](const Vec2& x, const Vec2&) { return f.displacement(x, exact::side_of(f, x)); }});
   Model m = prepare(triangulate(shape, {.size = size, .crack_tip_size = tip}), element("bdms"), scene, 2);
   State s = solve(m);
   return {std::move(m), std::move(s)};
@@ -118,7 +117,8 @@ TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
   const Corners corners = split_at_cracks(s.model.mesh);
   const FullMap map = energy_map(s.model, s.state, corners, corner_values(s.model, s.state, corners));
   std::vector<Vec2> centers;
-  for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t) centers.push_back(centroid(s.model.mesh, t));
+  for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t)
+    centers.push_back(centroid(s.model.mesh, t));
   const std::vector<double> values = energy_map(s.model, s.state, centers);
   for (std::size_t i = 0; i < centers.size(); ++i)
     ASSERT_DOUBLE_EQ(values[i], map.at_centroids[static_cast<Eigen::Index>(i)]);
@@ -127,8 +127,9 @@ TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
   EXPECT_TRUE(std::isnan(energy_map(s.model, s.state, std::vector<Vec2>{{3, 0}})[0]));
 }
 
-// The whole claim, by brute force: drill a small hole into a body with a partly closed crack and compare energies. The disc
-// is an outline of both meshes' constraints only once drilled, so the sizes are fine and the tolerance is a few percent.
+// The whole claim, by brute force: drill a small hole into a body with a partly closed crack and compare energies. The
+// disc is an outline of both meshes' constraints only once drilled, so the sizes are fine and the tolerance is a few
+// percent.
 TEST(Map, PredictsTheEnergyOfADrilledBody) {
   const auto energy = [](bool drilled, double radius, double* map_value) {
     Shape shape;
