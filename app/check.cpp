@@ -73,7 +73,8 @@ std::string check(const Case& c) {
     high = high.cwiseMax(p);
   }
   print("{}\n", c.title);
-  print("body      {} to {}, area {:.6g}, {} holes\n", at(low), at(high), body, c.shape.holes.size());
+  print("body      {} to {}, area {:.6g}, {} hole{}\n", at(low), at(high), body, c.shape.holes.size(),
+        c.shape.holes.size() == 1 ? "" : "s");
   print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
   const Quality q = quality(mesh);
   print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",

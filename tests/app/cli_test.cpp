@@ -139,6 +139,9 @@ struct Broken {
   int code;
   const char* words;
 };
+void PrintTo(const Broken& b, std::ostream* out) {
+  *out << b.name;
+}
 
 class BrokenCase : public Cli, public testing::WithParamInterface<Broken> {};
 

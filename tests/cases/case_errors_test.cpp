@@ -7,6 +7,9 @@ struct Wrong {
   const char* after;  // lines appended to the square, the first of which is line 7
   const char* message;
 };
+void PrintTo(const Wrong& w, std::ostream* out) {
+  *out << w.message;
+}
 class WrongCase : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongCase, SaysWhereAndWhat) {

@@ -27,6 +27,9 @@ struct Example {
   const char* text;
   double value;
 };
+void PrintTo(const Example& e, std::ostream* out) {
+  *out << e.text;
+}
 
 class Values : public testing::TestWithParam<Example> {};
 
@@ -94,6 +97,9 @@ struct Bad {
   int column;
   const char* words;
 };
+void PrintTo(const Bad& b, std::ostream* out) {
+  *out << b.text;
+}
 class Mistakes : public testing::TestWithParam<Bad> {};
 
 TEST_P(Mistakes, AreFoundAtTheirColumn) {

@@ -250,6 +250,9 @@ struct CrackCase {
   std::string name;
   double rate, tolerance;  // of the stress error per halving of h
 };
+void PrintTo(const CrackCase& c, std::ostream* out) {
+  *out << c.name;
+}
 class ExactCrack : public testing::TestWithParam<CrackCase> {};
 
 TEST_P(ExactCrack, ErrorsFallAtTheMeasuredRateAndTheContactStateIsRight) {
