@@ -35,6 +35,7 @@ PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
   StateResult r;
   r.element = model.kernel.element.name;
+  r.degree = model.kernel.element.degree;
   r.condensed_unknowns = model.ordering.size;
   r.unknowns =
       model.ordering.size + interior_count(model.kernel.element) * static_cast<Index>(model.mesh.triangles.size());
@@ -61,11 +62,13 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
       r.length += p.length;
       (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
       r.max_opening = std::max(r.max_opening, p.jump_n);
+      if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.jump_n);
       r.max_pressure = std::max(r.max_pressure, -p.sigma_n);
       r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed});
       if (i > 0 && (profile[i - 1].status == CrackPoint::Status::Closed) != closed)
         r.transitions.push_back({0.5 * (profile[i - 1].at + p.at), word(profile[i - 1].status), word(p.status)});
     }
+    if (model.scene.laws[c].kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
     for (const TipIntensity& t : tips)
       if (t.crack == c) {
         TipResult tip{.at = t.at};

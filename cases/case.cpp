@@ -48,9 +48,7 @@ void read_solver(const Field& document, Case& c) {
     c.element =
         choice(*element, {"bdms"},
                {"peers", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"});
-  if (const auto degree = find(*solver, "degree"))
-    if (whole_number(*degree, 1, 20) != 1)
-      fail(degree->node->position, degree->name + " > 1 is not supported yet; use degree = 1");
+  if (const auto degree = find(*solver, "degree")) c.degree = whole_number(*degree, 1, 3);
   if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp"}, {"active-set", "uzawa"});
   if (const auto backend = find(*solver, "backend")) choice(*backend, {"cholmod"}, {"umfpack", "petsc"});
 }

@@ -34,6 +34,7 @@ struct Case {
   double young = 1, poisson = 0.3;
   bool plane_strain = true;
   std::string element = "bdms";
+  int degree = 1;  // 1 to 3
   std::string contact = "dual-qp";
   std::string functional = "energy";
   std::optional<MapRequest> map;

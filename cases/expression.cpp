@@ -291,6 +291,11 @@ void check_names(std::string_view text, const ExpressionContext& context, std::s
 void check_syntax(const std::string& text, const ExpressionContext& context) {
   if (std::all_of(text.begin(), text.end(), is_space))
     throw Error(Fault::Usage, "the expression is empty; write a number or a formula in x, y");
+  constexpr std::size_t longest = 10000;  // muParser's own limits give no usable message
+  if (text.size() > longest)
+    throw Error(Fault::Usage,
+                fmt::format("the expression has {} characters; at most {} are read: split it with [define]",
+                            text.size(), longest));
   Evaluator probe({"0", {}, context.young, context.poisson});
   for (const Definition& d : context.definitions) probe.values[d.name] = 1;
   mu::Parser parser = probe.prepare(text, {text, {}, context.young, context.poisson});

@@ -50,6 +50,7 @@ Json state_section(const StateResult& state) {
               {"area", number(state.area)},
               {"estimated_error", number(state.estimated_error)},
               {"energy_bounds", std::move(bounds)}};
+  out["degree"] = state.degree;
   if (!state.notes.empty()) out["notes"] = state.notes;
   return out;
 }

@@ -37,6 +37,7 @@ struct CrackResult {
   std::string name;
   double length = 0, max_opening = 0, max_pressure = 0;
   double open_length = 0, closed_length = 0, biactive_length = 0;  // in the sums of "contact"
+  double penetration = 0;                                          // of faces without a contact condition
   struct Transition {
     Vec2 at;
     std::string from, to;  // "open" | "closed"
@@ -48,6 +49,7 @@ struct CrackResult {
 
 struct StateResult {
   std::string element;
+  int degree = 1;
   Index unknowns = 0, condensed_unknowns = 0;
   double residual = 0, energy = 0, compliance = 0, area = 0;
   std::optional<double> estimated_error;               // absent: null

@@ -92,6 +92,10 @@ void write(const std::filesystem::path& path, KerfVtkWriter writer, const KerfVt
 
 }  // namespace
 
+void require_vtk() {
+  loaded();
+}
+
 void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
                std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields) {
   check(fields, points.size(), triangles.size());

@@ -19,6 +19,9 @@ struct NamedField {
   Eigen::MatrixXd values;
 };
 
+/// Loads VTK now. Throws Error(Files) when it cannot be had: better before the solve than after.
+void require_vtk();
+
 /// XML unstructured grid of triangles, raw binary (doubles hardly compress). Throws Error(Files) naming the path.
 void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
                std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields);

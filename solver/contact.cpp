@@ -2,6 +2,9 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <cmath>
+
 namespace kerf {
 
 Eigen::VectorXd open_jumps(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed) {
@@ -17,70 +20,42 @@ Eigen::VectorXd open_jumps(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, c
   return jump;
 }
 
-namespace {
-
-// Lawson, Hanson (1974), chapter 23, for the quadratic form itself: open one point at a time, step back to the first
-// constraint that the new jumps would violate. The energy falls strictly, so that no set comes twice.
-void lawson_hanson(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, Contact& c) {
-  const Eigen::Index n = r.size();
-  const double tolerance = 1e-13 * r.cwiseAbs().maxCoeff();
-  c.closed.assign(n, true);
-  c.jump.setZero(n);
-  const int budget = 10 * static_cast<int>(n) + 100;
-  for (int step = 0; step < budget; ++step, ++c.iterations) {
-    const Eigen::VectorXd force = S * c.jump - r;
-    Eigen::Index worst = -1;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (c.closed[i] && force[i] < -tolerance && (worst < 0 || force[i] < force[worst])) worst = i;
-    if (worst < 0) return;
-    c.closed[worst] = false;
-    for (Eigen::VectorXd next = open_jumps(S, r, c.closed);; next = open_jumps(S, r, c.closed)) {
-      double share = 1;
-      Eigen::Index blocking = -1;
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (!c.closed[i] && next[i] <= 0) {
-          const double limit = c.jump[i] / (c.jump[i] - next[i]);
-          if (!(limit > share)) {
-            share = std::max(limit, 0.0);
-            blocking = i;
-          }
-        }
-      c.jump += share * (next - c.jump);
-      if (blocking < 0) break;
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (!c.closed[i] && (i == blocking || c.jump[i] <= 0)) {
-          c.closed[i] = true;
-          c.jump[i] = 0;
-        }
-    }
-  }
-  c.converged = false;
-}
-
-}  // namespace
-
 Contact solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, std::vector<bool> closed) {
-  constexpr int patience = 30;
   const Eigen::Index n = r.size();
   Contact c;
   c.closed = std::move(closed);
   c.closed.resize(n, false);
   if (n == 0) return c;
-  const double stiffness = S.diagonal().maxCoeff();
-  bool settled = false;
-  for (c.iterations = 1; c.iterations <= patience; ++c.iterations) {
+  // Steps are cheap or dear with n^3: a budget in both, so that no contact problem can run for ever.
+  constexpr double most_work = 1e12;
+  const double cube = std::pow(static_cast<double>(n), 3);
+  const int budget = static_cast<int>(std::clamp(most_work / cube, 60.0, 5000.0));
+  constexpr double rounding = 1e-13;
+  constexpr int trust = 10;  // full exchanges in a row that need not help
+  const double load = r.cwiseAbs().maxCoeff();
+  Eigen::Index fewest = n + 1;
+  int patience = trust;
+  std::vector<Eigen::Index> wrong;
+  for (c.iterations = 1; c.iterations <= budget; ++c.iterations) {
     c.jump = open_jumps(S, r, c.closed);
     c.force = S * c.jump - r;
-    settled = true;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const bool closed = (c.closed[i] ? c.force[i] : 0) - stiffness * c.jump[i] > 0;
-      settled = settled && closed == c.closed[i];
-      c.closed[i] = closed;
+    const double jump = c.jump.cwiseAbs().maxCoeff();
+    wrong.clear();
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (c.closed[i] ? c.force[i] < -rounding * load : c.jump[i] < -rounding * jump) wrong.push_back(i);
+    const Eigen::Index count = static_cast<Eigen::Index>(wrong.size());
+    if (count == 0) break;
+    if (count < fewest) {
+      fewest = count;
+      patience = trust;
+    } else if (patience > 0) {
+      --patience;
+    } else {
+      wrong = {wrong.back()};
     }
-    if (settled) break;
+    for (const Eigen::Index i : wrong) c.closed[i] = !c.closed[i];
   }
-  if (!settled) lawson_hanson(S, r, c);
-  c.force = S * c.jump - r;
+  c.converged = wrong.empty();
   for (Eigen::Index i = 0; i < n; ++i)
     if (!c.closed[i]) c.force[i] = 0;
   return c;

@@ -4,13 +4,13 @@
 
 namespace kerf {
 
-const Element& element(std::string_view name) {
+const Element& element(std::string_view name, int degree) {
   std::string known;
   for (const Element& e : elements) {
-    if (e.name == name) return e;
-    known += (known.empty() ? "\"" : ", \"") + std::string(e.name) + "\"";
+    if (e.name == name && e.degree == degree) return e;
+    known += fmt::format("{}\"{}\" of degree {}", known.empty() ? "" : ", ", e.name, e.degree);
   }
-  throw Error(Fault::Usage, fmt::format("unknown element \"{}\"; known: {}", name, known));
+  throw Error(Fault::Usage, fmt::format("unknown element \"{}\" of degree {}; known: {}", name, degree, known));
 }
 
 }  // namespace kerf

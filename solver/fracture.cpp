@@ -126,6 +126,8 @@ using Integrals = Eigen::Matrix<double, 3, rings>;
 struct Disc {
   Tip tip;
   std::array<Ring, rings> ring;
+  double rotation =
+      0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
 };
 
 Integrals over_triangle(const Model& model, const State& state, const Disc& disc, Index t) {
@@ -146,8 +148,8 @@ Integrals over_triangle(const Model& model, const State& state, const Disc& disc
     Eigen::Vector4d stress = f.stress.col(i);
     stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
     const Mat2 s = frame.transpose() * tensor(stress) * frame;
-    const Mat2 d =
-        frame.transpose() * tensor(displacement_gradient(model.scene.material, stress, f.rotation[i])) * frame;
+    const Mat2 d = frame.transpose() *
+                   tensor(displacement_gradient(model.scene.material, stress, f.rotation[i] - disc.rotation)) * frame;
     const std::array<Field, 2> unit = unit_fields(model.scene.material, at);
     // P in the columns, then the factor of q.
     Eigen::Matrix<double, 2, 3> P;
@@ -190,6 +192,19 @@ Cover cover(const Mesh& mesh, const Vec2& at, double inner, double outer) {
   }
   if (count > 0) c.elements = outer / std::sqrt(2 * in_ring / count);
   return c;
+}
+
+/// Weighted by the slope of the cut-off, so that it does not matter which triangles at the rims count.
+double mean_rotation(const Model& model, const State& state, const Disc& disc, std::span<const Index> triangles) {
+  double sum = 0, size = 0;
+  for (const Index t : triangles) {
+    const Vec2 x = centroid(model.mesh, t);
+    const double weight = area(model.mesh, t) * std::abs(cut_off_slope(disc.ring.front(), (x - disc.tip.at).norm()));
+    if (weight == 0) continue;
+    sum += weight * evaluate(model, state, t, x).rotation[0];
+    size += weight;
+  }
+  return size > 0 ? sum / size : 0;
 }
 
 Integrals over_ring(const Model& model, const State& state, const Disc& disc, std::span<const Index> triangles) {
@@ -258,13 +273,14 @@ TipIntensity intensity(const Model& model, const State& state, const Tip& tip, b
   constexpr double safe = 0.9, fewest_elements = 1.5;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const double radius = safe * clear;
-  const Disc disc{tip, place_rings(radius)};
+  Disc disc{tip, place_rings(radius)};
   TipIntensity result{.crack = model.mesh.crack[tip.run.front()], .at_start = start, .at = tip.at};
   const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
     result.K_I = result.K_II = result.G = result.J = result.spread = unknown;
     return result;
   }
+  disc.rotation = mean_rotation(model, state, disc, c.triangles);
   const double modulus = plane_modulus(model.scene.material);
   const Integrals integrals = over_ring(model, state, disc, c.triangles);
   const std::vector<Face> all = faces(model.mesh, tip, start, profile);

@@ -33,10 +33,14 @@ Scaled scale(const Triangle& t) {
   return s;
 }
 
-// curl(27 l1 l2 l3) = (d2 b, -d1 b) at barycentric coordinates l.
-Vec2 bubble_curl(const Scaled& s, double l0, double l1, double l2) {
-  const Vec2 g = 27 * (l1 * l2 * s.gradient[0] + l0 * l2 * s.gradient[1] + l0 * l1 * s.gradient[2]);
-  return {g.y(), -g.x()};
+// b = 27 l0 l1 l2 and its gradient in xi.
+struct Bubble {
+  double value;
+  Vec2 gradient;
+};
+Bubble bubble(const Scaled& s, const Vec2& xi) {
+  const double l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi), l0 = 1 - l1 - l2;
+  return {27 * l0 * l1 * l2, 27 * (l1 * l2 * s.gradient[0] + l0 * l2 * s.gradient[1] + l0 * l1 * s.gradient[2])};
 }
 
 template <int Rows, int Columns>
@@ -44,16 +48,17 @@ using Rowwise = Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMa
 
 // Everything about one triangle in arrays of compile-time size. S, U, R, X: numbers of stress, displacement, rotation
 // and skeleton functions.
-template <int StressDegree, int Bubbles, int DisplacementDegree, int RotationDegree, int TraceDegree>
+template <int StressDegree, int BubbleDegree, int DisplacementDegree, int RotationDegree, int TraceDegree>
 struct Sized {
   static constexpr int P = monomial_count(StressDegree);
-  static constexpr int S = 4 * P + Bubbles;
+  static constexpr int W = BubbleDegree + 1;  // homogeneous polynomials of that degree
+  static constexpr int S = 4 * P + 2 * W;
   static constexpr int U = 2 * monomial_count(DisplacementDegree);
   static constexpr int R = monomial_count(RotationDegree);
   static constexpr int B = U + R;
   static constexpr int G = TraceDegree + 1;
   static constexpr int X = 6 * G;
-  static constexpr int Degree = std::max({StressDegree, DisplacementDegree, RotationDegree});
+  static constexpr int Degree = std::max({StressDegree, BubbleDegree, DisplacementDegree, RotationDegree});
   static constexpr int Monomials = monomial_count(Degree);
 
   // Monomials of degree <= Degree.
@@ -67,7 +72,24 @@ struct Sized {
     return v;
   }
 
-  // Stress function 4 m + c is monomial m in component c of 11, 12, 21, 22; then the bubbles.
+  // Stress function 4 m + c is monomial m in component c of 11, 12, 21, 22. Then come the bubbles: function
+  // 4 P + 2 w + r is curl(b w) = (d2, -d1) in row r, w the homogeneous monomials in their order.
+  static Eigen::Matrix<double, W, 2> curls_at(const Scaled& s, const Vec2& xi,
+                                              const Eigen::Matrix<double, Monomials, 1>& v) {
+    Eigen::Matrix<double, W, 2> curl;
+    if constexpr (W > 0) {
+      const Bubble b = bubble(s, xi);
+      for (int j = 0; j < W; ++j) {
+        const int i = BubbleDegree - j;
+        const double w = v[place(i, j)];
+        const double dx = i > 0 ? i * v[place(i - 1, j)] : 0, dy = j > 0 ? j * v[place(i, j - 1)] : 0;
+        curl(j, 0) = b.gradient.y() * w + b.value * dy;
+        curl(j, 1) = -(b.gradient.x() * w + b.value * dx);
+      }
+    }
+    return curl;
+  }
+
   static Vec2 point(const Scaled& s, double l1, double l2) {
     return (1 - l1 - l2) * s.x[0] + l1 * s.x[1] + l2 * s.x[2];
   }
@@ -88,21 +110,24 @@ struct Sized {
     a.trace.setZero();
     a.given.setZero();
     if (force.size() > 0) a.given.template head<U>() = -0.5 * s.h * force;  // the triangle's area in xi is 1/2
-    // Moments of products of monomials, of monomials with the bubble's curl, of the curl with itself.
+    // Moments of products of monomials, of monomials with the curls (column 2 w + axis), of curls with each other.
     Eigen::Matrix<double, Monomials, Monomials> moment = Eigen::Matrix<double, Monomials, Monomials>::Zero();
-    Eigen::Matrix<double, Monomials, 2> with_curl = Eigen::Matrix<double, Monomials, 2>::Zero();
-    Mat2 curl_curl = Mat2::Zero();
+    Eigen::Matrix<double, Monomials, 2 * W> with_curl = Eigen::Matrix<double, Monomials, 2 * W>::Zero();
+    Eigen::Matrix<double, 2 * W, 2 * W> curl_curl = Eigen::Matrix<double, 2 * W, 2 * W>::Zero();
     for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
-      const double l1 = k.rule.x(0, q), l2 = k.rule.x(1, q), w = 0.5 * k.rule.w[q];
-      const auto v = monomials_at(point(s, l1, l2));
+      const double w = 0.5 * k.rule.w[q];
+      const Vec2 xi = point(s, k.rule.x(0, q), k.rule.x(1, q));
+      const auto v = monomials_at(xi);
       moment += w * v * v.transpose();
-      if constexpr (Bubbles > 0) {
-        const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
-        with_curl += w * v * curl.transpose();
-        curl_curl += w * curl * curl.transpose();
+      if constexpr (W > 0) {
+        const auto curl = curls_at(s, xi, v);
+        Eigen::Matrix<double, 2 * W, 1> flat;
+        for (int b = 0; b < W; ++b) flat.template segment<2>(2 * b) = curl.row(b).transpose();
+        with_curl += w * v * flat.transpose();
+        curl_curl += w * flat * flat.transpose();
       }
     }
-    // A s : t = dev s : dev t / (2 mu) + c tr s tr t on the components 11, 12, 21, 22. Bubble b is curl in row b.
+    // A s : t = dev s : dev t / (2 mu) + c tr s tr t on the components 11, 12, 21, 22.
     const double half = 1 / (4 * material.mu), full = 1 / (2 * material.mu), c = material.c;
     Eigen::Matrix4d compliance;
     compliance << half + c, 0, 0, c - half,  //
@@ -111,23 +136,31 @@ struct Sized {
         c - half, 0, 0, half + c;
     for (int m = 0; m < P; ++m) {
       for (int n = 0; n < P; ++n) a.M.template block<4, 4>(4 * m, 4 * n) = moment(m, n) * compliance;
-      for (int b = 0; b < Bubbles; ++b) {
-        const Eigen::Vector4d column = compliance.middleCols<2>(2 * b) * with_curl.row(m).transpose();
-        a.M.template block<4, 1>(4 * m, 4 * P + b) = column;
-        a.M.template block<1, 4>(4 * P + b, 4 * m) = column.transpose();
-      }
+      for (int b = 0; b < W; ++b)
+        for (int row = 0; row < 2; ++row) {
+          const Eigen::Vector4d column =
+              compliance.middleCols<2>(2 * row) * with_curl.template block<1, 2>(m, 2 * b).transpose();
+          a.M.template block<4, 1>(4 * m, 4 * P + 2 * b + row) = column;
+          a.M.template block<1, 4>(4 * P + 2 * b + row, 4 * m) = column.transpose();
+        }
       a.trace[4 * m] = a.trace[4 * m + 3] = moment(m, 0);
       for (int r = 0; r < R; ++r) {
         a.Bt(4 * m + 1, U + r) = moment(m, r);
         a.Bt(4 * m + 2, U + r) = -moment(m, r);
       }
     }
-    for (int b = 0; b < Bubbles; ++b) {
-      for (int d = 0; d < Bubbles; ++d)
-        a.M(4 * P + b, 4 * P + d) = compliance.block<2, 2>(2 * b, 2 * d).cwiseProduct(curl_curl).sum();
-      a.trace[4 * P + b] = with_curl(0, b);
-      for (int r = 0; r < R; ++r) a.Bt(4 * P + b, U + r) = b == 0 ? with_curl(r, 1) : -with_curl(r, 0);
-    }
+    for (int b = 0; b < W; ++b)
+      for (int row = 0; row < 2; ++row) {
+        const int i = 4 * P + 2 * b + row;
+        for (int d = 0; d < W; ++d)
+          for (int other = 0; other < 2; ++other)
+            a.M(i, 4 * P + 2 * d + other) = compliance.block<2, 2>(2 * row, 2 * other)
+                                                .cwiseProduct(curl_curl.template block<2, 2>(2 * b, 2 * d))
+                                                .sum();
+        a.trace[i] = with_curl(0, 2 * b + row);
+        // as: component 12 of row 0 minus component 21 of row 1
+        for (int r = 0; r < R; ++r) a.Bt(i, U + r) = row == 0 ? with_curl(r, 2 * b + 1) : -with_curl(r, 2 * b);
+      }
     // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
     for (int degree = 1; degree <= StressDegree; ++degree)
       for (int j = 0; j <= degree; ++j) {
@@ -151,7 +184,7 @@ struct Sized {
           const double weight[4] = {f.x() * n.x(), f.x() * n.y(), f.y() * n.x(), f.y() * n.y()};
           for (int m = 0; m < P; ++m)
             for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) = v[m] * weight[c];
-          // The bubble rows have no normal trace.
+          // The bubbles have no normal trace.
           for (int b = 4 * P; b < S; ++b) a.Ct(b, column) = 0;
         }
       }
@@ -159,39 +192,41 @@ struct Sized {
     return a;
   }
 
-  // In place: lower Cholesky factor, with the inverse of its diagonal on the diagonal.
+  // In place, in the upper triangle: A = U'U, with the inverse of the diagonal on the diagonal. Row operations, so that
+  // the inner loops vectorise.
   template <int N>
   static void cholesky(Rowwise<N, N>& a) {
-    for (int j = 0; j < N; ++j) {
-      double pivot = a(j, j);
-      for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
-      const double inverse = 1 / std::sqrt(pivot);
-      a(j, j) = inverse;
-      for (int i = j + 1; i < N; ++i) {
-        double sum = a(i, j);
-        for (int k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
-        a(i, j) = sum * inverse;
+    for (int k = 0; k < N; ++k) {
+      const double inverse = 1 / std::sqrt(a(k, k));
+      a(k, k) = inverse;
+      for (int j = k + 1; j < N; ++j) a(k, j) *= inverse;
+      for (int i = k + 1; i < N; ++i) {
+        const double factor = a(k, i);
+        for (int j = i; j < N; ++j) a(i, j) -= factor * a(k, j);
       }
     }
   }
+  // x <- U'^-1 x
   template <int N, int Columns>
-  static void forward(const Rowwise<N, N>& l, Rowwise<N, Columns>& x) {
-    for (int i = 0; i < N; ++i) {
-      for (int k = 0; k < i; ++k) x.row(i) -= l(i, k) * x.row(k);
-      x.row(i) *= l(i, i);
+  static void forward(const Rowwise<N, N>& u, Rowwise<N, Columns>& x) {
+    for (int k = 0; k < N; ++k) {
+      x.row(k) *= u(k, k);
+      for (int i = k + 1; i < N; ++i) x.row(i) -= u(k, i) * x.row(k);
     }
   }
+  // x <- U^-1 x
   template <int N>
-  static void backward(const Rowwise<N, N>& l, Rowwise<N, 1>& x) {
+  static void backward(const Rowwise<N, N>& u, Rowwise<N, 1>& x) {
     for (int i = N - 1; i >= 0; --i) {
-      x[i] *= l(i, i);
-      for (int k = 0; k < i; ++k) x[k] -= l(i, k) * x[i];
+      double sum = x[i];
+      for (int k = i + 1; k < N; ++k) sum -= u(i, k) * x[k];
+      x[i] = sum * u(i, i);
     }
   }
 
   // Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant
   // pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
-  //   L L' = M + gamma B'B,  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
+  //   L L' = M + gamma B'B (L' stored),  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
   struct Eliminated {
     Rowwise<S, S> L;
     Rowwise<B, B> LB;
@@ -212,7 +247,7 @@ struct Sized {
       for (int b = 0; b < B; ++b) {
         const double factor = e.gamma * a.Bt(i, b);
         if (factor != 0)
-          for (int j = 0; j <= i; ++j) e.L(i, j) += factor * a.Bt(j, b);
+          for (int j = i; j < S; ++j) e.L(i, j) += factor * a.Bt(j, b);
       }
     cholesky<S>(e.L);
     e.YB = a.Bt;
@@ -233,7 +268,7 @@ struct Sized {
     if (penalty.a > 0) {
       e.YT = a.trace;
       forward<S, 1>(e.L, e.YT);
-      e.ZT = e.YB.transpose() * e.YT;
+      e.ZT = e.YB.transpose().lazyProduct(e.YT);
       forward<B, 1>(e.LB, e.ZT);
     }
     return e;
@@ -250,9 +285,9 @@ struct Sized {
       for (int x = 0; x < X; ++x) K.row(x) -= e.Z(b, x) * e.Z.row(b);
     Condensed result{K, SkeletonVector::Zero(X), {}, 0, 0};
     // s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
-    if (force.size() > 0) result.F = -s.h * (e.Z.transpose() * e.given);
+    if (force.size() > 0) result.F = -s.h * (e.Z.transpose().lazyProduct(e.given));
     if (penalty.a > 0) {
-      result.trace = s.h * (e.YC.transpose() * e.YT - e.Z.transpose() * e.ZT);
+      result.trace = s.h * (e.YC.transpose().lazyProduct(e.YT) - e.Z.transpose().lazyProduct(e.ZT));
       result.own = 2 * e.ZT.dot(e.given);
       result.by_theta = 2 * (e.YT.squaredNorm() - e.ZT.squaredNorm());
     }
@@ -266,10 +301,10 @@ struct Sized {
     const Eliminated e = eliminate(a, material, penalty);
     const Eigen::Matrix<double, X, 1> scaled = m / s.h;
     // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
-    Rowwise<B, 1> p = e.given - e.Z * scaled;
+    Rowwise<B, 1> p = e.given - e.Z.lazyProduct(scaled);
     if (penalty.a > 0) p -= penalty.theta * e.ZT;
     backward<B>(e.LB, p);
-    Rowwise<S, 1> stress = e.YC * scaled + e.YB * p;
+    Rowwise<S, 1> stress = e.YC.lazyProduct(scaled) + e.YB.lazyProduct(p);
     if (penalty.a > 0) stress += penalty.theta * e.YT;
     backward<S>(e.L, stress);
     Eigen::VectorXd all(S + B);
@@ -282,11 +317,12 @@ struct Sized {
     const auto v = monomials_at(xi);
     Eigen::Vector4d value = Eigen::Vector4d::Zero();
     for (int m = 0; m < P; ++m) value += v[m] * c.template segment<4>(4 * m);
-    if constexpr (Bubbles > 0) {
-      const double l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi);
-      const Vec2 curl = bubble_curl(s, 1 - l1 - l2, l1, l2);
-      value.head<2>() += c[4 * P] * curl;
-      value.tail<2>() += c[4 * P + 1] * curl;
+    if constexpr (W > 0) {
+      const auto curl = curls_at(s, xi, v);
+      for (int b = 0; b < W; ++b) {
+        value.template head<2>() += c[4 * P + 2 * b] * curl.row(b).transpose();
+        value.template tail<2>() += c[4 * P + 2 * b + 1] * curl.row(b).transpose();
+      }
     }
     return value;
   }
@@ -306,9 +342,12 @@ struct Sized {
 };
 
 // One instance per row of the element table.
-template <typename Visitor>
-auto visit(const Element&, Visitor&& visitor) {
-  return visitor(Sized<1, 2, 0, 1, 1>{});
+template <std::size_t Row = 0, typename Visitor>
+auto visit(const Element& e, Visitor&& visitor) {
+  constexpr Element row = elements[Row];
+  if constexpr (Row + 1 < elements.size())
+    if (e.name != row.name || e.degree != row.degree) return visit<Row + 1>(e, visitor);
+  return visitor(Sized<row.stress, row.bubble, row.displacement, row.rotation, row.trace>{});
 }
 
 }  // namespace
@@ -322,8 +361,7 @@ Vec2 centroid(const Triangle& t) {
 }
 
 Kernel kernel(const Element& e) {
-  const int stress_degree = std::max(e.stress, e.bubbles ? 2 : 0);
-  return {e, triangle_rule(2 * stress_degree), triangle_rule(8), gauss(points_per_edge(e))};
+  return {e, triangle_rule(2 * stress_degree(e)), triangle_rule(8 + e.displacement), gauss(points_per_edge(e))};
 }
 
 Points rule_points(const TriangleRule& rule, const Triangle& t) {

@@ -32,6 +32,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads);
 struct Certificate {
   double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)
   double kkt = 0;       // the largest of residual, negative jump, negative pressure, complementarity, all relative
+  double rounding = 0;  // eps |K| |x| / |F|: no residual in double precision can be expected to be smaller
 };
 
 struct StateSeconds {
@@ -48,6 +49,9 @@ struct State {
   StateSeconds seconds;
 };
 State solve(const Model& model);
+
+/// The contact set settled and the certificate holds: kkt at most 1e-10, or not above what rounding allows.
+bool certified(const State& state);
 
 Triangle triangle(const Model& model, Index t);
 Fields evaluate(const Model& model, const State& state, Index t, const Points& x);

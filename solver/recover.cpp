@@ -1,6 +1,7 @@
 #include "solver/recover.hpp"
 
 #include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -10,17 +11,54 @@ namespace kerf {
 
 namespace {
 
-constexpr int gradients = 5;  // monomials of degree 1 and 2
+// The monomials of degree 1 to D and their gradients (columns).
+template <int D>
+struct Monomials {
+  static constexpr int count = monomial_count(D) - 1;
+  Eigen::Matrix<double, count, 1> value;
+  Eigen::Matrix<double, 2, count> gradient;
+  explicit Monomials(const Vec2& xi) {
+    const auto at = [&](int i, int j) -> double {
+      if (i < 0 || j < 0) return 0;
+      return i + j == 0 ? 1 : value[place(i, j) - 1];
+    };
+    for (int degree = 1; degree <= D; ++degree)
+      for (int j = 0; j <= degree; ++j) {
+        const int i = degree - j, m = place(i, j) - 1;
+        value[m] = i > 0 ? at(i - 1, j) * xi.x() : at(i, j - 1) * xi.y();
+        gradient.col(m) << i * at(i - 1, j), j * at(i, j - 1);
+      }
+  }
+};
 
-Eigen::Matrix<double, 2, gradients> monomial_gradients(const Vec2& xi) {
-  Eigen::Matrix<double, 2, gradients> g;
-  g << 1, 0, 2 * xi.x(), xi.y(), 0,  //
-      0, 1, 0, xi.x(), 2 * xi.y();
-  return g;
-}
-
-Eigen::Matrix<double, gradients, 1> monomial_values(const Vec2& xi) {
-  return {xi.x(), xi.y(), xi.x() * xi.x(), xi.x() * xi.y(), xi.y() * xi.y()};
+template <int D>
+Points recovered(const Model& model, const State& state, Index t, const Points& x) {
+  constexpr int n = Monomials<D>::count;
+  const Triangle shape = triangle(model, t);
+  const Vec2 center = centroid(shape);
+  const double h = std::sqrt(2 * area(shape));
+  const Points q = rule_points(model.kernel.rule, shape);
+  const Fields f = evaluate(model.kernel, shape, state.interior.col(t), q);
+  Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
+  Eigen::Matrix<double, n, 2> load = Eigen::Matrix<double, n, 2>::Zero();
+  Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
+  Vec2 mean_displacement = Vec2::Zero();
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    const double w = model.kernel.rule.w[i];
+    const Monomials<D> v((q.col(i) - center) / h);
+    const Eigen::Vector4d d = displacement_gradient(model.scene.material, f.stress.col(i), f.rotation[i]);
+    stiffness += w * v.gradient.transpose() * v.gradient;
+    load.col(0) += w * v.gradient.transpose() * d.head<2>();
+    load.col(1) += w * v.gradient.transpose() * d.tail<2>();
+    mean += w * v.value;
+    mean_displacement += w * f.displacement.col(i);
+  }
+  // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
+  const Eigen::Matrix<double, n, 2> c = h * stiffness.llt().solve(load);
+  Points u(2, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    u.col(i) = mean_displacement + c.transpose() * (Monomials<D>((x.col(i) - center) / h).value - mean);
+  return u;
 }
 
 }  // namespace
@@ -32,32 +70,14 @@ Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& 
 }
 
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x) {
-  const Triangle shape = triangle(model, t);
-  const Vec2 center = centroid(shape);
-  const double h = std::sqrt(2 * area(shape));
-  const Points q = rule_points(model.kernel.rule, shape);
-  const Fields f = evaluate(model.kernel, shape, state.interior.col(t), q);
-  Eigen::Matrix<double, gradients, gradients> stiffness = Eigen::Matrix<double, gradients, gradients>::Zero();
-  Eigen::Matrix<double, gradients, 2> load = Eigen::Matrix<double, gradients, 2>::Zero();
-  Eigen::Matrix<double, gradients, 1> mean = Eigen::Matrix<double, gradients, 1>::Zero();
-  Vec2 mean_displacement = Vec2::Zero();
-  for (Eigen::Index i = 0; i < q.cols(); ++i) {
-    const double w = model.kernel.rule.w[i];
-    const Vec2 xi = (q.col(i) - center) / h;
-    const auto g = monomial_gradients(xi);
-    const Eigen::Vector4d d = displacement_gradient(model.scene.material, f.stress.col(i), f.rotation[i]);
-    stiffness += w * g.transpose() * g;
-    load.col(0) += w * g.transpose() * d.head<2>();
-    load.col(1) += w * g.transpose() * d.tail<2>();
-    mean += w * monomial_values(xi);
-    mean_displacement += w * f.displacement.col(i);
+  switch (model.kernel.element.rotation) {
+    case 1:
+      return recovered<2>(model, state, t, x);
+    case 2:
+      return recovered<3>(model, state, t, x);
+    default:
+      return recovered<4>(model, state, t, x);
   }
-  // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
-  const Eigen::Matrix<double, gradients, 2> c = h * stiffness.llt().solve(load);
-  Points u(2, x.cols());
-  for (Eigen::Index i = 0; i < x.cols(); ++i)
-    u.col(i) = mean_displacement + c.transpose() * (monomial_values((x.col(i) - center) / h) - mean);
-  return u;
 }
 
 CornerValues corner_values(const Model& model, const State& state, const Corners& corners) {
@@ -108,8 +128,10 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
   // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
   constexpr double rounding = 1e-8;
-  const double no_pressure = rounding * mean_stress(model, state);
-  const double no_gap = no_pressure * total / plane_modulus(model.scene.material);
+  const double modulus = plane_modulus(model.scene.material);
+  const double floor = 1e-12 * state.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
+  const double no_pressure = std::max(rounding * mean_stress(model, state), floor * modulus / total);
+  const double no_gap = no_pressure * total / modulus;
 
   std::vector<CrackPoint> profile;
   for (const CrackEdge& c : model.mesh.cracks[crack]) {

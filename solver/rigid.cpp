@@ -14,6 +14,27 @@ Vec2 edge_point(const Mesh& mesh, const Kernel& k, Index e, int g) {
   return a + k.trace.s[g] * (mesh.points[mesh.edges[e][1]] - a);
 }
 
+// The normal of a straight piece of an arc is right in its middle only: there rollers on a rim leave the rotation about
+// its centre free, at the Gauss points they seem to hold it. An edge is such a piece when the next edge with its label
+// turns away by a little; a corner turns by more, a straight side not at all.
+std::vector<bool> on_curves(const Mesh& mesh) {
+  std::vector<std::array<Index, 2>> at(mesh.points.size(), {none, none});
+  std::vector<bool> curved(mesh.edges.size(), false);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    for (const Index v : mesh.edges[e]) at[v][at[v][0] == none ? 0 : 1] = e;
+  }
+  for (const auto& [a, b] : at) {
+    if (a == none || b == none || mesh.label[a] != mesh.label[b]) continue;
+    const Vec2 n = mesh.sides[a][1] == none ? normal(mesh, a) : Vec2(-normal(mesh, a));
+    const Vec2 m = mesh.sides[b][1] == none ? normal(mesh, b) : Vec2(-normal(mesh, b));
+    constexpr double straight = 1e-7, corner = 0.45;  // radians
+    const double turn = std::abs(std::atan2(cross(n, m), n.dot(m)));
+    if (turn > straight && turn < corner) curved[a] = curved[b] = true;
+  }
+  return curved;
+}
+
 }  // namespace
 
 std::string describe(const RigidMotion& m) {
@@ -39,12 +60,16 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
   const Vec2 center = 0.5 * (low + high);
   const double radius = 0.5 * (high - low).norm();
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  const std::vector<bool> curved = on_curves(mesh);
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
     if (mesh.label[e] == none || piece[t] != which) continue;
     for (int u = 0; u < s.per_edge; ++u) {
       if (!s.fixed[e * s.per_edge + u]) continue;
-      const Vec2 direction = s.frame[e].col(u % 2), x = (edge_point(mesh, k, e, u / 2) - center) / radius;
+      const Vec2 direction = s.frame[e].col(u % 2);
+      const bool roller = s.fixed[e * s.per_edge] != s.fixed[e * s.per_edge + 1];
+      const Vec2 middle = 0.5 * (mesh.points[mesh.edges[e][0]] + mesh.points[mesh.edges[e][1]]);
+      const Vec2 x = ((roller && curved[e] ? middle : edge_point(mesh, k, e, u / 2)) - center) / radius;
       const Eigen::Vector3d row(direction.x(), direction.y(), cross(x, direction));
       gram += row * row.transpose();
     }
@@ -59,7 +84,7 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
     return motions;
   }
   for (int i = 0; i < 3; ++i)
-    if (spectrum.eigenvalues()[i] < 1e-12 * largest) {
+    if (spectrum.eigenvalues()[i] < 1e-11 * largest) {
       const Eigen::Vector3d v = spectrum.eigenvectors().col(i);
       motions.push_back({center, v.head<2>(), v[2] / radius});
     }
@@ -74,8 +99,7 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   return value;
 }
 
-double relative_work(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
-                     const RigidMotion& motion) {
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion) {
   const Eigen::ArrayXd terms =
       traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
   double work = terms.sum(), size = terms.abs().sum();
@@ -89,7 +113,7 @@ double relative_work(const Mesh& mesh, const Kernel& k, const Skeleton& s, const
         size += std::abs(term);
       }
     }
-  return size > 0 ? std::abs(work) / size : 0;
+  return {work, size > 0 ? std::abs(work) / size : 0};
 }
 
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions) {

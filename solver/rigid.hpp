@@ -26,9 +26,12 @@ std::string describe(const RigidMotion& motion);
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which);
 
-/// Work of tractions and body force on a motion, relative to the sum of the absolute contributions (0 without loads).
-double relative_work(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
-                     const RigidMotion& motion);
+/// Work of tractions and body force on a motion, and its size relative to the sum of the absolute contributions (0
+/// without loads).
+struct Work {
+  double value = 0, relative = 0;
+};
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion);
 
 /// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion.
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions);

@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
               "towards the tips"},
         Wrong{"[solver]\nelement = 'afw'",
               "a.toml:8:11: element in [solver] = \"afw\" is not supported yet; use \"bdms\""},
-        Wrong{"[solver]\ndegree = 2", "a.toml:8:10: degree in [solver] > 1 is not supported yet; use degree = 1"},
+        Wrong{"[solver]\ndegree = 4", "a.toml:8:10: degree in [solver] must be between 1 and 3, not 4"},
         Wrong{"[solver]\ncontact = 'uzawa'",
               "a.toml:8:11: contact in [solver] = \"uzawa\" is not supported yet; use \"dual-qp\""},
         Wrong{"[functional]\nkind = 'stress_pnorm'\np = 8",
