@@ -17,9 +17,8 @@ struct Contact {
 };
 
 /// Primal-dual active set (every wrong point changes sides) from the solution with `closed` held shut (all open when
-/// empty). When ten such exchanges in a row do not lower the number of wrong points, only the last of them changes
-/// sides until it falls: Murty's rule, which cannot cycle [Portugal, Judice, Vicente 1994]. `converged` is false when
-/// the budget of steps runs out.
+/// empty). When ten exchanges in a row do not lower the number of wrong points, a projected Newton method, which lowers
+/// the energy in every step, goes on. `converged` is false when the budget of steps runs out.
 Contact solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, std::vector<bool> closed = {});
 
 /// The jumps with the closed points held at 0: S_OO j_O = r_O, j_C = 0.

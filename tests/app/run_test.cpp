@@ -177,5 +177,86 @@ TEST_F(Run, EquilibratedLoadsSaySoInTheNotes) {
   EXPECT_NE(r["state"]["notes"][0].get<std::string>().find("rigid motion is fixed"), std::string::npos);
 }
 
+const std::string square4 =
+    "[domain]\noutline = [[-2,-2],[2,-2],[2,2],[-2,2]]\nsides = [\"a\",\"b\",\"c\",\"d\"]\n"
+    "[material]\nyoung = 1000\npoisson = 0.3\n[output]\npng = false\nhtml = false\nvtk = false\n";
+
+TEST_F(Run, SlenderBeamIsCertifiedAndRight) {
+  std::ofstream(folder / "beam.toml") << "[domain]\noutline = [[0,0],[50,0],[50,1],[0,1]]\n"
+                                         "sides = [\"b\",\"r\",\"t\",\"l\"]\n[material]\nyoung = 1000\npoisson = 0.3\n"
+                                         "state = \"plane stress\"\n[mesh]\nsize = 0.3\n[output]\npng = false\n"
+                                         "html = false\nvtk = false\n[[boundary]]\non = \"l\"\ndisplacement = [0, 0]\n"
+                                         "[[boundary]]\non = \"r\"\ntraction = [0, 1]\n";
+  const Result r = run(read_case(folder / "beam.toml"), Job::Solve, {.folder = folder / "out"});
+  EXPECT_EQ(r.status, "ok");
+  // Timoshenko: P L^3 / (3 E I) + 1.2 P L / (G A), P = 1, I = 1/12.
+  const double tip = std::pow(50.0, 3) * 12 / 3000 + 1.2 * 50 * 2.6 / 1000;
+  EXPECT_NEAR(r.state->compliance / tip, 1, 1e-3);
+}
+
+TEST_F(Run, RollersOnARimLeaveTheRotationFree) {
+  std::ofstream(folder / "rim.toml")
+      << square4
+      << "[mesh]\nsize = 0.2\n[[hole]]\nname = \"h\"\n"
+         "circle = { center = [0, 0], radius = 1 }\n"
+         "[[boundary]]\non = \"hole:h\"\ndisplacement_normal = 0\n"
+         "[[boundary]]\non = [\"a\", \"b\", \"c\", \"d\"]\ntraction = [\"-ny\", \"nx\"]\n";
+  try {
+    run(read_case(folder / "rim.toml"), Job::Solve, {.folder = folder / "out"});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("free to make a rotation about (0, 0)"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(Run, StressIntensityDoesNotFeelARigidRotation) {
+  std::vector<double> k;
+  for (const char* w : {"0", "1", "100"}) {
+    std::ofstream(folder / "turn.toml")
+        << square4
+        << "[mesh]\nsize = 0.2\n[[crack]]\nname = \"c\"\n"
+           "path = [[-0.6, 0], [0.6, 0]]\n[[boundary]]\non = [\"a\", \"b\", \"c\", \"d\"]\n"
+           "displacement = [\"-"
+        << w << "*y\", \"0.001*y + " << w << "*x\"]\n";
+    const Result r = run(read_case(folder / "turn.toml"), Job::Solve, {.folder = folder / w});
+    k.push_back(*r.cracks[0].tips[0].K_I);
+  }
+  EXPECT_GT(k[0], 1);
+  EXPECT_NEAR(k[1], k[0], 1e-6);
+  EXPECT_NEAR(k[2], k[0], 1e-4);
+}
+
+TEST_F(Run, LoadsBalancedButForThePolygonsOfArcsAreAccepted) {
+  std::ofstream(folder / "disc.toml")
+      << "[domain]\noutline = [{ arc_to = [2, 0], center = [0, 0] }, { arc_to = [0, 2], center = [0, 0] }, "
+         "{ arc_to = [-2, 0], center = [0, 0] }, { arc_to = [0, -2], center = [0, 0] }]\n"
+         "sides = [\"o\", \"o\", \"o\", \"o\"]\n[[hole]]\nname = \"h\"\n"
+         "circle = { center = [0, 0], radius = 1 }\n[material]\nyoung = 1000\npoisson = 0.3\n"
+         "[mesh]\nsize = 0.1\n[output]\npng = false\nhtml = false\nvtk = false\n"
+         "[[boundary]]\non = \"o\"\ntraction = [\"-ny\", \"nx\"]\n"
+         "[[boundary]]\non = \"hole:h\"\ntraction = [\"-4*ny\", \"4*nx\"]\n";
+  const Result r = run(read_case(folder / "disc.toml"), Job::Solve, {.folder = folder / "out"});
+  EXPECT_EQ(r.status, "ok");
+  ASSERT_EQ(r.state->notes.size(), 1u);
+  EXPECT_NE(r.state->notes[0].find("imbalance"), std::string::npos) << r.state->notes[0];
+  // Torsion of a ring: s_rt = 4/r^2, energy = int s_rt^2/(2 mu) = 12 pi/(2 mu) ... compliance is twice that.
+  const double mu = 1000 / 2.6;
+  EXPECT_NEAR(r.state->compliance / (12 * std::acos(-1) / mu), 1, 5e-3);
+}
+
+TEST_F(Run, HigherDegreesAgreeOnTheShowcase) {
+  std::vector<double> k;
+  for (const char* degree : {"1", "2", "3"}) {
+    const json r =
+        run_case("cracked_plate",
+                 {std::string("solver.degree=") + degree, "mesh.size=0.2", "output.png=false", "output.html=false"},
+                 Job::Run, 2, degree);
+    EXPECT_EQ(r["status"], "ok");
+    k.push_back(r["cracks"][0]["tips"][1]["K_I"]);
+  }
+  EXPECT_NEAR(k[0] / k[2], 1, 5e-3);
+  EXPECT_NEAR(k[1] / k[2], 1, 2e-3);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -31,7 +31,7 @@ TEST(Contact, RandomProblemsSatisfyTheOptimalityConditions) {
   }
 }
 
-TEST(Contact, ExchangesThatCycleGiveWayToMurtysRule) {
+TEST(Contact, ExchangesThatCycleGiveWayToProjectedNewton) {
   // Not an M-matrix: the primal-dual iteration alternates on some loads; the answer must still be optimal.
   int handed_over = 0;
   std::mt19937 random(6);
