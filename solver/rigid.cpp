@@ -39,13 +39,14 @@ std::vector<bool> on_curves(const Mesh& mesh) {
 
 std::string describe(const RigidMotion& m) {
   // Tidy the numbers of the eigenvectors: -0 and 1e-17 do not help anybody.
-  const auto tidy = [](double v) { return std::abs(v) < 1e-9 ? 0.0 : v; };
+  const auto tidy = [](double v, double scale) { return std::abs(v) < 1e-4 * scale ? 0.0 : v; };
   if (std::abs(m.rotation) < 1e-9 * m.translation.norm()) {
     const Vec2 d = m.translation.normalized();
-    return fmt::format("a translation along ({:.4g}, {:.4g})", tidy(d.x()), tidy(d.y()));
+    return fmt::format("a translation along ({:.4g}, {:.4g})", tidy(d.x(), 1), tidy(d.y(), 1));
   }
   const Vec2 c = m.center + Vec2(-m.translation.y(), m.translation.x()) / m.rotation;
-  return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x()), tidy(c.y()));
+  const double size = 1 / std::abs(m.rotation);  // the motions are normalised with the body's radius
+  return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x(), size), tidy(c.y(), size));
 }
 
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
