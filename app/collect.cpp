@@ -25,7 +25,6 @@ PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   d.corners = split_at_cracks(model.mesh);
   for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
   d.values = corner_values(model, state, d.corners);
-  d.plane_strain = plane_strain;
   d.von_mises.resize(d.values.stress.cols());
   for (Eigen::Index i = 0; i < d.von_mises.size(); ++i)
     d.von_mises[i] = von_mises(model.scene.material, plane_strain, d.values.stress.col(i));
@@ -80,7 +79,7 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   return results;
 }
 
-ContactResultSummary contact_result(const Model&, const State& state, const std::string& method,
+ContactResultSummary contact_result(const State& state, const std::string& method,
                                     const std::vector<CrackResult>& cracks) {
   ContactResultSummary r{.method = method,
                          .iterations = state.contact_iterations,
@@ -151,10 +150,6 @@ Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const s
   }
   if (!any) e.min.value = e.max.value = std::numeric_limits<double>::quiet_NaN();
   return e;
-}
-
-std::vector<std::array<Index, 3>> plot_triangles(const PlotData& data) {
-  return data.corners.of;
 }
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,

@@ -16,12 +16,11 @@ struct PlotData {
   std::vector<Vec2> points;  // of the corners
   CornerValues values;
   Eigen::VectorXd von_mises;  // at corners
-  bool plane_strain = true;
 };
 PlotData plot_data(const Model& model, const State& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
-ContactResultSummary contact_result(const Model& model, const State& state, const std::string& method,
+ContactResultSummary contact_result(const State& state, const std::string& method,
                                     const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
@@ -38,7 +37,6 @@ Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const s
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);
 std::vector<NamedField> crack_fields(const CrackResult& crack);
-std::vector<std::array<Index, 3>> plot_triangles(const PlotData& data);
 
 Picture mesh_picture(const Case& c, const Model& model);
 Picture stress_picture(const Case& c, const Model& model, const PlotData& data);

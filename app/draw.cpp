@@ -82,7 +82,7 @@ Picture stress_picture(const Case& c, const Model& model, const PlotData& data) 
   p.points = data.points;
   for (std::size_t i = 0; i < p.points.size(); ++i)
     p.points[i] += factor * data.values.displacement.col(static_cast<Eigen::Index>(i));
-  p.triangles = plot_triangles(data);
+  p.triangles = data.corners.of;
   p.values = spread(data, data.von_mises);
   p.value_label = "von Mises stress";
   add_lines(model, data, p.points, p);
@@ -94,7 +94,7 @@ Picture map_picture(const Case& c, const Model& model, const PlotData& data, con
       .title = c.title,
       .subtitle = "topological derivative of the energy: a hole of radius \u03b5 changes it by \u03c0 \u03b5\u00b2 T"};
   p.points = data.points;
-  p.triangles = plot_triangles(data);
+  p.triangles = data.corners.of;
   p.values = spread(data, map.at_corners);
   p.value_label = "topological derivative T";
   const bool both_signs = map.at_corners.minCoeff() < 0 && map.at_corners.maxCoeff() > 0;

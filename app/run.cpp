@@ -7,9 +7,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -114,10 +112,9 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   r.seconds.mesh = watch.lap();
 
   begin("assemble and factorise");
-  const auto finish = [&] {
+  const auto sum_up = [&] {
     r.seconds.total = whole.lap();
     r.peak_memory_mb = peak_memory_mb();
-    write_json(file("result.json"), r);
   };
   std::optional<Model> prepared;
   try {
@@ -126,7 +123,8 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     if (e.fault == Fault::Numerics) {
       r.status = "failed";
       r.reason = e.what();
-      finish();
+      sum_up();
+      write_json(file("result.json"), r);
     }
     throw;
   }
@@ -151,7 +149,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
                       crack.name, crack.penetration));
   const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact) r.contact = contact_result(model, state, c.contact, r.cracks);
+  if (contact) r.contact = contact_result(state, c.contact, r.cracks);
   r.functional = {c.functional, r.state->energy};
   const PlotData data = plot_data(model, state, c.plane_strain);
   r.seconds.solve += watch.lap();
@@ -167,11 +165,11 @@ Result run(const Case& c, Job job, const RunOptions& options) {
 
   begin("write");
   if (c.output.vtk) {
-    write_vtu(file("state.vtu"), data.points, plot_triangles(data), state_fields(model, state, data, indicator));
+    write_vtu(file("state.vtu"), data.points, data.corners.of, state_fields(model, state, data, indicator));
     if (with_map) {
       const std::vector<NamedField> fields{{"topological_derivative", false, full.at_corners.transpose()},
                                            {"topological_derivative_at_centroid", true, full.at_centroids.transpose()}};
-      write_vtu(file("map.vtu"), data.points, plot_triangles(data), fields);
+      write_vtu(file("map.vtu"), data.points, data.corners.of, fields);
     }
   }
   for (const CrackResult& crack : r.cracks) {
@@ -206,8 +204,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
                                  state.certificate.kkt);
   }
   r.seconds.output = watch.lap();
-  r.seconds.total = whole.lap();
-  r.peak_memory_mb = peak_memory_mb();
+  sum_up();
   if (c.output.html) write_page(file("report.html"), r, pictures);
   write_json(file("result.json"), r);
   return r;

@@ -2,7 +2,7 @@
 // The elements, as data: polynomial spaces per triangle and per edge, no basis functions. Hybridisation asks only for
 // the span of the stresses, so that an element is a row of this table.
 
-#include "geometry/types.hpp"
+#include "solver/polynomial.hpp"
 
 #include <algorithm>
 #include <array>
@@ -34,21 +34,18 @@ constexpr Element bdms(int k) {
 
 inline constexpr std::array elements{bdms(1), bdms(2), bdms(3)};
 
-constexpr int monomial_count(int degree) {
-  return (degree + 1) * (degree + 2) / 2;
-}
 /// Highest polynomial degree of a stress function.
 constexpr int stress_degree(const Element& e) {
   return e.bubble < 0 ? e.stress : std::max(e.stress, e.bubble + 2);
 }
 constexpr int stress_count(const Element& e) {
-  return 4 * monomial_count(e.stress) + 2 * (e.bubble + 1);
+  return 4 * dim(e.stress) + 2 * (e.bubble + 1);
 }
 constexpr int displacement_count(const Element& e) {
-  return 2 * monomial_count(e.displacement);
+  return 2 * dim(e.displacement);
 }
 constexpr int rotation_count(const Element& e) {
-  return monomial_count(e.rotation);
+  return dim(e.rotation);
 }
 /// Stress, displacement and rotation coefficients of one triangle.
 constexpr int interior_count(const Element& e) {

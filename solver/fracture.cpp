@@ -101,10 +101,6 @@ double clearance(const Mesh& mesh, std::span<const Index> ends, const Tip& tip) 
   return least;
 }
 
-Mat2 tensor(const Eigen::Vector4d& v) {
-  return (Mat2() << v[0], v[1], v[2], v[3]).finished();
-}
-
 struct Field {
   Mat2 stress, gradient;  // gradient: d_j u_i
 };

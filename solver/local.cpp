@@ -50,16 +50,16 @@ using Rowwise = Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMa
 // and skeleton functions.
 template <int StressDegree, int BubbleDegree, int DisplacementDegree, int RotationDegree, int TraceDegree>
 struct Sized {
-  static constexpr int P = monomial_count(StressDegree);
+  static constexpr int P = dim(StressDegree);
   static constexpr int W = BubbleDegree + 1;  // homogeneous polynomials of that degree
   static constexpr int S = 4 * P + 2 * W;
-  static constexpr int U = 2 * monomial_count(DisplacementDegree);
-  static constexpr int R = monomial_count(RotationDegree);
+  static constexpr int U = 2 * dim(DisplacementDegree);
+  static constexpr int R = dim(RotationDegree);
   static constexpr int B = U + R;
   static constexpr int G = TraceDegree + 1;
   static constexpr int X = 6 * G;
   static constexpr int Degree = std::max({StressDegree, BubbleDegree, DisplacementDegree, RotationDegree});
-  static constexpr int Monomials = monomial_count(Degree);
+  static constexpr int Monomials = dim(Degree);
 
   // Monomials of degree <= Degree.
   static Eigen::Matrix<double, Monomials, 1> monomials_at(const Vec2& xi) {

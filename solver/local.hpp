@@ -69,6 +69,11 @@ struct Fields {
 };
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
 
+/// s11, s12, s21, s22 as a matrix.
+inline Mat2 tensor(const Eigen::Vector4d& s) {
+  return (Mat2() << s[0], s[1], s[2], s[3]).finished();
+}
+
 /// Stress alone at one point: what maps ask for, without allocation.
 Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior,
                           const Vec2& x);

@@ -175,19 +175,32 @@ Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
   return F;
 }
 
-// K x = b with the closed contacts held at 0.
-Eigen::VectorXd solve_frozen(const Model& m, const Eigen::VectorXd& b, const std::vector<bool>& closed) {
-  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
-  Eigen::VectorXd y = m.factor.forward(b);
-  if (trailing > 0) {
-    const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
-    y.tail(trailing) = lower.transpose() * open_jumps(m.factor.schur_complement(), lower * y.tail(trailing), closed);
+// The bounded rows condensed: S once for all sweeps, and the two halves of a solve around them.
+struct Condensation {
+  const Model& m;
+  Eigen::MatrixXd S = m.factor.schur_complement();
+
+  auto lower() const {
+    return m.factor.trailing_factor().triangularView<Eigen::Lower>();
   }
-  Eigen::VectorXd x = m.factor.backward(y);
-  for (Index i = 0; i < trailing; ++i)
-    if (closed[i]) x[leading + i] = 0;
-  return x;
-}
+  /// Right-hand side on the bounded rows after the first half, y = L^-1 b.
+  Eigen::VectorXd load(const Eigen::VectorXd& y) const {
+    return lower() * y.tail(m.ordering.trailing);
+  }
+  /// The second half with given jumps on the bounded rows.
+  Eigen::VectorXd complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {
+    const auto l = lower();
+    y.tail(jump.size()) = l.transpose() * jump;
+    Eigen::VectorXd x = m.factor.backward(y);
+    x.tail(jump.size()) = jump;
+    return x;
+  }
+  /// K x = b with the closed contacts held at 0.
+  Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<bool>& closed) const {
+    const Eigen::VectorXd y = m.factor.forward(b);
+    return m.ordering.trailing == 0 ? m.factor.backward(y) : complete(y, open_jumps(S, load(y), closed));
+  }
+};
 
 // The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
 // falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
@@ -197,14 +210,15 @@ struct UniformPressure {
   Eigen::VectorXd response;  // of x to theta = 1
   double stiffness = 0;      // sum_T |T| (1 - a d mean(tr s)/d delta)
 
-  void correct(const Model& m, Solved& s, State& state) {
+  void correct(const Condensation& condensed, Solved& s, State& state) {
+    const Model& m = condensed.m;
     const Eigen::Index count = m.system.traces.rows() - 2;
     const double a = m.system.penalty;
     if (response.size() == 0 || closed != s.closed) {
       Solved unit;
       unit.theta = Eigen::VectorXd::Ones(s.theta.size());
       closed = s.closed;
-      response = solve_frozen(m, right_hand_side(m, unit) - m.system.F, closed);
+      response = condensed.solve_frozen(right_hand_side(m, unit) - m.system.F, closed);
       ++state.linear_solves;
       const Eigen::VectorXd skeleton = spread(m, response, nullptr);
       stiffness = 0;
@@ -249,37 +263,38 @@ Certificate certify(const Model& m, Solved& s, const Eigen::VectorXd& F) {
   Certificate c;
   c.residual = rest.cwiseAbs().maxCoeff() / load;
   c.kkt = std::max({c.residual, negative, complementarity, s.penalty_error});
-  c.rounding = std::numeric_limits<double>::epsilon() * multiply_absolute(m.system.K, s.x).maxCoeff() / load;
   return c;
 }
 
 // K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
-void solve_contact(const Model& m, const Eigen::VectorXd& F, Solved& s, State& state) {
+void solve_contact(const Condensation& condensed, const Eigen::VectorXd& F, Solved& s, State& state) {
+  const Model& m = condensed.m;
   Stopwatch watch;
-  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
+  const Index trailing = m.ordering.trailing;
   // The correction solves for x as a whole on the bounded rows: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(trailing).setZero();
   const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.system.K, s.x)) : F;
-  Eigen::VectorXd y = m.factor.forward(rest);
+  const Eigen::VectorXd y = m.factor.forward(rest);
   ++state.linear_solves;
   state.seconds.solve += watch.lap();
+  Eigen::VectorXd correction;
   if (trailing > 0) {
-    const auto lower = m.factor.trailing_factor().triangularView<Eigen::Lower>();
-    const Contact contact = solve_unilateral(m.factor.schur_complement(), lower * y.tail(trailing), s.closed);
-    y.tail(trailing) = lower.transpose() * contact.jump;
+    const Contact contact = solve_unilateral(condensed.S, condensed.load(y), s.closed);
     s.closed = contact.closed;
     state.contact_iterations += contact.iterations;
     state.converged = contact.converged;
     state.seconds.contact += watch.lap();
+    correction = condensed.complete(y, contact.jump);
+    for (Index i = 0; i < trailing; ++i)
+      if (s.closed[i]) correction[m.ordering.size - trailing + i] = 0;
+  } else {
+    correction = m.factor.backward(y);
   }
-  const Eigen::VectorXd correction = m.factor.backward(y);
   if (guess)
     s.x += correction;
   else
-    s.x = correction;
-  for (Index i = 0; i < trailing; ++i)
-    if (s.closed[i]) s.x[leading + i] = 0;
+    s.x = std::move(correction);
   state.seconds.solve += watch.lap();
 }
 
@@ -320,6 +335,9 @@ State solve(const Model& m) {
   Solved solved;
   if (m.system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
   Eigen::VectorXd F = m.system.F;
+  Stopwatch watch;
+  const Condensation condensed{m};
+  state.seconds.contact += watch.lap();
   UniformPressure uniform;
   // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one.
   constexpr int most_sweeps = 15;
@@ -327,10 +345,10 @@ State solve(const Model& m) {
   const double good_enough = m.system.penalty > 0 ? 1e-16 : 1e-12;
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     Solved next = solved;
-    if (m.ordering.size > 0) solve_contact(m, F, next, state);
-    Stopwatch watch;
+    if (m.ordering.size > 0) solve_contact(condensed, F, next, state);
+    watch.lap();
     if (m.system.penalty > 0) {
-      uniform.correct(m, next, state);
+      uniform.correct(condensed, next, state);
       update_theta(m, next);
       F = right_hand_side(m, next);
     }
@@ -349,7 +367,12 @@ State solve(const Model& m) {
     if (certificate.kkt <= good_enough || slow) break;
   }
 
-  Stopwatch watch;
+  watch.lap();
+  if (m.ordering.size > 0) {
+    const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+    state.certificate.rounding =
+        std::numeric_limits<double>::epsilon() * multiply_absolute(m.system.K, solved.x).maxCoeff() / load;
+  }
   state.skeleton = spread(m, solved.x, &m.skeleton.prescribed);
   state.force = spread(m, solved.force, nullptr);
   state.interior.resize(interior_count(m.kernel.element), triangles);

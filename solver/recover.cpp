@@ -14,7 +14,7 @@ namespace {
 // The monomials of degree 1 to D and their gradients (columns).
 template <int D>
 struct Monomials {
-  static constexpr int count = monomial_count(D) - 1;
+  static constexpr int count = dim(D) - 1;
   Eigen::Matrix<double, count, 1> value;
   Eigen::Matrix<double, 2, count> gradient;
   explicit Monomials(const Vec2& xi) {

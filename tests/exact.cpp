@@ -206,4 +206,10 @@ Mesh crack_mesh(int n, double angle, double jiggle, unsigned seed) {
   return grid(n, -2, 4, path, angle, jiggle, seed);
 }
 
+double stress_error(const Model& model, const State& state, const ExactField& field) {
+  return stress_error(model.mesh, field, [&](Index t, const Vec2& x) {
+    return tensor(stress_at(model.kernel, kerf::triangle(model, t), state.interior.col(t), x));
+  });
+}
+
 }  // namespace kerf::exact

@@ -3,6 +3,7 @@
 // nlohmann-json lives in exact.cpp.
 
 #include "geometry/mesh.hpp"
+#include "solver/model.hpp"
 #include "tests/exact_field.hpp"
 
 #include <array>
@@ -55,6 +56,7 @@ double integrate(const Mesh& mesh, const ExactField& field,
                  const std::function<double(Index triangle, int side, const Vec2& x)>& f);
 /// L2 norm of field.stress - stress.
 double stress_error(const Mesh& mesh, const ExactField& field, const std::function<Mat2(Index, const Vec2& x)>& stress);
+double stress_error(const Model& model, const State& state, const ExactField& field);
 
 /// `mesh_smooth` and `mesh_crack` of elements.json; labels 0 bottom, 1 right, 2 top, 3 left. Interior vertices off the
 /// crack move by up to `jiggle` cells in x and in y. Crack 0 runs from (-1, 0) to (1, 0) before the turn; n = 4, 8, ...

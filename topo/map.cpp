@@ -8,12 +8,6 @@ namespace kerf {
 
 namespace {
 
-Mat2 tensor(const Eigen::Vector4d& s) {
-  Mat2 m;
-  m << s[0], s[1], s[2], s[3];
-  return m;
-}
-
 double at_point(const Model& m, const State& s, Index t, const Vec2& x) {
   const Mat2 stress = tensor(stress_at(m.kernel, triangle(m, t), s.interior.col(t), x));
   if (!m.scene.body) return hole_energy(m.scene.material, stress, Vec2::Zero(), Vec2::Zero());

@@ -28,15 +28,6 @@ Scene scene_of(const exact::ExactField& f, bool crack) {
   return s;
 }
 
-double stress_error(const Model& m, const State& s, const exact::ExactField& f) {
-  return exact::stress_error(m.mesh, f, [&](Index t, const Vec2& x) {
-    const Eigen::Vector4d v = stress_at(m.kernel, triangle(m, t), s.interior.col(t), x);
-    Mat2 tensor;
-    tensor << v[0], v[1], v[2], v[3];
-    return tensor;
-  });
-}
-
 class Degree : public testing::TestWithParam<int> {};
 
 TEST_P(Degree, SpanHasItsDimensionAndTheCondensedMatrixThreeZeroModes) {
@@ -70,7 +61,7 @@ TEST_P(Degree, StressAndRecoveredDisplacementConvergeAtTheOrderOfTheDegree) {
       const Model m = prepare(exact::unit_square_mesh(n), element("bdms", k), scene_of(f, false), 2);
       const State s = solve(m);
       EXPECT_LT(s.certificate.kkt, 1e-10);
-      stress.push_back(stress_error(m, s, f));
+      stress.push_back(exact::stress_error(m, s, f));
       double square = 0;
       for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
         square += exact::integrate(triangle(m, t).x, -1, [&](const Vec2& x) {
@@ -109,9 +100,9 @@ TEST_P(Degree, ReproducesStressesOfItsDegree) {
   const Model m = prepare(exact::unit_square_mesh(4, 0.3), element("bdms", k), scene_of(f, false), 1);
   const State s = solve(m);
   if (k >= 2) {
-    EXPECT_LT(stress_error(m, s, f), 1e-10);
+    EXPECT_LT(exact::stress_error(m, s, f), 1e-10);
   }
-  EXPECT_LT(stress_error(m, s, f), 0.2);
+  EXPECT_LT(exact::stress_error(m, s, f), 0.2);
 }
 
 TEST_P(Degree, ContactIsRightOnThePartlyClosedCrack) {
@@ -129,7 +120,7 @@ TEST_P(Degree, ContactIsRightOnThePartlyClosedCrack) {
     }
   }
   // The tip limits every degree on this mesh: higher ones are better by a factor, not an order.
-  EXPECT_LT(stress_error(m, s, f), 0.19);
+  EXPECT_LT(exact::stress_error(m, s, f), 0.19);
   EXPECT_GT(error_indicator(m, s).relative, 0);
 }
 

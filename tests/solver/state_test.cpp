@@ -12,12 +12,6 @@ namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
 
-Mat2 tensor(const Eigen::Vector4d& s) {
-  Mat2 m;
-  m << s[0], s[1], s[2], s[3];
-  return m;
-}
-
 Vec2 side_mean(const exact::ExactField& f, const Vec2& x) {
   return f.displacement(x, exact::side_of(f, x));
 }
@@ -36,12 +30,6 @@ Scene scene_of(const exact::ExactField& f, std::initializer_list<Index> held, bo
   }
   s.laws.resize(crack ? 1 : 0);
   return s;
-}
-
-double stress_error(const Model& m, const State& s, const exact::ExactField& f) {
-  return exact::stress_error(m.mesh, f, [&](Index t, const Vec2& x) {
-    return tensor(stress_at(m.kernel, triangle(m, t), s.interior.col(t), x));
-  });
 }
 
 const exact::ElementRow& reference(const std::vector<exact::ElementRow>& rows, const std::string& bc,
@@ -99,7 +87,7 @@ TEST(State, ReproducesTheReferenceNumbersOfTheSmoothSolution) {
     const std::string which = row.bc + " " + std::to_string(row.poisson) + " " + std::to_string(row.n);
     EXPECT_EQ(m.ordering.size, static_cast<Index>(row.value.at("free_unknowns"))) << which;
     EXPECT_NEAR(norm(m, s) / row.value.at("norm_s"), 1, tolerance) << which;
-    EXPECT_NEAR(stress_error(m, s, field) / row.value.at("err_s"), 1, tolerance) << which;
+    EXPECT_NEAR(exact::stress_error(m, s, field) / row.value.at("err_s"), 1, tolerance) << which;
     EXPECT_NEAR(2 * strain_energy(m, s) / row.value.at("energy_As_s"), 1, tolerance) << which;
     double displacement = 0;
     for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
@@ -122,7 +110,7 @@ TEST(State, ReproducesTheReferenceNumbersOfTheCrackCases) {
       const auto& row = reference(rows, "D", name, 0.3, n);
       EXPECT_NEAR(norm(m, s) / row.value.at("norm_s"), 1, 1e-8) << name << ' ' << n;
       EXPECT_NEAR(2 * strain_energy(m, s) / row.value.at("energy_As_s"), 1, 1e-8) << name << ' ' << n;
-      EXPECT_NEAR(stress_error(m, s, field) / row.value.at("err_s"), 1, 2e-3) << name << ' ' << n;
+      EXPECT_NEAR(exact::stress_error(m, s, field) / row.value.at("err_s"), 1, 2e-3) << name << ' ' << n;
       EXPECT_LT(s.certificate.kkt, 1e-10);
       const FaceErrors faces = face_errors(m, s, field);
       // The exact pressure has a kink or a square root inside an edge, which the table integrates more coarsely: 6 %.
@@ -204,7 +192,7 @@ TEST(State, SmoothSolutionConvergesAtOrderTwoUpToTheIncompressibleLimit) {
       const Model m = prepare(mesh, element("bdms"), scene_of(field, {0, 3}, false), 1);
       const State s = solve(m);
       EXPECT_LT(s.certificate.residual, 1e-10) << nu;
-      stress.push_back(stress_error(m, s, field));
+      stress.push_back(exact::stress_error(m, s, field));
       double sum = 0;
       for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
         sum += exact::integrate(triangle(m, t).x, -1, [&](const Vec2& x) {
@@ -263,7 +251,7 @@ TEST_P(ExactCrack, ErrorsFallAtTheMeasuredRateAndTheContactStateIsRight) {
       const Model m = prepare(exact::crack_mesh(n, angle), element("bdms"), scene_of(field, {0, 1, 2, 3}, true), 1);
       const State s = solve(m);
       EXPECT_LT(s.certificate.kkt, 1e-10);
-      error.push_back(stress_error(m, s, field));
+      error.push_back(exact::stress_error(m, s, field));
       const double h = 4.0 / n;
       const FaceErrors faces = face_errors(m, s, field);
       opening.push_back(faces.opening);
@@ -381,8 +369,8 @@ TEST(State, LoadsInEquilibriumNeedNoSupport) {
   EXPECT_NE(floating.notes[0].find("rigid motion is fixed"), std::string::npos);
   const State s = solve(floating);
   EXPECT_LT(s.certificate.kkt, 1e-10);
-  const double error = stress_error(floating, s, field);
-  EXPECT_LT(error, 1.3 * stress_error(held, solve(held), field));
+  const double error = exact::stress_error(floating, s, field);
+  EXPECT_LT(error, 1.3 * exact::stress_error(held, solve(held), field));
   Vec2 mean = Vec2::Zero();
   double rotation = 0;
   for (Index t = 0; t < static_cast<Index>(floating.mesh.triangles.size()); ++t) {
