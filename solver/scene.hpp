@@ -51,8 +51,12 @@ struct Traction {
   BoundaryField value;  // x, y components of sigma n
 };
 
+/// Faces in contact slide when the shear traction reaches slip_bound + friction * pressure: Tresca's law with friction
+/// = 0, Coulomb's with slip_bound = 0; for loads that grow in proportion.
 struct CrackLaw {
   enum class Kind { Unilateral, Open, Bonded } kind = Kind::Unilateral;
+  double friction = 0;    // Coulomb's coefficient
+  double slip_bound = 0;  // stress
 };
 
 struct Scene {
