@@ -42,7 +42,7 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   r.energy = potential_energy(model, state);
   r.compliance = work_of_loads(model, state);
   r.area = area(model);
-  r.estimated_error = indicator.relative;
+  if (std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
   r.notes = model.notes;
   return r;
 }

@@ -1,11 +1,16 @@
-# Debian ships SuiteSparse without CMake or pkg-config files. Defines SuiteSparse::cholmod.
+# Debian ships SuiteSparse without CMake or pkg-config files. Defines SuiteSparse::cholmod and SuiteSparse::umfpack.
 find_path(SuiteSparse_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(SuiteSparse_CHOLMOD cholmod)
+find_library(SuiteSparse_UMFPACK umfpack)
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD SuiteSparse_INCLUDE_DIR)
-if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::cholmod)
-  add_library(SuiteSparse::cholmod UNKNOWN IMPORTED)
-  set_target_properties(SuiteSparse::cholmod PROPERTIES
-    IMPORTED_LOCATION ${SuiteSparse_CHOLMOD}
-    INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
-endif()
+find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD SuiteSparse_UMFPACK
+                                  SuiteSparse_INCLUDE_DIR)
+foreach(library cholmod umfpack)
+  string(TOUPPER ${library} name)
+  if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::${library})
+    add_library(SuiteSparse::${library} UNKNOWN IMPORTED)
+    set_target_properties(SuiteSparse::${library} PROPERTIES
+      IMPORTED_LOCATION ${SuiteSparse_${name}}
+      INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
+  endif()
+endforeach()

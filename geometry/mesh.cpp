@@ -171,6 +171,12 @@ Quality quality(const Mesh& mesh) {
 }
 
 Corners split_at_cracks(const Mesh& mesh) {
+  std::vector<bool> cut(mesh.edges.size());
+  for (std::size_t e = 0; e < cut.size(); ++e) cut[e] = mesh.crack[e] != none;
+  return split_at(mesh, cut);
+}
+
+Corners split_at(const Mesh& mesh, const std::vector<bool>& cut) {
   Corners corners;
   corners.of.assign(mesh.triangles.size(), {none, none, none});
   corners.vertex.resize(mesh.points.size());
@@ -182,7 +188,7 @@ Corners split_at_cracks(const Mesh& mesh) {
     const Index vertex = mesh.triangles[std::size_t(t)][std::size_t(corner)];
     while (true) {
       const Index e = mesh.edges_of[std::size_t(t)][std::size_t(turn_left ? next(corner) : previous(corner))];
-      if (mesh.crack[std::size_t(e)] != none) return;
+      if (cut[std::size_t(e)]) return;
       const auto& [left, right] = mesh.sides[std::size_t(e)];
       t = left == t ? right : left;
       if (t == none) return;

@@ -59,6 +59,8 @@ struct Corners {
   std::vector<Index> vertex;             // per corner number, its vertex
 };
 Corners split_at_cracks(const Mesh& mesh);
+/// The same with the edges in `cut` instead of all cracks.
+Corners split_at(const Mesh& mesh, const std::vector<bool>& cut);
 
 /// Per point a triangle that contains it (boundary included, to 1e-12 of the extent), or none.
 std::vector<Index> locate(const Mesh& mesh, std::span<const Vec2> points);

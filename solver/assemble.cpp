@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <span>
 
 namespace kerf {
 
 namespace {
 
-// An order of the edges with `wanted[e]` from nested dissection of the graph of vertices: an edge goes with that of its
-// ends that is eliminated first, so that a separating path of vertices becomes the path of edges between them. The
-// graph is three times smaller than that of the edges.
-std::vector<Index> dissect_edges(const Mesh& mesh, const std::vector<bool>& wanted) {
-  const Index vertices = static_cast<Index>(mesh.points.size()), edges = static_cast<Index>(mesh.edges.size());
+// The vertices by nested dissection. Edges and corners follow them: an edge goes with that of its ends that is
+// eliminated first, so that a separating path of vertices becomes the path of edges between them. The graph is three
+// times smaller than that of the edges.
+std::vector<Index> dissect_vertices(const Mesh& mesh) {
+  const Index vertices = static_cast<Index>(mesh.points.size());
   std::vector<Index> start(vertices + 1, 0);
   for (const auto& e : mesh.edges)
     for (const Index v : e) ++start[v + 1];
@@ -24,38 +25,57 @@ std::vector<Index> dissect_edges(const Mesh& mesh, const std::vector<bool>& want
     neighbours[next[a]++] = b;
     neighbours[next[b]++] = a;
   }
-  const std::vector<Index> order = dissection(start, neighbours);
-  std::vector<Index> position(vertices);
-  for (Index k = 0; k < vertices; ++k) position[order[k]] = k;
+  return dissection(start, neighbours);
+}
 
-  std::vector<Index> count(vertices + 1, 0), sequence;
-  const auto early = [&](Index e) { return std::min(position[mesh.edges[e][0]], position[mesh.edges[e][1]]); };
-  const auto late = [&](Index e) { return std::max(position[mesh.edges[e][0]], position[mesh.edges[e][1]]); };
-  for (Index e = 0; e < edges; ++e)
-    if (wanted[e]) ++count[early(e) + 1];
-  std::partial_sum(count.begin(), count.end(), count.begin());
-  sequence.resize(count.back());
-  next.assign(count.begin(), count.end() - 1);
-  for (Index e = 0; e < edges; ++e)
-    if (wanted[e]) sequence[next[early(e)]++] = e;
-  for (Index k = 0; k < vertices; ++k)
-    std::sort(sequence.begin() + count[k], sequence.begin() + count[k + 1],
-              [&](Index a, Index b) { return late(a) < late(b); });
-  return sequence;
+// Items filed under keys 0 .. count - 1, each list in the order of filing.
+struct Lists {
+  std::vector<Index> start, items;
+  std::span<const Index> operator[](Index key) const {
+    return {items.data() + start[key], static_cast<std::size_t>(start[key + 1] - start[key])};
+  }
+};
+Lists file_under(Index count, const std::vector<Index>& key) {  // key[i] of item i, or none
+  Lists lists;
+  lists.start.assign(count + 1, 0);
+  for (const Index k : key)
+    if (k != none) ++lists.start[k + 1];
+  std::partial_sum(lists.start.begin(), lists.start.end(), lists.start.begin());
+  lists.items.resize(lists.start.back());
+  std::vector<Index> next(lists.start.begin(), lists.start.end() - 1);
+  for (Index i = 0; i < static_cast<Index>(key.size()); ++i)
+    if (key[i] != none) lists.items[next[key[i]]++] = i;
+  return lists;
 }
 
 }  // namespace
 
 Ordering order(const Mesh& mesh, const Skeleton& s) {
-  const Index edges = static_cast<Index>(mesh.edges.size());
-  // An edge's node holds its free base unknowns and its unbounded jumps; bounded jumps are nodes of their own.
-  std::vector<bool> wanted(edges, false);
-  for (Index e = 0; e < edges; ++e)
+  const Index edges = static_cast<Index>(mesh.edges.size()), corners = static_cast<Index>(s.corners.vertex.size()),
+              vertices = static_cast<Index>(mesh.points.size());
+  const auto in_contact = [&](Index unknown) { return s.bounded[unknown] || s.frictional[unknown]; };
+  // An edge's node holds its free base unknowns and its jumps without contact; jumps in contact are nodes of their own.
+  const auto wanted = [&](Index e) {
     for (int k = 0; k < s.per_edge; ++k) {
       const Index jump = s.jump[e] == none ? none : s.jump[e] + k;
-      if (!s.fixed[e * s.per_edge + k] || (jump != none && !s.fixed[jump] && !s.bounded[jump])) wanted[e] = true;
+      if (!s.fixed[edge_unknown(s, e) + k] || (jump != none && !s.fixed[jump] && !in_contact(jump))) return true;
     }
-  const std::vector<Index> sequence = dissect_edges(mesh, wanted);
+    return false;
+  };
+  const std::vector<Index> sequence = dissect_vertices(mesh);
+  std::vector<Index> position(vertices), early(edges, none);
+  for (Index k = 0; k < vertices; ++k) position[sequence[k]] = k;
+  for (Index e = 0; e < edges; ++e)
+    if (wanted(e)) early[e] = std::min(position[mesh.edges[e][0]], position[mesh.edges[e][1]]);
+  Lists edges_at = file_under(vertices, early);
+  const auto late = [&](Index e) { return std::max(position[mesh.edges[e][0]], position[mesh.edges[e][1]]); };
+  for (Index k = 0; k < vertices; ++k)
+    std::sort(edges_at.items.begin() + edges_at.start[k], edges_at.items.begin() + edges_at.start[k + 1],
+              [&](Index a, Index b) { return late(a) < late(b); });
+  std::vector<Index> corner_position(corners, none), corner_of(Index{3} * (corners > 0 ? mesh.triangles.size() : 0));
+  for (Index c = 0; c < corners; ++c) corner_position[c] = position[s.corners.vertex[c]];
+  for (std::size_t i = 0; i < corner_of.size(); ++i) corner_of[i] = s.corners.of[i / 3][i % 3];
+  const Lists corners_at = file_under(vertices, corner_position), around = file_under(corners, corner_of);
 
   Ordering o;
   o.row.assign(s.total, none);
@@ -64,61 +84,82 @@ Ordering order(const Mesh& mesh, const Skeleton& s) {
     o.row[unknown] = o.size++;
     o.node_of.push_back(static_cast<Index>(o.first.size()) - 1);
   };
-  std::vector<Index> rank(edges, none), trailing_rank(edges, none);
-  for (const Index e : sequence) {
-    rank[e] = static_cast<Index>(o.first.size()) - 1;
-    for (int k = 0; k < s.per_edge; ++k)
-      if (!s.fixed[e * s.per_edge + k]) number(e * s.per_edge + k);
-    if (s.jump[e] != none)
-      for (int k = 0; k < s.per_edge; ++k)
-        if (!s.fixed[s.jump[e] + k] && !s.bounded[s.jump[e] + k]) number(s.jump[e] + k);
-    o.first.push_back(o.size);
+  std::vector<Index> rank(edges, none), corner_rank(corners, none), trailing_rank(edges, none);
+  struct Node {
+    Index edge, corner;  // one of them none
+  };
+  std::vector<Node> nodes;
+  for (Index k = 0; k < vertices; ++k) {
+    for (const Index e : edges_at[k]) {
+      rank[e] = static_cast<Index>(nodes.size());
+      for (int i = 0; i < s.per_edge; ++i)
+        if (!s.fixed[edge_unknown(s, e) + i]) number(edge_unknown(s, e) + i);
+      if (s.jump[e] != none)
+        for (int i = 0; i < s.per_edge; ++i)
+          if (!s.fixed[s.jump[e] + i] && !in_contact(s.jump[e] + i)) number(s.jump[e] + i);
+      nodes.push_back({e, none});
+      o.first.push_back(o.size);
+    }
+    for (const Index c : corners_at[k]) {
+      const Index before = o.size;
+      for (int i = 0; i < s.per_vertex; ++i)
+        if (!s.fixed[corner_unknown(s, c) + i]) number(corner_unknown(s, c) + i);
+      if (o.size == before) continue;
+      corner_rank[c] = static_cast<Index>(nodes.size());
+      nodes.push_back({none, c});
+      o.first.push_back(o.size);
+    }
   }
-  const Index leading = o.size;
-  std::vector<Index> trailing_edges;
+  const Index leading = o.size, leading_nodes = static_cast<Index>(nodes.size());
   for (const auto& crack : mesh.cracks)
     for (const CrackEdge& c : crack) {
+      if (s.jump[c.edge] == none) continue;
       const Index before = o.size;
       for (int k = 0; k < s.per_edge; ++k) {
         const int point = c.forward ? k / 2 : s.per_edge / 2 - 1 - k / 2;  // Gauss points along the path
         const Index unknown = s.jump[c.edge] + 2 * point + k % 2;
-        if (s.bounded[unknown]) number(unknown);
+        if (in_contact(unknown)) number(unknown);
       }
       if (o.size == before) continue;
-      trailing_rank[c.edge] = static_cast<Index>(o.first.size()) - 1;
-      trailing_edges.push_back(c.edge);
+      trailing_rank[c.edge] = static_cast<Index>(nodes.size());
+      nodes.push_back({c.edge, none});
       o.first.push_back(o.size);
     }
   o.trailing = o.size - leading;
 
-  const Index nodes = static_cast<Index>(o.first.size()) - 1;
-  o.adjacent_start.reserve(nodes + 1);
+  o.adjacent_start.reserve(nodes.size() + 1);
   o.adjacent_start.push_back(0);
-  o.adjacent.reserve(std::size_t(nodes) * 2);
+  o.adjacent.reserve(2 * nodes.size());
   std::vector<Index> near;
   const auto gather = [&](Index t, Index self) {
-    for (const Index e : mesh.edges_of[t]) {
+    for (int i = 0; i < 3; ++i) {
+      const Index e = mesh.edges_of[t][i];
       if (rank[e] > self) near.push_back(rank[e]);
       if (trailing_rank[e] > self && mesh.sides[e][1] == t) near.push_back(trailing_rank[e]);
+      if (corners > 0 && corner_rank[s.corners.of[t][i]] > self) near.push_back(corner_rank[s.corners.of[t][i]]);
     }
   };
-  const auto close = [&] {
+  for (Index n = 0; n < static_cast<Index>(nodes.size()); ++n) {
+    if (n >= leading_nodes)
+      gather(mesh.sides[nodes[n].edge][1], n);
+    else if (nodes[n].corner == none)
+      for (const Index t : mesh.sides[nodes[n].edge]) {
+        if (t != none) gather(t, n);
+      }
+    else
+      for (const Index place : around[nodes[n].corner]) gather(place / 3, n);
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
     o.adjacent.insert(o.adjacent.end(), near.begin(), near.end());
     o.adjacent_start.push_back(static_cast<Index>(o.adjacent.size()));
     near.clear();
-  };
-  for (const Index e : sequence) {
-    for (const Index t : mesh.sides[e])
-      if (t != none) gather(t, rank[e]);
-    close();
-  }
-  for (const Index e : trailing_edges) {
-    gather(mesh.sides[e][1], trailing_rank[e]);
-    close();
   }
   return o;
+}
+
+// The local problems of displacement elements are not mixed, those with stresses at vertices do not degenerate.
+constexpr bool needs_penalty(const Element& e) {
+  return e.at_vertices == AtVertices::Nothing || e.at_vertices == AtVertices::Rotation;
 }
 
 ForceMoments force_of(const System& a, Index t) {
@@ -130,9 +171,9 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
   System a;
   // Below this compliance plain condensation loses more than two digits: nu > 0.498 in plane strain.
   const double small = 1e-3 / scene.material.mu;
-  if (scene.material.c < small) {
+  if (scene.material.c < small && needs_penalty(k.element)) {
     a.penalty = small;
-    a.traces.resize(3 * s.per_edge + 2, static_cast<Eigen::Index>(mesh.triangles.size()));
+    a.traces.resize(skeleton_count(k.element) + 2, static_cast<Eigen::Index>(mesh.triangles.size()));
   }
   const Index nodes = static_cast<Index>(o.first.size()) - 1;
 
@@ -174,48 +215,70 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
       p += o.first[other + 1] - o.first[other];
     }
   };
-  // Every entry gets at most two contributions, one from each side of an edge: their sum does not depend on the order,
-  // so that adding them atomically is deterministic.
+  // Without unknowns at vertices every entry gets at most two contributions, one from each side of an edge: their sum
+  // does not depend on the order, so that adding them atomically is deterministic. With them, triangles are condensed
+  // in parallel but added in their order.
+  const bool ordered = s.per_vertex > 0;
   const auto add = [](double& target, double value) {
     std::atomic_ref<double>(target).fetch_add(value, std::memory_order_relaxed);
   };
 
   if (scene.body) a.force.resize(displacement_count(k.element), static_cast<Eigen::Index>(mesh.triangles.size()));
   Eigen::VectorXd triangles = Eigen::VectorXd::Zero(o.size);
-  parallel_for(static_cast<Index>(mesh.triangles.size()), threads, [&](Index begin, Index end) {
+  const auto condense_triangle = [&](Index t) {
+    const Triangle shape = triangle(mesh, s, t);
+    if (scene.body) a.force.col(t) = force_moments(k, shape, scene.body);
+    Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
+    if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
+    return c;
+  };
+  const auto scatter = [&](Index t, Condensed& c) {
     struct Entry {
       int local;
       Index row;
     };
     std::array<Entry, 2 * max_skeleton> entries;
-    for (Index t = begin; t < end; ++t) {
-      const Triangle shape = triangle(mesh, s, t);
-      if (scene.body) a.force.col(t) = force_moments(k, shape, scene.body);
-      Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
-      if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
-      const Seen view = seen(mesh, s, t);
-      int used = 0;
-      for (int i = 0; i < view.count; ++i) {
-        const double value = s.prescribed[view.base[i]];  // jumps are prescribed as 0 only
-        if (value != 0) c.F -= value * c.K.col(i);
-        if (o.row[view.base[i]] != none) entries[used++] = {i, o.row[view.base[i]]};
-        if (view.jump[i] != none && o.row[view.jump[i]] != none) entries[used++] = {i, o.row[view.jump[i]]};
-      }
-      for (int p = 0; p < used; ++p) {
-        add(triangles[entries[p].row], c.F[entries[p].local]);
-        for (int q = 0; q < used; ++q) {
-          if (entries[p].row < entries[q].row) continue;
-          double& target = place(entries[p].row, entries[q].row);
-          const double value = c.K(entries[p].local, entries[q].local);
-          // Only a base unknown's own edge is shared by two triangles.
-          if (entries[p].local / s.per_edge == entries[q].local / s.per_edge)
-            add(target, value);
-          else
-            target += value;
-        }
+    const Seen view = seen(mesh, s, t);
+    int used = 0;
+    for (int i = 0; i < view.count; ++i) {
+      const double value = s.prescribed[view.base[i]];  // jumps are prescribed as 0 only
+      if (value != 0) c.F -= value * c.K.col(i);
+      if (o.row[view.base[i]] != none) entries[used++] = {i, o.row[view.base[i]]};
+      if (view.jump[i] != none && o.row[view.jump[i]] != none) entries[used++] = {i, o.row[view.jump[i]]};
+    }
+    for (int p = 0; p < used; ++p) {
+      add(triangles[entries[p].row], c.F[entries[p].local]);
+      for (int q = 0; q < used; ++q) {
+        if (entries[p].row < entries[q].row) continue;
+        double& target = place(entries[p].row, entries[q].row);
+        const double value = c.K(entries[p].local, entries[q].local);
+        // Only a base unknown's own edge is shared by two triangles.
+        if (!ordered && entries[p].local / s.per_edge == entries[q].local / s.per_edge)
+          add(target, value);
+        else
+          target += value;
       }
     }
-  });
+  };
+  const Index count_triangles = static_cast<Index>(mesh.triangles.size());
+  if (!ordered) {
+    parallel_for(count_triangles, threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        Condensed c = condense_triangle(t);
+        scatter(t, c);
+      }
+    });
+  } else {
+    constexpr Index batch = 2048;
+    std::vector<Condensed> condensed(batch);
+    for (Index from = 0; from < count_triangles; from += batch) {
+      const Index size = std::min(batch, count_triangles - from);
+      parallel_for(size, threads, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) condensed[i] = condense_triangle(from + i);
+      });
+      for (Index i = 0; i < size; ++i) scatter(from + i, condensed[i]);
+    }
+  }
 
   a.F = triangles;
   const Eigen::VectorXd loads = traction_loads(mesh, k, s, scene);

@@ -6,12 +6,12 @@
 
 namespace kerf {
 
-/// Rows of the condensed matrix: the free unknowns of one edge lie together, edges by nested dissection, and the
-/// bounded jumps (those that a contact law acts on) last. A function of the topology alone.
+/// Rows of the condensed matrix: the free unknowns of one edge or corner lie together, by nested dissection of the
+/// vertices, and the jumps that a contact law acts on last. A function of the topology alone.
 struct Ordering {
   std::vector<Index> row;       // per skeleton unknown, none where fixed
   Index size = 0;               // rows
-  Index trailing = 0;           // of them bounded jumps, at the end, in the order of the cracks' paths
+  Index trailing = 0;           // of them jumps in contact, at the end, in the order of the cracks' paths
   std::vector<Index> first;     // per node its first row, one more entry at the end
   std::vector<Index> node_of;   // per row its node
   std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
@@ -20,8 +20,8 @@ struct Ordering {
 Ordering order(const Mesh& mesh, const Skeleton& s);
 
 /// K x = F over the free unknowns: K = sum_T K_T on the traces that each triangle sees, F from tractions, body force
-/// and prescribed values. Symmetric positive definite when the supports hold the body; on the bounded jumps x the
-/// solution satisfies K x - F = p >= 0, x >= 0, p x = 0 instead of K x = F.
+/// and prescribed values. Symmetric positive definite when the supports hold the body (quasi-definite with stresses at
+/// vertices); on the jumps in contact the solution satisfies their law instead of K x = F.
 struct System {
   double penalty = 0;  // Penalty::a in K; chosen when c is so small that digits would be lost
   LowerTriangle K;

@@ -5,12 +5,16 @@
 namespace kerf {
 
 const Element& element(std::string_view name, int degree) {
-  std::string known;
+  std::string known, degrees;
   for (const Element& e : elements) {
     if (e.name == name && e.degree == degree) return e;
-    known += fmt::format("{}\"{}\" of degree {}", known.empty() ? "" : ", ", e.name, e.degree);
+    if (e.name == name) degrees += fmt::format("{}{}", degrees.empty() ? "" : ", ", e.degree);
+    if (known.find(fmt::format("\"{}\"", e.name)) == std::string::npos)
+      known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
   }
-  throw Error(Fault::Usage, fmt::format("unknown element \"{}\" of degree {}; known: {}", name, degree, known));
+  if (!degrees.empty())
+    throw Error(Fault::Usage, fmt::format("element \"{}\" has no degree {}; it has {}", name, degree, degrees));
+  throw Error(Fault::Usage, fmt::format("unknown element \"{}\"; known: {}", name, known));
 }
 
 }  // namespace kerf

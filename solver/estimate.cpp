@@ -8,13 +8,13 @@
 #include <Eigen/QR>
 
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
 namespace {
 
 constexpr int edge_points = 5;  // exact for the square of a stress of degree 4
-constexpr double efficiency_index = 5.2;
 
 // D tau at the Gauss points of the three edges, in each edge's own direction.
 using EdgeTraces = Eigen::Matrix<double, 2, 3 * edge_points>;
@@ -122,6 +122,9 @@ Prescribed prescribed(const Model& m, Index e, double s) {
 }  // namespace
 
 Indicator error_indicator(const Model& m, const State& s) {
+  if (!is_mixed(m.kernel.element))  // their gradients are compatible, what they lack is equilibrium
+    return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())),
+            std::numeric_limits<double>::quiet_NaN()};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Derivatives difference =
       derivatives(m.kernel.rule, std::max(stress_degree(m.kernel.element), m.kernel.element.rotation));
@@ -174,7 +177,7 @@ Indicator error_indicator(const Model& m, const State& s) {
     total += square;
     stress += own[t].stress;
   }
-  if (stress > 0) result.relative = std::sqrt(total / stress) / efficiency_index;
+  if (stress > 0) result.relative = std::sqrt(total / stress) / m.kernel.element.efficiency;
   return result;
 }
 

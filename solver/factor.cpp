@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 #include <omp.h>
 
+#include <optional>
+
 namespace kerf {
 
 namespace {
@@ -80,6 +82,7 @@ struct Factor::Impl {
   Index size = 0, trailing = 0;
   double entries = 0, flops = 0;
   Eigen::MatrixXd trailing_factor;
+  std::optional<Lu> lu;  // instead of a Cholesky factor
 
   ~Impl() {
     if (factor) cholmod_free_factor(&factor, &session.c);
@@ -122,11 +125,16 @@ struct Factor::Impl {
   }
 };
 
-Factor::Factor(const LowerTriangle& lower, Index trailing) : impl_(std::make_unique<Impl>()) {
+Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite) : impl_(std::make_unique<Impl>()) {
   use_one_thread();
   impl_->size = lower.size;
   impl_->trailing = trailing;
   if (impl_->size == 0) return;
+  if (!definite) {
+    if (trailing > 0) throw std::invalid_argument("Factor: trailing columns need a definite matrix");
+    impl_->lu.emplace(lower);
+    return;
+  }
   cholmod_common& c = impl_->session.c;
   c.supernodal = CHOLMOD_SUPERNODAL;
   c.nmethods = 1;
@@ -159,11 +167,12 @@ Eigen::MatrixXd Factor::schur_complement() const {
 }
 
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
+  if (impl_->lu) return impl_->lu->solve(b);
   return impl_->size == 0 ? b : impl_->apply(CHOLMOD_L, b);
 }
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
-  return impl_->size == 0 ? y : impl_->apply(CHOLMOD_Lt, y);
+  return impl_->size == 0 || impl_->lu ? y : impl_->apply(CHOLMOD_Lt, y);
 }
 
 Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {

@@ -1,7 +1,7 @@
 #pragma once
-// A factorised sparse symmetric positive definite matrix. SuiteSparse lives in factor.cpp and nowhere else.
+// A factorised sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
 
-#include "solver/sparse.hpp"
+#include "solver/lu.hpp"
 
 #include <memory>
 #include <vector>
@@ -14,12 +14,13 @@ namespace kerf {
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours);
 
 /// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that
-/// the trailing block of L is the Cholesky factor of the Schur complement onto them.
+/// the trailing block of L is the Cholesky factor of the Schur complement onto them. A matrix that is not definite goes
+/// to UMFPACK, without trailing columns.
 class Factor {
  public:
   /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K
   /// is not positive definite (Error::what says "column N"), or when memory runs out.
-  Factor(const LowerTriangle& lower, Index trailing);
+  Factor(const LowerTriangle& lower, Index trailing, bool definite = true);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;

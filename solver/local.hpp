@@ -14,20 +14,28 @@ struct Triangle {
   std::array<Vec2, 3> x;        // counter-clockwise; edge i is opposite vertex i
   std::array<Mat2, 3> frame;    // per edge: columns are the directions of its two components
   std::array<bool, 3> forward;  // the edge's own direction (smaller to larger vertex) is counter-clockwise here
+  // Per vertex, columns are what its unknowns stand for: displacements (2 x 2), or stresses s11, s22, sqrt(2) s12.
+  std::array<Eigen::Matrix3d, 3> corner = {Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity(),
+                                           Eigen::Matrix3d::Identity()};
 };
 
-/// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame.
+/// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame;
+/// then per vertex.
 inline constexpr int max_skeleton = 24;
 using SkeletonMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
 using SkeletonVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_skeleton, 1>;
 
+struct Operations;  // of one element on one triangle
+
 /// What the local problems of one element share: quadrature and trace points. Made once per model.
 struct Kernel {
   Element element;
-  TriangleRule rule;  // exact for products of two stresses
-  TriangleRule load;  // for data: exact to degree 8
-  EdgeRule trace;     // the Gauss points that carry the multipliers
+  const Operations* run;
+  Eigen::MatrixXd cut;  // per stress function its coefficients in the full tensors, where the cut is constant
+  TriangleRule rule;    // exact for products of two stresses
+  TriangleRule load;    // for data: exact to degree 8
+  EdgeRule trace;       // the Gauss points that carry the multipliers; the middle in p2
 };
 Kernel kernel(const Element& e);
 
@@ -68,6 +76,15 @@ struct Fields {
   Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
 };
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
+
+/// How local.cpp reaches the code of an element.
+struct Operations {
+  Condensed (*condense)(const Kernel&, const Triangle&, const Material&, const ForceMoments&, const Penalty&);
+  Eigen::VectorXd (*interior)(const Kernel&, const Triangle&, const Material&, const ForceMoments&,
+                              const SkeletonVector&, const Penalty&);
+  Fields (*evaluate)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Points&);
+  Eigen::Vector4d (*stress_at)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Vec2&);
+};
 
 /// s11, s12, s21, s22 as a matrix.
 inline Mat2 tensor(const Eigen::Vector4d& s) {

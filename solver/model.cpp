@@ -314,7 +314,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor(system.K, ordering.trailing);
+  Factor factor(system.K, ordering.trailing, is_definite(e));
   seconds.factor = watch.lap();
   return {std::move(mesh),
           k,

@@ -70,7 +70,8 @@ Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& 
 }
 
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x) {
-  switch (model.kernel.element.rotation) {
+  if (!is_mixed(model.kernel.element)) return evaluate(model, state, t, x).displacement;
+  switch (model.kernel.element.stress) {
     case 1:
       return recovered<2>(model, state, t, x);
     case 2:
@@ -123,7 +124,9 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
   const Skeleton& s = model.skeleton;
   const bool unilateral = model.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
   const bool bonded = model.scene.laws[crack].kind == CrackLaw::Kind::Bonded;
-  const int points = points_per_edge(model.kernel.element);
+  const bool mixed = is_mixed(model.kernel.element);
+  const EdgeRule rule = mixed ? model.kernel.trace : gauss(2);
+  const int points = static_cast<int>(rule.s.size());
   double total = 0, done = 0;
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
   // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
@@ -141,15 +144,25 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
     const Vec2& b = model.mesh.points[model.mesh.edges[c.edge][1]];
     for (int k = 0; k < points; ++k) {
       const int g = c.forward ? k : points - 1 - k;
-      const double along = model.kernel.trace.s[g], share = l * model.kernel.trace.w[g];
+      const double along = rule.s[g], share = l * rule.w[g];
       CrackPoint p{};
       p.s = done + l * (c.forward ? along : 1 - along);
       p.at = a + along * (b - a);
       p.length = share;
-      const Index unknown = s.jump[c.edge] + 2 * g;
-      p.jump_n = state.skeleton[unknown];
-      p.jump_t = -state.skeleton[unknown + 1];
-      if (unilateral) p.sigma_n = -state.force[unknown] / share;
+      if (mixed) {
+        const Index unknown = s.jump[c.edge] + 2 * g;
+        p.jump_n = state.skeleton[unknown];
+        p.jump_t = -state.skeleton[unknown + 1];
+        if (unilateral) p.sigma_n = -state.force[unknown] / share;
+        if (unilateral) p.sigma_t = state.force[unknown + 1] / share;
+      } else {
+        const auto side = [&](int which) -> Vec2 {
+          return evaluate(model, state, model.mesh.sides[c.edge][which], p.at).displacement.col(0);
+        };
+        const Vec2 jump = s.frame[c.edge].transpose() * (side(1) - side(0));
+        p.jump_n = jump[0];
+        p.jump_t = -jump[1];
+      }
       if (bonded) {
         const Eigen::Vector4d v = stress_at(model.kernel, left, state.interior.col(model.mesh.sides[c.edge][0]), p.at);
         const Vec2 n = s.frame[c.edge].col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());

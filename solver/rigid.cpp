@@ -63,20 +63,30 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   const std::vector<bool> curved = on_curves(mesh);
   double tolerance = 1e-11;
+  const auto hold = [&](const Vec2& at, const Vec2& direction) {
+    const Vec2 x = (at - center) / radius;
+    const Eigen::Vector3d row(direction.x(), direction.y(), cross(x, direction));
+    gram += row * row.transpose();
+  };
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
     if (mesh.label[e] == none || piece[t] != which) continue;
     for (int u = 0; u < s.per_edge; ++u) {
-      if (!s.fixed[e * s.per_edge + u]) continue;
-      const Vec2 direction = s.frame[e].col(u % 2);
-      const bool roller = s.fixed[e * s.per_edge] != s.fixed[e * s.per_edge + 1];
+      if (!s.fixed[edge_unknown(s, e) + u]) continue;
+      const bool roller = s.fixed[edge_unknown(s, e)] != s.fixed[edge_unknown(s, e) + 1];
       if (roller && curved[e]) tolerance = 1e-6;  // the vertices keep to the curve only nearly: areas are preserved
       const Vec2 middle = 0.5 * (mesh.points[mesh.edges[e][0]] + mesh.points[mesh.edges[e][1]]);
-      const Vec2 x = ((roller && curved[e] ? middle : edge_point(mesh, k, e, u / 2)) - center) / radius;
-      const Eigen::Vector3d row(direction.x(), direction.y(), cross(x, direction));
-      gram += row * row.transpose();
+      hold(roller && curved[e] ? middle : edge_point(mesh, k, e, u / 2), s.frame[e].col(u % 2));
     }
   }
+  if (!is_mixed(k.element))
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (int i = 0; i < 3 && piece[t] == which; ++i) {
+        const Index corner = s.corners.of[t][i];
+        for (int d = 0; d < 2; ++d)
+          if (s.fixed[corner_unknown(s, corner) + d])
+            hold(mesh.points[mesh.triangles[t][i]], s.corner_frame[corner].col(d).head<2>());
+      }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(gram);
   const double largest = spectrum.eigenvalues()[2];
   std::vector<RigidMotion> motions;
@@ -95,10 +105,16 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
 }
 
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion) {
-  Eigen::VectorXd value(s.base);
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(s.base);
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     for (int g = 0; g < s.per_edge / 2; ++g)
-      value.segment<2>(e * s.per_edge + 2 * g) = s.frame[e].transpose() * motion.at(edge_point(mesh, k, e, g));
+      value.segment<2>(edge_unknown(s, e) + 2 * g) = s.frame[e].transpose() * motion.at(edge_point(mesh, k, e, g));
+  for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c) {
+    if (k.element.at_vertices == AtVertices::Rotation) value[corner_unknown(s, c)] = -motion.rotation;
+    if (k.element.at_vertices == AtVertices::Displacement)
+      value.segment<2>(corner_unknown(s, c)) =
+          s.corner_frame[c].topLeftCorner<2, 2>().transpose() * motion.at(mesh.points[s.corners.vertex[c]]);
+  }
   return value;
 }
 
@@ -123,8 +139,17 @@ std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, co
   const Index n = static_cast<Index>(motions.size());
   Eigen::MatrixXd rows(s.base, n);
   for (Index i = 0; i < n; ++i) rows.col(i) = trace(mesh, k, s, motions[i]);
+  // Displacements on the boundary only.
+  std::vector<bool> usable(s.base, false);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    for (int i = 0; i < s.per_edge; ++i) usable[edge_unknown(s, e) + i] = true;
+  }
+  if (!is_mixed(k.element))
+    for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c)
+      usable[corner_unknown(s, c)] = usable[corner_unknown(s, c) + 1] = true;
   for (Index u = 0; u < s.base; ++u)
-    if (s.fixed[u] || mesh.label[u / s.per_edge] == none) rows.row(u).setZero();
+    if (s.fixed[u] || !usable[u]) rows.row(u).setZero();
   std::vector<Index> chosen;
   for (Index i = 0; i < n; ++i) {
     // The row farthest from the span of those chosen before; the first among equals.

@@ -1,6 +1,9 @@
 #include "solver/skeleton.hpp"
 
 #include <fmt/core.h>
+#include <Eigen/SVD>
+
+#include <cmath>
 
 namespace kerf {
 
@@ -25,6 +28,147 @@ void check_finite(const Vec2& value, const Vec2& x, const char* what) {
     throw Error(Fault::Numerics, fmt::format("the {} is not finite at ({:.6g}, {:.6g})", what, x.x(), x.y()));
 }
 
+// A crack whose faces can part.
+bool opens(const Mesh& mesh, const Scene& scene, Index e) {
+  return mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+}
+
+void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
+  const auto refuse = [&](const char* what, const char* instead) {
+    throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
+  };
+  if (!is_mixed(e) && !(scene.material.c > 0))
+    refuse("an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    const auto kind = scene.laws[crack].kind;
+    if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;
+    if (e.at_vertices == AtVertices::Stress)
+      refuse("cracks: its stress is one at every vertex", "\"arnold-winther\", which shares its functions");
+    if (!is_mixed(e) && kind == CrackLaw::Kind::Unilateral)
+      refuse("contact on cracks", "a mixed element, such as \"bdms\", or contact = \"open\"");
+  }
+}
+
+void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  const int points = points_per_edge(k.element);
+  const EdgeRule rule = gauss(data_points);
+  for (const Support& support : scene.supports)
+    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+      if (mesh.label[e] != support.label) continue;
+      const Vec2& a = mesh.points[mesh.edges[e][0]];
+      const Vec2& b = mesh.points[mesh.edges[e][1]];
+      const Vec2 n = outward(mesh, e);
+      s.frame[e] = Mat2::Identity();
+      if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
+      const auto value_at = [&](double along) -> Vec2 {
+        const Vec2 x = a + along * (b - a);
+        const Vec2 value = support.value(x, n);
+        check_finite(value, x, "prescribed displacement");
+        return value;
+      };
+      for (int g = 0; g < points; ++g) {
+        Vec2 moment = Vec2::Zero();
+        if (is_mixed(k.element))  // the basis is orthogonal: its mass on the edge is diag(w)
+          for (int q = 0; q < data_points; ++q)
+            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] * value_at(rule.s[q]);
+        else
+          moment = value_at(k.trace.s[g]);
+        for (int d = 0; d < 2; ++d)
+          if (d == 0 ? support.first : support.second) {
+            const Index unknown = edge_unknown(s, e) + 2 * g + d;
+            s.fixed[unknown] = true;
+            s.prescribed[unknown] = moment[d];
+          }
+      }
+    }
+}
+
+/// The corner of boundary edge e at its end.
+Index corner_of(const Mesh& mesh, const Skeleton& s, Index e, int end) {
+  const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+  int i = 0;
+  while (mesh.triangles[t][i] != mesh.edges[e][end]) ++i;
+  return s.corners.of[t][i];
+}
+
+// Displacement elements: at a corner the supports of the edges that meet there add up, two directions at most.
+void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  for (const Support& support : scene.supports)
+    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+      if (mesh.label[e] != support.label) continue;
+      const Vec2 n = outward(mesh, e);
+      Mat2 frame = Mat2::Identity();
+      if (support.normal_frame) frame << n, Vec2(-n.y(), n.x());
+      for (int end = 0; end < 2; ++end) {
+        const Vec2& x = mesh.points[mesh.edges[e][end]];
+        const Vec2 value = support.value(x, n);
+        check_finite(value, x, "prescribed displacement");
+        const Index corner = corner_of(mesh, s, e, end), unknown = corner_unknown(s, corner);
+        auto axes = s.corner_frame[corner].topLeftCorner<2, 2>();
+        for (int d = 0; d < 2; ++d) {
+          if (!(d == 0 ? support.first : support.second) || (s.fixed[unknown] && s.fixed[unknown + 1])) continue;
+          const Vec2 direction = frame.col(d);
+          if (!s.fixed[unknown]) {
+            axes << direction, Vec2(-direction.y(), direction.x());
+            s.fixed[unknown] = true;
+            s.prescribed[unknown] = value[d];
+            continue;
+          }
+          const double across = direction.dot(axes.col(1));
+          constexpr double parallel = 1e-3;
+          if (std::abs(across) < parallel) continue;
+          s.fixed[unknown + 1] = true;
+          s.prescribed[unknown + 1] = (value[d] - direction.dot(axes.col(0)) * s.prescribed[unknown]) / across;
+        }
+      }
+    }
+}
+
+// Stresses at vertices: sigma n = g on every edge that is not supported there, in the mean of squares where two edges
+// meet in a corner. Without this the order of the element falls by half [elements.md section 8].
+void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  struct Rows {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> rows;
+    Eigen::VectorXd values;
+  };
+  std::vector<Rows> given(s.corners.vertex.size());
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    const Vec2 n = outward(mesh, e);
+    for (int end = 0; end < 2; ++end) {
+      const Vec2& x = mesh.points[mesh.edges[e][end]];
+      Vec2 value = Vec2::Zero();
+      for (const Traction& traction : scene.tractions)
+        if (traction.label == mesh.label[e]) value += traction.value(x, n);
+      check_finite(value, x, "traction");
+      Rows& r = given[corner_of(mesh, s, e, end)];
+      for (int d = 0; d < 2; ++d) {
+        if (s.fixed[edge_unknown(s, e) + d]) continue;
+        const Vec2 direction = s.frame[e].col(d);
+        const Eigen::Index count = r.values.size();
+        r.rows.conservativeResize(count + 1, 3);
+        r.values.conservativeResize(count + 1);
+        r.rows.row(count) << direction.x() * n.x(), direction.y() * n.y(),
+            (direction.x() * n.y() + direction.y() * n.x()) / std::sqrt(2.0);
+        r.values[count] = direction.dot(value);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < given.size(); ++c) {
+    if (given[c].values.size() == 0) continue;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(given[c].rows),
+                                                Eigen::ComputeThinU | Eigen::ComputeFullV);
+    s.corner_frame[c] = svd.matrixV();
+    constexpr double dependent = 1e-6;
+    for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+      if (svd.singularValues()[i] < dependent) continue;
+      const Index unknown = corner_unknown(s, static_cast<Index>(c)) + static_cast<Index>(i);
+      s.fixed[unknown] = true;
+      s.prescribed[unknown] = svd.matrixU().col(i).dot(given[c].values) / svd.singularValues()[i];
+    }
+  }
+}
+
 }  // namespace
 
 Eigen::VectorXd trace_basis(const EdgeRule& trace, double s) {
@@ -36,17 +180,34 @@ Eigen::VectorXd trace_basis(const EdgeRule& trace, double s) {
   return value;
 }
 
+Index edge_unknown(const Skeleton& s, Index edge) {
+  return edge * s.per_edge;
+}
+
+Index corner_unknown(const Skeleton& s, Index corner) {
+  return static_cast<Index>(s.frame.size()) * s.per_edge + corner * s.per_vertex;
+}
+
 Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
+  check_element(mesh, k.element, scene);
   Skeleton s;
   s.per_edge = per_edge(k.element);
+  s.per_vertex = per_vertex(k.element);
   const Index edges = static_cast<Index>(mesh.edges.size());
-  s.base = edges * s.per_edge;
   s.frame.resize(edges);
   s.jump.assign(edges, none);
+  s.base = edges * s.per_edge;
+  if (s.per_vertex > 0) {
+    std::vector<bool> cut(edges);
+    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e);
+    s.corners = split_at(mesh, cut);
+    s.base += static_cast<Index>(s.corners.vertex.size()) * s.per_vertex;
+    s.corner_frame.assign(s.corners.vertex.size(), Eigen::Matrix3d::Identity());
+  }
   s.total = s.base;
   for (Index e = 0; e < edges; ++e) {
     s.frame[e] = edge_frame(mesh, e);
-    if (mesh.crack[e] != none) {
+    if (mesh.crack[e] != none && s.per_edge > 0) {
       s.jump[e] = s.total;
       s.total += s.per_edge;
     }
@@ -54,45 +215,21 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   s.prescribed.assign(s.total, 0);
   s.fixed.assign(s.total, false);
   s.bounded.assign(s.total, false);
-
-  const int points = points_per_edge(k.element);
+  s.frictional.assign(s.total, false);
   for (Index e = 0; e < edges; ++e) {
-    if (mesh.crack[e] == none) continue;
-    const auto kind = scene.laws[mesh.crack[e]].kind;
-    for (int g = 0; g < points; ++g)
-      for (int d = 0; d < 2; ++d) {
-        const Index unknown = s.jump[e] + 2 * g + d;
-        s.fixed[unknown] = kind == CrackLaw::Kind::Bonded;
-        s.bounded[unknown] = kind == CrackLaw::Kind::Unilateral && d == 0;
-      }
-  }
-
-  const EdgeRule rule = gauss(data_points);
-  for (const Support& support : scene.supports)
-    for (Index e = 0; e < edges; ++e) {
-      if (mesh.label[e] != support.label) continue;
-      const Vec2& a = mesh.points[mesh.edges[e][0]];
-      const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward(mesh, e);
-      s.frame[e] = Mat2::Identity();
-      if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
-      for (int g = 0; g < points; ++g) {
-        // The basis is orthogonal: its mass on the edge is diag(w).
-        Vec2 moment = Vec2::Zero();
-        for (int q = 0; q < data_points; ++q) {
-          const Vec2 x = a + rule.s[q] * (b - a);
-          const Vec2 value = support.value(x, n);
-          check_finite(value, x, "prescribed displacement");
-          moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] * value;
-        }
-        for (int d = 0; d < 2; ++d)
-          if (d == 0 ? support.first : support.second) {
-            const Index unknown = e * s.per_edge + 2 * g + d;
-            s.fixed[unknown] = true;
-            s.prescribed[unknown] = moment[d];
-          }
-      }
+    if (s.jump[e] == none) continue;
+    const CrackLaw& law = scene.laws[mesh.crack[e]];
+    const bool unilateral = law.kind == CrackLaw::Kind::Unilateral, rough = law.friction > 0 || law.slip_bound > 0;
+    for (int i = 0; i < s.per_edge; ++i) {
+      const Index unknown = s.jump[e] + i;
+      s.fixed[unknown] = law.kind == CrackLaw::Kind::Bonded;
+      s.bounded[unknown] = unilateral && i % 2 == 0;
+      s.frictional[unknown] = unilateral && rough && i % 2 == 1;
     }
+  }
+  support_edges(mesh, k, scene, s);
+  if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
+  if (k.element.at_vertices == AtVertices::Stress) load_corners(mesh, scene, s);
   return s;
 }
 
@@ -103,6 +240,7 @@ Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
     result.x[i] = mesh.points[mesh.triangles[t][i]];
     result.frame[i] = s.frame[e];
     result.forward[i] = mesh.sides[e][0] == t;
+    if (s.per_vertex > 1) result.corner[i] = s.corner_frame[s.corners.of[t][i]];
   }
   return result;
 }
@@ -113,10 +251,16 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
     const Index e = mesh.edges_of[t][i];
     const bool right = s.jump[e] != none && mesh.sides[e][1] == t;
     for (int k = 0; k < s.per_edge; ++k) {
-      result.base[result.count] = e * s.per_edge + k;
+      result.base[result.count] = edge_unknown(s, e) + k;
       result.jump[result.count++] = right ? s.jump[e] + k : none;
     }
   }
+  if (s.per_vertex > 0)
+    for (const Index corner : s.corners.of[t])
+      for (int k = 0; k < s.per_vertex; ++k) {
+        result.base[result.count] = corner_unknown(s, corner) + k;
+        result.jump[result.count++] = none;
+      }
   return result;
 }
 
@@ -134,10 +278,23 @@ Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton
         const Vec2 x = a + rule.s[q] * (b - a);
         const Vec2 value = traction.value(x, n);
         check_finite(value, x, "traction");
-        const Vec2 component = s.frame[e].transpose() * value;
-        const Eigen::VectorXd basis = trace_basis(k.trace, rule.s[q]);
-        for (int g = 0; g < basis.size(); ++g)
-          for (int d = 0; d < 2; ++d) load[e * s.per_edge + 2 * g + d] += l * rule.w[q] * basis[g] * component[d];
+        const Vec2 moment = l * rule.w[q] * value;
+        const auto add = [&](Index unknown, double share, const Mat2& frame) {
+          for (int d = 0; d < 2; ++d) load[unknown + d] += share * frame.col(d).dot(moment);
+        };
+        const double at = rule.s[q];
+        if (is_mixed(k.element)) {
+          const Eigen::VectorXd basis = trace_basis(k.trace, at);
+          for (int g = 0; g < basis.size(); ++g) add(edge_unknown(s, e) + 2 * g, basis[g], s.frame[e]);
+          continue;
+        }
+        const double bubble = s.per_edge > 0 ? 4 * at * (1 - at) : 0;
+        if (s.per_edge > 0) add(edge_unknown(s, e), bubble, s.frame[e]);
+        for (int end = 0; end < 2; ++end) {
+          const Index corner = corner_of(mesh, s, e, end);
+          add(corner_unknown(s, corner), (end == 0 ? 1 - at : at) - 0.5 * bubble,
+              s.corner_frame[corner].topLeftCorner<2, 2>());
+        }
       }
     }
   return load;

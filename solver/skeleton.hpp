@@ -7,34 +7,42 @@
 namespace kerf {
 
 /// What the right side of a crack edge sees is what its left side sees plus a jump. Base unknowns: per_edge per mesh
-/// edge (per Gauss point in the edge's direction the two components of `frame`). Jump unknowns: the same count per
-/// crack edge, numbered behind all base unknowns. Frames of crack edges are (normal, tangent), so that a jump's first
-/// component is the opening [u].n >= 0 whatever the direction of the edge.
+/// edge (per Gauss point in the edge's direction the two components of `frame`), then per_vertex per corner. Jump
+/// unknowns: per_edge per crack edge, numbered behind all base unknowns. Frames of crack edges are (normal, tangent),
+/// so that a jump's first component is the opening [u].n >= 0 whatever the direction of the edge. A vertex has one
+/// corner for each fan of triangles between cracks that are not bonded.
 struct Skeleton {
-  int per_edge = 0;
-  Index base = 0;                  // base unknowns
-  Index total = 0;                 // base and jump unknowns
-  std::vector<Mat2> frame;         // per edge, columns are directions
-  std::vector<Index> jump;         // per edge its first jump unknown, or none
-  std::vector<double> prescribed;  // per unknown its value where fixed, 0 elsewhere
-  std::vector<bool> fixed;         // per unknown: by a support, or the jump of a bonded crack
-  std::vector<bool> bounded;       // per unknown: a normal jump that must not be negative
+  int per_edge = 0, per_vertex = 0;
+  Index base = 0;                             // base unknowns
+  Index total = 0;                            // base and jump unknowns
+  std::vector<Mat2> frame;                    // per edge, columns are directions
+  std::vector<Index> jump;                    // per edge its first jump unknown, or none
+  Corners corners;                            // empty without unknowns at vertices
+  std::vector<Eigen::Matrix3d> corner_frame;  // per corner: see Triangle::corner
+  std::vector<double> prescribed;             // per unknown its value where fixed, 0 elsewhere
+  std::vector<bool> fixed;                    // per unknown: by a support, or the jump of a bonded crack
+  std::vector<bool> bounded;                  // per unknown: a normal jump that must not be negative
+  std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
 };
 
-/// Supports are projected onto the edge spaces in L2 (8 Gauss points per edge).
+Index edge_unknown(const Skeleton& s, Index edge);
+Index corner_unknown(const Skeleton& s, Index corner);
+
+/// Supports are projected onto the edge spaces in L2 (8 Gauss points per edge), interpolated in displacement elements.
+/// Throws Error(Numerics) for a scene that the element cannot do.
 Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene);
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t);
 
-/// Unknowns seen by triangle t: 3 per_edge base unknowns and, where it lies on the right of a crack edge, the jump that
-/// it sees on top of the base unknown (none elsewhere).
+/// Unknowns seen by triangle t: base unknowns of its edges, then of its corners; and, where it lies on the right of a
+/// crack edge, the jump that it sees on top of the base unknown (none elsewhere).
 struct Seen {
   std::array<Index, max_skeleton> base, jump;
   int count = 0;
 };
 Seen seen(const Mesh& mesh, const Skeleton& s, Index t);
 
-/// Loads of the tractions: their moments against the Gauss-point basis of each labelled edge, per unknown.
+/// Loads of the tractions: their moments against the basis of each labelled edge, per unknown.
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene);
 
 /// Values at s in [0, 1] of the polynomials that are 1 at one Gauss point of the edge and 0 at the others.
