@@ -1,6 +1,7 @@
 #include "cases/case.hpp"
 
 #include "cases/sections.hpp"
+#include "solver/element.hpp"
 
 #include <fmt/format.h>
 
@@ -17,12 +18,7 @@ void read_material(const Field& document, Case& c) {
   const auto state = find(material, "state");
   c.plane_strain = !state || choice(*state, {"plane strain", "plane stress"}) == "plane strain";
   c.young = positive(need(material, "young"));
-  const Field poisson = need(material, "poisson");
-  c.poisson = between(poisson, 0, 0.5);
-  constexpr double largest = 0.499999;  // beyond it the elimination in a triangle loses its digits
-  if (c.plane_strain && c.poisson > largest)
-    fail(poisson.node->position,
-         fmt::format("{} = {} in plane strain is not supported yet; use at most {}", poisson.name, c.poisson, largest));
+  c.poisson = between(need(material, "poisson"), 0, 0.5);
   c.scene.material = c.plane_strain ? plane_strain(c.young, c.poisson) : plane_stress(c.young, c.poisson);
   const Material& m = c.scene.material;
   if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
@@ -33,24 +29,36 @@ void read_material(const Field& document, Case& c) {
 void read_mesh(const Field& document, Case& c) {
   const auto mesh = find_table(document, "mesh");
   if (!mesh) return;
-  allow_only(*mesh, {"size", "crack_tip_size", "min_angle"},
-             {{"adapt", "choose size and crack_tip_size, which grade the mesh towards the tips"}});
+  allow_only(*mesh, {"size", "crack_tip_size", "min_angle", "adapt"});
   if (const auto size = find(*mesh, "size")) c.sizing.size = positive(*size);
   if (const auto size = find(*mesh, "crack_tip_size")) c.sizing.crack_tip_size = positive(*size);
   if (const auto angle = find(*mesh, "min_angle")) c.sizing.min_angle_deg = between(*angle, 0, 30);
+  if (const auto adapt = find_table(*mesh, "adapt")) {
+    allow_only(*adapt, {"error", "max_triangles"});
+    c.adapt.emplace();
+    c.adapt->error = positive(need(*adapt, "error"));
+    if (const auto most = find(*adapt, "max_triangles")) c.adapt->max_triangles = whole_number(*most, 1, 20000000);
+  }
 }
 
 void read_solver(const Field& document, Case& c) {
   const auto solver = find_table(document, "solver");
   if (!solver) return;
   allow_only(*solver, {"element", "degree", "contact", "backend"});
-  if (const auto element = find(*solver, "element"))
-    c.element =
-        choice(*element, {"bdms"},
-               {"peers", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"});
-  if (const auto degree = find(*solver, "degree")) c.degree = whole_number(*degree, 1, 3);
-  if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp"}, {"active-set", "uzawa"});
-  if (const auto backend = find(*solver, "backend")) choice(*backend, {"cholmod"}, {"umfpack", "petsc"});
+  const auto name = find(*solver, "element"), degree = find(*solver, "degree");
+  if (name)
+    c.element = choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
+                               "arnold-winther-nc", "p1", "p2"});
+  if (degree) c.degree = whole_number(*degree, 1, 9);
+  if (name || degree) {
+    try {
+      element(c.element, c.degree);
+    } catch (const Error& e) {
+      fail((degree ? degree : name)->node->position, e.what());
+    }
+  }
+  if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp", "active-set", "uzawa"});
+  if (const auto backend = find(*solver, "backend")) c.backend = choice(*backend, {"cholmod", "umfpack"}, {"petsc"});
 }
 
 void read_functional(const Field& document, Case& c) {

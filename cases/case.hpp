@@ -17,6 +17,11 @@ struct Probe {
   std::vector<Vec2> points;
 };
 
+struct AdaptRequest {
+  double error = 1e-2;  // wanted, relative L2 stress error as estimated
+  Index max_triangles = 200000;
+};
+
 struct MapRequest {
   std::vector<Vec2> points;  // empty: everywhere in the body
 };
@@ -34,8 +39,10 @@ struct Case {
   double young = 1, poisson = 0.3;
   bool plane_strain = true;
   std::string element = "bdms";
-  int degree = 1;  // 1 to 3
-  std::string contact = "dual-qp";
+  int degree = 1;
+  std::string contact = "dual-qp";  // | "active-set" | "uzawa"
+  std::string backend = "cholmod";  // | "umfpack"
+  std::optional<AdaptRequest> adapt;
   std::string functional = "energy";
   std::optional<MapRequest> map;
   std::vector<Probe> probes;

@@ -162,6 +162,30 @@ constexpr bool needs_penalty(const Element& e) {
   return e.at_vertices == AtVertices::Nothing || e.at_vertices == AtVertices::Rotation;
 }
 
+// See ForceMoments.
+Eigen::Matrix<double, edge_data, 1> edge_data_of(const Mesh& mesh, const Scene& scene, Index t) {
+  static const EdgeRule rule = gauss(8);
+  Eigen::Matrix<double, edge_data, 1> coefficients = Eigen::Matrix<double, edge_data, 1>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const Index e = mesh.edges_of[t][i];
+    for (const Support& support : scene.supports) {
+      if (mesh.label[e] != support.label) continue;
+      const Vec2& a = mesh.points[mesh.edges[e][0]];
+      const Vec2 side = mesh.points[mesh.edges[e][1]] - a;
+      const Vec2 n = mesh.sides[e][1] == none ? normal(mesh, e) : Vec2(-normal(mesh, e));
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        Vec2 value = support.value(a + rule.s[q] * side, n);
+        if (!support.first) value[0] = 0;
+        if (!support.second) value[1] = 0;
+        if (support.normal_frame) value = value[0] * n + value[1] * Vec2(-n.y(), n.x());
+        for (int k = 2; k < 4; ++k)
+          coefficients.segment<2>(4 * i + 2 * (k - 2)) += rule.w[q] * legendre(k, rule.s[q]) * value;
+      }
+    }
+  }
+  return coefficients;
+}
+
 ForceMoments force_of(const System& a, Index t) {
   return a.force.cols() == 0 ? ForceMoments() : ForceMoments(a.force.col(t));
 }
@@ -223,11 +247,15 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
     std::atomic_ref<double>(target).fetch_add(value, std::memory_order_relaxed);
   };
 
-  if (scene.body) a.force.resize(displacement_count(k.element), static_cast<Eigen::Index>(mesh.triangles.size()));
+  const bool with_edges = k.element.at_vertices == AtVertices::Stress;
+  const int moments = displacement_count(k.element);
+  if (scene.body || with_edges)
+    a.force.setZero(moments + (with_edges ? edge_data : 0), static_cast<Eigen::Index>(mesh.triangles.size()));
   Eigen::VectorXd triangles = Eigen::VectorXd::Zero(o.size);
   const auto condense_triangle = [&](Index t) {
     const Triangle shape = triangle(mesh, s, t);
-    if (scene.body) a.force.col(t) = force_moments(k, shape, scene.body);
+    if (scene.body) a.force.col(t).head(moments) = force_moments(k, shape, scene.body);
+    if (with_edges) a.force.col(t).tail<edge_data>() = edge_data_of(mesh, scene, t);
     Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
     if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
     return c;

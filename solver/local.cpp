@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <Eigen/QR>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -90,12 +91,17 @@ Vec2 centroid(const Triangle& t) {
 
 Kernel kernel(const Element& e) {
   const int points = points_per_edge(e);
-  return {e,
-          operations(e),
-          constant_cut(e),
-          triangle_rule(2 * stress_degree(e)),
-          triangle_rule(8 + e.displacement),
-          points > 0 ? gauss(points) : EdgeRule{}};
+  Kernel k{e,
+           operations(e),
+           constant_cut(e),
+           triangle_rule(2 * stress_degree(e)),
+           triangle_rule(8 + e.displacement),
+           points > 0 ? gauss(points) : EdgeRule{},
+           gauss(std::max({1, e.stress, points})),
+           {}};
+  k.trace_at_edge.resize(points, k.edge.s.size());
+  for (Eigen::Index q = 0; q < k.edge.s.size(); ++q) k.trace_at_edge.col(q) = trace_basis(k.trace, k.edge.s[q]);
+  return k;
 }
 
 Points rule_points(const TriangleRule& rule, const Triangle& t) {
@@ -116,6 +122,17 @@ ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField
     for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += k.load.w[q] * v(b, q) * value;
   }
   return moments;
+}
+
+double legendre(int k, double s) {
+  const double x = 2 * s - 1;
+  double before = 0, value = 1;
+  for (int n = 0; n < k; ++n) {
+    const double next = ((2 * n + 1) * x * value - n * before) / (n + 1);
+    before = value;
+    value = next;
+  }
+  return std::sqrt(2.0 * k + 1) * value;
 }
 
 Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {

@@ -32,16 +32,25 @@ struct Operations;  // of one element on one triangle
 struct Kernel {
   Element element;
   const Operations* run;
-  Eigen::MatrixXd cut;  // per stress function its coefficients in the full tensors, where the cut is constant
-  TriangleRule rule;    // exact for products of two stresses
-  TriangleRule load;    // for data: exact to degree 8
-  EdgeRule trace;       // the Gauss points that carry the multipliers; the middle in p2
+  Eigen::MatrixXd cut;            // per stress function its coefficients in the full tensors, where the cut is constant
+  TriangleRule rule;              // exact for products of two stresses
+  TriangleRule load;              // for data: exact to degree 8
+  EdgeRule trace;                 // the Gauss points that carry the multipliers; the middle in p2
+  EdgeRule edge;                  // exact for the moments of a normal stress of higher degree than the trace
+  Eigen::MatrixXd trace_at_edge;  // the trace functions at its points
 };
 Kernel kernel(const Element& e);
 
 /// Means over T of f v for v in P_displacement(T)^2 (monomials scaled to the triangle): all that the element sees of f.
-using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 12, 1>;
+/// With stresses at vertices the data of supported edges follow, whose normal stress is cubic but whose trace is
+/// linear: per edge the x, y components of the Legendre coefficients 2 and 3 of the prescribed displacement, along the
+/// edge.
+using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
+inline constexpr int edge_data = 12;
+/// The means alone.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
+/// Orthonormal Legendre polynomial of degree k on [0, 1].
+double legendre(int k, double s);
 
 /// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| /
 /// 2, t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found

@@ -15,11 +15,31 @@ using Base = MixedTriangle<E>;
 struct Split {
   Base::System<Base::S> system;
   Eigen::MatrixXd span;          // F x S
+  Eigen::VectorXd edge;          // S: int (u_D - its linear part) . s n, in xi
   Eigen::MatrixXd inner, outer;  // S x (S - 9) and S x 9: no values at the vertices; unit values in the vertex frames
 };
 
+Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matrix<double, edge_data, 1>& data) {
+  static const EdgeRule rule = gauss(4);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(Base::F);
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 side = s.x[(e + 2) % 3] - s.x[(e + 1) % 3], n(side.y(), -side.x());
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const Vec2 u =
+          legendre(2, rule.s[q]) * data.segment<2>(4 * e) + legendre(3, rule.s[q]) * data.segment<2>(4 * e + 2);
+      const double along = t.forward[e] ? rule.s[q] : 1 - rule.s[q];
+      const auto v = Base::monomials_at(s.x[(e + 1) % 3] + along * side);
+      for (int m = 0; m < Base::P; ++m)
+        for (int c = 0; c < 4; ++c) load[4 * m + c] += rule.w[q] / s.h * v[m] * u[c / 2] * n[c % 2];
+    }
+  }
+  return load;
+}
+
 Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
-  Split r{Base::assemble(k, t, s, material, force), Base::span_of(k, s), {}, {}};
+  const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
+  Split r{Base::assemble(k, t, s, material, body), Base::span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
+  if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<edge_data>());
   // Values at the vertices as (s11, s22, sqrt(2) s12) in the vertex's frame.
   Eigen::MatrixXd values(9, Base::F);
   for (int v = 0; v < 3; ++v) {
@@ -39,17 +59,17 @@ Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material&
   return r;
 }
 
-// L(y, x) = 1/2 y'Y y + y'C x + 1/2 x'D x - y'g with y = (z, u) and x = (m, v) in xi: stationary in y.
+// L(y, x) = 1/2 y'Y y + y'C x + 1/2 x'D x - y'g - x'f with y = (z, u) and x = (m, v) in xi: stationary in y.
 struct Blocks {
   Eigen::MatrixXd Y, C, D;
-  Eigen::VectorXd g;
+  Eigen::VectorXd g, f;
 };
 
 Blocks blocks(const Split& p) {
   constexpr int Z = Base::S - 9, U = Base::U, M = Base::X, V = 9;
   const auto& a = p.system;
   Blocks b{Eigen::MatrixXd::Zero(Z + U, Z + U), Eigen::MatrixXd::Zero(Z + U, M + V),
-           Eigen::MatrixXd::Zero(M + V, M + V), Eigen::VectorXd::Zero(Z + U)};
+           Eigen::MatrixXd::Zero(M + V, M + V), Eigen::VectorXd::Zero(Z + U), Eigen::VectorXd::Zero(M + V)};
   b.Y.topLeftCorner(Z, Z) = p.inner.transpose() * a.M * p.inner;
   b.Y.topRightCorner(Z, U) = p.inner.transpose() * a.Bt;
   b.Y.bottomLeftCorner(U, Z) = b.Y.topRightCorner(Z, U).transpose();
@@ -59,7 +79,9 @@ Blocks blocks(const Split& p) {
   b.D.topRightCorner(M, V) = -a.Ct.transpose() * p.outer;
   b.D.bottomLeftCorner(V, M) = b.D.topRightCorner(M, V).transpose();
   b.D.bottomRightCorner(V, V) = p.outer.transpose() * a.M * p.outer;
+  b.g.head(Z) = p.inner.transpose() * p.edge;
   b.g.tail(U) = a.given;
+  b.f.tail(V) = p.outer.transpose() * p.edge;
   return b;
 }
 
@@ -84,8 +106,8 @@ struct VertexStressTriangle {
                      {},
                      0,
                      0};
-    // y = Y^-1 (g - C x): minus the gradient is schur x - C'Y^-1 g.
-    if (force.size() > 0) result.F = s.h * w.cwiseProduct(half.transpose() * b.g);
+    // y = Y^-1 (g - C x): minus the gradient is schur x - C'Y^-1 g + f.
+    if (force.size() > 0) result.F = s.h * w.cwiseProduct(half.transpose() * b.g - b.f);
     return result;
   }
 

@@ -65,6 +65,7 @@ struct MixedTriangle {
   static constexpr int V = E.at_vertices == AtVertices::Rotation ? 3 : 0;
   static constexpr int X = 6 * G + V;
   static constexpr bool IsCut = E.cut != Cut::None;
+  static constexpr bool FineEdges = E.at_vertices == AtVertices::Stress;
   static constexpr int Degree = std::max({StressDegree, BubbleDegree, E.displacement, E.rotation});
   static constexpr int Monomials = dim(Degree);
 
@@ -115,6 +116,7 @@ struct MixedTriangle {
     System<F> a;
     a.M.setZero();
     a.Bt.setZero();
+    a.Ct.setZero();  // the bubbles have no normal trace
     a.trace.setZero();
     a.given.setZero();
     if (force.size() > 0) a.given.template head<U>() = -0.5 * s.h * force;  // the triangle's area in xi is 1/2
@@ -184,18 +186,24 @@ struct MixedTriangle {
       const int from = (e + 1) % 3, to = (e + 2) % 3;
       const Vec2 side = s.x[to] - s.x[from];
       const Vec2 n(side.y(), -side.x());  // outward, times the length
-      for (int g = 0; g < G; ++g) {
-        const double along = t.forward[e] ? k.trace.s[g] : 1 - k.trace.s[g];
-        const auto v = monomials_at(s.x[from] + along * side);
+      const auto add = [&](int g, double share, const Eigen::Matrix<double, Monomials, 1>& v) {
         for (int d = 0; d < 2; ++d) {
           const int column = 2 * (G * e + g) + d;
-          const Vec2 f = k.trace.w[g] * t.frame[e].col(d);
+          const Vec2 f = share * t.frame[e].col(d);
           const double weight[4] = {f.x() * n.x(), f.x() * n.y(), f.y() * n.x(), f.y() * n.y()};
           for (int m = 0; m < P; ++m)
-            for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) = v[m] * weight[c];
-          // The bubbles have no normal trace.
-          for (int b = 4 * P; b < F; ++b) a.Ct(b, column) = 0;
+            for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) += v[m] * weight[c];
         }
+      };
+      // With the normal stress in P_trace the Gauss points of the trace integrate its moments.
+      const EdgeRule& rule = FineEdges ? k.edge : k.trace;
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const double along = t.forward[e] ? rule.s[q] : 1 - rule.s[q];
+        const auto v = monomials_at(s.x[from] + along * side);
+        if constexpr (FineEdges)
+          for (int g = 0; g < G; ++g) add(g, rule.w[q] * k.trace_at_edge(g, q), v);
+        else
+          add(static_cast<int>(q), rule.w[q], v);
       }
     }
     if constexpr (V > 0)
@@ -418,8 +426,32 @@ struct MixedTriangle {
     Eigen::VectorXd r(N);
     r.tail(N - 1) =
         Eigen::LLT<Eigen::MatrixXd>(stiffness.bottomRightCorner(N - 1, N - 1)).solve(Eigen::VectorXd(load.tail(N - 1)));
-    const double mean = 0.5 * (all[F + 4] - all[F + 3]) / s.h;  // u is linear, its coefficients belong to xi
-    r[0] = mean - moment.row(0).tail(N - 1).dot(r.tail(N - 1));
+    r[0] = 0;
+    // The constant from the moment of u, which u_h has more exactly than its gradient: u* with this rotation, then the
+    // rest of its moment int xi^perp . (u_h - u*) as a rigid rotation.
+    constexpr int D = E.rotation + 1;
+    const Eigen::MatrixXd e1 = derivative(D, 0), e2 = derivative(D, 1);
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(dim(D), dim(D));
+    for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
+      const Points xi = point(s, k.rule.x(0, q), k.rule.x(1, q));
+      const Eigen::VectorXd v = monomials(D, xi);
+      product += k.rule.w[q] * v * v.transpose();
+    }
+    Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(dim(D), 4);  // d1 u1, d2 u1, d1 u2, d2 u2
+    gradient.topRows(N) << strain.col(0), strain.col(1) + r, strain.col(1) - r, strain.col(2);
+    const int n = dim(D) - 1;
+    const Eigen::MatrixXd laplace = (e1.transpose() * product * e1 + e2.transpose() * product * e2);
+    const Eigen::LLT<Eigen::MatrixXd> llt(laplace.bottomRightCorner(n, n));
+    double moment_left = 0;
+    for (int row = 0; row < 2; ++row) {
+      const Eigen::VectorXd right =
+          e1.transpose() * (product * gradient.col(2 * row)) + e2.transpose() * (product * gradient.col(2 * row + 1));
+      const Eigen::VectorXd u = llt.solve(Eigen::VectorXd(right.tail(n)));
+      Eigen::VectorXd rest = -u;
+      for (int b = 1; b < U / 2; ++b) rest[b - 1] += all[F + 2 * b + row] / s.h;
+      moment_left += row == 0 ? -product.row(2).tail(n).dot(rest) : product.row(1).tail(n).dot(rest);
+    }
+    r[0] = -moment_left / (product(1, 1) + product(2, 2));
     return r;
   }
 

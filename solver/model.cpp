@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace kerf {
 
@@ -202,9 +203,24 @@ struct Condensation {
   }
 };
 
+// theta is a volume strain: what the prescribed displacements ask for beyond rounding and quadrature cannot be had.
+void check_volume(const Model& m, double change, double whole) {
+  const double displacement = std::transform_reduce(
+      m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
+      [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
+  constexpr double rounding = 1e-7;
+  if (std::abs(change) > rounding * displacement * std::sqrt(whole))
+    throw Error(Fault::Numerics,
+                fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "
+                            "prescribed displacements change its area by {:.3g}; free a part of the boundary, or "
+                            "prescribe displacements that keep the area",
+                            2 * change));
+}
+
 // The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
 // falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
-// delta such that the mean over the body of theta - a mean(tr s) vanishes.
+// delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
+// pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
 struct UniformPressure {
   std::vector<bool> closed;  // contacts that the response was computed with
   Eigen::VectorXd response;  // of x to theta = 1
@@ -228,11 +244,19 @@ struct UniformPressure {
             area(m.mesh, t) * (1 - a * column[count + 1]) - a * column.head(count).dot(trace_seen(m, skeleton, t));
       }
     }
-    if (!(stiffness > 0)) return;
     const Eigen::VectorXd before = s.theta;
     update_theta(m, s);
-    double rest = 0;
-    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) rest += area(m.mesh, t) * (s.theta[t] - before[t]);
+    double rest = 0, whole = 0;
+    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+      rest += area(m.mesh, t) * (s.theta[t] - before[t]);
+      whole += area(m.mesh, t);
+    }
+    constexpr double none_left = 1e-11;
+    if (!(stiffness > none_left * whole)) {
+      check_volume(m, rest, whole);
+      s.theta = before.array() - rest / whole;
+      return;
+    }
     const double delta = rest / stiffness;
     s.x += delta * response;
     s.theta = before.array() + delta;
@@ -429,7 +453,7 @@ double work_of_loads(const Model& m, const State& s) {
   double work = traction_loads(m.mesh, m.kernel, m.skeleton, m.scene).dot(s.skeleton);
   const int first = stress_count(m.kernel.element), count = displacement_count(m.kernel.element);
   for (Index t = 0; t < static_cast<Index>(m.system.force.cols()); ++t)
-    work += area(m.mesh, t) * m.system.force.col(t).dot(s.interior.col(t).segment(first, count));
+    work += area(m.mesh, t) * m.system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
   return work;
 }
 

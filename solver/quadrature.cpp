@@ -29,6 +29,15 @@ EdgeRule gauss(int points) {
   return rule;
 }
 
+Eigen::VectorXd trace_basis(const EdgeRule& trace, double s) {
+  const Eigen::Index n = trace.s.size();
+  Eigen::VectorXd value = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      if (j != i) value[i] *= (s - trace.s[j]) / (trace.s[i] - trace.s[j]);
+  return value;
+}
+
 namespace {
 
 struct Orbit {  // points (a, b, c) and permutations: 1, 3 (two equal) of them

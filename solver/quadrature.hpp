@@ -18,5 +18,7 @@ struct EdgeRule {
 TriangleRule triangle_rule(int degree);
 /// Gauss-Legendre, exact to degree 2 points - 1.
 EdgeRule gauss(int points);
+/// Values at s in [0, 1] of the polynomials that are 1 at one Gauss point of the edge and 0 at the others.
+Eigen::VectorXd trace_basis(const EdgeRule& trace, double s);
 
 }  // namespace kerf

@@ -171,15 +171,6 @@ void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
 
 }  // namespace
 
-Eigen::VectorXd trace_basis(const EdgeRule& trace, double s) {
-  const Eigen::Index n = trace.s.size();
-  Eigen::VectorXd value = Eigen::VectorXd::Ones(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (j != i) value[i] *= (s - trace.s[j]) / (trace.s[i] - trace.s[j]);
-  return value;
-}
-
 Index edge_unknown(const Skeleton& s, Index edge) {
   return edge * s.per_edge;
 }

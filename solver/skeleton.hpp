@@ -45,7 +45,4 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t);
 /// Loads of the tractions: their moments against the basis of each labelled edge, per unknown.
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene);
 
-/// Values at s in [0, 1] of the polynomials that are 1 at one Gauss point of the edge and 0 at the others.
-Eigen::VectorXd trace_basis(const EdgeRule& trace, double s);
-
 }  // namespace kerf

@@ -297,6 +297,7 @@ TEST(ExactField, WaveObeysTheEquations) {
 /// digits; u_h is close to P0 u, so |u|^2 = |u_h|^2 + |u - u_h|^2 up to a product of small terms.
 TEST(ExactField, WaveIsTheSmoothSolutionOfTheElementTable) {
   for (const ElementRow& row : read_elements(data / "elements.json", "smooth")) {
+    if (row.element != "BDMSd") continue;
     const ExactField field = wave_field(row.poisson);
     const Mesh mesh = unit_square_mesh(row.n);
     std::vector<Vec2> mean(mesh.triangles.size());
@@ -320,7 +321,7 @@ TEST(ExactField, WaveIsTheSmoothSolutionOfTheElementTable) {
 
 TEST(ExactField, CrackCasesAreThoseOfTheElementTable) {
   for (const ElementRow& row : read_elements(data / "elements.json", "crack")) {
-    if (row.n != 32) continue;
+    if (row.n != 32 || row.element != "BDMSd") continue;
     SCOPED_TRACE(row.crack_case);
     const ExactField field = crack_case(row.crack_case);
     const Mesh mesh = crack_mesh(row.n);
