@@ -12,6 +12,9 @@ namespace kerf {
 
 namespace {
 
+// Accuracy of Coulomb's limits relative to the load, while sets still change and in the end.
+constexpr double rough = 1e-4, exact = 1e-15;
+
 struct Search {
   const Eliminated& system;
   double load = 0;  // max|r|
@@ -175,7 +178,6 @@ bool spent(const Search& s) {
 
 bool exchange(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   constexpr int trust = 10;  // exchanges in a row that need not help
-  constexpr double rough = 1e-4, exact = 1e-15;
   std::size_t fewest = t.motion.size() + 1;
   for (int patience = trust; patience > 0 && !spent(s);) {
     respond(s, points, t, rough);
@@ -283,6 +285,7 @@ Contact active_set(const Eliminated& system, const std::vector<ContactPoint>& po
   t.pressure = pressures(points, t.response.force).cwiseMax(0);
   Contact c;
   c.converged = settle(s, points, t);
+  if (!c.converged) respond(s, points, t, exact);  // so that motions, jumps and forces belong together
   c.kkt = optimality(points, t.response.jump, t.response.force, s.load);
   c.converged = c.converged && std::isfinite(c.kkt);
   c.iterations = s.iterations;

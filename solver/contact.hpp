@@ -33,8 +33,8 @@ struct Contact {
 
 enum class ContactMethod { DualQp, ActiveSet, Uzawa };
 
-/// S symmetric positive definite and small: `active_set` on it, with the Cholesky factor of the moving rows kept and
-/// extended between the sets [Belhachmi 2008, the modified algorithm].
+/// S symmetric positive definite (`converged` is false when it is not) and small: `active_set` on it, with the Cholesky
+/// factor of the moving rows kept and extended between the sets [Belhachmi 2008, the modified algorithm].
 Contact dual_qp(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points,
                 const std::vector<Motion>& guess = {});
 
@@ -54,14 +54,16 @@ struct Eliminated {
 /// on the pressures of the slipping points), a semismooth Newton method. When ten exchanges in a row do not lower the
 /// number of wrong rows: without friction, steps to the first row that turns back [Lawson, Hanson 1974], each of which
 /// lowers the energy, so that no set comes twice; with friction, a damped fixed point of such problems with given
-/// limits, from which the exchanges start again. `converged` is false when most_iterations end it.
+/// limits, from which the exchanges start again. `converged` is false when most_iterations end it, or rounding does.
 Contact active_set(const Eliminated& system, const std::vector<ContactPoint>& points,
                    const std::vector<Motion>& guess = {});
 
-/// Uzawa's projected iteration, j <- prox(j - rho D^-1 (S j - r)) with D = diag(S) (prox: projection of normal jumps,
-/// shrinkage of tangential ones by the limit at the present pressure), with momentum that the spectrum of D^-1 S
-/// prescribes [Nesterov 2004, (2.2.11)] and that restarts when it points uphill [O'Donoghue, Candes 2015]. Stops at
-/// kkt = 1e-12, or what rounding leaves of it, or after 1e11 flops.
+/// Uzawa's projected iteration j <- prox(j - rho (S j - r)): prox projects normal jumps onto j >= 0 and shrinks
+/// tangential ones by rho times the limit at the present pressure. rho = 1/(largest eigenvalue) with the momentum that
+/// the condition of S prescribes [Nesterov 2004, (2.2.11)], dropped in steps where it points uphill [O'Donoghue, Candes
+/// 2015]: a fifth to a tenth of the steps of rho = 2/(sum of both ends of the spectrum) without it. Scaling by the
+/// diagonal gains nothing on cracks. Stops at kkt = 1e-12, or what rounding leaves of it; `converged` is false after
+/// 1e11 flops.
 Contact uzawa(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points);
 
 /// Every row a normal one: `dual_qp` from the solution with `closed` held shut.

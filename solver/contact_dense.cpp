@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
@@ -52,6 +53,7 @@ class MovingBlock {
     }
     Eigen::Ref<Eigen::MatrixXd> block = corner;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(block);
+    if (in_place.info() != Eigen::Success) block.setConstant(std::numeric_limits<double>::quiet_NaN());
     rows_.insert(rows_.end(), next.begin(), next.end());
   }
 

@@ -14,17 +14,17 @@ struct Spectrum {
   double lowest = 0, highest = 0;
 };
 
-// Ends of the spectrum of D^-1/2 S D^-1/2 by Lanczos, reorthogonalised, from a start without symmetry: highest from
+// Ends of the spectrum of S by Lanczos, reorthogonalised, from a start without symmetry: highest from
 // below and lowest from above, until both stand to 1e-3.
-Spectrum spectrum(const Eigen::MatrixXd& S, const Eigen::VectorXd& scale, int& products) {
-  const Eigen::Index n = scale.size(), most = std::min<Eigen::Index>(n, 200);
+Spectrum spectrum(const Eigen::MatrixXd& S, int& products) {
+  const Eigen::Index n = S.rows(), most = std::min<Eigen::Index>(n, 200);
   Eigen::MatrixXd basis(n, most);
   Eigen::VectorXd diagonal(most), beside(most);
   basis.col(0) = Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return 1 + std::sin(1.0 + 7.0 * double(i)); });
   basis.col(0).normalize();
   Spectrum ends;
   for (Eigen::Index k = 0; k < most; ++k) {
-    Eigen::VectorXd w = scale.cwiseProduct(S * scale.cwiseProduct(basis.col(k)));
+    Eigen::VectorXd w = S * basis.col(k);
     ++products;
     diagonal[k] = basis.col(k).dot(w);
     for (int pass = 0; pass < 2; ++pass) w -= basis.leftCols(k + 1) * (basis.leftCols(k + 1).transpose() * w);
@@ -53,34 +53,29 @@ Contact uzawa(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vec
   c.motion.assign(n, Motion::Held);
   const double load = n > 0 ? r.cwiseAbs().maxCoeff() : 0;
   if (load == 0) return c;
-  const Eigen::VectorXd scale = S.diagonal().cwiseSqrt().cwiseInverse();
-  const Spectrum ends = spectrum(S, scale, c.solves);
-  const double ratio = std::sqrt(std::max(ends.lowest / ends.highest, 0.0));
-  const char* mode = std::getenv("UZAWA");
-  const bool plain = mode && mode[0] == 'p';
-  const double rho = plain ? 2 / (ends.lowest + ends.highest) : 0.99 / ends.highest;
-  const double momentum = plain ? 0 : (1 - ratio) / (1 + ratio);
-  const Eigen::VectorXd step = rho * scale.cwiseAbs2();
+  const Spectrum ends = spectrum(S, c.solves);
+  const double ratio = std::sqrt(std::max(ends.lowest / ends.highest, 0.0)), momentum = (1 - ratio) / (1 + ratio);
+  const double step = 0.99 / ends.highest;
 
   constexpr double most_work = 1e11, target = 1e-12;
   const int most = static_cast<int>(std::clamp(most_work / (2.0 * double(n) * double(n)), 1e3, 1e5));
   Eigen::VectorXd x = c.jump, product = Eigen::VectorXd::Zero(n), y = x, product_y = product;
   double floor = 0;  // of kkt, by the rounding of S x
   c.converged = false;
-  while (!c.converged && c.iterations < most) {
+  while (!c.converged && std::isfinite(c.kkt) && c.iterations < most) {
     ++c.iterations;
-    const Eigen::VectorXd raw = y - step.cwiseProduct(product_y - r);
+    const Eigen::VectorXd raw = y - step * (product_y - r);
     Eigen::VectorXd next = raw;
     for (const ContactPoint& p : points) {
       next[p.normal] = std::max(raw[p.normal], 0.0);
       if (p.tangential == none) continue;
-      const double pressure = (next[p.normal] - raw[p.normal]) / step[p.normal];
-      const double give = step[p.tangential] * (p.slip_bound + p.friction * pressure);
+      const double pressure = (next[p.normal] - raw[p.normal]) / step;
+      const double give = step * (p.slip_bound + p.friction * pressure);
       next[p.tangential] = raw[p.tangential] - std::clamp(raw[p.tangential], -give, give);
     }
     const Eigen::VectorXd next_product = S * next, move = next - x;
     ++c.solves;
-    const bool uphill = (y - next).cwiseQuotient(step).dot(move) > 0;
+    const bool uphill = (y - next).dot(move) > 0;
     const double beta = uphill ? 0 : momentum;
     y = next + beta * move;
     product_y = next_product + beta * (next_product - product);
