@@ -304,7 +304,7 @@ void solve_contact(const Condensation& condensed, const Eigen::VectorXd& F, Solv
   state.seconds.solve += watch.lap();
   Eigen::VectorXd correction;
   if (trailing > 0) {
-    const Contact contact = solve_unilateral(condensed.S, condensed.load(y), s.closed);
+    const Unilateral contact = solve_unilateral(condensed.S, condensed.load(y), s.closed);
     s.closed = contact.closed;
     state.contact_iterations += contact.iterations;
     state.converged = contact.converged;
