@@ -252,9 +252,15 @@ std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
 /// int q (s n) . [u'_,1] for K_I, K_II and T; for J the same with the slip of the body alone, as a sum over the points
 /// of the profile: exact for a uniform friction.
 Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<const Face> faces) {
+  using Row = Eigen::Matrix<double, 1, rings>;
+  const auto friction = [&](const CrackPoint& p) {
+    Row shear;
+    for (int k = 0; k < rings; ++k) shear[k] = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * p.sigma_t;
+    return shear;
+  };
   Integrals sum = Integrals::Zero();
   double slip = 0;
-  Eigen::Matrix<double, 1, rings> before = Eigen::Matrix<double, 1, rings>::Zero();
+  Row before = friction(faces[0].points[0]);
   for (const Face& face : faces) {
     if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
     for (const Spot& p : spots(disc.tip, face.edge)) {
@@ -268,9 +274,7 @@ Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<cons
                        traction.dot(upper[i].gradient.col(0) - lower[i].gradient.col(0));
     }
     for (const CrackPoint& p : face.points) {
-      Eigen::Matrix<double, 1, rings> here;
-      for (int k = 0; k < rings; ++k) here[k] = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * p.sigma_t;
-      if (slip == 0) before = here;
+      const Row here = friction(p);
       sum.row(auxiliary) -= 0.5 * (before + here) * (p.jump_t - slip);
       slip = p.jump_t;
       before = here;
@@ -279,11 +283,14 @@ Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<cons
   return sum;
 }
 
-/// What P . n leaves on curved faces besides the work of the tractions.
+/// What P . n leaves on curved faces besides the work of the tractions. It tends to a constant towards the tip, that of
+/// T grows like r^-1/2. On the edges next to the tip, where the discrete fields are poor, it is continued like that
+/// from the next edge.
 Integrals over_curved_faces(const Model& model, const State& state, const Disc& disc) {
   const CrackTip& tip = disc.tip;
+  const std::size_t poor = std::min<std::size_t>(2, tip.edges.size() - 1);
   Integrals sum = Integrals::Zero();
-  for (std::size_t edge = 0; edge < tip.edges.size(); ++edge) {
+  for (std::size_t edge = poor; edge < tip.edges.size(); ++edge) {
     if (tip.vertices[edge].norm() >= disc.ring.front().outer) break;
     const std::vector<Spot> all = spots(tip, edge);
     const Vec2 chord = tip.vertices[edge + 1] - tip.vertices[edge];
@@ -316,6 +323,10 @@ Integrals over_curved_faces(const Model& model, const State& state, const Disc& 
         for (int k = 0; k < rings; ++k) sum.col(k) += p.weight * cut_off(disc.ring[k], p.at.norm()) * flux;
       }
     }
+    if (edge > poor) continue;
+    const double near = tip.vertices[edge].norm(), far = tip.vertices[edge + 1].norm();
+    const double constant = far / (far - near), root = std::sqrt(far) / (std::sqrt(far) - std::sqrt(near));
+    sum.array().colwise() *= Eigen::Array4d(constant, constant, root, constant);
   }
   return sum;
 }

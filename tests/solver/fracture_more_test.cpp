@@ -155,10 +155,31 @@ TEST(TipsOnMeshes, TheCurveOfAnArcBelongsToTheIntegral) {
         EXPECT_NEAR(t.J, t.G, 4e-4 * t.G);
         EXPECT_LT(t.spread, 2e-4);
         const Vec2 ahead = (i == 0 ? 1 : -1) * Vec2(-t.at.y(), t.at.x());
-        EXPECT_NEAR(t.T, t_stress(f, t.at, ahead), 2e-3);
+        EXPECT_NEAR(t.T, t_stress(f, t.at, ahead), size < 0.1 ? 6e-4 : 2e-3);
       }
     }
   }
+}
+
+/// A bonded crack carries a uniform stress as if it were not there: the ring and all terms on the faces cancel, up to
+/// what lies between the edges and the curve.
+TEST(TipsOnMeshes, TermsOnCurvedFacesBalanceAUniformStress) {
+  const Mat2 stress = (Mat2() << 0.3, 0.4, 0.4, -0.7).finished(), gradient = strain(steel, stress);
+  for (const double bend : {0.0, 1.0})
+    for (const double size : {0.1, 0.05}) {
+      Mesh mesh = arc_mesh(0.7, size);
+      for (Vec2& x : mesh.points) x.y() += bend * (0.3 * x.x() * x.x() + 0.2 * std::pow(x.x(), 3));
+      const Solved s = solve_with(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }, {Law::Bonded});
+      const double allowed = size < 0.1 ? 3e-4 : 7e-4;
+      for (const TipIntensity& t : crack_tips(s.model, s.state)) {
+        const CrackEdge& end = t.at_start ? mesh.cracks[0].front() : mesh.cracks[0].back();
+        const Vec2 ahead = tangent(mesh, end.edge), up(-ahead.y(), ahead.x());  // of the chord
+        EXPECT_NEAR(t.K_I, 0, allowed);
+        EXPECT_NEAR(t.K_II, 0, allowed);
+        EXPECT_NEAR(t.J, 0, 1e-7);
+        EXPECT_NEAR(t.T, ahead.dot(stress * ahead) - up.dot(stress * up), 0.01);
+      }
+    }
 }
 
 /// Faces that slide under a uniform stress: the sum of a body without a crack and one whose crack slides freely, both
