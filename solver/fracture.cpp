@@ -376,8 +376,13 @@ TipIntensity intensity(const Model& model, const State& state, const CrackTip& t
 std::vector<TipIntensity> crack_tips(const Model& model, const State& state) {
   std::vector<TipIntensity> tips;
   const double stress = mean_stress(model, state);
-  for (const CrackTip& tip : find_tips(model.mesh))
-    tips.push_back(intensity(model, state, tip, crack_profile(model, state, tip.crack), stress));
+  std::vector<CrackPoint> profile;
+  Index crack = none;
+  for (const CrackTip& tip : find_tips(model.mesh)) {
+    if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
+    crack = tip.crack;
+    tips.push_back(intensity(model, state, tip, profile, stress));
+  }
   return tips;
 }
 

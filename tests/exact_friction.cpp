@@ -36,21 +36,4 @@ FrictionField friction_table(const std::string& id) {
   throw std::invalid_argument("no friction table " + id);
 }
 
-ExactField more_table_field(const std::string& id) {
-  const Material m = plane_strain(1000, 0.3);
-  const double degree = std::numbers::pi / 180;
-  if (id.starts_with("c07")) return friction_table(id).field;
-  if (id == "c06_two_cracks") return two_cracks(id, m, {});
-  if (id == "c11_arc")
-    return arc_crack(id, m, {.far_stress = Mat2::Identity(), .half_angle = 45 * degree, .middle = 90 * degree});
-  if (id == "c11b_arc_shear")
-    return arc_crack(
-        id, m,
-        {.far_stress = (Mat2() << 0.5, 0.1, 0.1, 1).finished(), .half_angle = 30 * degree, .middle = 90 * degree});
-  if (id == "c13_L_modeI") return corner(id, m, {.opening = 270 * degree, .bisector = 45 * degree, .k1 = 1});
-  if (id == "c13_L_modeII") return corner(id, m, {.opening = 270 * degree, .bisector = 45 * degree, .k2 = 1});
-  if (id == "c13_slit") return corner(id, m, {.opening = 2 * std::numbers::pi, .k1 = 1, .k2 = 0.5, .t_stress = 0.3});
-  throw std::invalid_argument("no exact field for table " + id);
-}
-
 }  // namespace kerf::exact

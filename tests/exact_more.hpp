@@ -1,5 +1,6 @@
 #pragma once
-// More exact fields: collinear cracks, friction, a crack along an arc, corners. Each sets `ExactField::side`.
+// More exact fields: collinear cracks, friction, a crack along an arc, corners, holes, an inclusion. Each sets
+// `ExactField::side`.
 
 #include "tests/exact_field.hpp"
 
@@ -55,7 +56,27 @@ ExactField corner(std::string name, const Material& material, const Corner& corn
 /// The exponent l of r^l in (1/2, 1): mode 1 (symmetric) or 2. Throws std::invalid_argument where there is none.
 double corner_exponent(double opening, int mode);
 
-/// The field of a table of data/exact by the name of its file, E = 1000, nu = 0.3: c06, c07, c11, c13.
+/// Free elliptic hole at the origin, the first semi-axis turned by `angle` and not the shorter one.
+struct EllipticHole {
+  Mat2 far_stress;
+  Vec2 semi_axes;
+  double angle = 0;
+};
+ExactField inglis(std::string name, const Material& material, const EllipticHole& hole);
+
+/// Disc |x| < outer under the traction `stress` n on its rim, no rotation, with a hole |x| < inner under a pressure or
+/// a bonded inclusion there.
+struct Annulus {
+  Mat2 stress;
+  double inner, outer, pressure = 0;
+};
+ExactField annulus(std::string name, const Material& material, const Annulus& ring);
+struct TwoPhases {
+  ExactField outside, inside;
+};
+TwoPhases inclusion(std::string name, const Material& matrix, const Material& inside, const Annulus& ring);
+
+/// The field of a table of data/exact by the name of its file, E = 1000, nu = 0.3: c06, c07, c08b, c09, c11, c13.
 FrictionField friction_table(const std::string& id);
 ExactField more_table_field(const std::string& id);
 

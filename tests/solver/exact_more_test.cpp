@@ -54,11 +54,17 @@ std::vector<double> work_on(const ExactField& field, const std::vector<Vec2>& co
   return work;
 }
 
-struct MoreTables : testing::TestWithParam<const char*> {};
+struct MoreTables : testing::TestWithParam<const char*> {
+  /// The interface has rows for both sides.
+  static bool in_inclusion(const Row& row) {
+    const double r = row.x.norm(), a = 0.5;
+    return GetParam() == std::string("c09c_inclusion") && (r < a - 1e-12 || (r < a + 1e-12 && row.side < 0));
+  }
+};
 
 TEST_P(MoreTables, EveryRowIsReproduced) {
   const Table table = read_table(data / "exact", GetParam());
-  const ExactField field = more_table_field(GetParam());
+  const ExactField outside = more_table_field(GetParam());
   ASSERT_GE(table.rows.size(), 24u);
   double u_max = 0, s_max = 0, rot_max = 0, hole_max = 0;
   for (const Row& row : table.rows) {
@@ -69,6 +75,7 @@ TEST_P(MoreTables, EveryRowIsReproduced) {
   }
   for (const Row& row : table.rows) {
     SCOPED_TRACE(row.kind + " " + std::to_string(row.x.x()) + " " + std::to_string(row.x.y()));
+    const ExactField field = in_inclusion(row) ? more_table_field("c09c_inclusion, inside") : outside;
     const Mat2 stress = field.stress(row.x, row.side);
     EXPECT_LT((field.displacement(row.x, row.side) - row.u).norm(), 1e-12 * u_max);
     EXPECT_LT((stress - row.stress).norm(), 1e-12 * s_max);
@@ -80,7 +87,7 @@ TEST_P(MoreTables, EveryRowIsReproduced) {
 TEST_P(MoreTables, EquationsHoldByDifferences) {
   const ExactField field = more_table_field(GetParam());
   for (const Row& row : read_table(data / "exact", GetParam()).rows)
-    if (row.kind == "bulk") {
+    if (row.kind == "bulk" && !in_inclusion(row)) {
       SCOPED_TRACE(std::to_string(row.x.x()) + " " + std::to_string(row.x.y()));
       expect_equations(field, row.x, 5e-4);
     }
@@ -89,7 +96,7 @@ TEST_P(MoreTables, EquationsHoldByDifferences) {
 TEST_P(MoreTables, WorkOnTheBoundaryIsTheTabulatedEnergy) {
   const std::string id = GetParam();
   const Table table = read_table(data / "exact", id);
-  if (table.energy == 0) return;  // the slit has none
+  if (table.energy == 0) return;  // not tabulated by sides
   const std::vector<Vec2> box = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}, {-2, -2}};
   const std::vector<Vec2> corner = {{0, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, 0}};
   const std::vector<double> work = work_on(more_table_field(id), id.starts_with("c13") ? corner : box);
@@ -97,9 +104,29 @@ TEST_P(MoreTables, WorkOnTheBoundaryIsTheTabulatedEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MoreTables,
-                         testing::Values("c06_two_cracks", "c07_coulomb", "c07_tresca", "c07_stick", "c11_arc",
+                         testing::Values("c06_two_cracks", "c07_coulomb", "c07_tresca", "c07_stick", "c08b_inglis",
+                                         "c09_lame", "c09b_annulus_deviator", "c09c_inclusion", "c11_arc",
                                          "c11b_arc_shear", "c13_L_modeI", "c13_L_modeII", "c13_slit"),
                          [](const auto& info) { return std::string(info.param); });
+
+/// Half the work of the tractions on the rim of the disc; the rule is exact for trigonometric polynomials.
+TEST(MoreFields, WorkOnTheRimIsTheTabulatedEnergy) {
+  constexpr int points = 32;
+  const auto work = [](const ExactField& field, double radius) {
+    double sum = 0;
+    for (int i = 0; i < points; ++i) {
+      const Vec2 n(std::cos(2 * pi * i / points), std::sin(2 * pi * i / points));
+      sum += (field.stress(radius * n, 0) * n).dot(field.displacement(radius * n, 0));
+    }
+    return sum * 2 * pi * radius / points;
+  };
+  for (const char* id : {"c09_lame", "c09b_annulus_deviator", "c09c_inclusion"}) {
+    const ExactField field = more_table_field(id);
+    const double inner = id == std::string("c09_lame") ? work(field, 0.5) : 0;
+    const double energy = read_table(data / "exact", id).scalars.at("energy");
+    EXPECT_NEAR((work(field, 1.5) - inner) / 2, energy, 1e-13 * energy) << id;
+  }
+}
 
 TEST(MoreFields, IntensitiesAreThoseOfTheTables) {
   const auto expect = [](const char* id, std::size_t tip, const std::string& end) {

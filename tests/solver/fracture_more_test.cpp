@@ -219,6 +219,27 @@ TEST(TipsOnMeshes, FrictionWorksOnTheAuxiliarySlip) {
   }
 }
 
+/// For the state solver with friction: the same numbers without a superposition.
+TEST(TipsOnMeshes, DISABLED_FrictionOfTheStateSolver) {
+  struct Case {
+    const char* id;
+    CrackLaw law;
+  };
+  for (const auto& [id, law] : {Case{"c07_coulomb", {.friction = 0.3}}, Case{"c07_tresca", {.slip_bound = 0.2}},
+                                Case{"c07_stick", {.friction = 0.4}}}) {
+    SCOPED_TRACE(id);
+    const exact::ExactField f = exact::friction_table(id).field;
+    const exact::Table table = exact::read_table(data / "exact", id);
+    const Solved s = solve_with(mesh_for(f), displacement_of(f), law);
+    for (const TipIntensity& tip : crack_tips(s.model, s.state)) {
+      EXPECT_NEAR(tip.K_I, 0, 1e-3);
+      EXPECT_NEAR(tip.K_II, f.tips[0].k2, 1e-3);
+      EXPECT_NEAR(tip.T, table.scalars.at("T_left"), 1e-3);
+      EXPECT_NEAR(tip.J, tip.G, 1e-3 * pi / plane_modulus(steel));
+    }
+  }
+}
+
 struct Plate {
   bool edge;
   double a, W, H, K, T;
@@ -271,6 +292,28 @@ TEST(TipsOnMeshes, CentralCracksOfAllLengths) {
     for (const TipIntensity& t : pulled({.edge = false, .a = a, .W = 1, .H = 3, .K = k, .T = 0}))
       EXPECT_NEAR(t.K_I, k, 1.5e-3 * k) << a;
   }
+}
+
+/// A short kink in the field of a long crack [Amestoy, Leblond 1992]: K_I F11(angle), K_I F21(angle), up to the order
+/// of its length as the long crack has no T-stress.
+TEST(TipsOnMeshes, AShortKinkHasTheIntensitiesOfTheExpansion) {
+  const double m = 1.0 / 6, angle = m * pi, length = 0.05;
+  const double F11 = 1 - 3 * pi * pi / 8 * m * m + (pi * pi - 5 * std::pow(pi, 4) / 128) * std::pow(m, 4),
+               F21 = pi / 2 * m - (4 * pi / 3 + std::pow(pi, 3) / 48) * std::pow(m, 3);
+  const Vec2 end(1 + length * std::cos(angle), length * std::sin(angle));
+  Scene scene{.material = steel, .body = {}, .supports = {}, .tractions = {}, .laws = {{}}};
+  for (Index label = 0; label < 4; ++label)
+    scene.tractions.push_back({label, [](const Vec2&, const Vec2& n) { return n; }});
+  const Mesh mesh = triangulate(box({-8, -8}, {8, 8}, {{"crack", {{-1, 0}, {1, 0}, end}}}), {});
+  const Solved s = solve_scene(mesh, std::move(scene));
+  const auto tips = crack_tips(s.model, s.state);
+  ASSERT_EQ(tips.size(), 2u);
+  EXPECT_NEAR(tips[1].radius, 0.8 * 0.9 * length, 1e-12);
+  EXPECT_NEAR(tips[1].K_I, F11 * tips[0].K_I, 5e-3 * tips[0].K_I);
+  EXPECT_NEAR(tips[1].K_II, F21 * tips[0].K_I, 5e-3 * tips[0].K_I);
+  EXPECT_NEAR(tips[1].J, tips[1].G, 1e-3 * tips[1].G);
+  EXPECT_LT(tips[1].spread, 1e-3);
+  EXPECT_LT(tips[1].spread_T, 0.01);
 }
 
 /// A crack that ends on another one has no tip there, wherever along the other one.
