@@ -249,89 +249,124 @@ std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
   return spots;
 }
 
-/// int q (s n) . [u'_,1] for K_I, K_II and T; for J the same with the slip of the body alone, as a sum over the points
-/// of the profile: exact for a uniform friction.
+using Row = Eigen::Matrix<double, 1, rings>;
+
+Vec2 traction(const Face& face, const Spot& p) {
+  return along_face(face, p.place, &CrackPoint::sigma_n) * p.n + along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
+}
+
+/// int q (s n) . [u'_,1]: the auxiliary fields only.
 Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<const Face> faces) {
-  using Row = Eigen::Matrix<double, 1, rings>;
-  const auto friction = [&](const CrackPoint& p) {
+  Integrals sum = Integrals::Zero();
+  for (const Face& face : faces) {
+    if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
+    for (const Spot& p : spots(disc.tip, face.edge)) {
+      const auto upper = auxiliary_fields(model.scene.material, p.at, p.upper),
+                 lower = auxiliary_fields(model.scene.material, p.at, p.upper - 2 * std::numbers::pi);
+      const Vec2 through = traction(face, p);
+      for (int k = 0; k < rings; ++k)
+        for (int i = 0; i < auxiliary; ++i)
+          sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) *
+                       through.dot(upper[i].gradient.col(0) - lower[i].gradient.col(0));
+    }
+  }
+  return sum;
+}
+
+/// The same for J on straight faces, int q s_12 d[u_1], as a sum over the points of the profile: exact for a uniform
+/// friction.
+Row work_of_friction(const Disc& disc, std::span<const Face> faces) {
+  const auto friction = [&](const CrackPoint& p) -> Row {
     Row shear;
     for (int k = 0; k < rings; ++k) shear[k] = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * p.sigma_t;
     return shear;
   };
-  Integrals sum = Integrals::Zero();
+  Row sum = Row::Zero(), before = friction(faces[0].points[0]);
   double slip = 0;
-  Row before = friction(faces[0].points[0]);
-  for (const Face& face : faces) {
-    if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
-    for (const Spot& p : spots(disc.tip, face.edge)) {
-      const Vec2 traction =
-          along_face(face, p.place, &CrackPoint::sigma_n) * p.n + along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
-      const auto upper = auxiliary_fields(model.scene.material, p.at, p.upper),
-                 lower = auxiliary_fields(model.scene.material, p.at, p.upper - 2 * std::numbers::pi);
-      for (int k = 0; k < rings; ++k)
-        for (int i = 0; i < auxiliary; ++i)
-          sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) *
-                       traction.dot(upper[i].gradient.col(0) - lower[i].gradient.col(0));
-    }
+  for (const Face& face : faces)
     for (const CrackPoint& p : face.points) {
       const Row here = friction(p);
-      sum.row(auxiliary) -= 0.5 * (before + here) * (p.jump_t - slip);
+      sum -= 0.5 * (before + here) * (p.jump_t - slip);
       slip = p.jump_t;
       before = here;
     }
-  }
   return sum;
 }
 
-/// What P . n leaves on curved faces besides the work of the tractions. It tends to a constant towards the tip, that of
-/// T grows like r^-1/2. On the edges next to the tip, where the discrete fields are poor, it is continued like that
-/// from the next edge.
-Integrals over_curved_faces(const Model& model, const State& state, const Disc& disc) {
+/// The fields beside a chord, turned into the direction of the curve.
+Field along_curve(const Field& f, const Vec2& chord, const Spot& p) {
+  const Vec2 along = -chord.normalized();
+  const double c = along.dot(p.t), s = cross(along, p.t);
+  const Mat2 turn = (Mat2() << c, -s, s, c).finished();
+  return {turn * f.stress * turn.transpose(), turn * f.gradient * turn.transpose()};
+}
+
+/// P . n less the part of the traction s n on the auxiliary fields, and less all of it in J.
+Eigen::Vector4d flux(const Material& m, const Spot& p, const Field& f, bool upper) {
+  const Vec2 out = upper ? Vec2(-p.n) : p.n;
+  const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * std::numbers::pi);
+  Eigen::Vector4d sum;
+  for (int k = 0; k < auxiliary; ++k)
+    sum[k] = f.stress.cwiseProduct(unit[k].gradient).sum() * out.x() - (unit[k].stress * out).dot(f.gradient.col(0));
+  sum[auxiliary] = 0.5 * f.stress.cwiseProduct(f.gradient).sum() * out.x();
+  return sum;
+}
+
+/// What that leaves out in J, (s n) . [u_,1], one face's share. Faces in contact stay so as they slide: n . [u_,t] is
+/// the slip times the curvature, much smoother than the gradients beside the chords.
+double work_of_sliding(const Face& face, const Spot& p, const Field& f, bool upper, double curvature) {
+  const double normal = along_face(face, p.place, &CrackPoint::sigma_n),
+               shear = along_face(face, p.place, &CrackPoint::sigma_t),
+               slip = along_face(face, p.place, &CrackPoint::jump_t);
+  const double beside = shear * p.t.dot(f.gradient.col(0)) + normal * p.n.x() * p.n.dot(f.gradient * p.n);
+  return (upper ? beside : -beside) + 0.5 * normal * p.t.x() * curvature * slip;
+}
+
+/// What P . n leaves on curved faces besides the work of the tractions on the auxiliary fields. It tends to a constant
+/// towards the tip, that of T grows like r^-1/2, as does the work of friction in J. On the edges next to the tip, where
+/// the discrete fields are poor, it is continued like that from the next edge.
+Integrals over_curved_faces(const Model& model, const State& state, const Disc& disc, std::span<const Face> faces) {
   const CrackTip& tip = disc.tip;
   const std::size_t poor = std::min<std::size_t>(2, tip.edges.size() - 1);
   Integrals sum = Integrals::Zero();
+  Row work = Row::Zero();
   for (std::size_t edge = poor; edge < tip.edges.size(); ++edge) {
-    if (tip.vertices[edge].norm() >= disc.ring.front().outer) break;
+    const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
+    if (a.norm() >= disc.ring.front().outer) break;
     const std::vector<Spot> all = spots(tip, edge);
-    const Vec2 chord = tip.vertices[edge + 1] - tip.vertices[edge];
-    const Index e = tip.edges[edge];
     Points x(2, static_cast<Eigen::Index>(all.size()));
     for (std::size_t i = 0; i < all.size(); ++i)
-      x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (tip.vertices[edge] + all[i].place * chord);
-    const bool away = (tip.frame * chord).dot(tangent(model.mesh, e)) > 0;
+      x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (a + all[i].place * (b - a));
+    const double curvature = cross(tip.slopes[edge + 1], tip.slopes[edge]) / (b - a).norm();
+    const bool away = (tip.frame * (b - a)).dot(tangent(model.mesh, tip.edges[edge])) > 0;
     for (const bool upper : {true, false}) {
       // To the left of a walk away from the tip lies the lower face.
-      const Index t = model.mesh.sides[e][upper == away ? 1 : 0];
+      const Index t = model.mesh.sides[tip.edges[edge]][upper == away ? 1 : 0];
       const Fields f = evaluate(model.kernel, triangle(model, t), state.interior.col(t), x);
       for (std::size_t i = 0; i < all.size(); ++i) {
-        const Spot& p = all[i];
         const Eigen::Index column = static_cast<Eigen::Index>(i);
-        auto [s, d] = in_frame(model, disc, f.stress.col(column), f.rotation[column]);
-        // From the direction of the chord to that of the curve.
-        const Vec2 along = -chord.normalized();
-        const double c = along.dot(p.t), sine = cross(along, p.t);
-        const Mat2 turn = (Mat2() << c, -sine, sine, c).finished();
-        s = Mat2(turn * s * turn.transpose());
-        d = Mat2(turn * d * turn.transpose());
-        const Vec2 out = upper ? Vec2(-p.n) : p.n;
-        const auto unit =
-            auxiliary_fields(model.scene.material, p.at, upper ? p.upper : p.upper - 2 * std::numbers::pi);
-        Eigen::Matrix<double, auxiliary + 1, 1> flux;
-        for (int k = 0; k < auxiliary; ++k)
-          flux[k] = s.cwiseProduct(unit[k].gradient).sum() * out.x() - (unit[k].stress * out).dot(d.col(0));
-        flux[auxiliary] = 0.5 * s.cwiseProduct(d).sum() * out.x();
-        for (int k = 0; k < rings; ++k) sum.col(k) += p.weight * cut_off(disc.ring[k], p.at.norm()) * flux;
+        const Spot& p = all[i];
+        const Field here = along_curve(in_frame(model, disc, f.stress.col(column), f.rotation[column]), b - a, p);
+        const Eigen::Vector4d through = flux(model.scene.material, p, here, upper);
+        const double sliding = work_of_sliding(faces[edge], p, here, upper, curvature);
+        for (int k = 0; k < rings; ++k) {
+          const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
+          sum.col(k) += weight * through;
+          work[k] += weight * sliding;
+        }
       }
     }
     if (edge > poor) continue;
-    const double near = tip.vertices[edge].norm(), far = tip.vertices[edge + 1].norm();
+    const double near = a.norm(), far = b.norm();
     const double constant = far / (far - near), root = std::sqrt(far) / (std::sqrt(far) - std::sqrt(near));
     sum.array().colwise() *= Eigen::Array4d(constant, constant, root, constant);
+    work *= root;
   }
+  sum.row(auxiliary) += work;
   return sum;
 }
 
-double largest_difference(const Eigen::Matrix<double, 1, rings>& values) {
+double largest_difference(const Row& values) {
   return values.maxCoeff() - values.minCoeff();
 }
 
@@ -350,12 +385,16 @@ TipIntensity intensity(const Model& model, const State& state, const CrackTip& t
     return result;
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);
-  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(model, disc, faces(model, tip, profile));
-  if (tip.curved) I += over_curved_faces(model, state, disc);
+  const std::vector<Face> behind = faces(model, tip, profile);
+  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(model, disc, behind);
+  if (tip.curved)
+    I += over_curved_faces(model, state, disc, behind);
+  else
+    I.row(auxiliary) += work_of_friction(disc, behind);
   const double modulus = plane_modulus(model.scene.material);
   Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
   if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);
-  const Eigen::Matrix<double, 1, rings> T = modulus * I.row(2);
+  const Row T = modulus * I.row(2);
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
   result.T = T[middle];

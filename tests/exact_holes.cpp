@@ -13,11 +13,6 @@ Complex deviator(const Mat2& s) {
   return {(s(1, 1) - s(0, 0)) / 2, s(0, 1)};
 }
 
-/// kappa of Kolosov
-double kolosov(const Material& m) {
-  return 1 + 8 * m.mu * m.c;
-}
-
 struct Ellipse {
   double R, m, G;  // z = R (zeta + m/zeta)
   Complex A;       // phi = R (G zeta - A/zeta)

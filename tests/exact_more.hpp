@@ -10,6 +10,9 @@ namespace kerf::exact {
 
 using Complex = std::complex<double>;
 
+/// kappa: plane strain 3 - 4 nu, plane stress (3 - nu)/(1 + nu).
+double kolosov(const Material& material);
+
 /// Goursat's functions and their derivatives: sxx + syy = 4 Re dphi, syy - sxx + 2i sxy = 2 (conj(z) ddphi + dpsi),
 /// 2 mu u = kappa phi - z conj(dphi) - conj(psi).
 struct Potentials {

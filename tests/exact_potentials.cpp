@@ -19,12 +19,11 @@ Complex local(const Frame& f, const Vec2& x) {
   return Complex(d.x(), d.y()) * std::polar(1.0, -f.angle);
 }
 
-/// kappa of Kolosov: plane strain 3 - 4 nu, plane stress (3 - nu)/(1 + nu).
+}  // namespace
+
 double kolosov(const Material& m) {
   return 1 + 8 * m.mu * m.c;
 }
-
-}  // namespace
 
 ExactField from_potentials(std::string name, const Material& material, const Vec2& center, double angle,
                            const std::function<Potentials(const Complex& z, int side)>& potentials) {
