@@ -145,8 +145,9 @@ std::string crack_section(const CrackResult& crack) {
   for (const auto& t : crack.transitions) rows.push_back({at(t.at), escape_html(t.from), escape_html(t.to)});
   if (!rows.empty()) out += table({"transition at", "from", "to"}, rows);
   rows.clear();
-  for (const TipResult& tip : crack.tips) rows.push_back({at(tip.at), value(tip.K_I), value(tip.K_II), value(tip.G)});
-  if (!rows.empty()) out += table({"tip", "K<sub>I</sub>", "K<sub>II</sub>", "G"}, rows);
+  for (const TipResult& tip : crack.tips)
+    rows.push_back({at(tip.at), value(tip.K_I), value(tip.K_II), value(tip.G), value(tip.T)});
+  if (!rows.empty()) out += table({"tip", "K<sub>I</sub>", "K<sub>II</sub>", "G", "T"}, rows);
   const std::string opening =
       crack_curve(crack, {"opening", "#b3261e", [](const CrackRow& row) { return row.jump_n; }});
   const std::string pressure =

@@ -71,7 +71,14 @@ Json crack_section(const CrackResult& crack) {
     transitions.push_back({{"at", place(t.at)}, {"from", t.from}, {"to", t.to}});
   }
   for (const TipResult& tip : crack.tips) {
-    tips.push_back({{"at", place(tip.at)}, {"K_I", number(tip.K_I)}, {"K_II", number(tip.K_II)}, {"G", number(tip.G)}});
+    Json spread = nullptr;
+    if (const auto& s = tip.spread) spread = {{"K_I", number(s->K_I)}, {"K_II", number(s->K_II)}, {"T", number(s->T)}};
+    tips.push_back({{"at", place(tip.at)},
+                    {"K_I", number(tip.K_I)},
+                    {"K_II", number(tip.K_II)},
+                    {"G", number(tip.G)},
+                    {"T", number(tip.T)},
+                    {"spread", std::move(spread)}});
   }
   return {{"name", crack.name},
           {"length", number(crack.length)},

@@ -30,7 +30,11 @@ struct CrackRow {
 
 struct TipResult {
   Vec2 at = Vec2::Zero();
-  std::optional<double> K_I, K_II, G;  // absent: not computed; written as null
+  std::optional<double> K_I, K_II, G, T;  // absent: not computed; written as null
+  struct Spread {                         // relative, between domains of different size; beyond 0.01: do not trust
+    double K_I, K_II, T;
+  };
+  std::optional<Spread> spread = {};
 };
 
 struct CrackResult {

@@ -93,6 +93,7 @@ void add_crack(std::string& out, const CrackResult& crack) {
     if (tip.K_I) items.push_back(item("K_I", *tip.K_I));
     if (tip.K_II) items.push_back(item("K_II", *tip.K_II));
     if (tip.G) items.push_back(item("G", *tip.G));
+    if (tip.T) items.push_back(item("T", *tip.T));
     add(out, "", items);
   }
 }

@@ -1,11 +1,15 @@
 // Interaction integral [Yau, Wang, Corten 1980] as a domain integral. In the frame of the tip, with the fields (s, u)
-// of the body, (s', u') of a tip under unit K, f the body force and q = 1 near the tip, 0 beyond the ring:
+// of the body, the auxiliary fields (s', u') of a tip, f the body force and q = 1 near the tip, 0 beyond the ring:
 //   P_j = s : grad u' delta_1j - s_ij u'_i,1 - s'_ij u_i,1,    div P = f . u'_,1,
-//   K = E'/2 I,    I = - int (P . grad q + q f . u'_,1) + int_crack q (s e_2) . [u'_,1].
-// grad q lives on a ring, so that the fields next to the tip, where they are poor, do not enter. J: the same with
-// P_j = 1/2 s : grad u delta_1j - s_ij u_i,1 and no crack term, as nothing slides against friction.
+//   I = - int (P . grad q + q f . u'_,1) + int_faces q P . n,    n out of the body,
+//   K = E'/2 I with the fields of unit K, T = E' I with those of a unit force along x at the tip [Cardew et al. 1985].
+// grad q lives on a ring, so that the fields next to the tip, where they are poor, do not enter. On straight faces P .
+// n leaves the work of the tractions on [u'_,1]. On curved ones the auxiliary fields are continued across the straight
+// line behind the tip up to the crack, and all of P enters. J: the same with P_j = 1/2 s : grad u delta_1j - s_ij
+// u_i,1.
 #include "solver/fracture.hpp"
 
+#include "solver/crack_tip.hpp"
 #include "solver/parallel.hpp"
 #include "solver/recover.hpp"
 
@@ -21,6 +25,7 @@ namespace {
 
 constexpr int rings = 3;
 constexpr int middle = 1;
+constexpr int auxiliary = 3;  // unit K_I, unit K_II, unit force
 
 /// q falls from 1 to 0 between the radii, twice continuously differentiable.
 struct Ring {
@@ -46,89 +51,50 @@ std::array<Ring, rings> place_rings(double radius) {
   return ring;
 }
 
-struct Tip {
-  Vec2 at;
-  Mat2 frame;              // columns: the direction that extends the crack, and that turned by +90 degrees
-  std::vector<Index> run;  // edges of the straight part of the crack, from the tip
-  double straight;         // length of that part
-};
-
-/// The crack's edges from one of its ends.
-struct Step {
-  Index edge, from, to;
-};
-std::vector<Step> steps_from(const Mesh& mesh, Index crack, bool start) {
-  std::vector<Step> steps;
-  for (const CrackEdge& c : mesh.cracks[crack]) {
-    const auto& [a, b] = mesh.edges[c.edge];
-    steps.push_back(c.forward == start ? Step{c.edge, a, b} : Step{c.edge, b, a});
-  }
-  if (!start) std::reverse(steps.begin(), steps.end());
-  return steps;
-}
-
-Tip find_tip(const Mesh& mesh, std::span<const Step> steps) {
-  // A turn this small moves K by the same part of itself; coordinates have rounding errors.
-  constexpr double kink = 1e-4;
-  Tip tip{mesh.points[steps.front().from], Mat2::Identity(), {}, 0};
-  Vec2 back = Vec2::Zero();
-  for (const Step& s : steps) {
-    const Vec2 along = mesh.points[s.to] - mesh.points[s.from];
-    if (!tip.run.empty() && std::abs(cross(back, along)) > kink * back.dot(along)) break;
-    tip.run.push_back(s.edge);
-    back = mesh.points[s.to] - tip.at;
-  }
-  tip.straight = back.norm();
-  back /= tip.straight;
-  tip.frame << -back.x(), back.y(), -back.y(), -back.x();
-  return tip;
-}
-
-double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const double along = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  return (x - a - along * (b - a)).norm();
-}
-
-/// Distance to the nearest end of the material other than the straight faces that meet in the tip. `ends`: the edges of
-/// the boundary and of all cracks.
-double clearance(const Mesh& mesh, std::span<const Index> ends, const Tip& tip) {
-  std::vector<Index> own = tip.run;
-  std::sort(own.begin(), own.end());
-  double least = tip.straight;
-  for (const Index e : ends)
-    if (!std::binary_search(own.begin(), own.end(), e))
-      least = std::min(least, distance(tip.at, mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]]));
-  return least;
-}
-
 struct Field {
   Mat2 stress, gradient;  // gradient: d_j u_i
 };
 
-/// A tip under unit K_I and under unit K_II, at x in its frame: Z = 1/sqrt(2 pi z) [Westergaard 1939].
-std::array<Field, 2> unit_fields(const Material& m, const Vec2& x) {
-  const std::complex<double> z(x.x(), x.y()), Z = 1.0 / std::sqrt(2 * std::numbers::pi * z), slope = -0.5 * Z / z;
-  const double kappa_plus_1 = 2 + 8 * m.mu * m.c, turn = kappa_plus_1 / (4 * m.mu);
+/// A tip under unit K_I, under unit K_II, under a unit force along x, at x in its frame and at that angle:
+/// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
+std::array<Field, auxiliary> auxiliary_fields(const Material& m, const Vec2& x, double angle) {
+  const double r = x.norm(), turn = (2 + 8 * m.mu * m.c) / (4 * m.mu);
+  const std::complex<double> Z = std::polar(1 / std::sqrt(2 * std::numbers::pi * r), -angle / 2),
+                             slope = -0.5 * Z / std::complex(x.x(), x.y());
   const double shear_I = -x.y() * slope.real(), shear_II = Z.real() - x.y() * slope.imag();
   const Eigen::Vector4d s_I(Z.real() - x.y() * slope.imag(), shear_I, shear_I, Z.real() + x.y() * slope.imag());
   const Eigen::Vector4d s_II(2 * Z.imag() + x.y() * slope.real(), shear_II, shear_II, -x.y() * slope.real());
-  return {Field{tensor(s_I), tensor(displacement_gradient(m, s_I, -turn * Z.imag()))},
-          Field{tensor(s_II), tensor(displacement_gradient(m, s_II, turn * Z.real()))}};
+  const Vec2 e = x / r;
+  const Eigen::Vector4d s_force =
+      -e.x() / (std::numbers::pi * r) * Eigen::Vector4d(e.x() * e.x(), e.x() * e.y(), e.x() * e.y(), e.y() * e.y());
+  const auto field = [&](const Eigen::Vector4d& s, double rotation) {
+    return Field{tensor(s), tensor(displacement_gradient(m, s, rotation))};
+  };
+  return {field(s_I, -turn * Z.imag()), field(s_II, turn * Z.real()),
+          field(s_force, -turn * e.y() / (2 * std::numbers::pi * r))};
 }
 
-/// Rows: integrals for K_I, for K_II, J. One column per ring.
-using Integrals = Eigen::Matrix<double, 3, rings>;
+/// Rows: integrals for K_I, K_II, T, J. One column per ring.
+using Integrals = Eigen::Matrix<double, auxiliary + 1, rings>;
+using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in the columns
 
 struct Disc {
-  Tip tip;
+  CrackTip tip;
   std::array<Ring, rings> ring;
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
 };
 
+Field in_frame(const Model& model, const Disc& disc, Eigen::Vector4d stress, double rotation) {
+  // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
+  stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
+  const Mat2& frame = disc.tip.frame;
+  const Eigen::Vector4d gradient = displacement_gradient(model.scene.material, stress, rotation - disc.rotation);
+  return {frame.transpose() * tensor(stress) * frame, frame.transpose() * tensor(gradient) * frame};
+}
+
 Integrals over_triangle(const Model& model, const State& state, const Disc& disc, Index t) {
   const Triangle shape = triangle(model, t);
-  const Mat2& frame = disc.tip.frame;
   // q bends within a ring: small triangles see a parabola of it.
   constexpr double small = 0.2;
   const double size = std::sqrt(2 * area(shape));
@@ -138,25 +104,20 @@ Integrals over_triangle(const Model& model, const State& state, const Disc& disc
   const Fields f = evaluate(model.kernel, shape, state.interior.col(t), x);
   Integrals sum = Integrals::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const Vec2 at = frame.transpose() * (x.col(i) - disc.tip.at);
+    const Vec2 at = disc.tip.frame.transpose() * (x.col(i) - disc.tip.at);
     const double r = at.norm(), w = area(shape) * rule.w[i];
-    // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
-    Eigen::Vector4d stress = f.stress.col(i);
-    stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
-    const Mat2 s = frame.transpose() * tensor(stress) * frame;
-    const Mat2 d = frame.transpose() *
-                   tensor(displacement_gradient(model.scene.material, stress, f.rotation[i] - disc.rotation)) * frame;
-    const std::array<Field, 2> unit = unit_fields(model.scene.material, at);
-    // P in the columns, then the factor of q.
-    Eigen::Matrix<double, 2, 3> P;
-    Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 2; ++k)
+    const auto [s, d] = in_frame(model, disc, f.stress.col(i), f.rotation[i]);
+    const auto unit = auxiliary_fields(model.scene.material, at, angle_about(disc.tip, at));
+    Vectors P;
+    Eigen::Vector4d rest = Eigen::Vector4d::Zero();  // the factor of q
+    for (int k = 0; k < auxiliary; ++k)
       P.col(k) = s.cwiseProduct(unit[k].gradient).sum() * Vec2::UnitX() - s * unit[k].gradient.col(0) -
                  unit[k].stress * d.col(0);
-    P.col(2) = 0.5 * s.cwiseProduct(d).sum() * Vec2::UnitX() - s * d.col(0);
+    P.col(auxiliary) = 0.5 * s.cwiseProduct(d).sum() * Vec2::UnitX() - s * d.col(0);
     if (model.scene.body) {
-      const Vec2 force = frame.transpose() * model.scene.body(x.col(i));
-      rest << force.dot(unit[0].gradient.col(0)), force.dot(unit[1].gradient.col(0)), force.dot(d.col(0));
+      const Vec2 force = disc.tip.frame.transpose() * model.scene.body(x.col(i));
+      for (int k = 0; k < auxiliary; ++k) rest[k] = force.dot(unit[k].gradient.col(0));
+      rest[auxiliary] = force.dot(d.col(0));
     }
     for (int k = 0; k < rings; ++k)
       sum.col(k) -= w * (cut_off_slope(disc.ring[k], r) / r * P.transpose() * at + cut_off(disc.ring[k], r) * rest);
@@ -214,112 +175,252 @@ Integrals over_ring(const Model& model, const State& state, const Disc& disc, st
   return sum;
 }
 
-/// An edge of the straight faces, between two distances from the tip.
+/// An edge of the faces behind the tip, with what goes through it at places t in [0, 1] away from the tip.
 struct Face {
-  double near, far;
-  std::span<const CrackPoint> points;
+  std::size_t edge;  // of tip.edges
+  std::vector<double> t;
+  std::vector<CrackPoint> points;
 };
 
-std::vector<Face> faces(const Mesh& mesh, const Tip& tip, bool start, std::span<const CrackPoint> profile) {
-  const std::size_t points = profile.size() / mesh.cracks[mesh.crack[tip.run.front()]].size();
+/// Points of the profile per edge, from the tip.
+std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const CrackPoint> profile) {
+  const CrackLaw& law = model.scene.laws[tip.crack];
+  const std::size_t count = profile.size() / model.mesh.cracks[tip.crack].size();
   std::vector<Face> faces;
-  double done = 0;
-  for (std::size_t i = 0; i < tip.run.size(); ++i) {
-    const double l = length(mesh, tip.run[i]);
-    faces.push_back({done, done + l, profile.subspan(start ? i * points : profile.size() - (i + 1) * points, points)});
-    done += l;
+  for (std::size_t i = 0; i < tip.edges.size(); ++i) {
+    Face face{.edge = i};
+    for (std::size_t k = 0; k < count; ++k) {
+      const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
+      const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
+      face.t.push_back((x - tip.vertices[i]).dot(along) / along.squaredNorm());
+      face.points.push_back(p);
+    }
+    faces.push_back(std::move(face));
   }
+  // The discrete pressure on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an error of
+  // some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no pressure
+  // there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the positive part.
+  // Friction on that edge is taken from the next one.
+  if (law.kind == CrackLaw::Kind::Unilateral)
+    for (std::size_t k = 0; k < count; ++k) {
+      faces[0].points[k].sigma_n = 0;
+      if (faces.size() > 1) faces[0].points[k].sigma_t = faces[1].points[0].sigma_t;
+    }
   return faces;
 }
 
-/// The polynomial through the values at the points of a face, at distance r from the tip.
-double along_face(const Face& face, const Vec2& tip, double r, double CrackPoint::*value) {
+/// The polynomial through the values at the points of a face, at t.
+double along_face(const Face& face, double t, double CrackPoint::*value) {
   double sum = 0;
-  for (const CrackPoint& p : face.points) {
-    const double here = (p.at - tip).norm();
+  for (std::size_t i = 0; i < face.t.size(); ++i) {
     double basis = 1;
-    for (const CrackPoint& other : face.points)
-      if (&other != &p) basis *= (r - (other.at - tip).norm()) / (here - (other.at - tip).norm());
-    sum += basis * p.*value;
+    for (std::size_t j = 0; j < face.t.size(); ++j)
+      if (j != i) basis *= (t - face.t[j]) / (face.t[i] - face.t[j]);
+    sum += basis * face.points[i].*value;
   }
   return sum;
 }
 
-/// Crack terms of K: E'/2 [u'_,1] = -sqrt(2/pi)/sqrt(r), normal for K_I and tangential for K_II.
-Eigen::Matrix<double, 2, rings> over_faces(const Disc& disc, std::span<const Face> faces) {
+/// A point of the crack: n points to the upper face, t to the tip.
+struct Spot {
+  Vec2 at, n, t;
+  double weight;  // length
+  double upper;   // angle about the tip of the upper face, that of the lower one is 2 pi less
+  double place;   // on the edge, 0 to 1
+};
+
+std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
   const EdgeRule rule = gauss(8);
-  Eigen::Matrix<double, 2, rings> sum = Eigen::Matrix<double, 2, rings>::Zero();
-  for (const Face& f : faces) {
-    if (f.near >= disc.ring.front().outer) break;
-    // dr/sqrt(r) = 2 d sqrt(r)
-    const double from = std::sqrt(f.near), to = std::sqrt(f.far);
-    for (Eigen::Index i = 0; i < rule.s.size(); ++i) {
-      const double root = from + rule.s[i] * (to - from), r = root * root;
-      const Vec2 traction(along_face(f, disc.tip.at, r, &CrackPoint::sigma_n),
-                          along_face(f, disc.tip.at, r, &CrackPoint::sigma_t));
-      const double w = -std::sqrt(2 / std::numbers::pi) * 2 * (to - from) * rule.w[i];
-      for (int k = 0; k < rings; ++k) sum.col(k) += w * cut_off(disc.ring[k], r) * traction;
+  std::vector<Spot> spots;
+  // dr/sqrt(r) = 2 d sqrt(r)
+  const double near = tip.vertices[edge].norm(), far = tip.vertices[edge + 1].norm();
+  const double from = std::sqrt(near), to = std::sqrt(far);
+  for (Eigen::Index i = 0; i < rule.s.size(); ++i) {
+    const double root = from + rule.s[i] * (to - from), place = (root * root - near) / (far - near);
+    const CurvePoint c = curve_point(tip, edge, place);
+    const Vec2 t = -c.slope.normalized();
+    spots.push_back({.at = c.at,
+                     .n = {-t.y(), t.x()},
+                     .t = t,
+                     .weight = c.slope.norm() * rule.w[i] * 2 * root * (to - from) / (far - near),
+                     .upper = std::numbers::pi + std::atan2(-c.at.y(), -c.at.x()),
+                     .place = place});
+  }
+  return spots;
+}
+
+using Row = Eigen::Matrix<double, 1, rings>;
+
+Vec2 traction(const Face& face, const Spot& p) {
+  return along_face(face, p.place, &CrackPoint::sigma_n) * p.n + along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
+}
+
+/// int q (s n) . [u'_,1]: the auxiliary fields only.
+Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<const Face> faces) {
+  Integrals sum = Integrals::Zero();
+  for (const Face& face : faces) {
+    if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
+    for (const Spot& p : spots(disc.tip, face.edge)) {
+      const auto upper = auxiliary_fields(model.scene.material, p.at, p.upper),
+                 lower = auxiliary_fields(model.scene.material, p.at, p.upper - 2 * std::numbers::pi);
+      const Vec2 through = traction(face, p);
+      for (int k = 0; k < rings; ++k)
+        for (int i = 0; i < auxiliary; ++i)
+          sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) *
+                       through.dot(upper[i].gradient.col(0) - lower[i].gradient.col(0));
     }
   }
   return sum;
 }
 
-TipIntensity intensity(const Model& model, const State& state, const Tip& tip, bool start, double clear,
-                       std::span<const CrackPoint> profile) {
+/// The same for J on straight faces, int q s_12 d[u_1], as a sum over the points of the profile: exact for a uniform
+/// friction.
+Row work_of_friction(const Disc& disc, std::span<const Face> faces) {
+  const auto friction = [&](const CrackPoint& p) -> Row {
+    Row shear;
+    for (int k = 0; k < rings; ++k) shear[k] = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * p.sigma_t;
+    return shear;
+  };
+  Row sum = Row::Zero(), before = friction(faces[0].points[0]);
+  double slip = 0;
+  for (const Face& face : faces)
+    for (const CrackPoint& p : face.points) {
+      const Row here = friction(p);
+      sum -= 0.5 * (before + here) * (p.jump_t - slip);
+      slip = p.jump_t;
+      before = here;
+    }
+  return sum;
+}
+
+/// The fields beside a chord, turned into the direction of the curve.
+Field along_curve(const Field& f, const Vec2& chord, const Spot& p) {
+  const Vec2 along = -chord.normalized();
+  const double c = along.dot(p.t), s = cross(along, p.t);
+  const Mat2 turn = (Mat2() << c, -s, s, c).finished();
+  return {turn * f.stress * turn.transpose(), turn * f.gradient * turn.transpose()};
+}
+
+/// P . n less the part of the traction s n on the auxiliary fields, and less all of it in J.
+Eigen::Vector4d flux(const Material& m, const Spot& p, const Field& f, bool upper) {
+  const Vec2 out = upper ? Vec2(-p.n) : p.n;
+  const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * std::numbers::pi);
+  Eigen::Vector4d sum;
+  for (int k = 0; k < auxiliary; ++k)
+    sum[k] = f.stress.cwiseProduct(unit[k].gradient).sum() * out.x() - (unit[k].stress * out).dot(f.gradient.col(0));
+  sum[auxiliary] = 0.5 * f.stress.cwiseProduct(f.gradient).sum() * out.x();
+  return sum;
+}
+
+/// What that leaves out in J, (s n) . [u_,1], one face's share. Faces in contact stay so as they slide: n . [u_,t] is
+/// the slip times the curvature, much smoother than the gradients beside the chords.
+double work_of_sliding(const Face& face, const Spot& p, const Field& f, bool upper, double curvature) {
+  const double normal = along_face(face, p.place, &CrackPoint::sigma_n),
+               shear = along_face(face, p.place, &CrackPoint::sigma_t),
+               slip = along_face(face, p.place, &CrackPoint::jump_t);
+  const double beside = shear * p.t.dot(f.gradient.col(0)) + normal * p.n.x() * p.n.dot(f.gradient * p.n);
+  return (upper ? beside : -beside) + 0.5 * normal * p.t.x() * curvature * slip;
+}
+
+/// What P . n leaves on curved faces besides the work of the tractions on the auxiliary fields. It tends to a constant
+/// towards the tip, that of T grows like r^-1/2, as does the work of friction in J. On the edges next to the tip, where
+/// the discrete fields are poor, it is continued like that from the next edge.
+Integrals over_curved_faces(const Model& model, const State& state, const Disc& disc, std::span<const Face> faces) {
+  const CrackTip& tip = disc.tip;
+  const std::size_t poor = std::min<std::size_t>(2, tip.edges.size() - 1);
+  Integrals sum = Integrals::Zero();
+  Row work = Row::Zero();
+  for (std::size_t edge = poor; edge < tip.edges.size(); ++edge) {
+    const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
+    if (a.norm() >= disc.ring.front().outer) break;
+    const std::vector<Spot> all = spots(tip, edge);
+    Points x(2, static_cast<Eigen::Index>(all.size()));
+    for (std::size_t i = 0; i < all.size(); ++i)
+      x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (a + all[i].place * (b - a));
+    const double curvature = cross(tip.slopes[edge + 1], tip.slopes[edge]) / (b - a).norm();
+    const bool away = (tip.frame * (b - a)).dot(tangent(model.mesh, tip.edges[edge])) > 0;
+    for (const bool upper : {true, false}) {
+      // To the left of a walk away from the tip lies the lower face.
+      const Index t = model.mesh.sides[tip.edges[edge]][upper == away ? 1 : 0];
+      const Fields f = evaluate(model.kernel, triangle(model, t), state.interior.col(t), x);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const Eigen::Index column = static_cast<Eigen::Index>(i);
+        const Spot& p = all[i];
+        const Field here = along_curve(in_frame(model, disc, f.stress.col(column), f.rotation[column]), b - a, p);
+        const Eigen::Vector4d through = flux(model.scene.material, p, here, upper);
+        const double sliding = work_of_sliding(faces[edge], p, here, upper, curvature);
+        for (int k = 0; k < rings; ++k) {
+          const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
+          sum.col(k) += weight * through;
+          work[k] += weight * sliding;
+        }
+      }
+    }
+    if (edge > poor) continue;
+    const double near = a.norm(), far = b.norm();
+    const double constant = far / (far - near), root = std::sqrt(far) / (std::sqrt(far) - std::sqrt(near));
+    sum.array().colwise() *= Eigen::Array4d(constant, constant, root, constant);
+    work *= root;
+  }
+  sum.row(auxiliary) += work;
+  return sum;
+}
+
+double largest_difference(const Row& values) {
+  return values.maxCoeff() - values.minCoeff();
+}
+
+/// `stress`: the size of the stress in the body.
+TipIntensity intensity(const Model& model, const State& state, const CrackTip& tip, std::span<const CrackPoint> profile,
+                       double stress) {
   constexpr double safe = 0.9, fewest_elements = 1.5;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  const double radius = safe * clear;
+  const double radius = safe * tip.room;
   Disc disc{tip, place_rings(radius)};
-  TipIntensity result{.crack = model.mesh.crack[tip.run.front()], .at_start = start, .at = tip.at};
+  TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
-    result.K_I = result.K_II = result.G = result.J = result.spread = unknown;
+    result.K_I = result.K_II = result.T = result.G = result.J = unknown;
+    result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = unknown;
     return result;
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);
+  const std::vector<Face> behind = faces(model, tip, profile);
+  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(model, disc, behind);
+  if (tip.curved)
+    I += over_curved_faces(model, state, disc, behind);
+  else
+    I.row(auxiliary) += work_of_friction(disc, behind);
   const double modulus = plane_modulus(model.scene.material);
-  const Integrals integrals = over_ring(model, state, disc, c.triangles);
-  const std::vector<Face> all = faces(model.mesh, tip, start, profile);
-  // The discrete pressure on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an error of
-  // some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no pressure
-  // there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the positive part.
-  const bool unilateral = model.scene.laws[result.crack].kind == CrackLaw::Kind::Unilateral;
-  Eigen::Matrix<double, 2, rings> K =
-      modulus / 2 * integrals.topRows<2>() + over_faces(disc, std::span(all).subspan(unilateral ? 1 : 0));
-  if (unilateral) K.row(0) = K.row(0).cwiseMax(0);
+  Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
+  if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);
+  const Row T = modulus * I.row(2);
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
+  result.T = T[middle];
   result.G = K.col(middle).squaredNorm() / modulus;
-  result.J = integrals(2, middle);
+  result.J = I(auxiliary, middle);
   result.radius = disc.ring[middle].outer;
-  const double largest = K.cwiseAbs().maxCoeff();
-  const double difference = (K.rowwise().maxCoeff() - K.rowwise().minCoeff()).maxCoeff();
-  result.spread = largest > 0 ? difference / largest : 0;
+  const auto relative = [](double difference, double size) { return size > 0 ? difference / size : 0; };
+  const double size = std::max(K.col(middle).norm(), stress * std::sqrt(std::numbers::pi * result.radius));
+  result.spread_K_I = relative(largest_difference(K.row(0)), size);
+  result.spread_K_II = relative(largest_difference(K.row(1)), size);
+  result.spread_T = relative(largest_difference(T), std::max(std::abs(result.T), stress));
+  result.spread = std::max(result.spread_K_I, result.spread_K_II);
   return result;
 }
 
 }  // namespace
 
 std::vector<TipIntensity> crack_tips(const Model& model, const State& state) {
-  const Mesh& mesh = model.mesh;
-  std::vector<bool> on_boundary(mesh.points.size(), false);
-  std::vector<Index> ends;
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-    const bool boundary = mesh.sides[e][0] == none || mesh.sides[e][1] == none;
-    if (boundary)
-      for (const Index v : mesh.edges[e]) on_boundary[v] = true;
-    if (boundary || mesh.crack[e] != none) ends.push_back(e);
-  }
   std::vector<TipIntensity> tips;
-  for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {
-    if (mesh.cracks[crack].empty()) continue;
-    const std::vector<CrackPoint> profile = crack_profile(model, state, crack);
-    for (const bool start : {true, false}) {
-      const std::vector<Step> steps = steps_from(mesh, crack, start);
-      if (on_boundary[steps.front().from]) continue;
-      const Tip tip = find_tip(mesh, steps);
-      tips.push_back(intensity(model, state, tip, start, clearance(mesh, ends, tip), profile));
-    }
+  const double stress = mean_stress(model, state);
+  std::vector<CrackPoint> profile;
+  Index crack = none;
+  for (const CrackTip& tip : find_tips(model.mesh)) {
+    if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
+    crack = tip.crack;
+    tips.push_back(intensity(model, state, tip, profile, stress));
   }
   return tips;
 }

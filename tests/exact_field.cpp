@@ -213,6 +213,7 @@ Vec2 crack_point(const ExactField& field, double s) {
 }
 
 int side_of(const ExactField& field, const Vec2& x) {
+  if (field.side) return field.side(x);
   if (field.tips.empty()) return 0;
   const double left = cross(field.tips[1].at - field.tips[0].at, x - field.tips[0].at);
   return (left > 0) - (left < 0);

@@ -29,13 +29,14 @@ struct ExactField {
   std::function<Vec2(const Vec2& x)> body = {};                  // empty: zero
   // Along the crack, empty without one: jumps of the displacement, face +1 minus face -1, along n and t; -n.sigma n.
   std::function<double(double s)> opening = {}, slip = {}, pressure = {};
-  std::vector<ExactTip> tips = {};       // start and end of the crack, or none
-  std::vector<double> transitions = {};  // s where contact begins or ends
+  std::vector<ExactTip> tips = {};              // start and end of the crack, or none
+  std::vector<double> transitions = {};         // s where contact begins or ends
+  std::function<int(const Vec2& x)> side = {};  // of the crack; empty: of the line through the two tips
 };
 
 bool is_open(const ExactField& field, double s);
 Vec2 crack_point(const ExactField& field, double s);
-/// The side of the crack line x lies on; 0 without a crack.
+/// The side of the crack (its line, its circle) that x lies on; 0 without a crack.
 int side_of(const ExactField& field, const Vec2& x);
 /// Topological derivative of the potential energy for a small free hole, from the stress.
 double hole_derivative(const Material& material, const Mat2& stress);

@@ -67,7 +67,7 @@ TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   ASSERT_EQ(r["cracks"].size(), 1u);
   expect_keys(r["cracks"][0], {"name", "length", "max_opening", "max_pressure", "transitions", "tips"}, "crack");
   ASSERT_EQ(r["cracks"][0]["tips"].size(), 2u);
-  expect_keys(r["cracks"][0]["tips"][0], {"at", "K_I", "K_II", "G"}, "tip");
+  expect_keys(r["cracks"][0]["tips"][0], {"at", "K_I", "K_II", "G", "T", "spread"}, "tip");
   ASSERT_GE(r["cracks"][0]["transitions"].size(), 1u);
   expect_keys(r["cracks"][0]["transitions"][0], {"at", "from", "to"}, "transition");
   expect_keys(r["functional"], {"kind", "value"}, "functional");
@@ -126,6 +126,8 @@ TEST_F(Run, PartlyClosedCaseMeetsTheExactSolution) {
   EXPECT_NEAR(r["cracks"][0]["tips"][1]["K_I"].get<double>() / k, 1, 2e-3);
   EXPECT_NEAR(r["cracks"][0]["tips"][0]["K_I"].get<double>(), 0, 1e-3 * k);
   EXPECT_NEAR(r["cracks"][0]["tips"][1]["G"].get<double>() / table.scalars.at("G_right"), 1, 4e-3);
+  EXPECT_NEAR(r["cracks"][0]["tips"][1]["T"].get<double>(), table.scalars.at("T_right"), 1e-2);
+  for (const char* of : {"K_I", "K_II", "T"}) EXPECT_LT(r["cracks"][0]["tips"][1]["spread"][of].get<double>(), 1e-2);
   for (const json& p : r["map"]["points"])
     for (const exact::Row& row : table.rows)
       if ((row.x - Vec2(p["at"][0], p["at"][1])).norm() < 1e-9) {

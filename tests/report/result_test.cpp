@@ -39,7 +39,7 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   ASSERT_EQ(j["cracks"].size(), 1u);
   EXPECT_EQ(keys(j["cracks"][0]), (Keys{"name", "length", "max_opening", "max_pressure", "transitions", "tips"}));
   EXPECT_EQ(keys(j["cracks"][0]["transitions"][0]), (Keys{"at", "from", "to"}));
-  EXPECT_EQ(keys(j["cracks"][0]["tips"][0]), (Keys{"at", "K_I", "K_II", "G"}));
+  EXPECT_EQ(keys(j["cracks"][0]["tips"][0]), (Keys{"at", "K_I", "K_II", "G", "T", "spread"}));
   EXPECT_EQ(keys(j["functional"]), (Keys{"kind", "value"}));
   EXPECT_EQ(keys(j["map"]), (Keys{"perturbation", "min", "max", "points", "excluded_radius"}));
   EXPECT_EQ(keys(j["map"]["min"]), (Keys{"at", "value"}));
@@ -66,7 +66,11 @@ TEST(ResultJson, ValuesReadBackToTheSameBits) {
   EXPECT_EQ(j["cracks"][0]["transitions"][0]["at"][0].get<double>(), -1.0 / 3);
   EXPECT_EQ(j["cracks"][0]["transitions"][0]["from"], "closed");
   EXPECT_TRUE(j["cracks"][0]["tips"][0]["K_I"].is_null());
+  EXPECT_TRUE(j["cracks"][0]["tips"][0]["T"].is_null());
+  EXPECT_TRUE(j["cracks"][0]["tips"][0]["spread"].is_null());
   EXPECT_EQ(j["cracks"][0]["tips"][1]["K_II"], -0.5);
+  EXPECT_EQ(j["cracks"][0]["tips"][1]["T"], -0.75);
+  EXPECT_EQ(j["cracks"][0]["tips"][1]["spread"], Json::parse(R"({"K_I": 0.001, "K_II": 0.002, "T": 0.003})"));
   EXPECT_EQ(j["map"]["max"]["at"], Json::parse("[-0.5, 0.75]"));
   EXPECT_EQ(j["map"]["points"][0]["upper"], 0.15);
   EXPECT_TRUE(j["map"]["points"][1]["value"].is_null());

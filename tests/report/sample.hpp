@@ -82,7 +82,8 @@ inline Result full_result() {
   crack.max_opening = 0.25;
   crack.max_pressure = 0.5;
   crack.transitions = {{{-1.0 / 3, 0}, "closed", "open"}};
-  crack.tips = {{{-1, 0}, std::nullopt, std::nullopt, std::nullopt}, {{1, 0}, 1.25, -0.5, 1.8}};
+  crack.tips = {{{-1, 0}, std::nullopt, std::nullopt, std::nullopt},
+                {{1, 0}, 1.25, -0.5, 1.8, -0.75, {{0.001, 0.002, 0.003}}}};
   for (int i = 0; i <= 20; ++i) {
     const double s = 0.1 * i, open = i > 7 ? (s - 0.7) * (2 - s) : 0;
     crack.rows.push_back({s, {s - 1, 0}, open, 0.01 * s, i > 7 ? 0 : -0.5, 0, i <= 7});

@@ -43,7 +43,7 @@ TEST(Summary, FullRun) {
                            "max opening 0.25",
                            "max pressure 0.5",
                            "closed -> open at (-0.333333, 0)",
-                           "tip at (1, 0)  K_I 1.25  K_II -0.5  G 1.8",
+                           "tip at (1, 0)  K_I 1.25  K_II -0.5  G 1.8  T -0.75",
                            "min -3 at (0.5, 0.25)",
                            "max 4 at (-0.5, 0.75)",
                            "leave out 0.05",
