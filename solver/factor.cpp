@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace kerf {
@@ -161,9 +162,20 @@ Factor::Factor(Factor&&) noexcept = default;
 Factor& Factor::operator=(Factor&&) noexcept = default;
 
 Eigen::MatrixXd Factor::schur_complement() const {
-  const auto l = impl_->trailing_factor.triangularView<Eigen::Lower>();
-  Eigen::MatrixXd s = impl_->trailing_factor.transpose();
-  return l * s;
+  // L L' by blocks: a third of the work of a full product.
+  const Eigen::MatrixXd& l = impl_->trailing_factor;
+  const Eigen::Index n = l.rows(), block = 128;
+  Eigen::MatrixXd s(n, n);
+  for (Eigen::Index i = 0; i < n; i += block) {
+    const Eigen::Index height = std::min(block, n - i);
+    for (Eigen::Index j = 0; j <= i; j += block) {
+      const Eigen::Index width = std::min(block, n - j);
+      s.block(i, j, height, width).noalias() =
+          l.block(i, 0, height, j + width) * l.block(j, 0, width, j + width).transpose();
+      s.block(j, i, width, height) = s.block(i, j, height, width).transpose();
+    }
+  }
+  return s;
 }
 
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {

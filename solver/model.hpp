@@ -31,7 +31,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads);
 
 struct Certificate {
   double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)
-  double kkt = 0;       // the largest of residual, negative jump, negative pressure, complementarity, all relative
+  double kkt = 0;       // the largest of residual and Contact::kkt, relative
   double rounding = 0;  // eps |K| |x| / |F|: no residual in double precision can be expected to be smaller
 };
 
@@ -42,13 +42,13 @@ struct StateSeconds {
 struct State {
   Eigen::VectorXd skeleton;  // base and jump unknowns, prescribed ones included
   Eigen::MatrixXd interior;  // one column per triangle: stress, displacement, rotation coefficients
-  Eigen::VectorXd force;     // per skeleton unknown: contact force on closed normal jumps, 0 elsewhere
+  Eigen::VectorXd force;     // per skeleton unknown: force of contact and friction on jumps, 0 elsewhere
   int contact_iterations = 0, linear_solves = 0;
   bool converged = true;  // the active set settled
   Certificate certificate;
   StateSeconds seconds;
 };
-State solve(const Model& model);
+State solve(const Model& model, ContactMethod method = ContactMethod::DualQp);
 
 /// The contact set settled and the certificate holds: kkt at most 1e-10, or not above what rounding allows.
 bool certified(const State& state);
