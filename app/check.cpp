@@ -83,9 +83,8 @@ std::string check(const Case& c) {
   for (std::size_t k = 0; k < c.shape.cracks.size(); ++k) {
     const Crack& crack = c.shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
-    double path = 0;
-    for (std::size_t i = 1; i < crack.points.size(); ++i) path += (crack.points[i] - crack.points[i - 1]).norm();
-    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path, edges.size());
+    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path_length(crack),
+          edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
     } else {

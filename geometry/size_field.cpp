@@ -145,7 +145,7 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
 
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing) {
   const double size = sizing.size;
-  const double corner = size / 25;  // kinks and reentrant corners are singular too, if less than tips
+  const double corner = size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
   std::vector<Source> sources;
   const auto ask = [&](Index corner, double wanted, double reach = 0) {
     const Vec2& x = drawing.corners[std::size_t(corner)];
@@ -153,36 +153,55 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   };
   std::vector<double> crack_length(shape.cracks.size(), 0), shortest(drawing.corners.size(), extent(shape));
   for (const Strand& s : drawing.strands) {
-    const double length = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
-    if (s.crack != none) crack_length[std::size_t(s.crack)] += length;
+    if (s.crack != none) crack_length[std::size_t(s.crack)] += length(drawing, s);
+    const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
     if (s.loop != none)
       for (const Index corner : {s.from, s.to})
-        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], length);
+        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], chord);
   }
   std::vector<bool> on_loop(drawing.corners.size(), false);
+  std::vector<Index> meets(drawing.corners.size(), none);  // the cracks that meet there, if several
+  std::vector<bool> junction(drawing.corners.size(), false), asked(drawing.corners.size(), false);
   for (const Strand& s : drawing.strands)
-    if (s.loop != none) on_loop[std::size_t(s.from)] = true;
+    for (const Index corner : {s.from, s.to}) {
+      if (s.loop != none) {
+        on_loop[std::size_t(corner)] = true;
+        continue;
+      }
+      Index& crack = meets[std::size_t(corner)];
+      if (crack != none && crack != s.crack) junction[std::size_t(corner)] = true;
+      crack = s.crack;
+    }
 
   for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
     const Strand& strand = drawing.strands[i];
-    if (strand.arc) {
-      add_curved(drawing, strand, size, sources);
-    } else {
-      // A short side is an edge of the mesh as it is: its neighbours grow from its length.
-      const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
-      if ((b - a).norm() < size) sources.push_back({a, b, (b - a).norm()});
-    }
+    const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
+    if (strand.arc) add_curved(drawing, strand, size, sources);
+    // A short side is an edge of the mesh as it is: its neighbours grow from its length.
+    const double side = length(drawing, strand);
+    if (side < size && strand.from != strand.to) sources.push_back({a, b, side});
     const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
     if (strand.crack != none) {
       const double reach = crack_length[std::size_t(strand.crack)] / 4;
       const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
-      if (follows &&
-          std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1), velocity(drawing, strand, 0))) > 5 * degree)
-        ask(strand.from, corner, reach / 2);  // milder than a tip
-      if (!follows)
-        on_loop[std::size_t(strand.from)] ? ask(strand.from, size / 4) : ask(strand.from, sizing.crack_tip_size, reach);
-      if (last)
-        on_loop[std::size_t(strand.to)] ? ask(strand.to, size / 4) : ask(strand.to, sizing.crack_tip_size, reach);
+      const auto ask_end = [&](Index end) {
+        if (on_loop[std::size_t(end)])
+          ask(end, size / 4);
+        else if (!junction[std::size_t(end)])
+          ask(end, sizing.crack_tip_size, reach);
+      };
+      const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
+                                                 velocity(drawing, strand, 0))) > 5 * degree;
+      for (const Index end : {strand.from, strand.to})
+        if (junction[std::size_t(end)] && !on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+          asked[std::size_t(end)] = true;
+          ask(end, corner, reach / 2);
+        }
+      if (kink && !junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
+      if (!follows) ask_end(strand.from);
+      if (last) ask_end(strand.to);
+      // The two ends of an arc that nearly closes.
+      if (strand.arc && (b - a).norm() < std::min(size, side / 2)) sources.push_back({a, b, (b - a).norm() / 2});
     }
   }
   const std::vector<bool> reentrant = reentrant_corners(drawing);
