@@ -312,12 +312,7 @@ bool place_on_arcs(Rough& rough) {
   return true;
 }
 
-}  // namespace
-
-Mesh triangulate(const Shape& shape, const Sizing& given) {
-  if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
-  const Sizing sizing = checked(shape, given);
-  const Drawing drawing = draw(shape);
+SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& sizing, const Background* background) {
   Vec2 low = drawing.corners.front(), high = low;
   const Pieces outline = split_evenly(drawing);
   for (const Vec2& x : outline.points) {
@@ -325,8 +320,17 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
     high = high.cwiseMax(x);
   }
   const double margin = 0.01 * drawing.extent;
-  const SizeField field = size_field(find_sources(shape, drawing, sizing), sizing.size, sizing.grading,
-                                     low.array() - margin, high.array() + margin);
+  SizeField field = size_field(find_sources(shape, drawing, sizing, !background), sizing.size, sizing.grading,
+                               low.array() - margin, high.array() + margin);
+  if (background) add_background(field, *background, 1e-9 * drawing.extent);
+  return field;
+}
+
+Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
+  if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
+  const Sizing sizing = checked(shape, given);
+  const Drawing drawing = draw(shape);
+  const SizeField field = field_of(shape, drawing, sizing, background);
   // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
   for (int finer = 1;; finer *= 2) {
     const Pieces pieces = split_to_size(drawing, field, finer);
@@ -339,6 +343,16 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
     Smoothed smoothed = smooth(mesh, sizing.min_angle_deg, sweeps);
     return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked);
   }
+}
+
+}  // namespace
+
+Mesh triangulate(const Shape& shape, const Sizing& sizing) {
+  return triangulate(shape, sizing, nullptr);
+}
+
+Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background) {
+  return triangulate(shape, sizing, &background);
 }
 
 }  // namespace kerf
