@@ -42,9 +42,11 @@ void read_outline(const Field& domain, Shape& shape) {
   std::vector<Vec2> vertices;
   std::vector<std::optional<Vec2>> center;  // of the edge that arrives at the vertex
   const std::vector<Field> entries = items(outline);
-  if (entries.size() < 3)
-    fail(outline.node->position,
-         fmt::format("{} has {} vertices; a body needs at least 3", outline.name, entries.size()));
+  const bool curved = std::any_of(entries.begin(), entries.end(),
+                                  [](const Field& entry) { return entry.node->kind == Node::Kind::Table; });
+  if (entries.size() < (curved ? 2u : 3u))
+    fail(outline.node->position, fmt::format("{} has {} {}; a body needs at least 3, or 2 with an arc", outline.name,
+                                             entries.size(), entries.size() == 1 ? "vertex" : "vertices"));
   for (const Field& entry : entries) {
     if (entry.node->kind == Node::Kind::Table) {
       allow_only(entry, {"arc_to", "center"});

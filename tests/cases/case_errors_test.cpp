@@ -175,7 +175,7 @@ TEST(Case, DomainErrors) {
   EXPECT_EQ(error("[domain]\nfile = 'plate.msh'\n" + material),
             "a.toml:2:1: \"file\" in [domain] is not supported yet; draw the body with outline, sides and [[hole]]");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0]]\nsides = ['a', 'b']\n" + material),
-            "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3");
+            "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3, or 2 with an arc");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nsides = ['a', 'b']\n" + material),
             "a.toml:3:9: sides in [domain] has 2 labels for the 3 edges of the outline; give one per edge");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], { arc_to = [0, 1], center = [0, 0.5] }]\nsides = ['a', 'b', "
