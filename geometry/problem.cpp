@@ -193,17 +193,26 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
   return {};
 }
 
-/// Cracks that come back to a junction where they have been.
+/// Cracks that come back to a junction where they have been, or pass through the mouth of another one.
 Problem revisited(const Shape& shape, const Drawing& drawing) {
   std::vector<std::vector<Index>> corners(shape.cracks.size());  // in the order of the path
+  std::vector<Index> loop_of(drawing.corners.size(), none);
   for (const Strand& strand : drawing.strands) {
-    if (strand.crack == none) continue;
+    if (strand.crack == none) {
+      loop_of[std::size_t(strand.from)] = strand.loop;
+      continue;
+    }
     std::vector<Index>& path = corners[std::size_t(strand.crack)];
     if (path.empty()) path.push_back(strand.from);
     path.push_back(strand.to);
   }
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
     std::vector<Index>& path = corners[c];
+    for (std::size_t i = 1; i + 1 < path.size(); ++i)
+      if (const Index l = loop_of[std::size_t(path[i])]; l != none)
+        return fmt::format("crack '{}' meets {} at {} between its ends; only its ends may lie there",
+                           shape.cracks[c].name, name(shape, std::size_t(l)),
+                           text(drawing.corners[std::size_t(path[i])]));
     std::sort(path.begin(), path.end());
     const auto twice = std::adjacent_find(path.begin(), path.end());
     if (twice != path.end())
