@@ -42,12 +42,16 @@ const char* law(const CrackLaw& crack) {
   }
 }
 
-/// Where the crack's end lies: "interior", or the label of the boundary it meets.
-std::string place(const Shape& shape, const Mesh& mesh, Index vertex) {
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.label[e] != none && (mesh.edges[e][0] == vertex || mesh.edges[e][1] == vertex))
-      return "on " + shape.labels[mesh.label[e]];
-  return "interior";
+/// Where the crack's end lies: "interior", or the label of the boundary or the other crack that it meets.
+std::string place(const Shape& shape, const Mesh& mesh, std::size_t crack, Index vertex) {
+  std::string found = "interior";
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.edges[e][0] != vertex && mesh.edges[e][1] != vertex) continue;
+    if (mesh.label[e] != none) return "on " + shape.labels[mesh.label[e]];
+    const Index other = mesh.crack[e];
+    if (other != none && other != static_cast<Index>(crack)) found = "on crack " + shape.cracks[other].name;
+  }
+  return found;
 }
 
 std::size_t outside(const Mesh& mesh, const std::vector<Vec2>& points) {
@@ -83,16 +87,15 @@ std::string check(const Case& c) {
   for (std::size_t k = 0; k < c.shape.cracks.size(); ++k) {
     const Crack& crack = c.shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
-    double path = 0;
-    for (std::size_t i = 1; i < crack.points.size(); ++i) path += (crack.points[i] - crack.points[i - 1]).norm();
-    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path, edges.size());
+    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path_length(crack),
+          edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
     } else {
       const Index start = mesh.edges[edges.front().edge][edges.front().forward ? 0 : 1];
       const Index end = mesh.edges[edges.back().edge][edges.back().forward ? 1 : 0];
-      print(", {} {} to {} {}", at(crack.points.front()), place(c.shape, mesh, start), at(crack.points.back()),
-            place(c.shape, mesh, end));
+      print(", {} {} to {} {}", at(crack.points.front()), place(c.shape, mesh, k, start), at(crack.points.back()),
+            place(c.shape, mesh, k, end));
     }
     print("\n");
   }

@@ -42,9 +42,11 @@ void read_outline(const Field& domain, Shape& shape) {
   std::vector<Vec2> vertices;
   std::vector<std::optional<Vec2>> center;  // of the edge that arrives at the vertex
   const std::vector<Field> entries = items(outline);
-  if (entries.size() < 3)
-    fail(outline.node->position,
-         fmt::format("{} has {} vertices; a body needs at least 3", outline.name, entries.size()));
+  const bool curved = std::any_of(entries.begin(), entries.end(),
+                                  [](const Field& entry) { return entry.node->kind == Node::Kind::Table; });
+  if (entries.size() < (curved ? 2u : 3u))
+    fail(outline.node->position, fmt::format("{} has {} {}; a body needs at least 3, or 2 with an arc", outline.name,
+                                             entries.size(), entries.size() == 1 ? "vertex" : "vertices"));
   for (const Field& entry : entries) {
     if (entry.node->kind == Node::Kind::Table) {
       allow_only(entry, {"arc_to", "center"});
@@ -97,6 +99,18 @@ Loop read_hole(const Field& hole, const std::string& name, Index label) {
   return polygon(name, points(form, 3), label);
 }
 
+Crack read_path(const Field& crack, const std::string& name) {
+  if (one_of(crack, {"path", "arc"}) == "path") return {name, points(need(crack, "path"), 2), {}};
+  const Field form = need(crack, "arc");
+  allow_only(form, {"center", "radius", "from_deg", "to_deg"});
+  const double from = number(need(form, "from_deg")), to = number(need(form, "to_deg"));
+  if (from == to || std::abs(to - from) >= 360)
+    fail(form.node->position,
+         fmt::format("{} runs from {:g} to {:g} degrees; an arc turns by more than 0 and less than 360", form.name,
+                     from, to));
+  return arc_crack(name, point(need(form, "center")), positive(need(form, "radius")), from * pi / 180, to * pi / 180);
+}
+
 }  // namespace
 
 void read_shape(const Field& document, Case& c) {
@@ -118,8 +132,7 @@ void read_shape(const Field& document, Case& c) {
 
   names.clear();
   for (const Field& crack : find_tables(document, "crack")) {
-    allow_only(crack, {"name", "path", "contact", "friction"},
-               {{"arc", "give the crack as a polyline, path = [[x, y], ...]"}, {"tresca", "contact is frictionless"}});
+    allow_only(crack, {"name", "path", "arc", "contact", "friction"}, {{"tresca", "contact is frictionless"}});
     const Field field = need(crack, "name");
     const std::string name = safe_name(field);
     check_unique(name, field, names);
@@ -131,7 +144,7 @@ void read_shape(const Field& document, Case& c) {
       if (coefficient > 0)
         fail(friction->node->position, friction->name + " > 0 is not supported yet; use friction = 0.0");
     }
-    c.shape.cracks.push_back({name, points(need(crack, "path"), 2)});
+    c.shape.cracks.push_back(read_path(crack, name));
     c.scene.laws.push_back({law == "open"     ? CrackLaw::Kind::Open
                             : law == "bonded" ? CrackLaw::Kind::Bonded
                                               : CrackLaw::Kind::Unilateral});

@@ -89,9 +89,9 @@ std::string words(const Shape& shape, const Strand& s, const Strand& t, const Me
                                        shape.cracks[std::size_t(t.crack)].name);
   switch (m.how) {
     case How::Crosses:
-      return fmt::format("{} cross {}; crossing cracks are not supported yet", both, at);
+      return fmt::format("{} cross {}, too close to another end, kink or crossing", both, at);
     case How::Touches:
-      return fmt::format("{} touch {}; branching cracks are not supported yet", both, at);
+      return fmt::format("{} touch {}; let them cross, let one end on the other, or draw them apart", both, at);
     default:
       return fmt::format("{} overlap {}; draw them as one crack or apart", both, at);
   }

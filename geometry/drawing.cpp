@@ -20,13 +20,11 @@ Vec2 on_strand(const std::vector<Vec2>& corners, const Strand& strand, double s)
   return corners[std::size_t(strand.from)] + s * (corners[std::size_t(strand.to)] - corners[std::size_t(strand.from)]);
 }
 
-struct Foot {
-  double s = 0, distance = std::numeric_limits<double>::infinity();
-};
+}  // namespace
 
-/// Nearest point of the strand: exact on a straight one; samples, then bisection of the stationarity condition
-/// (x - y(t)) . y'(t) = 0, on an arc.
-Foot nearest(const std::vector<Vec2>& corners, const Strand& strand, const Vec2& x) {
+/// Exact on a straight strand; samples, then bisection of the stationarity condition (x - y(t)) . y'(t) = 0, on an arc.
+Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
+  const std::vector<Vec2>& corners = drawing.corners;
   if (!strand.arc) {
     const Vec2 a = corners[std::size_t(strand.from)], d = corners[std::size_t(strand.to)] - a;
     const double s = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
@@ -38,7 +36,7 @@ Foot nearest(const std::vector<Vec2>& corners, const Strand& strand, const Vec2&
     const Vec2 derivative = arc.axes * Vec2(-std::sin(t), std::cos(t)) * (arc.to - arc.from);
     return derivative.dot(at(arc, t) - x);  // of half the squared distance
   };
-  Foot best;
+  Foot best{0, std::numeric_limits<double>::infinity()};
   const auto offer = [&](double s) {
     const double distance = (on_strand(corners, strand, s) - x).norm();
     if (distance < best.distance) best = {s, distance};
@@ -58,6 +56,8 @@ Foot nearest(const std::vector<Vec2>& corners, const Strand& strand, const Vec2&
   }
   return best;
 }
+
+namespace {
 
 void add_loop(Drawing& drawing, const Loop& loop, Index number) {
   const Index first_corner = Index(drawing.corners.size()), count = Index(loop.sides.size());
@@ -99,10 +99,10 @@ void cut(Drawing& drawing, std::size_t k, double s, Index corner) {
 /// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
 Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
   const double join = join_tolerance * drawing.extent;
-  Foot best;
+  Foot best{0, std::numeric_limits<double>::infinity()};
   std::size_t side = 0;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
-    const Foot foot = nearest(drawing.corners, drawing.strands[k], x);
+    const Foot foot = nearest(drawing, drawing.strands[k], x);
     if (foot.distance < best.distance) best = foot, side = k;
   }
   const Index fresh = Index(drawing.corners.size());
@@ -186,6 +186,11 @@ Vec2 velocity(const Drawing& drawing, const Strand& strand, double s) {
   return (arc.to - arc.from) * (arc.axes * Vec2(-std::sin(t), std::cos(t)));
 }
 
+double length(const Drawing& drawing, const Strand& strand) {
+  if (strand.arc) return largest_radius(*strand.arc) * std::abs(strand.arc->to - strand.arc->from);
+  return (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
+}
+
 double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
   const double squared = d.squaredNorm();
@@ -212,10 +217,11 @@ Drawing draw(const Shape& shape) {
       const Index to = last ? ends[c][1] : Index(drawing.corners.size());
       if (!last) drawing.corners.push_back(path[i]);
       drawing.strands.push_back(
-          {.from = from, .to = to, .arc = std::nullopt, .label = none, .loop = none, .crack = Index(c)});
+          {.from = from, .to = to, .arc = shape.cracks[c].arc, .label = none, .loop = none, .crack = Index(c)});
       from = to;
     }
   }
+  join_cracks(drawing);
   return drawing;
 }
 

@@ -18,9 +18,10 @@ double smallest_radius(const Arc& arc);  // the smaller one
 double signed_area(const Loop& loop);    // positive when counter-clockwise
 bool closed(const Side& side);           // a whole circle or ellipse
 
-/// A side (or a part of it between crack ends), the body on its left; or a segment of a crack.
+/// A side (or a part of it between crack ends), the body on its left; or a segment or arc of a crack between kinks,
+/// ends and junctions.
 struct Strand {
-  Index from, to;          // corners; equal for a whole circle
+  Index from, to;          // corners; equal for a whole circle (of a loop)
   std::optional<Arc> arc;  // from `from` to `to`
   Index label = none;
   Index loop = none;   // 0 the outline, i hole i - 1
@@ -34,11 +35,21 @@ struct Drawing {
 };
 Drawing draw(const Shape& shape);
 
+/// Cuts the strands of cracks where another crack ends, has a kink or crosses them; meeting strands share a corner.
+void join_cracks(Drawing& drawing);
+
 /// s in [0, 1] -> point; the corners exactly at the ends.
 Vec2 point(const Drawing& drawing, const Strand& strand, double s);
 
 Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
+double length(const Drawing& drawing, const Strand& strand);            // of an arc: at most that, a circle's exactly
 double distance(const Vec2& x, const Vec2& a, const Vec2& b);           // to the segment
+
+/// Nearest point of the strand.
+struct Foot {
+  double s, distance;
+};
+Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x);
 
 /// Straight pieces between points; points[i] for i < corners is corner i.
 struct Piece {

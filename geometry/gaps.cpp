@@ -111,7 +111,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const
         if (corner != none) {
           if (other.from == corner || other.to == corner) continue;
         } else if (target.strand == from) {
-          if (!own.arc) continue;
+          if (!own.arc || own.crack != none) continue;  // a curved crack has short edges where it faces itself
         } else if (other.from == own.from || other.from == own.to || other.to == own.from || other.to == own.to) {
           continue;
         }

@@ -240,6 +240,24 @@ std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut) {
   return piece;
 }
 
+std::vector<Marked> halve_marked(const Mesh& mesh, const std::vector<Index>& middle) {
+  std::vector<Marked> marked;
+  const auto add = [&](Index a, Index b, Index edge, Index label, Index crack) {
+    const Index m = middle[std::size_t(edge)];
+    if (m != none) marked.push_back({a, m, label, crack});
+    marked.push_back({m != none ? m : a, b, label, crack});
+  };
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.label[e] != none) add(mesh.edges[e][0], mesh.edges[e][1], Index(e), mesh.label[e], none);
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
+    for (const CrackEdge& piece : mesh.cracks[c]) {
+      auto [a, b] = mesh.edges[std::size_t(piece.edge)];
+      if (!piece.forward) std::swap(a, b);
+      add(a, b, piece.edge, none, Index(c));
+    }
+  return marked;
+}
+
 Mesh refine(const Mesh& mesh) {
   const Index vertices = Index(mesh.points.size());
   std::vector<Vec2> points = mesh.points;
@@ -256,23 +274,9 @@ Mesh refine(const Mesh& mesh) {
     triangles.insert(triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
   }
 
-  std::vector<Marked> marked;
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.label[e] != none) {
-      const auto [a, b] = mesh.edges[e];
-      const Index middle = vertices + Index(e);
-      marked.push_back({a, middle, mesh.label[e], none});
-      marked.push_back({middle, b, mesh.label[e], none});
-    }
-  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
-    for (const CrackEdge& piece : mesh.cracks[c]) {
-      auto [a, b] = mesh.edges[std::size_t(piece.edge)];
-      if (!piece.forward) std::swap(a, b);
-      const Index middle = vertices + piece.edge;
-      marked.push_back({a, middle, none, Index(c)});
-      marked.push_back({middle, b, none, Index(c)});
-    }
-  Mesh fine = connect(std::move(points), std::move(triangles), marked);
+  std::vector<Index> middle(mesh.edges.size());
+  for (std::size_t e = 0; e < middle.size(); ++e) middle[e] = vertices + Index(e);
+  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle));
   fine.cracks.resize(mesh.cracks.size());
   return fine;
 }

@@ -62,11 +62,30 @@ Corners split_at_cracks(const Mesh& mesh);
 /// The same with the edges in `cut` instead of all cracks.
 Corners split_at(const Mesh& mesh, const std::vector<bool>& cut);
 
-/// Per point a triangle that contains it (boundary included, to 1e-12 of the extent), or none.
+/// Where points lie in a mesh: boxes around triangles, made once and good for that mesh as it is.
+struct Locator {
+  struct Node {
+    Vec2 low, high;
+    Index first, count;  // of `triangles`
+    Index right;         // second child; the first one follows its parent; none for a leaf
+  };
+  std::vector<Node> nodes;
+  std::vector<Index> triangles;
+};
+Locator make_locator(const Mesh& mesh);
+
+/// A triangle that contains the point (boundary included, to 1e-12 of the extent), or none.
+Index locate(const Mesh& mesh, const Locator& locator, const Vec2& point);
 std::vector<Index> locate(const Mesh& mesh, std::span<const Vec2> points);
+
+/// A triangle of least distance to a finite point, wherever that lies; none if there are no triangles.
+Index nearest_triangle(const Mesh& mesh, const Locator& locator, const Vec2& point);
 
 /// Connected pieces of the body when the edges with cut[e] are cut: a piece number per triangle, counted from 0.
 std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut);
+
+/// The edges that mean something, in two where they have a middle: per edge its vertex, or none.
+std::vector<Marked> halve_marked(const Mesh& mesh, const std::vector<Index>& middle);
 
 /// Every triangle into four similar ones; labels and cracks carry over.
 Mesh refine(const Mesh& mesh);

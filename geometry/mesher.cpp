@@ -238,37 +238,24 @@ std::vector<Vertex> chain(const Triangulation& triangulation, const Vertex& a, c
   return found;
 }
 
-}  // namespace
+/// A mesh, and its points on the chords of curved cracks with their places on the arcs.
+struct Rough {
+  std::vector<Vec2> points;
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<Marked> marked;
+  std::vector<std::pair<Index, Vec2>> places;
+};
 
-Mesh triangulate(const Shape& shape, const Sizing& given) {
-  if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
-  const Sizing sizing = checked(shape, given);
-  const Drawing drawing = draw(shape);
-  Vec2 low = drawing.corners.front(), high = low;
-  const Pieces outline = split_evenly(drawing);
-  for (const Vec2& x : outline.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double margin = 0.01 * drawing.extent;
-  const SizeField field = size_field(find_sources(shape, drawing, sizing), sizing.size, sizing.grading,
-                                     low.array() - margin, high.array() + margin);
-  // Chords may touch what their arcs do not: then the arcs get more pieces.
-  Pieces pieces = split_to_size(drawing, field, 1);
-  for (int finer = 2; const auto problem = find_contact(shape, drawing, pieces, {0, 0}, false); finer *= 2) {
-    if (finer > 16) throw Error(Fault::Geometry, *problem);
-    pieces = split_to_size(drawing, field, finer);
-  }
-
+Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
+              double min_angle_deg) {
   Triangulation triangulation;
   const std::vector<Vertex> vertex = insert_pieces(triangulation, pieces);
   Face hint = vertex.front()->face();
   for (const Vec2& x : lattice_points(drawing, pieces, field, std::size_t(max_triangles / 2)))
     hint = triangulation.insert({x.x(), x.y()}, hint)->face();
   mark_domain(triangulation, drawing, pieces);
-  refine(triangulation, Criteria(field, sizing.min_angle_deg), shape, drawing, pieces);
+  refine(triangulation, Criteria(field, min_angle_deg), shape, drawing, pieces);
 
-  std::vector<Marked> marked;
   std::vector<std::vector<Vertex>> chains;
   for (const Piece& piece : pieces.pieces) {
     chains.push_back(chain(triangulation, vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]));
@@ -279,31 +266,93 @@ Mesh triangulate(const Shape& shape, const Sizing& given) {
                               pieces.points[std::size_t(piece.a)].x(), pieces.points[std::size_t(piece.a)].y()));
   }
   for (const Vertex v : triangulation.finite_vertex_handles()) v->info().value = none;
-  std::vector<Vec2> points;
-  std::vector<std::array<Index, 3>> triangles;
-  points.reserve(triangulation.number_of_vertices());
-  triangles.reserve(triangulation.number_of_faces());
+  Rough rough;
+  rough.points.reserve(triangulation.number_of_vertices());
+  rough.triangles.reserve(triangulation.number_of_faces());
   for (const Face face : triangulation.finite_face_handles()) {
     if (!face->is_in_domain()) continue;
     std::array<Index, 3> t;
     for (int i = 0; i < 3; ++i) {
       Index& number = face->vertex(i)->info().value;
       if (number == none) {
-        number = Index(points.size());
-        points.push_back(vec(face->vertex(i)->point()));
+        number = Index(rough.points.size());
+        rough.points.push_back(vec(face->vertex(i)->point()));
       }
       t[std::size_t(i)] = number;
     }
-    triangles.push_back(t);
+    rough.triangles.push_back(t);
   }
   for (std::size_t i = 0; i < chains.size(); ++i) {
-    const Strand& strand = drawing.strands[std::size_t(pieces.pieces[i].strand)];
+    const Piece& piece = pieces.pieces[i];
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
     for (std::size_t k = 0; k + 1 < chains[i].size(); ++k)
-      marked.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, strand.label, strand.crack});
+      rough.marked.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, strand.label, strand.crack});
+    if (strand.crack == none || !strand.arc) continue;
+    const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
+    for (std::size_t k = 1; k + 1 < chains[i].size(); ++k) {
+      const double part = (vec(chains[i][k]->point()) - a).norm() / (b - a).norm();
+      rough.places.push_back(
+          {chains[i][k]->info().value, point(drawing, strand, piece.from + part * (piece.to - piece.from))});
+    }
   }
-  const Mesh rough = connect(std::move(points), std::move(triangles), marked);
-  Smoothed smoothed = smooth(rough, sizing.min_angle_deg, sweeps);
-  return connect(std::move(smoothed.points), std::move(smoothed.triangles), marked);
+  return rough;
+}
+
+/// Moves the points on chords to their arcs. False when that would flatten a triangle.
+bool place_on_arcs(Rough& rough) {
+  if (rough.places.empty()) return true;
+  const auto twice = [&](const std::vector<Vec2>& x, const std::array<Index, 3>& t) {
+    return cross(x[std::size_t(t[1])] - x[std::size_t(t[0])], x[std::size_t(t[2])] - x[std::size_t(t[0])]);
+  };
+  std::vector<Vec2> moved = rough.points;
+  for (const auto& [v, x] : rough.places) moved[std::size_t(v)] = x;
+  for (const std::array<Index, 3>& t : rough.triangles)
+    if (!(twice(moved, t) > 0.3 * twice(rough.points, t))) return false;
+  rough.points = std::move(moved);
+  return true;
+}
+
+SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& sizing, const Background* background) {
+  Vec2 low = drawing.corners.front(), high = low;
+  const Pieces outline = split_evenly(drawing);
+  for (const Vec2& x : outline.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double margin = 0.01 * drawing.extent;
+  SizeField field = size_field(find_sources(shape, drawing, sizing, !background), sizing.size, sizing.grading,
+                               low.array() - margin, high.array() + margin);
+  if (background) add_background(field, *background, 1e-9 * drawing.extent);
+  return field;
+}
+
+Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
+  if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
+  const Sizing sizing = checked(shape, given);
+  const Drawing drawing = draw(shape);
+  const SizeField field = field_of(shape, drawing, sizing, background);
+  // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
+  for (int finer = 1;; finer *= 2) {
+    const Pieces pieces = split_to_size(drawing, field, finer);
+    const auto problem = find_contact(shape, drawing, pieces, {0, 0}, false);
+    if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
+    if (problem) continue;
+    Rough rough = mesh_of(shape, drawing, pieces, field, sizing.min_angle_deg);
+    if (!place_on_arcs(rough) && finer < 16) continue;
+    const Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
+    Smoothed smoothed = smooth(mesh, sizing.min_angle_deg, sweeps);
+    return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked);
+  }
+}
+
+}  // namespace
+
+Mesh triangulate(const Shape& shape, const Sizing& sizing) {
+  return triangulate(shape, sizing, nullptr);
+}
+
+Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background) {
+  return triangulate(shape, sizing, &background);
 }
 
 }  // namespace kerf

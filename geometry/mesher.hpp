@@ -14,10 +14,23 @@ struct Sizing {
   double min_angle_deg = 25;  // wherever the input angles allow it
 };
 
+/// Target edge lengths for a further mesh of the same shape, at the vertices of an earlier one: linear in its
+/// triangles, constant beyond its boundary. The mesh must outlive the call that it is given to.
+struct Background {
+  const Mesh* mesh;
+  std::vector<double> size;  // per vertex, positive
+};
+
 /// Constrained Delaunay triangulation, seeded with a hexagonal lattice per size level, refined (Ruppert, Shewchuk) and
 /// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area. Besides tips, short
 /// edges are asked for by kinks and mouths of cracks, reentrant corners, curved sides, short sides and narrow gaps.
 /// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
+
+/// The same with the target min(sizing.size, background) instead of what tips, kinks, junctions, mouths and reentrant
+/// corners ask for. The background is limited to grow by `grading` per length along the edges of its mesh, and to no
+/// less than 1e-9 of the extent.
+/// Throws std::invalid_argument when the background does not fit its mesh.
+Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background);
 
 }  // namespace kerf

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kerf {
 
@@ -29,15 +30,17 @@ bool usable(const Vec2& x) {
   return x.allFinite() && x.cwiseAbs().maxCoeff() < 1e100;
 }
 
+bool usable(const Arc& arc) {
+  return usable(arc.center) && usable(arc.axes.col(0)) && usable(arc.axes.col(1)) && std::isfinite(arc.from) &&
+         std::isfinite(arc.to);
+}
+
 Problem numbers(const Shape& shape) {
   for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
     const std::vector<Side>& sides = loop(shape, l).sides;
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const Side& side = sides[i];
-      const bool arc_usable =
-          !side.arc || (usable(side.arc->center) && usable(side.arc->axes.col(0)) && usable(side.arc->axes.col(1)) &&
-                        std::isfinite(side.arc->from) && std::isfinite(side.arc->to));
-      if (!usable(side.start) || !arc_usable)
+      if (!usable(side.start) || (side.arc && !usable(*side.arc)))
         return fmt::format("side {} of {} has a coordinate that is no finite number below 1e100", i + 1,
                            name(shape, l));
       if (side.label < none || side.label >= Index(shape.labels.size()))
@@ -45,11 +48,14 @@ Problem numbers(const Shape& shape) {
                            side.label, shape.labels.size());
     }
   }
-  for (const Crack& crack : shape.cracks)
+  for (const Crack& crack : shape.cracks) {
+    if (crack.arc && !usable(*crack.arc))
+      return fmt::format("the arc of crack '{}' has a number that is no finite number below 1e100", crack.name);
     for (std::size_t i = 0; i < crack.points.size(); ++i)
       if (!usable(crack.points[i]))
         return fmt::format("point {} of crack '{}' has a coordinate that is no finite number below 1e100", i + 1,
                            crack.name);
+  }
   return {};
 }
 
@@ -67,6 +73,10 @@ Problem counts(const Shape& shape) {
     if (crack.points.size() < 2)
       return fmt::format("crack '{}' has {} point{}; its path needs at least two", crack.name, crack.points.size(),
                          crack.points.size() == 1 ? "" : "s");
+  for (const Crack& crack : shape.cracks)
+    if (crack.arc && crack.points.size() != 2)
+      return fmt::format("crack '{}' is an arc with {} points; it needs its start and its end", crack.name,
+                         crack.points.size());
   return {};
 }
 
@@ -76,11 +86,27 @@ Problem arc_problem(const Arc& arc, const Vec2& start, const Vec2& end, double s
   if (!(least > touch_tolerance * size)) return "has an arc without a radius; its axes must not be zero or parallel";
   const double turn = std::abs(arc.to - arc.from);
   if (!(turn * least > touch_tolerance * size)) return "has zero length";
-  if (turn > 2 * std::acos(-1.0) + 1e-9) return "has an arc that turns by more than 2 pi";
+  if (turn > 2 * std::numbers::pi + 1e-9) return "has an arc that turns by more than 2 pi";
   if (!((at(arc, arc.from) - start).norm() <= join_tolerance * size))
     return fmt::format("has an arc that starts at {} instead of {}", text(at(arc, arc.from)), text(start));
   if (!((at(arc, arc.to) - end).norm() <= join_tolerance * size))
     return fmt::format("has an arc that ends at {} instead of {}", text(at(arc, arc.to)), text(end));
+  return {};
+}
+
+Problem crack_arc_problem(const Crack& crack, double size) {
+  const Arc& arc = *crack.arc;
+  const double radius = arc.axes.col(0).norm();
+  if (!(radius > touch_tolerance * size)) return "has an arc without a radius; it must be positive";
+  if (!(radius < 1e5 * size)) return fmt::format("has an arc of radius {:.3g}, too flat; draw it straight", radius);
+  if (!((arc.axes.transpose() * arc.axes - radius * radius * Mat2::Identity()).norm() <= 1e-9 * radius * radius))
+    return "is an arc of no circle";
+  if (!(std::abs(arc.to - arc.from) < 2 * std::numbers::pi))
+    return "turns by a full circle or more; a closed cut is a hole";
+  if (!((at(arc, arc.from) - crack.points.front()).norm() + (at(arc, arc.to) - crack.points.back()).norm() <=
+        touch_tolerance * size))
+    return fmt::format("has an arc from {} to {}, but other end points", text(at(arc, arc.from)),
+                       text(at(arc, arc.to)));
   return {};
 }
 
@@ -99,16 +125,21 @@ Problem lengths(const Shape& shape, double size) {
     }
   }
   for (const Crack& crack : shape.cracks) {
-    double length = 0;
-    for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) {
+    if (crack.arc)
+      if (const Problem problem = crack_arc_problem(crack, size))
+        return fmt::format("crack '{}' {}", crack.name, *problem);
+    for (std::size_t i = 0; !crack.arc && i + 1 < crack.points.size(); ++i) {
       const double edge = (crack.points[i + 1] - crack.points[i]).norm();
       if (!(edge > touch_tolerance * size))
         return fmt::format("edge {} of crack '{}' has zero length at {}; remove the repeated point", i + 1, crack.name,
                            text(crack.points[i]));
-      length += edge;
     }
+    const double length = path_length(crack);
     if (!(length > 4 * join_tolerance * size))
       return fmt::format("crack '{}' is too short: {:.3g} in a body of extent {:.3g}", crack.name, length, size);
+    if ((crack.points.front() - crack.points.back()).norm() <= join_tolerance * size)
+      return fmt::format("crack '{}' touches itself at {}: it starts and ends there; a closed cut is a hole",
+                         crack.name, text(crack.points.front()));
   }
   return {};
 }
@@ -162,25 +193,57 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
   return {};
 }
 
-Problem closed_crack(const Shape& shape, const Drawing& drawing) {
-  std::vector<Index> start(shape.cracks.size(), none), end(shape.cracks.size(), none);
+/// Cracks that come back to a junction where they have been, or pass through the mouth of another one.
+Problem revisited(const Shape& shape, const Drawing& drawing) {
+  std::vector<std::vector<Index>> corners(shape.cracks.size());  // in the order of the path
+  std::vector<Index> loop_of(drawing.corners.size(), none);
+  for (const Strand& strand : drawing.strands) {
+    if (strand.crack == none) {
+      loop_of[std::size_t(strand.from)] = strand.loop;
+      continue;
+    }
+    std::vector<Index>& path = corners[std::size_t(strand.crack)];
+    if (path.empty()) path.push_back(strand.from);
+    path.push_back(strand.to);
+  }
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    std::vector<Index>& path = corners[c];
+    for (std::size_t i = 1; i + 1 < path.size(); ++i)
+      if (const Index l = loop_of[std::size_t(path[i])]; l != none)
+        return fmt::format("crack '{}' meets {} at {} between its ends; only its ends may lie there",
+                           shape.cracks[c].name, name(shape, std::size_t(l)),
+                           text(drawing.corners[std::size_t(path[i])]));
+    std::sort(path.begin(), path.end());
+    const auto twice = std::adjacent_find(path.begin(), path.end());
+    if (twice != path.end())
+      return fmt::format("crack '{}' touches itself at {}; a crack must be a simple path", shape.cracks[c].name,
+                         text(drawing.corners[std::size_t(*twice)]));
+  }
+  return {};
+}
+
+/// Cracks that meet at less than a degree, or touch without crossing.
+Problem wedges(const Shape& shape, const Drawing& drawing) {
+  struct Arm {
+    Index corner, crack;
+    Vec2 direction;
+  };
+  std::vector<Arm> arms;
   for (const Strand& strand : drawing.strands) {
     if (strand.crack == none) continue;
-    if (start[std::size_t(strand.crack)] == none) start[std::size_t(strand.crack)] = strand.from;
-    end[std::size_t(strand.crack)] = strand.to;
+    arms.push_back({strand.from, strand.crack, velocity(drawing, strand, 0)});
+    arms.push_back({strand.to, strand.crack, -velocity(drawing, strand, 1)});
   }
-  for (std::size_t c = 0; c < shape.cracks.size(); ++c)
-    if (start[c] == end[c] ||
-        (shape.cracks[c].points.front() - shape.cracks[c].points.back()).norm() <= join_tolerance * drawing.extent)
-      return fmt::format("crack '{}' touches itself at {}: it starts and ends there; a closed cut is a hole",
-                         shape.cracks[c].name, text(shape.cracks[c].points.front()));
-  // Ends that meet on a side share its corner, where the pieces themselves may meet.
-  for (std::size_t c = 0; c < shape.cracks.size(); ++c)
-    for (std::size_t d = c + 1; d < shape.cracks.size(); ++d)
-      for (const Index corner : {start[c], end[c]})
-        if (corner == start[d] || corner == end[d])
-          return fmt::format("cracks '{}' and '{}' touch at {}; branching cracks are not supported yet",
-                             shape.cracks[c].name, shape.cracks[d].name, text(drawing.corners[std::size_t(corner)]));
+  std::stable_sort(arms.begin(), arms.end(), [](const Arm& a, const Arm& b) { return a.corner < b.corner; });
+  for (auto a = arms.begin(); a != arms.end(); ++a)
+    for (auto b = a + 1; b != arms.end() && b->corner == a->corner; ++b) {
+      const double angle = std::abs(std::atan2(cross(a->direction, b->direction), a->direction.dot(b->direction)));
+      if (a->crack == b->crack || angle >= std::numbers::pi / 180) continue;
+      const auto [one, other] = std::minmax(a->crack, b->crack);
+      return fmt::format("cracks '{}' and '{}' meet at {} at an angle of {:.2g} degrees; at least 1 is needed",
+                         shape.cracks[std::size_t(one)].name, shape.cracks[std::size_t(other)].name,
+                         text(drawing.corners[std::size_t(a->corner)]), angle * 180 / std::numbers::pi);
+    }
   return {};
 }
 
@@ -203,7 +266,8 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
-  if (Problem problem = closed_crack(shape, drawing)) return problem;
+  if (Problem problem = revisited(shape, drawing)) return problem;
+  if (Problem problem = wedges(shape, drawing)) return problem;
   return places(shape, drawing, pieces);
 }
 

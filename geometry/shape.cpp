@@ -44,6 +44,18 @@ Loop polygon(std::string name, const std::vector<Vec2>& points, Index label) {
   return loop;
 }
 
+Crack arc_crack(std::string name, const Vec2& center, double radius, double from_rad, double to_rad) {
+  const Arc arc{center, radius * Mat2::Identity(), from_rad, to_rad};
+  return {std::move(name), {at(arc, from_rad), at(arc, to_rad)}, arc};
+}
+
+double path_length(const Crack& crack) {
+  if (crack.arc) return largest_radius(*crack.arc) * std::abs(crack.arc->to - crack.arc->from);
+  double sum = 0;
+  for (std::size_t i = 1; i < crack.points.size(); ++i) sum += (crack.points[i] - crack.points[i - 1]).norm();
+  return sum;
+}
+
 Polygon flatten(const Loop& loop, double chord, double longest) {
   if (!(chord > 0) || !(longest > 0))
     throw Error(Fault::Geometry,

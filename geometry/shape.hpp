@@ -29,7 +29,8 @@ struct Loop {  // closed; either orientation, find_problem does not mind
 
 struct Crack {
   std::string name;
-  std::vector<Vec2> points;  // open polyline
+  std::vector<Vec2> points;  // open polyline; of an arc its start and its end
+  std::optional<Arc> arc;    // of a circle; absent: straight edges
 };
 
 struct Shape {
@@ -42,6 +43,9 @@ struct Shape {
 Loop circle(std::string name, const Vec2& center, double radius, Index label);
 Loop ellipse(std::string name, const Vec2& center, const Vec2& semi_axes, double angle_rad, Index label);
 Loop polygon(std::string name, const std::vector<Vec2>& points, Index label);
+Crack arc_crack(std::string name, const Vec2& center, double radius, double from_rad, double to_rad);
+
+double path_length(const Crack& crack);
 
 /// The loop as a counter-clockwise polygon whose vertices lie on it. No chord is further than `chord` from its arc, no
 /// piece of an arc longer than `longest`; `label` per piece. Straight sides are not split.
@@ -54,8 +58,8 @@ Polygon flatten(const Loop& loop, double chord, double longest);
 /// The first thing that makes the shape unusable, in words that name it ("crack 'c' leaves the body at (1, 0)"), or
 /// nothing. Knows: fewer than three sides, zero-length sides, non-finite numbers, a loop that crosses or touches
 /// itself, holes outside the outline, touching it or each other, cracks outside the body or crossing its boundary,
-/// crossing, touching or overlapping cracks, a crack that crosses itself or runs along the boundary. A crack may end on
-/// the outline or on a hole.
+/// overlapping cracks, cracks that meet at less than a degree, a crack that crosses itself or runs along the boundary.
+/// Cracks may cross, and end on the outline, on a hole or on each other.
 std::optional<std::string> find_problem(const Shape& shape);
 
 /// Length scale of the shape: the diagonal of its bounding box.

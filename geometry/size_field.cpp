@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <queue>
 
 namespace kerf {
 
@@ -56,6 +58,62 @@ void grow(SizeField& field, std::size_t node, const Vec2& low, double width, con
     grow(field, child + std::size_t(q), low + width / 2 * Vec2(q & 1, q >> 1), width / 2, kept, depth + 1);
 }
 
+/// Lowers sizes until none exceeds a neighbour's by more than grading times the edge: in the order of the sizes, so
+/// that each vertex is settled once.
+void limit_growth(const Mesh& mesh, double grading, std::vector<double>& size) {
+  std::vector<Index> start(mesh.points.size() + 1, 0), edge(2 * mesh.edges.size());
+  for (const auto& e : mesh.edges)
+    for (const Index v : e) ++start[std::size_t(v) + 1];
+  for (std::size_t v = 0; v + 1 < start.size(); ++v) start[v + 1] += start[v];
+  std::vector<Index> fill(start.begin(), start.end() - 1);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    for (const Index v : mesh.edges[e]) edge[std::size_t(fill[std::size_t(v)]++)] = Index(e);
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  const auto pass_on = [&](std::size_t v) {
+    for (Index i = start[v]; i < start[v + 1]; ++i) {
+      const Index e = edge[std::size_t(i)];
+      const auto [a, b] = mesh.edges[std::size_t(e)];
+      const std::size_t other = std::size_t(std::size_t(a) == v ? b : a);
+      const double most = size[v] + grading * length(mesh, e);
+      if (!(size[other] > most * (1 + 1e-12))) continue;
+      size[other] = most;
+      open.push({most, Index(other)});
+    }
+  };
+  for (std::size_t v = 0; v < size.size(); ++v) pass_on(v);
+  while (!open.empty()) {
+    const auto [h, v] = open.top();
+    open.pop();
+    if (h == size[std::size_t(v)]) pass_on(std::size_t(v));
+  }
+}
+
+/// Linear in the triangle that contains x; beyond the boundary the value at the nearest point.
+double background_at(const SizeField& field, const Vec2& x) {
+  const Mesh& mesh = *field.background;
+  Index t = locate(mesh, field.locator, x);
+  Vec2 y = x;
+  if (t == none) {
+    t = nearest_triangle(mesh, field.locator, x);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& v = mesh.triangles[std::size_t(t)];
+      const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];
+      const Vec2 foot = a + std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a);
+      if ((foot - x).squaredNorm() >= least) continue;
+      least = (foot - x).squaredNorm();
+      y = foot;
+    }
+  }
+  const auto& [a, b, c] = mesh.triangles[std::size_t(t)];
+  const Vec2 &p = mesh.points[std::size_t(a)], &q = mesh.points[std::size_t(b)], &r = mesh.points[std::size_t(c)];
+  const double whole = cross(q - p, r - p), in_b = cross(y - p, r - p) / whole, in_c = cross(q - p, y - p) / whole;
+  const double ha = field.at_vertex[std::size_t(a)], hb = field.at_vertex[std::size_t(b)],
+               hc = field.at_vertex[std::size_t(c)];
+  return std::clamp(ha + in_b * (hb - ha) + in_c * (hc - ha), std::min({ha, hb, hc}), std::max({ha, hb, hc}));
+}
+
 constexpr double degree = std::numbers::pi / 180;
 
 double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
@@ -105,12 +163,27 @@ SizeField size_field(std::vector<Source> sources, double cap, double grading, co
                   .sources = std::move(sources),
                   .low = low,
                   .width = (high - low).maxCoeff(),
-                  .nodes = std::vector<SizeField::Node>(1),
-                  .listed = {}};
+                  .nodes = std::vector<SizeField::Node>(1)};
   std::vector<Index> all(field.sources.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = Index(i);
   grow(field, 0, field.low, field.width, all, 0);
   return field;
+}
+
+void add_background(SizeField& field, const Background& background, double least) {
+  const Mesh& mesh = *background.mesh;
+  if (background.size.size() != mesh.points.size() || mesh.triangles.empty())
+    throw std::invalid_argument(fmt::format("a background of {} sizes for a mesh of {} vertices and {} triangles",
+                                            background.size.size(), mesh.points.size(), mesh.triangles.size()));
+  field.at_vertex = background.size;
+  for (double& h : field.at_vertex) {
+    if (!(h > 0)) throw std::invalid_argument(fmt::format("the background has a size of {}; it must be positive", h));
+    h = std::clamp(h, least, field.cap);
+  }
+  limit_growth(mesh, field.grading, field.at_vertex);
+  field.cap = *std::max_element(field.at_vertex.begin(), field.at_vertex.end());
+  field.background = &mesh;
+  field.locator = make_locator(mesh);
 }
 
 double size_at(const SizeField& field, const Vec2& x) {
@@ -122,7 +195,7 @@ double size_at(const SizeField& field, const Vec2& x) {
     local -= Vec2(right, top);
     node = &field.nodes[std::size_t(node->child + right + 2 * top)];
   }
-  double h = field.cap;
+  double h = field.background ? std::min(field.cap, background_at(field, x)) : field.cap;
   for (Index i = 0; i < node->count; ++i)
     h = std::min(h, size_of(field, field.sources[std::size_t(field.listed[std::size_t(node->first + i)])], x));
   return h;
@@ -143,46 +216,67 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
   return reentrant;
 }
 
-std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing) {
+std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
+                                 bool singular_points) {
   const double size = sizing.size;
-  const double corner = size / 25;  // kinks and reentrant corners are singular too, if less than tips
+  const double corner = size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
   std::vector<Source> sources;
   const auto ask = [&](Index corner, double wanted, double reach = 0) {
+    if (!singular_points) return;
     const Vec2& x = drawing.corners[std::size_t(corner)];
     sources.push_back({x, x, wanted, std::min(reach, extent(shape) / 8)});
   };
   std::vector<double> crack_length(shape.cracks.size(), 0), shortest(drawing.corners.size(), extent(shape));
   for (const Strand& s : drawing.strands) {
-    const double length = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
-    if (s.crack != none) crack_length[std::size_t(s.crack)] += length;
+    if (s.crack != none) crack_length[std::size_t(s.crack)] += length(drawing, s);
+    const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
     if (s.loop != none)
       for (const Index corner : {s.from, s.to})
-        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], length);
+        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], chord);
   }
   std::vector<bool> on_loop(drawing.corners.size(), false);
+  std::vector<Index> meets(drawing.corners.size(), none);  // the cracks that meet there, if several
+  std::vector<bool> junction(drawing.corners.size(), false), asked(drawing.corners.size(), false);
   for (const Strand& s : drawing.strands)
-    if (s.loop != none) on_loop[std::size_t(s.from)] = true;
+    for (const Index corner : {s.from, s.to}) {
+      if (s.loop != none) {
+        on_loop[std::size_t(corner)] = true;
+        continue;
+      }
+      Index& crack = meets[std::size_t(corner)];
+      if (crack != none && crack != s.crack) junction[std::size_t(corner)] = true;
+      crack = s.crack;
+    }
 
   for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
     const Strand& strand = drawing.strands[i];
-    if (strand.arc) {
-      add_curved(drawing, strand, size, sources);
-    } else {
-      // A short side is an edge of the mesh as it is: its neighbours grow from its length.
-      const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
-      if ((b - a).norm() < size) sources.push_back({a, b, (b - a).norm()});
-    }
+    const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
+    if (strand.arc) add_curved(drawing, strand, size, sources);
+    // A short side is an edge of the mesh as it is: its neighbours grow from its length.
+    const double side = length(drawing, strand);
+    if (side < size && strand.from != strand.to) sources.push_back({a, b, side});
     const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
     if (strand.crack != none) {
       const double reach = crack_length[std::size_t(strand.crack)] / 4;
       const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
-      if (follows &&
-          std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1), velocity(drawing, strand, 0))) > 5 * degree)
-        ask(strand.from, corner, reach / 2);  // milder than a tip
-      if (!follows)
-        on_loop[std::size_t(strand.from)] ? ask(strand.from, size / 4) : ask(strand.from, sizing.crack_tip_size, reach);
-      if (last)
-        on_loop[std::size_t(strand.to)] ? ask(strand.to, size / 4) : ask(strand.to, sizing.crack_tip_size, reach);
+      const auto ask_end = [&](Index end) {
+        if (on_loop[std::size_t(end)])
+          ask(end, size / 4);
+        else if (!junction[std::size_t(end)])
+          ask(end, sizing.crack_tip_size, reach);
+      };
+      const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
+                                                 velocity(drawing, strand, 0))) > 5 * degree;
+      for (const Index end : {strand.from, strand.to})
+        if (junction[std::size_t(end)] && !on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+          asked[std::size_t(end)] = true;
+          ask(end, corner, reach / 2);
+        }
+      if (kink && !junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
+      if (!follows) ask_end(strand.from);
+      if (last) ask_end(strand.to);
+      // The two ends of an arc that nearly closes.
+      if (strand.arc && (b - a).norm() < std::min(size, side / 2)) sources.push_back({a, b, (b - a).norm() / 2});
     }
   }
   const std::vector<bool> reentrant = reentrant_corners(drawing);

@@ -18,7 +18,8 @@ struct Source {
   double reach = 0;
 };
 
-/// The sources, filed in a quadtree: a leaf lists those that can be the least one somewhere in its square.
+/// The sources, filed in a quadtree: a leaf lists those that can be the least one somewhere in its square. And a target
+/// given at the vertices of an earlier mesh.
 struct SizeField {
   struct Node {
     Index child = none;  // the first of four, or none for a leaf
@@ -30,14 +31,23 @@ struct SizeField {
   double width = 1;
   std::vector<Node> nodes;
   std::vector<Index> listed;
+  const Mesh* background = nullptr;
+  std::vector<double> at_vertex;  // of the background
+  Locator locator;
 };
 SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high);
+
+/// The background's sizes between `least` and the field's cap, growing by the field's grading at most; lowers the cap
+/// to the largest of them. Throws std::invalid_argument.
+void add_background(SizeField& field, const Background& background, double least);
 
 double size_at(const SizeField& field, const Vec2& x);
 
 /// What asks for short edges in a drawing: crack tips inside the body, kinks and mouths of cracks, reentrant corners,
-/// curved sides, narrow gaps. Throws Error(Geometry) naming the two sides of a gap too narrow to mesh.
-std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing);
+/// curved sides, narrow gaps; without `singular_points` only the last two and short sides. Throws Error(Geometry)
+/// naming the two sides of a gap too narrow to mesh.
+std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
+                                 bool singular_points);
 
 /// Per corner whether the body fills more than 190 degrees around it (corners of loops only).
 std::vector<bool> reentrant_corners(const Drawing& drawing);

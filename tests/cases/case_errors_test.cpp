@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[hole]]\nname = 'h'", "a.toml:7:1: [[hole]] needs one of circle, ellipse, polygon"},
         Wrong{"[[hole]]\nname = 'h'\ncircle = { radius = 1 }",
               "a.toml:9:10: missing key \"center\" in circle in [[hole]]; add it"},
-        Wrong{"[[crack]]\nname = 'c'", "a.toml:7:1: missing key \"path\" in [[crack]]; add it"},
+        Wrong{"[[crack]]\nname = 'c'", "a.toml:7:1: [[crack]] needs one of path, arc"},
         Wrong{"[[boundary]]\npressure = 1", "a.toml:7:1: missing key \"on\" in [[boundary]]; add it"},
         Wrong{"[[boundary]]\non = 'top'",
               "a.toml:7:1: [[boundary]] prescribes nothing; give traction, pressure or displacement, displacement_x, "
@@ -130,6 +130,13 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:8:14: entry 2 of on in [[boundary]]: label \"top\" appears twice"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[0.1, 0.1], [0.2, 0.1]]\n[[crack]]\nname = 'c'\npath = [[0, 0], [1, 1]]",
               "a.toml:11:8: name in [[crack]]: the name \"c\" is taken; give each its own"},
+        Wrong{"[[crack]]\nname = 'c'\narc = { center = [0, 0] }",
+              "a.toml:9:7: missing key \"from_deg\" in arc in [[crack]]; add it"},
+        Wrong{
+            "[[crack]]\nname = 'c'\narc = { center = [0, 0], radius = 1, from_deg = 10, to_deg = 370 }",
+            "a.toml:9:7: arc in [[crack]] runs from 10 to 370 degrees; an arc turns by more than 0 and less than 360"},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[0, 0], [1, 1]]\narc = {}",
+              "a.toml:10:7: [[crack]] has both path and arc; keep one"},
         Wrong{"[[probe]]\nname = 'p'\npoints = [[0, 0]]\nfile = 'a'",
               "a.toml:10:8: [[probe]] has both points and file; keep one"}));
 
@@ -139,9 +146,6 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[region]]\nname = 'r'", "a.toml:7:3: \"region\" is not supported yet; the body has one [material]"},
         Wrong{"[validate]\npoints = []", "a.toml:7:2: \"validate\" is not supported yet; remove the table"},
         Wrong{"[[optimize.hole]]", "a.toml:7:3: \"optimize\" is not supported yet; remove the table"},
-        Wrong{"[[crack]]\nname = 'c'\narc = { center = [0, 0] }",
-              "a.toml:9:1: \"arc\" in [[crack]] is not supported yet; give the crack as a polyline, path = [[x, y], "
-              "...]"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\nfriction = 0.3",
               "a.toml:10:12: friction in [[crack]] > 0 is not supported yet; use friction = 0.0"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\ntresca = 1",
@@ -171,7 +175,7 @@ TEST(Case, DomainErrors) {
   EXPECT_EQ(error("[domain]\nfile = 'plate.msh'\n" + material),
             "a.toml:2:1: \"file\" in [domain] is not supported yet; draw the body with outline, sides and [[hole]]");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0]]\nsides = ['a', 'b']\n" + material),
-            "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3");
+            "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3, or 2 with an arc");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nsides = ['a', 'b']\n" + material),
             "a.toml:3:9: sides in [domain] has 2 labels for the 3 edges of the outline; give one per edge");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], { arc_to = [0, 1], center = [0, 0.5] }]\nsides = ['a', 'b', "

@@ -192,6 +192,29 @@ poisson = 0
   EXPECT_EQ(sides[1].label, 1);
 }
 
+TEST(Case, DiscOfTwoArcs) {
+  const Case c = read(R"([domain]
+outline = [{ arc_to = [1, 0], center = [0, 0] }, { arc_to = [-1, 0], center = [0, 0] }]
+sides = ["upper", "lower"]
+[material]
+young = 1
+poisson = 0
+)");
+  EXPECT_EQ(find_problem(c.shape), std::nullopt);
+  ASSERT_EQ(c.shape.outline.sides.size(), 2u);
+  for (const Side& side : c.shape.outline.sides) EXPECT_NEAR(side.arc->to - side.arc->from, M_PI, 1e-14);
+}
+
+TEST(Case, ArcCracks) {
+  const Case c =
+      read(square + "[[crack]]\nname = 'c'\narc = { center = [1, 0.5], radius = 0.25, from_deg = 90, to_deg = -30 }\n");
+  const Crack& crack = c.shape.cracks.at(0);
+  ASSERT_TRUE(crack.arc);
+  EXPECT_NEAR((crack.points.at(0) - Vec2(1, 0.75)).norm(), 0, 1e-15);
+  EXPECT_NEAR((crack.points.at(1) - Vec2(1 + 0.125 * std::sqrt(3.0), 0.375)).norm(), 0, 1e-15);
+  EXPECT_NEAR(path_length(crack), 0.25 * 2 * M_PI / 3, 1e-15);
+}
+
 TEST(Case, ArcTakesTheShorterWayAndExactEnds) {
   const Case c = read(R"([domain]
 outline = [[0, 0], [2, 0], [2, 1.0000005], { arc_to = [1, 2], center = [1, 1] }, [0, 2]]

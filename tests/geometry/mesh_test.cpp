@@ -272,6 +272,35 @@ TEST(Locate, FindsPointsEdgesAndVertices) {
   }
 }
 
+TEST(Locate, FindsTheNearestTriangle) {
+  // Graded over eight decades, with a hole.
+  Mesh m = grid(16, 12, {{5, 5}});
+  for (Vec2& x : m.points) x = {std::pow(10, x.x() / 2 - 8), x.y() / 12};
+  const Locator locator = make_locator(m);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 300; ++i) {
+    const Vec2 x(std::pow(10, 9 * unit(random) - 8), 1.4 * unit(random) - 0.2);
+    // The least distance to a triangle, by way of every edge.
+    double least = std::numeric_limits<double>::infinity();
+    const auto to = [&](Index t) {
+      if (holds(m, t, x, 0)) return 0.0;
+      double best = std::numeric_limits<double>::infinity();
+      for (const Index e : m.edges_of[std::size_t(t)]) {
+        const Vec2 &a = m.points[std::size_t(m.edges[std::size_t(e)][0])],
+                   &b = m.points[std::size_t(m.edges[std::size_t(e)][1])];
+        const double s = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+        best = std::min(best, (a + s * (b - a) - x).norm());
+      }
+      return best;
+    };
+    for (std::size_t t = 0; t < m.triangles.size(); ++t) least = std::min(least, to(Index(t)));
+    const Index found = nearest_triangle(m, locator, x);
+    EXPECT_LE(to(found), least * (1 + 1e-12));
+    EXPECT_EQ(locate(m, locator, x) != none, least == 0);
+  }
+}
+
 TEST(Locate, SaysWhatLiesOutside) {
   const Mesh m = grid(6, 4, {{2, 1}});
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -109,6 +109,8 @@ std::vector<Case> good_shapes() {
              {},
              {},
              {"arc", "flat"}};
+  Shape two_arcs = half;
+  two_arcs.outline.sides[1].arc = Arc{{0, 0}, Mat2::Identity(), pi, 2 * pi};
   Shape clockwise = square();
   std::ranges::reverse(clockwise.outline.sides);
   std::vector<Loop> many;
@@ -147,6 +149,8 @@ std::vector<Case> good_shapes() {
       {"disc", disc, {.size = 0.1}, pi},
       {"coarse_disc", disc, {.size = 5}, pi},
       {"half_disc", half, {.size = 0.1}, -1},
+      {"disc_of_two_arcs", two_arcs, {.size = 0.1}, -1},
+      {"coarse_disc_of_two_arcs", two_arcs, {.size = 5}, -1},
       {"l_shape", l_shape, {.size = 0.1}, 3},
       {"crack_in_disc", with(disc, {{"c", {{1, 0}, {0.2, 0.1}}}}), {.size = 0.1}, -1},
       {"crack_outline_to_hole", with(ring, {{"c", {{1, 0}, {0.5, 0}}}}), {.size = 0.08}, -1},

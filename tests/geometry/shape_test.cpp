@@ -134,6 +134,18 @@ std::vector<Bad> bad_shapes() {
     shape.cracks.push_back({"c", std::move(path)});
     return shape;
   };
+  const auto with_arc = [](const Vec2& center, double radius, double from, double to) {
+    Shape shape = square();
+    shape.cracks.push_back(arc_crack("c", center, radius, from, to));
+    return shape;
+  };
+  const auto two_arcs = [&](const Vec2& p, double r, double a, double b, const Vec2& q, double s, double c, double d) {
+    Shape shape = with_arc(p, r, a, b);
+    shape.cracks.push_back(arc_crack("d", q, s, c, d));
+    return shape;
+  };
+  Shape elliptic = with_arc({0, 0}, 1, 0, 1);
+  elliptic.cracks[0].arc->axes(1, 1) = 0.5;
   Shape bad_label = square();
   bad_label.outline.sides[2].label = 7;
   Shape open_arc = with_holes({circle("h", {0, 0}, 1, 0)});
@@ -204,16 +216,32 @@ std::vector<Bad> bad_shapes() {
       {"crack_through_hole", cracked_hole({{-1.5, 0}, {1.5, 0}}), {"crack 'c' crosses hole 'h'"}},
       {"crack_in_hole", cracked_hole({{-0.5, 0}, {0.5, 0}}), {"crack 'c' lies inside hole 'h'"}},
       {"crack_across_hole", cracked_hole({{-1, 0}, {1, 0}}), {"crack 'c' lies inside hole 'h'"}},
-      {"cracks_crossing",
-       two_cracks({{-1, 0}, {1, 0}}, {{0, -1}, {0, 1}}),
-       {"'c' and 'd' cross at (0, 0)", "not supported yet"}},
-      {"cracks_branching",
-       two_cracks({{-1, 0}, {1, 0}}, {{0, 0}, {0, 1}}),
-       {"'c' and 'd' touch at (0, 0)", "not supported yet"}},
-      {"cracks_sharing_a_tip",
-       two_cracks({{-1, 0}, {0, 0}}, {{0, 0}, {0, 1}}),
-       {"'c' and 'd' touch at (0, 0)", "not supported yet"}},
-      {"cracks_sharing_a_mouth", two_cracks({{-2, 0}, {0, 0}}, {{-2, 0}, {0, 1}}), {"'c' and 'd' touch at (-2, 0)"}},
+      {"cracks_nearly_parallel",
+       two_cracks({{-1, 0}, {1, 0}}, {{-1, -0.01}, {1, 0.01}}),
+       {"'c' and 'd' meet at (0, 0) at an angle of 0.57 degrees"}},
+      {"crack_meeting_itself_on_another",
+       two_cracks({{-1, 0}, {1, 0}, {1, 1}, {0, 1}, {0, -1}}, {{-0.5, -0.5}, {0.5, 0.5}}),
+       {"crack 'c' touches itself at (0, 0)"}},
+      {"crack_around_and_back",
+       two_cracks({{-1, 0}, {1, 0}}, {{0, 0}, {0.5, 1}, {-0.5, 1}, {0, 0}}),
+       {"crack 'd' touches itself at (0, 0)"}},
+      {"crack_through_a_mouth",
+       two_cracks({{-2, 0}, {0, 0}}, {{-3, -1}, {-1, 1}}),
+       {"crack 'd' meets the outline at (-2, 0) between its ends"}},
+      {"arc_without_radius", with_arc({0, 0}, 0, 0, 1), {"crack 'c'", "radius"}},
+      {"arc_nan", with_arc({0, 0}, nan, 0, 1), {"arc of crack 'c'", "finite"}},
+      {"arc_flat", with_arc({0, -1e9}, 1e9, 1.57, 1.58), {"crack 'c'", "draw it straight"}},
+      {"arc_full", with_arc({0, 0}, 1, 0, 2 * pi), {"crack 'c'", "full circle"}},
+      {"arc_beyond", with_arc({0, 0}, 1, 0, 7), {"crack 'c'", "full circle"}},
+      {"arc_closing", with_arc({0, 0}, 1, 0, 2 * pi - 1e-6), {"crack 'c' touches itself"}},
+      {"arc_short", with_arc({0, 0}, 1, 0, 1e-6), {"crack 'c' is too short"}},
+      {"arc_leaving", with_arc({1.5, 0}, 1, 1, 6), {"crack 'c' leaves the body"}},
+      {"arc_outside", with_arc({5, 0}, 1, 1, 6), {"crack 'c' lies outside"}},
+      {"arc_touching_the_boundary", with_arc({1, 0}, 1, -1, 1), {"crack 'c' touches the outline at (2, "}},
+      {"arc_elliptic", elliptic, {"crack 'c'", "no circle"}},
+      {"arcs_overlapping", two_arcs({0, 0}, 1, 0, 2, {0, 0}, 1, 1, 3), {"'c' and 'd' overlap"}},
+      {"arcs_tangent", two_arcs({0, 0}, 1, -1, 1, {2, 0}, 1, 2, 4), {"'c' and 'd'"}},
+      {"arcs_nearly_tangent", two_arcs({0, 0}, 1, -1, 1, {1.99999, 0}, 1, 2, 4), {"'c' and 'd' touch at (1, "}},
       {"cracks_equal", two_cracks({{-1, 0}, {1, 0}}, {{-1, 0}, {1, 0}}), {"'c' and 'd' overlap"}},
       {"cracks_overlapping", two_cracks({{-1, 0}, {1, 0}}, {{0, 1e-9}, {1.5, 1e-9}}), {"'c' and 'd' overlap"}},
       {"cracks_nearly_equal", two_cracks({{-1, 0}, {1, 0}}, {{-1, 1e-6}, {1, 1e-6}}), {"'c' and 'd' overlap"}},

@@ -233,7 +233,7 @@ TEST(TipsOnMeshes, FrictionWorksOnTheAuxiliarySlip) {
 }
 
 /// For the state solver with friction: the same numbers without a superposition.
-TEST(TipsOnMeshes, DISABLED_FrictionOfTheStateSolver) {
+TEST(TipsOnMeshes, FrictionOfTheStateSolver) {
   struct Case {
     const char* id;
     CrackLaw law;
