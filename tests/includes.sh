@@ -5,7 +5,8 @@ cd "${1:-.}"
 status=0
 declare -A below=(
   [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [cases]="cases topo solver geometry"
-  [report]="report topo solver geometry" [app]="app cases report topo solver geometry"
+  [report]="report topo solver geometry" [bench]="bench report topo solver geometry"
+  [app]="app bench cases report topo solver geometry"
 )
 for room in "${!below[@]}"; do
   while IFS=: read -r file line; do
