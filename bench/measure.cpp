@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -99,16 +98,17 @@ std::string_view name_of(Grading grading) {
   return grading == Grading::Uniform ? "uniform" : "graded";
 }
 
-Measurement measure(const Problem& problem, const Element& e, Grading grading, double level) {
-  Measurement first = once(problem, e, grading, level, true);
-  if (first.seconds.work() >= 1) return first;
-  std::array<Measurement, 3> runs{first, once(problem, e, grading, level, false),
-                                  once(problem, e, grading, level, false)};
-  std::sort(runs.begin(), runs.end(),
-            [](const Measurement& a, const Measurement& b) { return a.seconds.work() < b.seconds.work(); });
-  runs[1].error = first.error;
-  runs[1].memory_mb = first.memory_mb;
-  return runs[1];
+Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat) {
+  std::vector<Measurement> runs{once(problem, e, grading, level, true)};
+  const Measurement first = runs.front();
+  if (first.seconds.work() < 1)
+    while (static_cast<int>(runs.size()) < repeat) runs.push_back(once(problem, e, grading, level, false));
+  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
+  std::nth_element(runs.begin(), middle, runs.end(),
+                   [](const Measurement& a, const Measurement& b) { return a.seconds.work() < b.seconds.work(); });
+  middle->error = first.error;
+  middle->memory_mb = first.memory_mb;  // before the errors were computed
+  return *middle;
 }
 
 }  // namespace kerf

@@ -34,9 +34,9 @@ struct Measurement {
   bool certified = true;
 };
 
-/// On one thread. Runs below a second are made three times and the one of median work is returned. Throws what the
+/// On one thread. Runs below a second are made `repeat` times and the one of median work is returned. Throws what the
 /// solver throws.
-Measurement measure(const Problem& problem, const Element& e, Grading grading, double level);
+Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat = 3);
 
 std::string_view name_of(Grading grading);
 

@@ -27,7 +27,7 @@ only cholmod solver/factor.cpp
 only 'toml\+\+' cases/reader.cpp
 only muParser cases/expression.cpp
 only vtk report/vtk_module.cpp
-only cairo report/picture.cpp
+only cairo report/pen.hpp
 only nlohmann report/result.cpp
 only CLI app/main.cpp
 only spdlog app/progress.cpp
