@@ -114,8 +114,6 @@ Outcome shell(const std::string& command) {
 /// The scripts write beside themselves: they run in a copy, with the reference data unpacked.
 void copy_scripts(const fs::path& from, const fs::path& to) {
   std::error_code failed;
-  if (!fs::exists(from / "s1.edp") && !fs::exists(from / "dolf.py"))
-    throw Error(Fault::Files, fmt::format("{} holds no peer scripts (s1.edp, dolf.py)", from.string()));
   fs::create_directories(to, failed);
   for (const auto& entry : fs::directory_iterator(from)) {
     const std::string type = entry.path().extension().string();
@@ -133,8 +131,14 @@ void copy_scripts(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
+void require_scripts(const fs::path& folder) {
+  if (!fs::exists(folder / "s1.edp") && !fs::exists(folder / "dolf.py"))
+    throw Error(Fault::Files, fmt::format("{} holds no peer scripts (s1.edp, dolf.py)", folder.string()));
+}
+
 PeerRuns run_peers(const PeerOptions& options) {
   PeerRuns result;
+  require_scripts(options.scripts);
   copy_scripts(options.scripts, options.work);
   std::vector<Job> jobs;
   const auto take = [&](const std::vector<Job>& more) { jobs.insert(jobs.end(), more.begin(), more.end()); };

@@ -32,8 +32,11 @@ struct PeerRuns {
   std::vector<std::string> notes;  // what is not installed, failed or was left out
 };
 
+/// Throws Error(Files) when the folder holds none of the scripts.
+void require_scripts(const std::filesystem::path& folder);
+
 /// FreeFem++ and legacy dolfin, whichever are installed, on one thread. A run that fails or takes too long becomes a
-/// note. Throws Error(Files) when the folder of scripts holds none of them.
+/// note. Throws Error(Files).
 PeerRuns run_peers(const PeerOptions& options);
 
 }  // namespace kerf

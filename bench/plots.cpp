@@ -60,8 +60,8 @@ void draw_contact(const std::filesystem::path& folder, const StateBench& bench, 
     draw(folder / fmt::format("{}_{}.png", name, tag), chart);
   };
   const auto unknowns = [](const Measurement& m) { return static_cast<double>(m.unknowns); };
-  const std::vector<Slope> by_step{{0.5, "h^½"}, {1, "h"}, {1.5, "h^3/2"}, {2, "h²"}};
-  const std::vector<Slope> by_count{{-0.5, "N^−1/2"}, {-1, "N^−1"}, {-2, "N^−2"}};
+  const std::vector<Slope> by_step{{0.5, "slope 1/2"}, {1, "slope 1"}, {2, "slope 2"}};
+  const std::vector<Slope> by_count{{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
   one("stress_step", "mesh step h (longest edge)", stress_label, by_step,
       [](const Measurement& m) { return Vec2(m.h, m.error.stress); });
   one("displacement_unknowns", "number of unknowns N", "relative L2 error of the displacement u*", by_count,
@@ -110,7 +110,7 @@ void draw_state_plots(const std::filesystem::path& folder, const StateBench& ben
     Chart chart = chart_of(m.problem, m.poisson);
     chart.x_label = work_label;
     chart.y_label = stress_label;
-    chart.slopes = {{-0.5, "t^−1/2"}, {-1, "t^−1"}, {-2, "t^−2"}};
+    chart.slopes = {{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
     chart.series = sequences(bench, m.problem, m.poisson, time_and_error);
     draw(folder / fmt::format("error_time_{}.png", problem_tag(m.problem, m.poisson)), chart);
     if (m.problem == "closing-crack") draw_contact(folder, bench, m.problem, m.poisson);

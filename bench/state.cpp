@@ -42,7 +42,7 @@ std::vector<Sequence> sequences(const StateBenchOptions& options) {
 }
 
 constexpr double good_enough = 1e-5;  // no sequence goes beyond this stress error
-constexpr double growth = 3;          // of the time from one level to the next, at most
+constexpr double growth = 2.3;        // of the time from one level to the next
 
 class Runner {
  public:
@@ -129,6 +129,7 @@ std::string ratio(const TimeTo& peer, const TimeTo& own) {
 }  // namespace
 
 StateBench run_state_bench(const StateBenchOptions& options) {
+  if (!options.peers.empty()) require_scripts(options.peers);
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)

@@ -41,16 +41,11 @@ struct Frame {
   }
 };
 
-/// Ends of an axis: the data with some room, and at least one decade between two labels.
+/// Ends of an axis: the data with some room, and enough of a decade for two labels.
 std::array<double, 2> axis(double least, double most) {
   if (!(least <= most)) return {-1, 0};
-  const double room = 0.04 * std::max(1.0, most - least);
-  double low = least - room, high = most + room;
-  if (std::floor(high) - std::ceil(low) < 1) {
-    low = std::floor(low);
-    high = std::ceil(high);
-  }
-  return {low, high};
+  const double room = std::max(0.04 * (most - least), 0.5 * (0.8 - (most - least)));
+  return {least - room, most + room};
 }
 
 void draw_marker(cairo_t* pen, const Vec2& at, std::size_t style, std::uint32_t rgb) {
@@ -83,7 +78,7 @@ void draw_marker(cairo_t* pen, const Vec2& at, std::size_t style, std::uint32_t 
   stroke(pen, 1.5, paper);
 }
 
-void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const Series& s) {
+void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const std::vector<Vec2>& markers, const Series& s) {
   const std::uint32_t rgb = palette[s.style % palette.size()];
   const std::array<double, 2> dashes{11, 9};
   cairo_new_path(pen);
@@ -91,7 +86,7 @@ void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const Series& s) {
   if (s.dashed) cairo_set_dash(pen, dashes.data(), 2, 0);
   stroke(pen, 3, rgb, s.dashed ? 0.75 : 1);
   cairo_set_dash(pen, nullptr, 0, 0);
-  for (const Vec2& p : pixels) draw_marker(pen, p, s.style, rgb);
+  for (const Vec2& p : markers) draw_marker(pen, p, s.style, rgb);
 }
 
 /// One axis: `along` 0 is x, 1 is y. Returns the width of its widest label.
@@ -202,9 +197,9 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
     for (Vec2& p : lines[i]) p = frame.place(p);
-    draw_line(pen, lines[i], chart.series[i]);
+    draw_line(pen, lines[i], lines[i], chart.series[i]);
     const double from = plot.x + plot.width + legend_gap;
-    draw_line(pen, {{from, entry}, {from + legend_line, entry}}, chart.series[i]);
+    draw_line(pen, {{from, entry}, {from + legend_line, entry}}, {{from + 0.5 * legend_line, entry}}, chart.series[i]);
     write(pen, {from + legend_line + 12, entry}, clean_text(chart.series[i].name), legend, 0);
     entry += legend_pitch;
   }

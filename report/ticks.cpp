@@ -99,17 +99,21 @@ LogTicks log_ticks(double low, double high, int at_most) {
     every = step;
     if ((last - first) / step + 1 <= at_most) break;
   }
+  const bool few = last - first < 1;  // then 2 and 5 have labels, too
   LogTicks out;
   for (int k = first - 1; k <= last; ++k) {
     const double decade = std::pow(10.0, k);
-    if (k >= first && (k - first) % every == 0) {
-      out.major.at.push_back(decade);
-      out.major.labels.push_back(power_of_ten(k));
-    } else if (k >= first) {
-      out.minor.push_back(decade);
+    for (const int m : {1, 2, 3, 4, 5, 6, 7, 8, 9}) {
+      const double value = m * decade;
+      if (value < low * (1 - slack) || value > high * (1 + slack)) continue;
+      const bool labelled = m == 1 ? (k - first) % every == 0 : few && (m == 2 || m == 5);
+      if (labelled) {
+        out.major.at.push_back(value);
+        out.major.labels.push_back(m == 1 ? power_of_ten(k) : fmt::format("{}×{}", m, power_of_ten(k)));
+      } else if (every == 1 || m == 1) {
+        out.minor.push_back(value);
+      }
     }
-    for (int m = 2; m <= 9 && every == 1; ++m)
-      if (m * decade >= low && m * decade <= high) out.minor.push_back(m * decade);
   }
   return out;
 }

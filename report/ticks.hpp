@@ -17,7 +17,8 @@ struct Ticks {
 Ticks ticks(double low, double high, int at_most);
 
 /// Powers of ten in [low, high], 0 < low < high: every one, or every second, fifth, ... so that no more than `at_most`
-/// have labels; `minor` holds the multiples 2 to 9 of powers of ten, or the powers of ten that were passed over.
+/// have labels; with less than two of them their multiples by 2 and 5 as well. `minor`: the other multiples 2 to 9 of
+/// powers of ten, or the powers of ten that were passed over.
 struct LogTicks {
   Ticks major;
   std::vector<double> minor;
