@@ -83,12 +83,17 @@ void declare_bench(CLI::App* sub, Arguments& arguments) {
   sub->add_option("NAME", arguments.bench, "Which one; see --list");
   sub->add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
   sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
-  sub->add_option("--seconds", options.seconds, "Time for kerf's runs, and as much for other programs; default 300")
+  sub->add_option("--seconds", options.seconds, "Time for kerf's runs; default 300")->check(CLI::Range(1e-3, 1e6));
+  sub->add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
       ->check(CLI::Range(1e-3, 1e6));
-  sub->add_option("--case", options.cases, "Only this case (may be repeated)")->expected(1)->allow_extra_args(false);
-  sub->add_option("--element", options.elements, "Only this element (may be repeated)")
-      ->expected(1)
-      ->allow_extra_args(false);
+  const auto several = [sub](const char* name, std::vector<std::string>& names, const char* words) {
+    sub->add_option(name, names, words)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false);
+  };
+  several("--case", options.cases, "Only this case (may be repeated)");
+  several("--element", options.elements, "Only this element (may be repeated)");
   sub->add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
   sub->add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   declare_common(sub, arguments);

@@ -141,15 +141,16 @@ PeerRuns run_peers(const PeerOptions& options) {
   require_scripts(options.scripts);
   copy_scripts(options.scripts, options.work);
   std::vector<Job> jobs;
-  const auto take = [&](const std::vector<Job>& more) { jobs.insert(jobs.end(), more.begin(), more.end()); };
-  if (in_path(freefem))
-    take(freefem_jobs());
-  else
-    result.notes.push_back("FreeFem++ is not installed: its runs are left out");
-  if (shell(fmt::format("{} -c 'import dolfin' 2>&1", python)).code == 0)
-    take(dolfin_jobs());
-  else
-    result.notes.push_back("dolfin is not installed: its runs are left out");
+  const auto consider = [&](const char* script, const char* program, bool installed, const std::vector<Job>& more) {
+    if (!fs::exists(options.scripts / script)) return;
+    if (installed)
+      jobs.insert(jobs.end(), more.begin(), more.end());
+    else
+      result.notes.push_back(fmt::format("{} is not installed: its runs are left out", program));
+  };
+  consider("s1.edp", freefem, in_path(freefem), freefem_jobs());
+  if (fs::exists(options.scripts / "dolf.py"))  // to ask takes seconds
+    consider("dolf.py", "dolfin", shell(fmt::format("{} -c 'import dolfin' 2>&1", python)).code == 0, dolfin_jobs());
   if (!options.problems.empty())
     std::erase_if(jobs, [&](const Job& j) {
       return std::find(options.problems.begin(), options.problems.end(), j.problem) == options.problems.end();

@@ -59,7 +59,7 @@ class Runner {
       Stopwatch watch;
       try {
         bench_.runs.push_back(measure(p, s.element, s.grading, level, options_.quick ? 1 : 3));
-      } catch (const Error& e) {
+      } catch (const std::exception& e) {  // what an element or the memory cannot do does not end the others
         bench_.notes.push_back(fmt::format("{}, level {}: {}", name, level, e.what()));
         return;
       }
@@ -147,7 +147,7 @@ StateBench run_state_bench(const StateBenchOptions& options) {
   if (!options.peers.empty() && !runner.stopped()) {
     PeerRuns peers = run_peers({.scripts = options.peers,
                                 .work = options.folder / "peers",
-                                .seconds = options.seconds,
+                                .seconds = options.peer_seconds,
                                 .quick = options.quick,
                                 .problems = options.cases,
                                 .stop_asked = options.stop_asked,

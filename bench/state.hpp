@@ -12,7 +12,8 @@ namespace kerf {
 struct StateBenchOptions {
   std::filesystem::path folder;              // made if absent
   std::vector<std::string> cases, elements;  // names; empty: all
-  double seconds = 300;                      // for kerf's runs; as much again for those of other programs
+  double seconds = 300;                      // for kerf's runs
+  double peer_seconds = 1200;                // for those of other programs
   bool quick = false;                        // two coarse meshes of each sequence, one Poisson's ratio per case
   std::filesystem::path peers;               // scripts of other programs; empty: none
   std::function<bool()> stop_asked;          // polled before each run: what is done is written

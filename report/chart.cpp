@@ -118,18 +118,36 @@ double draw_axis(cairo_t* pen, const Frame& frame, int along, const Font& font) 
   return widest;
 }
 
-/// A fan from one point: to the lower left for falling lines, which cannot have data there, to the lower right for
-/// rising ones.
-void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slopes, const Font& font) {
+/// How many of the points on these lines lie in the box: corners and twenty places between each two.
+int crossings(const Box& box, const std::vector<std::vector<Vec2>>& lines) {
+  int count = 0;
+  for (const auto& line : lines)
+    for (std::size_t i = 0; i + 1 < line.size(); ++i)
+      for (int k = 0; k <= 20; ++k) {
+        const Vec2 p = line[i] + k / 20.0 * (line[i + 1] - line[i]) - Vec2(box.x, box.y);
+        count += p.minCoeff() >= 0 && p.x() <= box.width && p.y() <= box.height;
+      }
+  return count;
+}
+
+/// A fan from one point: falling lines at the lower left or the upper right, rising ones at the lower right or the
+/// upper left, wherever there is less in the way.
+void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slopes,
+                 const std::vector<std::vector<Vec2>>& lines, const Font& font) {
   const Box& plot = frame.plot;
   const Vec2 unit(plot.width / (frame.high - frame.low).x(), plot.height / (frame.high - frame.low).y());
+  const double width = 0.36 * plot.width, height = 0.3 * plot.height, gap = 0.02 * plot.width;
   const std::array<double, 2> dots{2, 6};
   for (const Slope& s : slopes) {
-    const double side = s.exponent < 0 ? 1 : -1;
-    const Vec2 from(s.exponent < 0 ? plot.x + 0.03 * plot.width : plot.x + 0.97 * plot.width,
-                    plot.y + 0.68 * plot.height);
+    const bool falls = s.exponent < 0;
+    const double left = plot.x + gap, right = plot.x + plot.width - gap - width;
+    const double top = plot.y + gap, bottom = plot.y + plot.height - gap - height;
+    const Box low{falls ? left : right, bottom, width, height}, high{falls ? right : left, top, width, height};
+    const Box& box = crossings(high, lines) < crossings(low, lines) ? high : low;
+    const double side = falls ? 1 : -1;
+    const Vec2 from(falls ? box.x : box.x + width, box.y);
     Vec2 step(side, std::abs(s.exponent) * unit.y() / unit.x());
-    step *= std::min(0.27 * plot.height / step.y(), 0.2 * plot.width);
+    step *= std::min((height - font.size) / step.y(), 0.55 * width);
     const Vec2 to = from + step;
     cairo_new_path(pen);
     cairo_move_to(pen, from.x(), from.y());
@@ -137,7 +155,7 @@ void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slo
     cairo_set_dash(pen, dots.data(), 2, 0);
     stroke(pen, 2.4, grey);
     cairo_set_dash(pen, nullptr, 0, 0);
-    write(pen, to + Vec2(6 * side, 0.35 * font.size), s.name, font, side > 0 ? 0 : 1, grey);
+    write(pen, to + Vec2(6 * side, 0.35 * font.size), s.name, font, falls ? 0 : 1, grey);
   }
 }
 
@@ -190,13 +208,14 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
   write_block(pen, {plot.x + 0.5 * plot.width, label_y}, x_label, 0.5);
   write_block(pen, {plot.x - tick_length - tick_gap - widest - 14 - y_label.height(), plot.y + 0.5 * plot.height},
               y_label, 0.5, ink, true);
-  draw_slopes(pen, frame, chart.slopes, legend);
+  for (auto& line : lines)
+    for (Vec2& p : line) p = frame.place(p);
+  draw_slopes(pen, frame, chart.slopes, lines, legend);
 
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
   double entry = plot.y + 0.5 * legend_pitch;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
-    for (Vec2& p : lines[i]) p = frame.place(p);
     draw_line(pen, lines[i], lines[i], chart.series[i]);
     const double from = plot.x + plot.width + legend_gap;
     draw_line(pen, {{from, entry}, {from + legend_line, entry}}, {{from + 0.5 * legend_line, entry}}, chart.series[i]);

@@ -16,7 +16,7 @@ struct Series {
   std::size_t style = 0;  // colour and marker
 };
 
-/// A thin line of y ~ x^exponent in the empty corner below the data.
+/// A thin line of y ~ x^exponent in a corner away from the data.
 struct Slope {
   double exponent;
   std::string name;

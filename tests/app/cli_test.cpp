@@ -147,10 +147,11 @@ TEST_F(Cli, BenchNamesWhatWasMeant) {
 }
 
 TEST_F(Cli, BenchKeepsOldResultsUnlessForced) {
-  const std::string command = "bench state --quick --case smooth --quiet -o b";
+  const std::string command = "bench state --quick --case smooth --case open-crack --quiet -o b";
   EXPECT_EQ(kerf(command).code, 0);
   EXPECT_TRUE(fs::exists(folder / "b" / "state.json"));
   EXPECT_TRUE(fs::exists(folder / "b" / "error_time_smooth_nu0.3.png"));
+  EXPECT_TRUE(fs::exists(folder / "b" / "error_time_open-crack_nu0.3.png"));
   expect_failure(command, 5, "--force");
   EXPECT_EQ(kerf(command + " --force").code, 0);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -80,6 +81,34 @@ TEST_F(StateBenchTest, WritesWhatThereIsWhenStopped) {
 
 TEST_F(StateBenchTest, RefusesAFolderWithoutScripts) {
   EXPECT_THROW(run_peers({.scripts = folder, .work = folder / "work"}), Error);
+}
+
+TEST_F(StateBenchTest, FailuresOfOtherProgramsBecomeNotes) {
+  std::ofstream(folder / "s1.edp") << "nothing";
+  std::ofstream(folder / "FreeFem++") << R"(#!/bin/sh
+case "$*" in
+  *p3*) echo '{"nt":128,"ndof":9,"err_s":0.01,"t_mesh":0.5,"t_asm":0.25,"t_solve":0.25}' ;;
+  *) echo "oops"; exit 3 ;;
+esac
+)";
+  fs::permissions(folder / "FreeFem++", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+  const PeerRuns peers = run_peers({.scripts = folder, .work = folder / "work", .quick = true, .problems = {"smooth"}});
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_EQ(peers.runs.size(), 3u);  // three Poisson's ratios
+  EXPECT_EQ(peers.runs[0].name, "FreeFem++ P3");
+  EXPECT_DOUBLE_EQ(peers.runs[0].work, 1);
+  int failed = 0;
+  for (const std::string& note : peers.notes) failed += note.find("failed (exit 3): oops") != std::string::npos;
+  EXPECT_EQ(failed, 3);  // P4
+
+  setenv("PATH", "/nowhere", 1);
+  const PeerRuns none = run_peers({.scripts = folder, .work = folder / "work", .quick = true, .problems = {"smooth"}});
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_TRUE(none.runs.empty());
+  ASSERT_FALSE(none.notes.empty());
+  EXPECT_EQ(none.notes[0], "FreeFem++ is not installed: its runs are left out");
 }
 
 TEST(PeerLine, IsTheLastObjectThatHasAnError) {
