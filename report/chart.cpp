@@ -130,8 +130,8 @@ int crossings(const Box& box, const std::vector<std::vector<Vec2>>& lines) {
   return count;
 }
 
-/// A fan from one point: falling lines at the lower left or the upper right, rising ones at the lower right or the
-/// upper left, wherever there is less in the way.
+/// A fan from one point in the corner with the least in the way; falling lines belong to the lower left, rising ones to
+/// the lower right if there is a choice.
 void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slopes,
                  const std::vector<std::vector<Vec2>>& lines, const Font& font) {
   const Box& plot = frame.plot;
@@ -142,8 +142,14 @@ void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slo
     const bool falls = s.exponent < 0;
     const double left = plot.x + gap, right = plot.x + plot.width - gap - width;
     const double top = plot.y + gap, bottom = plot.y + plot.height - gap - height;
-    const Box low{falls ? left : right, bottom, width, height}, high{falls ? right : left, top, width, height};
-    const Box& box = crossings(high, lines) < crossings(low, lines) ? high : low;
+    std::array<Box, 4> corners{{{left, bottom, width, height},
+                                {right, bottom, width, height},
+                                {left, top, width, height},
+                                {right, top, width, height}}};
+    if (!falls) std::swap(corners[0], corners[1]);
+    const Box& box = *std::min_element(corners.begin(), corners.end(), [&](const Box& a, const Box& b) {
+      return crossings(a, lines) < crossings(b, lines);
+    });
     const double side = falls ? 1 : -1;
     const Vec2 from(falls ? box.x : box.x + width, box.y);
     Vec2 step(side, std::abs(s.exponent) * unit.y() / unit.x());
