@@ -54,7 +54,7 @@ std::vector<Job> freefem_jobs() {
     add("open-crack", nu, "P2 graded", "s3.edp", "-half 0 -grade 0.75 -form p2 -solver CHOLMOD", {16, 32, 64, 128});
     add("open-crack", nu, "P3 graded", "s3.edp", "-half 0 -grade 0.83 -form p3 -solver CHOLMOD", {16, 32, 64});
     add("closing-crack", nu, "P2 graded", "s4.edp", "-half 0 -tipA -0.33333333333333", {16, 32, 64});
-    add("closing-crack", nu, "P2 graded, end of contact unknown", "s4.edp", "-half 0 -tipA 9", {16, 32, 64});
+    add("closing-crack", nu, "P2 graded, end unknown", "s4.edp", "-half 0 -tipA 9", {16, 32, 64});
   }
   return jobs;
 }

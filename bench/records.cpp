@@ -80,7 +80,9 @@ Json ratio_section(const StateBench& bench) {
                        {"poisson", f.poisson},
                        {"error", f.error},
                        {"peer", p.name},
+                       {"peer_kind", word(p.time.kind)},
                        {"kerf", f.name},
+                       {"kerf_kind", word(f.time.kind)},
                        {"peer_over_kerf", number(p.time.seconds / f.time.seconds)}});
   return out;
 }

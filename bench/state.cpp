@@ -123,7 +123,9 @@ const Fastest* find(const std::vector<Fastest>& all, const Fastest& like) {
 
 std::string ratio(const TimeTo& peer, const TimeTo& own) {
   if (peer.kind == TimeTo::Kind::Missed || own.kind == TimeTo::Kind::Missed) return "-";
-  return fmt::format("{:.3g}", peer.seconds / own.seconds);
+  const bool guessed = peer.kind == TimeTo::Kind::Extrapolated || own.kind == TimeTo::Kind::Extrapolated;
+  const char* bound = guessed ? "~" : peer.kind == TimeTo::Kind::AtMost ? "<=" : "";
+  return fmt::format("{}{:.2g}", bound, peer.seconds / own.seconds);
 }
 
 }  // namespace
@@ -170,13 +172,13 @@ StateBench run_state_bench(const StateBenchOptions& options) {
 
 std::string summary(const StateBench& bench) {
   std::string out = "Processor seconds (mesh, assembly, factorisation, solution) to a relative L2 stress error:\n";
-  out += fmt::format("{:<27}{:>8}  {:<24}{:>14}{:>14}  {:<36}{:>7}\n", "case", "error", "kerf", "seconds",
+  out += fmt::format("{:<27}{:>8}  {:<24}{:>14}{:>14}  {:<34}{:>8}\n", "case", "error", "kerf", "seconds",
                      bench.peers.empty() ? "" : "best peer", "", bench.peers.empty() ? "" : "ratio");
   for (const Fastest& f : bench.best) {
     const Fastest* peer = find(bench.best_peers, f);
     std::string line =
         fmt::format("{:<27}{:>8.0e}  {:<24}{:>14}", problem_tag(f.problem, f.poisson), f.error, f.name, text(f.time));
-    if (peer) line += fmt::format("{:>14}  {:<36}{:>7}", text(peer->time), peer->name, ratio(peer->time, f.time));
+    if (peer) line += fmt::format("{:>14}  {:<34}{:>8}", text(peer->time), peer->name, ratio(peer->time, f.time));
     out += line + '\n';
   }
   for (const ReferenceUsed& r : bench.references) {
