@@ -2,6 +2,7 @@
 
 #include "app/progress.hpp"
 #include "app/run.hpp"
+#include "bench/state.hpp"
 #include "cases/words.hpp"
 
 #include <fmt/format.h>
@@ -40,6 +41,9 @@ struct Arguments {
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
   bool quiet = false, force = false;
   std::string log_level;  // empty: info, or warn when quiet
+  std::string bench;      // its name
+  StateBenchOptions state_bench;
+  bool list = false;
 };
 
 struct Command {
@@ -56,8 +60,43 @@ const std::vector<Command>& commands() {
       {"validate", "The expansion against computations with finite holes (not supported yet)", false},
       {"optimize", "Improve the shape (not supported yet)", false},
       {"init", "Write a template case (not supported yet)", false},
-      {"bench", "Speed against error (not supported yet)", false}};
+      {"bench", "Speed against error, with CSV, JSON and pictures", true}};
   return all;
+}
+
+const std::vector<std::pair<std::string, std::string>>& benches() {
+  static const std::vector<std::pair<std::string, std::string>> all = {
+      {"state",
+       "time and memory against the error of the stress: every element on smooth, singular and contact cases"}};
+  return all;
+}
+
+void declare_common(CLI::App* sub, Arguments& arguments) {
+  sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
+  sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
+      ->check(CLI::IsMember(log_levels()));
+  sub->add_flag("--force", arguments.force, "Overwrite results");
+}
+
+void declare_bench(CLI::App* sub, Arguments& arguments) {
+  StateBenchOptions& options = arguments.state_bench;
+  sub->add_option("NAME", arguments.bench, "Which one; see --list");
+  sub->add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
+  sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
+  sub->add_option("--seconds", options.seconds, "Time for kerf's runs; default 300")->check(CLI::Range(1e-3, 1e6));
+  sub->add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
+      ->check(CLI::Range(1e-3, 1e6));
+  const auto several = [sub](const char* name, std::vector<std::string>& names, const char* words) {
+    sub->add_option(name, names, words)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false);
+  };
+  several("--case", options.cases, "Only this case (may be repeated)");
+  several("--element", options.elements, "Only this element (may be repeated)");
+  sub->add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  sub->add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
+  declare_common(sub, arguments);
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -71,6 +110,10 @@ void declare(CLI::App& app, Arguments& arguments) {
       sub->allow_extras();
       continue;
     }
+    if (command.name == "bench") {
+      declare_bench(sub, arguments);
+      continue;
+    }
     sub->add_option("CASE", arguments.case_file, "The case file (TOML)")->required();
     sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
     sub->add_option("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)")
@@ -79,10 +122,7 @@ void declare(CLI::App& app, Arguments& arguments) {
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
-    sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
-    sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
-        ->check(CLI::IsMember(log_levels()));
-    sub->add_flag("--force", arguments.force, "Overwrite results");
+    declare_common(sub, arguments);
   }
 }
 
@@ -115,8 +155,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-void make_ready(const std::filesystem::path& folder, bool force) {
-  const std::filesystem::path result = folder / "result.json";
+void make_ready(const std::filesystem::path& folder, bool force, const char* name = "result.json") {
+  const std::filesystem::path result = folder / name;
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw Error(Fault::Files, fmt::format("{} is not a folder; choose another with --output", folder.string()));
   if (!std::filesystem::exists(std::filesystem::symlink_status(result))) return;
@@ -125,15 +165,59 @@ void make_ready(const std::filesystem::path& folder, bool force) {
   std::filesystem::remove(result);
 }
 
+std::string log_level(const Arguments& arguments) {
+  return !arguments.log_level.empty() ? arguments.log_level : arguments.quiet ? "warn" : "info";
+}
+
 void print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw Error(Fault::Files, "cannot write to standard output");
 }
 
+std::string list_benches() {
+  std::string out;
+  for (const auto& [name, description] : benches()) out += fmt::format("{:<10}{}\n", name, description);
+  return out + fmt::format("cases:    {}\nelements: {}\n", fmt::join(bench_case_names(), ", "),
+                           fmt::join(bench_element_names(), ", "));
+}
+
+void require_known(const char* what, const std::string& name, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error(Fault::Usage, fmt::format("unknown {} {}; {}", what, quote(name), suggest(name, known)));
+}
+
+int perform_bench(const Arguments& arguments) {
+  if (arguments.list) {
+    print(list_benches());
+    return 0;
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, description] : benches()) names.push_back(name);
+  if (arguments.bench.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
+  require_known("bench", arguments.bench, names);
+  StateBenchOptions options = arguments.state_bench;
+  for (const std::string& name : options.cases) require_known("case", name, bench_case_names());
+  for (const std::string& name : options.elements) require_known("element", name, bench_element_names());
+  options.folder = arguments.folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments.bench)
+                                            : std::filesystem::path(arguments.folder);
+  make_ready(options.folder, arguments.force, "state.json");
+  catch_signals();
+  Progress progress(log_level(arguments));
+  options.stop_asked = [] { return stop_requested != 0; };
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
+  const StateBench bench = run_state_bench(options);
+  progress.finish();
+  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
+  if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
+  return 0;
+}
+
 int perform(const Arguments& arguments) {
   for (const Command& command : commands())
     if (command.name == arguments.command && !command.supported)
-      throw Error(Fault::Usage, fmt::format("{} is not supported yet; use run, solve, map or check", command.name));
+      throw Error(Fault::Usage,
+                  fmt::format("{} is not supported yet; use run, solve, map, check or bench", command.name));
+  if (arguments.command == "bench") return perform_bench(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
     print(check(c));
@@ -144,7 +228,7 @@ int perform(const Arguments& arguments) {
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
   make_ready(options.folder, arguments.force);
   catch_signals();
-  Progress progress(!arguments.log_level.empty() ? arguments.log_level : arguments.quiet ? "warn" : "info");
+  Progress progress(log_level(arguments));
   options.threads = arguments.threads;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   options.stop_asked = [] { return stop_requested != 0; };

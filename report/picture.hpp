@@ -1,5 +1,5 @@
 #pragma once
-// A field on triangles as a PNG one would show to a colleague. Cairo lives in picture.cpp and nowhere else.
+// A field on triangles as a PNG one would show to a colleague. Cairo is included by pen.hpp alone.
 
 #include "geometry/types.hpp"
 

@@ -17,7 +17,7 @@ std::string proper_minus(const std::string& text) {
 
 std::string power_of_ten(int exponent) {
   static constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string out = "×10";
+  std::string out = "10";
   for (const char c : fmt::format("{}", exponent)) out += c == '-' ? "⁻" : digits[c - '0'];
   return out;
 }
@@ -26,7 +26,7 @@ std::string power_of_ten(int exponent) {
 std::string raised(const std::string& text) {
   const std::size_t e = text.find('e');
   if (e == std::string::npos) return proper_minus(text);
-  return proper_minus(text.substr(0, e)) + power_of_ten(std::stoi(text.substr(e + 1)));
+  return proper_minus(text.substr(0, e)) + "×" + power_of_ten(std::stoi(text.substr(e + 1)));
 }
 
 int decade(double value) {  // of a positive number
@@ -82,10 +82,38 @@ Ticks ticks(double low, double high, int at_most) {
     const double mantissa = std::round((at - offset) / value) * value * scale;
     out.labels.push_back(proper_minus(fmt::format("{:.{}f}", mantissa == 0 ? 0.0 : mantissa, digits)));
   }
-  if (exponent != 0) out.note = power_of_ten(exponent);
+  if (exponent != 0) out.note = "×" + power_of_ten(exponent);
   if (offset != 0) {
     const std::string shift = raised(fmt::format("{:.12g}", std::abs(offset)));
     out.note += fmt::format("{}{} {}", out.note.empty() ? "" : " ", offset < 0 ? "−" : "+", shift);
+  }
+  return out;
+}
+
+LogTicks log_ticks(double low, double high, int at_most) {
+  constexpr double slack = 1e-9;  // ends that are powers of ten, but for rounding
+  const int first = static_cast<int>(std::ceil(std::log10(low) - slack));
+  const int last = static_cast<int>(std::floor(std::log10(high) + slack));
+  int every = 1;
+  for (const int step : {1, 2, 5, 10, 20, 50, 100, 200}) {
+    every = step;
+    if ((last - first) / step + 1 <= at_most) break;
+  }
+  const bool few = last - first < 1;  // then 2 and 5 have labels, too
+  LogTicks out;
+  for (int k = first - 1; k <= last; ++k) {
+    const double decade = std::pow(10.0, k);
+    for (const int m : {1, 2, 3, 4, 5, 6, 7, 8, 9}) {
+      const double value = m * decade;
+      if (value < low * (1 - slack) || value > high * (1 + slack)) continue;
+      const bool labelled = m == 1 ? (k - first) % every == 0 : few && (m == 2 || m == 5);
+      if (labelled) {
+        out.major.at.push_back(value);
+        out.major.labels.push_back(m == 1 ? power_of_ten(k) : fmt::format("{}×{}", m, power_of_ten(k)));
+      } else if (every == 1 || m == 1) {
+        out.minor.push_back(value);
+      }
+    }
   }
   return out;
 }

@@ -16,6 +16,15 @@ struct Ticks {
 /// Large and small numbers share one power of ten; an interval far from zero shares an offset.
 Ticks ticks(double low, double high, int at_most);
 
+/// Powers of ten in [low, high], 0 < low < high: every one, or every second, fifth, ... so that no more than `at_most`
+/// have labels; with less than two of them their multiples by 2 and 5 as well. `minor`: the other multiples 2 to 9 of
+/// powers of ten, or the powers of ten that were passed over.
+struct LogTicks {
+  Ticks major;
+  std::vector<double> minor;
+};
+LogTicks log_ticks(double low, double high, int at_most);
+
 /// Significant digits with a proper minus and a raised exponent: "−1.5×10⁻⁶".
 std::string pretty(double value, int digits = 6);
 

@@ -1,7 +1,5 @@
 #include "tests/exact.hpp"
 
-#include "solver/quadrature.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -101,52 +99,6 @@ std::vector<ElementRow> read_elements(const std::filesystem::path& file, const s
   return rows;
 }
 
-// ---------------------------------------------------------------- integrals
-
-double integrate(const Triangle& triangle, int singular_vertex, const std::function<double(const Vec2&)>& f) {
-  // x = v + R ((1 - t)(a - v) + t (b - v)), dx = 2 area R dR dt; about a tip R = rho^2 turns r^(-1/2) into 1/rho.
-  const bool singular = singular_vertex >= 0;
-  const int i = singular ? singular_vertex : 0;
-  const Vec2 v = triangle[i], a = triangle[(i + 1) % 3] - v, b = triangle[(i + 2) % 3] - v;
-  const EdgeRule rule = gauss(singular ? 12 : 8);
-  double sum = 0;
-  for (Index j = 0; j < rule.s.size(); ++j) {
-    const double rho = rule.s[j], R = singular ? rho * rho : rho;
-    const double weight = rule.w[j] * R * (singular ? 2 * rho : 1);
-    for (Index k = 0; k < rule.s.size(); ++k)
-      sum += weight * rule.w[k] * f(v + R * ((1 - rule.s[k]) * a + rule.s[k] * b));
-  }
-  return sum * std::abs(cross(a, b));
-}
-
-double l2_error_squared(const Triangle& triangle, int singular_vertex,
-                        const std::function<Mat2(const Vec2&)>& difference) {
-  return integrate(triangle, singular_vertex, [&](const Vec2& x) { return difference(x).squaredNorm(); });
-}
-
-double integrate(const Mesh& mesh, const ExactField& field,
-                 const std::function<double(Index triangle, int side, const Vec2& x)>& f) {
-  double sum = 0;
-  for (Index t = 0; t < Index(mesh.triangles.size()); ++t) {
-    Triangle triangle;
-    int singular = -1;
-    for (int i = 0; i < 3; ++i) {
-      triangle[i] = mesh.points[mesh.triangles[t][i]];
-      for (const ExactTip& tip : field.tips)
-        if ((triangle[i] - tip.at).norm() < 1e-12 * (1 + tip.at.norm())) singular = i;
-    }
-    const int side = side_of(field, centroid(mesh, t));
-    sum += integrate(triangle, singular, [&](const Vec2& x) { return f(t, side, x); });
-  }
-  return sum;
-}
-
-double stress_error(const Mesh& mesh, const ExactField& field, const std::function<Mat2(Index, const Vec2&)>& stress) {
-  return std::sqrt(integrate(mesh, field, [&](Index t, int side, const Vec2& x) {
-    return (field.stress(x, side) - stress(t, x)).squaredNorm();
-  }));
-}
-
 // ---------------------------------------------------------------- meshes
 
 namespace {
@@ -204,12 +156,6 @@ Mesh crack_mesh(int n, double angle, double jiggle, unsigned seed) {
   std::vector<Index> path;
   for (int i = n / 4; i <= 3 * n / 4; ++i) path.push_back(Index(n / 2 * (n + 1) + i));
   return grid(n, -2, 4, path, angle, jiggle, seed);
-}
-
-double stress_error(const Model& model, const State& state, const ExactField& field) {
-  return stress_error(model.mesh, field, [&](Index t, const Vec2& x) {
-    return tensor(stress_at(model.kernel, kerf::triangle(model, t), state.interior.col(t), x));
-  });
 }
 
 }  // namespace kerf::exact

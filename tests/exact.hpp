@@ -1,10 +1,9 @@
 #pragma once
-// What the exact fields are compared with and on: the tables of data, error integrals, the meshes of elements.json.
+// What the exact fields are compared with and on: the tables of data, the meshes of elements.json.
 // nlohmann-json lives in exact.cpp.
 
-#include "geometry/mesh.hpp"
-#include "solver/model.hpp"
-#include "tests/exact_field.hpp"
+#include "bench/exact_field.hpp"
+#include "bench/integral.hpp"
 
 #include <array>
 #include <filesystem>
@@ -45,18 +44,6 @@ struct ElementRow {
 };
 /// Section "smooth" or "crack" of elements.json.
 std::vector<ElementRow> read_elements(const std::filesystem::path& file, const std::string& section);
-
-using Triangle = std::array<Vec2, 3>;
-/// Points lie strictly inside: collapsed Gauss 8 x 8, or 12 x 12 in (r^1/2, angle) about a singular vertex (-1: none).
-double integrate(const Triangle& triangle, int singular_vertex, const std::function<double(const Vec2& x)>& f);
-double l2_error_squared(const Triangle& triangle, int singular_vertex,
-                        const std::function<Mat2(const Vec2&)>& difference);
-/// Over a mesh; singular at the tips of the field, `side` is that of the triangle.
-double integrate(const Mesh& mesh, const ExactField& field,
-                 const std::function<double(Index triangle, int side, const Vec2& x)>& f);
-/// L2 norm of field.stress - stress.
-double stress_error(const Mesh& mesh, const ExactField& field, const std::function<Mat2(Index, const Vec2& x)>& stress);
-double stress_error(const Model& model, const State& state, const ExactField& field);
 
 /// `mesh_smooth` and `mesh_crack` of elements.json; labels 0 bottom, 1 right, 2 top, 3 left. Interior vertices off the
 /// crack move by up to `jiggle` cells in x and in y. Crack 0 runs from (-1, 0) to (1, 0) before the turn; n = 4, 8, ...

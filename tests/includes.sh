@@ -5,7 +5,8 @@ cd "${1:-.}"
 status=0
 declare -A below=(
   [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [cases]="cases topo solver geometry"
-  [report]="report topo solver geometry" [app]="app cases report topo solver geometry"
+  [report]="report topo solver geometry" [bench]="bench report topo solver geometry"
+  [app]="app bench cases report topo solver geometry"
 )
 for room in "${!below[@]}"; do
   while IFS=: read -r file line; do
@@ -16,18 +17,21 @@ for room in "${!below[@]}"; do
     esac
   done < <(grep -HE '^#include "[a-z_]+/' "$room"/*.cpp "$room"/*.hpp)
 done
-only() {  # only PATTERN FILE: the header may be included in that file alone
+only() {  # only PATTERN FILE...: the header may be included in those files alone
   while IFS= read -r file; do
-    [ "$file" = "$2" ] || { echo "$file includes $1, which belongs in $2"; status=1; }
-  done < <(grep -lE "^#include <$1" geometry/* solver/* topo/* cases/* report/* app/* 2>/dev/null)
+    case " ${*:2} " in
+      *" $file "*) ;;
+      *) echo "$file includes $1, which belongs in ${*:2}"; status=1 ;;
+    esac
+  done < <(grep -lE "^#include <$1" {geometry,solver,topo,cases,report,bench,app}/*.[ch]pp 2>/dev/null)
 }
 only CGAL/ geometry/mesher.cpp
 only cholmod solver/factor.cpp
 only 'toml\+\+' cases/reader.cpp
 only muParser cases/expression.cpp
 only vtk report/vtk_module.cpp
-only cairo report/picture.cpp
-only nlohmann report/result.cpp
+only cairo report/pen.hpp
+only nlohmann report/result.cpp bench/records.cpp
 only CLI app/main.cpp
 only spdlog app/progress.cpp
 exit $status

@@ -126,9 +126,34 @@ TEST_F(Cli, WrongUsage) {
 }
 
 TEST_F(Cli, LaterCommands) {
-  for (const char* arguments :
-       {"validate a.toml", "optimize a.toml --resume", "init plate", "init --list", "bench --list"})
+  for (const char* arguments : {"validate a.toml", "optimize a.toml --resume", "init plate", "init --list"})
     expect_failure(arguments, 2, "is not supported yet");
+}
+
+TEST_F(Cli, BenchListsItsNames) {
+  const Outcome o = kerf("bench --list");
+  EXPECT_EQ(o.code, 0);
+  for (const char* word : {"state", "closing-crack", "bdms"}) EXPECT_NE(o.out.find(word), std::string::npos) << word;
+}
+
+TEST_F(Cli, BenchNamesWhatWasMeant) {
+  expect_failure("bench", 2, "which bench? known: state");
+  expect_failure("bench sttae", 2, "unknown bench \"sttae\"; did you mean \"state\"?");
+  expect_failure("bench state --case opencrack", 2, "unknown case \"opencrack\"; did you mean \"open-crack\"?");
+  expect_failure("bench state --element bdsm", 2, "unknown element \"bdsm\"; did you mean \"bdms\"?");
+  expect_failure("bench state --seconds 0", 2, "--seconds");
+  expect_failure("bench state --quick --case smooth --peers nowhere", 5, "nowhere holds no peer scripts");
+  EXPECT_FALSE(fs::exists(folder / "out" / "bench_state" / "state.json"));
+}
+
+TEST_F(Cli, BenchKeepsOldResultsUnlessForced) {
+  const std::string command = "bench state --quick --case smooth --case open-crack --quiet -o b";
+  EXPECT_EQ(kerf(command).code, 0);
+  EXPECT_TRUE(fs::exists(folder / "b" / "state.json"));
+  EXPECT_TRUE(fs::exists(folder / "b" / "error_time_smooth_nu0.3.png"));
+  EXPECT_TRUE(fs::exists(folder / "b" / "error_time_open-crack_nu0.3.png"));
+  expect_failure(command, 5, "--force");
+  EXPECT_EQ(kerf(command + " --force").code, 0);
 }
 
 struct Broken {

@@ -3,9 +3,9 @@
 // and more from the tips), largest resident memory so far.
 
 #include "topo/map.hpp"
+#include "bench/integral.hpp"
 #include "geometry/mesher.hpp"
 #include "solver/stopwatch.hpp"
-#include "tests/exact.hpp"
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>

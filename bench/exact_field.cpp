@@ -1,4 +1,4 @@
-#include "tests/exact_field.hpp"
+#include "bench/exact_field.hpp"
 
 #include <cmath>
 #include <complex>
@@ -388,6 +388,16 @@ ExactField wave_field(double nu) {
                        .w2 = {exponential(1), sine(2, 0, -2)},
                        .stretch = 1 - 2 * nu,
                        .squeeze = 2 * nu});
+}
+
+ExactField vortex_field(double nu) {
+  const double whole = 1 - 2 * nu + nu / (1 + nu);  // stretch = 1/(1 + lambda) where E = 1
+  return smooth_field("vortex", nu,
+                      {.s = {sine_squared(pi, -2 / pi), sine_squared(pi)},
+                       .w1 = {sine(pi), sine(pi)},
+                       .w2 = {sine(pi), sine(pi)},
+                       .stretch = (1 - 2 * nu) / whole,
+                       .squeeze = 2 * nu / whole});
 }
 
 // ---------------------------------------------------------------- named fields

@@ -1,13 +1,9 @@
 #pragma once
-// Exact plane-elastic fields, the tables that prove them, error integrals, and the meshes of elements.json. The frame
-// of a crack: t from its start to its end, n = t turned by +90 degrees, s = (x - centre) . t in [-half, half].
+// Exact plane-elastic fields. The frame of a crack: t from its start to its end, n = t turned by +90 degrees,
+// s = (x - centre) . t in [-half, half].
 
-#include "geometry/mesh.hpp"
 #include "solver/scene.hpp"
 
-#include <array>
-#include <filesystem>
-#include <map>
 #include <string>
 #include <string_view>
 
@@ -69,9 +65,10 @@ ExactField kirsch(const Material& material, const Mat2& far_stress, double radiu
                   const Vec2& center = Vec2::Zero());
 
 // Smooth fields on the unit square, mu = 1, plane strain, 0 < nu <= 1/2.
-ExactField trig_field(double poisson);  // c10_trig; zero displacement on the boundary
-ExactField exp_field(double poisson);   // c10_exp
-ExactField wave_field(double poisson);  // `smooth_solution` of elements.json
+ExactField trig_field(double poisson);    // c10_trig; zero displacement on the boundary
+ExactField exp_field(double poisson);     // c10_exp
+ExactField wave_field(double poisson);    // `smooth_solution` of elements.json
+ExactField vortex_field(double poisson);  // the manufactured solution of the bench; zero displacement on the boundary
 
 /// `crack_cases` I, II, III, IV of elements.json, crack (-1, 0) to (1, 0) turned about the origin.
 ExactField crack_case(std::string_view name, double angle = 0, const Material& material = {1, 0.1});

@@ -1,0 +1,114 @@
+#include "bench/measure.hpp"
+
+#include "solver/recover.hpp"
+
+#include <malloc.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <string>
+
+namespace kerf {
+
+namespace {
+
+class ProcessorWatch {
+ public:
+  double lap() {
+    const double now = processor_seconds(), lap = now - start_;
+    start_ = now;
+    return lap;
+  }
+
+ private:
+  double start_ = processor_seconds();
+};
+
+/// Linux keeps the peak of the resident memory and forgets it on request.
+void forget_peak_memory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+double peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kilobytes = 0; word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// u* at the vertices of every triangle.
+void recover_displacement(const Model& model, const State& state) {
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(model, t);
+    Points corners(2, 3);
+    corners << shape.x[0], shape.x[1], shape.x[2];
+    recovered_displacement(model, state, t, corners);
+  }
+}
+
+Measurement once(const Problem& problem, const Element& e, Grading grading, double level, bool with_errors) {
+  forget_peak_memory();
+  Measurement m{.problem = problem.name,
+                .poisson = problem.poisson,
+                .element = std::string(e.name),
+                .degree = e.degree,
+                .mesh = std::string(name_of(grading)),
+                .level = level};
+  ProcessorWatch watch;
+  Mesh mesh = bench_mesh(problem, grading, e.degree, level);
+  m.seconds.mesh = watch.lap();
+  const Model model = prepare(std::move(mesh), e, problem.scene, 1);
+  const double prepared = watch.lap();
+  const State state = solve(model);
+  m.seconds.solve = watch.lap();
+  m.memory_mb = peak_memory_mb();
+  watch.lap();
+  recover_displacement(model, state);
+  m.seconds.recover = watch.lap();
+  // The model keeps wall clocks of its phases: their shares of the processor time.
+  const double wall = model.seconds.assemble + model.seconds.factor;
+  m.seconds.factor = wall > 0 ? prepared * model.seconds.factor / wall : 0;
+  m.seconds.assemble = prepared - m.seconds.factor;
+  m.seconds.contact = state.seconds.contact;
+  m.h = quality(model.mesh).h_max;
+  m.triangles = static_cast<Index>(model.mesh.triangles.size());
+  m.condensed_unknowns = model.ordering.size;
+  m.unknowns = model.ordering.size + interior_count(e) * m.triangles;
+  m.contact_iterations = state.contact_iterations;
+  m.certified = certified(state);
+  if (with_errors) m.error = errors(problem, model, state);
+  return m;
+}
+
+}  // namespace
+
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::string_view name_of(Grading grading) {
+  return grading == Grading::Uniform ? "uniform" : "graded";
+}
+
+Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat) {
+  std::vector<Measurement> runs{once(problem, e, grading, level, true)};
+  const Measurement first = runs.front();
+  if (first.seconds.work() < 1)
+    while (static_cast<int>(runs.size()) < repeat) runs.push_back(once(problem, e, grading, level, false));
+  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
+  std::nth_element(runs.begin(), middle, runs.end(),
+                   [](const Measurement& a, const Measurement& b) { return a.seconds.work() < b.seconds.work(); });
+  middle->error = first.error;
+  middle->memory_mb = first.memory_mb;  // before the errors were computed
+  return *middle;
+}
+
+}  // namespace kerf

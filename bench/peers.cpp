@@ -1,0 +1,194 @@
+#include "bench/peers.hpp"
+
+#include "bench/problem.hpp"
+#include "bench/records.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+namespace kerf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Job {
+  std::string problem;
+  double poisson;
+  std::string name, command;
+  int size;
+};
+
+constexpr const char* freefem = "FreeFem++";
+constexpr const char* python = "/usr/bin/python3";  // the packages belong to the system's interpreter
+
+/// Sizes of a sequence end where a run took more than about twenty seconds on a machine of 2025.
+std::vector<Job> freefem_jobs() {
+  std::vector<Job> jobs;
+  const auto add = [&](const std::string& problem, double poisson, const std::string& name, const std::string& script,
+                       const std::string& arguments, std::initializer_list<int> sizes) {
+    for (const int n : sizes)
+      jobs.push_back({problem, poisson, "FreeFem++ " + name,
+                      fmt::format("{} -nw -v 0 {} -n {} -nu {:.18g} {}", freefem, script, n, poisson, arguments), n});
+  };
+  for (const double nu : {0.3, 0.4999, 0.499999}) {
+    add("smooth", nu, "P2", "s1.edp", "-form p2 -solver CHOLMOD", {16, 32, 64, 128});
+    add("smooth", nu, "P3", "s1.edp", "-form p3 -solver CHOLMOD", {8, 16, 32, 64});
+    add("smooth", nu, "P4", "s1.edp", "-form p4 -solver CHOLMOD", {8, 16, 32});
+    add("smooth", nu, "Taylor-Hood", "s1.edp", "-form th -solver MUMPS", {16, 32, 64, 128});
+  }
+  for (const auto& [problem, nu, extra] :
+       {std::tuple("cook-stress", 1.0 / 3, "-mesh 1 -ps 1"), std::tuple("cook-strain", 0.4999, "-mesh 1")}) {
+    add(problem, nu, "P2 graded", "s2.edp", fmt::format("-form p2 -solver CHOLMOD {}", extra), {24, 48});
+    add(problem, nu, "P3 graded", "s2.edp", fmt::format("-form p3 -solver CHOLMOD {}", extra), {12, 24, 48});
+    add(problem, nu, "Taylor-Hood graded", "s2.edp", fmt::format("-form th -solver MUMPS {}", extra), {24, 48});
+  }
+  for (const double nu : {0.3, 0.499999}) {
+    add("open-crack", nu, "P2 graded", "s3.edp", "-half 0 -grade 0.75 -form p2 -solver CHOLMOD", {16, 32, 64, 128});
+    add("open-crack", nu, "P3 graded", "s3.edp", "-half 0 -grade 0.83 -form p3 -solver CHOLMOD", {16, 32, 64});
+    add("closing-crack", nu, "P2 graded", "s4.edp", "-half 0 -tipA -0.33333333333333", {16, 32, 64});
+    add("closing-crack", nu, "P2 graded, end unknown", "s4.edp", "-half 0 -tipA 9", {16, 32, 64});
+  }
+  return jobs;
+}
+
+std::vector<Job> dolfin_jobs() {
+  std::vector<Job> jobs;
+  const auto add = [&](const std::string& problem, const std::string& script_problem, double poisson,
+                       const std::string& form, const std::string& extra, std::initializer_list<int> sizes) {
+    for (const int n : sizes)
+      jobs.push_back(
+          {problem, poisson, "dolfin " + form,
+           fmt::format("{} dolf.py {} {} {:.18g} {} mumps{}", python, script_problem, n, poisson, form, extra), n});
+  };
+  for (const double nu : {0.3, 0.4999, 0.499999}) {
+    add("smooth", "S1", nu, "p2", "", {16, 32, 64, 128});
+    add("smooth", "S1", nu, "th", "", {16, 32, 64, 128});
+    add("smooth", "S1", nu, "afw2", "", {16, 32, 64});
+  }
+  add("cook-stress", "COOK", 1.0 / 3, "afw2", " ps", {24, 48});
+  add("cook-strain", "COOK", 0.4999, "afw2", "", {24, 48});
+  return jobs;
+}
+
+bool in_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string folders = path ? path : "";
+  for (std::size_t at = 0; at <= folders.size();) {
+    const std::size_t end = std::min(folders.find(':', at), folders.size());
+    if (access((fs::path(folders.substr(at, end - at)) / program).c_str(), X_OK) == 0) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+std::string quoted(const std::string& text) {  // for the shell
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+struct Outcome {
+  int code = -1;
+  std::string output;
+};
+
+Outcome shell(const std::string& command) {
+  Outcome out;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return out;
+  std::array<char, 4096> block;
+  for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), pipe)) > 0;) out.output.append(block.data(), n);
+  const int status = pclose(pipe);
+  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return out;
+}
+
+/// The scripts write beside themselves: they run in a copy, with the reference data unpacked.
+void copy_scripts(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::create_directories(to, failed);
+  for (const auto& entry : fs::directory_iterator(from)) {
+    const std::string type = entry.path().extension().string();
+    if (type == ".edp" || type == ".idp" || type == ".py" || type == ".txt")
+      fs::copy_file(entry.path(), to / entry.path().filename(), fs::copy_options::overwrite_existing, failed);
+  }
+  if (failed)
+    throw Error(Fault::Files, fmt::format("cannot copy the scripts to {}: {}", to.string(), failed.message()));
+  if (!fs::exists(from / "data")) return;
+  for (const auto& entry : fs::directory_iterator(from / "data"))
+    if (entry.path().extension() == ".gz")
+      shell(
+          fmt::format("gzip -dc {} > {}", quoted(entry.path().string()), quoted((to / entry.path().stem()).string())));
+}
+
+}  // namespace
+
+void require_scripts(const fs::path& folder) {
+  if (!fs::exists(folder / "s1.edp") && !fs::exists(folder / "dolf.py"))
+    throw Error(Fault::Files, fmt::format("{} holds no peer scripts (s1.edp, dolf.py)", folder.string()));
+}
+
+PeerRuns run_peers(const PeerOptions& options) {
+  PeerRuns result;
+  require_scripts(options.scripts);
+  copy_scripts(options.scripts, options.work);
+  std::vector<Job> jobs;
+  const auto consider = [&](const char* script, const char* program, bool installed, const std::vector<Job>& more) {
+    if (!fs::exists(options.scripts / script)) return;
+    if (installed)
+      jobs.insert(jobs.end(), more.begin(), more.end());
+    else
+      result.notes.push_back(fmt::format("{} is not installed: its runs are left out", program));
+  };
+  consider("s1.edp", freefem, in_path(freefem), freefem_jobs());
+  if (fs::exists(options.scripts / "dolf.py"))  // to ask takes seconds
+    consider("dolf.py", "dolfin", shell(fmt::format("{} -c 'import dolfin' 2>&1", python)).code == 0, dolfin_jobs());
+  if (!options.problems.empty())
+    std::erase_if(jobs, [&](const Job& j) {
+      return std::find(options.problems.begin(), options.problems.end(), j.problem) == options.problems.end();
+    });
+  // Small runs first: when time runs out, every sequence has its beginning.
+  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.size < b.size; });
+  if (options.quick) std::erase_if(jobs, [](const Job& j) { return j.size > 8; });
+
+  const std::string environment =
+      "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 "
+      "FF_LOADPATH='/usr/lib/freefem++;;' FF_INCLUDEPATH='/usr/include/freefem++/idp;;'";
+  Stopwatch watch;
+  double spent = 0;
+  std::size_t done = 0;
+  for (const Job& job : jobs) {
+    spent += watch.lap();
+    if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
+    ++done;
+    if (options.on_phase) options.on_phase(fmt::format("peers: {} {} n = {}", job.problem, job.name, job.size));
+    const Outcome o = shell(fmt::format("cd {} && {} timeout -k 5 {:.0f} {} 2>&1", quoted(options.work.string()),
+                                        environment, std::clamp(options.seconds - spent, 10.0, 300.0), job.command));
+    std::optional<PeerRun> run = read_peer_line(o.output);
+    if (o.code != 0 || !run) {
+      const bool late = o.code == 124 || o.code == 137;
+      result.notes.push_back(
+          fmt::format("\"{}\" {}", job.command,
+                      late ? "took too long" : fmt::format("failed (exit {}): {}", o.code, last_line(o.output))));
+      continue;
+    }
+    run->problem = job.problem;
+    run->poisson = job.poisson;
+    run->name = job.name;
+    result.runs.push_back(std::move(*run));
+  }
+  if (done < jobs.size())
+    result.notes.push_back(
+        fmt::format("{} of {} runs of other programs were left out for time", jobs.size() - done, jobs.size()));
+  return result;
+}
+
+}  // namespace kerf

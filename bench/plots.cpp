@@ -1,0 +1,121 @@
+#include "bench/plots.hpp"
+
+#include "report/chart.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace kerf {
+
+namespace {
+
+using Coordinates = std::function<Vec2(const Measurement&)>;
+
+/// One style per element and degree, dashed on uniform meshes.
+std::vector<Series> sequences(const StateBench& bench, const std::string& problem, double poisson,
+                              const Coordinates& at) {
+  std::vector<std::string> elements;
+  std::vector<Series> all;
+  for (const Measurement& m : bench.runs) {
+    const std::string element = fmt::format("{} {}", m.element, m.degree);
+    const auto place = std::find(elements.begin(), elements.end(), element);
+    const std::size_t style = static_cast<std::size_t>(place - elements.begin());
+    if (place == elements.end()) elements.push_back(element);
+    if (m.problem != problem || m.poisson != poisson) continue;
+    const std::string name = sequence_name(m);
+    auto series = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
+    if (series == all.end()) series = all.insert(all.end(), {name, {}, m.mesh == "uniform", style});
+    series->points.push_back(at(m));
+  }
+  return all;
+}
+
+Vec2 time_and_error(const Measurement& m) {
+  return {m.seconds.work(), m.error.stress};
+}
+
+constexpr const char* work_label = "processor seconds: mesh, assembly, factorisation, solution";
+constexpr const char* stress_label = "relative L2 error of the stress";
+
+Chart chart_of(const std::string& problem, double poisson) {
+  Chart chart;
+  for (const ProblemKind& kind : problem_kinds())
+    if (kind.name == problem) chart.title = kind.title;
+  chart.subtitle = fmt::format("Poisson's ratio {:.6g}; one thread", poisson);
+  return chart;
+}
+
+void draw_contact(const std::filesystem::path& folder, const StateBench& bench, const std::string& problem,
+                  double poisson) {
+  const std::string tag = problem_tag(problem, poisson);
+  const auto one = [&](const std::string& name, const std::string& x, const std::string& y, std::vector<Slope> slopes,
+                       const Coordinates& at) {
+    Chart chart = chart_of(problem, poisson);
+    chart.x_label = x;
+    chart.y_label = y;
+    chart.slopes = std::move(slopes);
+    chart.series = sequences(bench, problem, poisson, at);
+    draw(folder / fmt::format("{}_{}.png", name, tag), chart);
+  };
+  const auto unknowns = [](const Measurement& m) { return static_cast<double>(m.unknowns); };
+  const std::vector<Slope> by_step{{0.5, "slope 1/2"}, {1, "slope 1"}, {2, "slope 2"}};
+  const std::vector<Slope> by_count{{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
+  one("stress_step", "mesh step h (longest edge)", stress_label, by_step,
+      [](const Measurement& m) { return Vec2(m.h, m.error.stress); });
+  one("displacement_unknowns", "number of unknowns N", "relative L2 error of the displacement u*", by_count,
+      [&](const Measurement& m) { return Vec2(unknowns(m), m.error.displacement); });
+  one("stress_unknowns", "number of unknowns N", stress_label, by_count,
+      [&](const Measurement& m) { return Vec2(unknowns(m), m.error.stress); });
+}
+
+void draw_peers(const std::filesystem::path& folder, const StateBench& bench, const std::string& problem,
+                double poisson) {
+  std::vector<Series> peers;
+  for (const PeerRun& p : bench.peers) {
+    if (p.problem != problem || p.poisson != poisson) continue;
+    auto series = std::find_if(peers.begin(), peers.end(), [&](const Series& s) { return s.name == p.name; });
+    if (series == peers.end()) series = peers.insert(peers.end(), {p.name, {}, true, 0});
+    series->points.push_back({p.work, p.stress_error});
+  }
+  if (peers.empty()) return;
+  Chart chart = chart_of(problem, poisson);
+  chart.x_label = "processor seconds: mesh, assembly, solution, stress";
+  chart.y_label = stress_label;
+  chart.series = sequences(bench, problem, poisson, time_and_error);
+  // kerf's uniform sequences are in a picture of their own, unless there are no others.
+  if (std::any_of(chart.series.begin(), chart.series.end(), [](const Series& s) { return !s.dashed; }))
+    std::erase_if(chart.series, [](const Series& s) { return s.dashed; });
+  std::size_t style = 0;
+  for (Series& s : chart.series) {
+    s.name = "kerf " + s.name;
+    s.dashed = false;
+    style = std::max(style, s.style + 1);
+  }
+  for (Series& p : peers) {
+    p.style = style++;
+    std::stable_sort(p.points.begin(), p.points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
+    chart.series.push_back(std::move(p));
+  }
+  draw(folder / fmt::format("peers_{}.png", problem_tag(problem, poisson)), chart);
+}
+
+}  // namespace
+
+void draw_state_plots(const std::filesystem::path& folder, const StateBench& bench) {
+  std::set<std::pair<std::string, double>> drawn;
+  for (const Measurement& m : bench.runs) {
+    if (!drawn.insert({m.problem, m.poisson}).second) continue;
+    Chart chart = chart_of(m.problem, m.poisson);
+    chart.x_label = work_label;
+    chart.y_label = stress_label;
+    chart.slopes = {{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
+    chart.series = sequences(bench, m.problem, m.poisson, time_and_error);
+    draw(folder / fmt::format("error_time_{}.png", problem_tag(m.problem, m.poisson)), chart);
+    if (m.problem == "closing-crack") draw_contact(folder, bench, m.problem, m.poisson);
+    draw_peers(folder, bench, m.problem, m.poisson);
+  }
+}
+
+}  // namespace kerf

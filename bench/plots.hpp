@@ -1,0 +1,12 @@
+#pragma once
+// The pictures of `kerf bench state`.
+
+#include "bench/state.hpp"
+
+namespace kerf {
+
+/// error_time_<case>_nu<poisson>.png per problem; where there is contact, too, the stress error against the mesh step
+/// and both errors against the number of unknowns; peers_<case>_nu<poisson>.png where other programs ran.
+void draw_state_plots(const std::filesystem::path& folder, const StateBench& bench);
+
+}  // namespace kerf

@@ -1,0 +1,217 @@
+#include "bench/state.hpp"
+
+#include "bench/plots.hpp"
+#include "bench/records.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace kerf {
+
+namespace {
+
+struct Sequence {
+  std::string problem;
+  double poisson;
+  Element element;
+  Grading grading;
+};
+
+bool wanted(const std::vector<std::string>& names, std::string_view name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<Sequence> sequences(const StateBenchOptions& options) {
+  std::vector<Sequence> all;
+  for (const ProblemKind& kind : problem_kinds()) {
+    if (!wanted(options.cases, kind.name)) continue;
+    for (const double poisson : kind.poisson) {
+      if (options.quick && poisson != kind.poisson.front()) continue;
+      for (const Element& e : elements) {
+        if (!wanted(options.elements, e.name)) continue;
+        all.push_back({kind.name, poisson, e, Grading::Uniform});
+        if (kind.name != "smooth") all.push_back({kind.name, poisson, e, Grading::Graded});
+      }
+    }
+  }
+  return all;
+}
+
+constexpr double good_enough = 1e-5;  // no sequence goes beyond this stress error
+constexpr double growth = 2.3;        // of the time from one level to the next
+
+class Runner {
+ public:
+  Runner(const StateBenchOptions& options, StateBench& bench) : options_(options), bench_(bench) {}
+
+  void run(const Sequence& s, double seconds) {
+    const Problem& p = ready(s);
+    const std::string name = fmt::format("{} nu {:.6g} {} {} {}", s.problem, s.poisson, s.element.name,
+                                         s.element.degree, name_of(s.grading));
+    if (options_.on_phase) options_.on_phase(name);
+    const int most = options_.quick ? 2 : 40;
+    double spent = 0, last = 0;
+    for (int level = 0; level < most && !stopped() && spent + growth * last <= seconds; ++level) {
+      Stopwatch watch;
+      try {
+        bench_.runs.push_back(measure(p, s.element, s.grading, level, options_.quick ? 1 : 3));
+      } catch (const std::exception& e) {  // what an element or the memory cannot do does not end the others
+        bench_.notes.push_back(fmt::format("{}, level {}: {}", name, level, e.what()));
+        return;
+      }
+      last = watch.lap();
+      spent += last;
+      if (bench_.runs.back().error.stress < std::max(good_enough, 3 * reference_error(p))) return;
+    }
+  }
+
+  bool stopped() const {
+    return options_.stop_asked && options_.stop_asked();
+  }
+
+ private:
+  static double reference_error(const Problem& p) {
+    return p.reference ? p.reference->error : 0;
+  }
+
+  /// The problem, with the reference that it needs; kept while the sequences stay with it.
+  const Problem& ready(const Sequence& s) {
+    if (problem_ && problem_->name == s.problem && problem_->poisson == s.poisson) return *problem_;
+    problem_ = problem(s.problem, s.poisson);
+    if (problem_->exact) return *problem_;
+    if (options_.on_phase) options_.on_phase(fmt::format("{} nu {:.6g} reference", s.problem, s.poisson));
+    const Reference& r = problem_->reference.emplace(overkill(*problem_, options_.quick ? 3 : 10));
+    bench_.references.push_back({s.problem, s.poisson, r.x.size(), r.strain_energy, problem_->known_energy, r.error});
+    return *problem_;
+  }
+
+  const StateBenchOptions& options_;
+  StateBench& bench_;
+  std::optional<Problem> problem_;
+};
+
+using Key = std::pair<std::string, double>;  // problem, Poisson's ratio
+
+/// The fastest of several named sequences, per problem and error to reach.
+std::vector<Fastest> fastest(const std::map<Key, std::map<std::string, std::vector<WorkPoint>>>& sequences) {
+  std::vector<Fastest> all;
+  for (const ProblemKind& kind : problem_kinds())
+    for (const double poisson : kind.poisson) {
+      const auto found = sequences.find({kind.name, poisson});
+      if (found == sequences.end()) continue;
+      for (const double error : errors_to_reach) {
+        std::optional<Fastest> best;
+        for (const auto& [name, points] : found->second)
+          if (const auto time = time_to(points, error); time && (!best || faster(*time, best->time)))
+            best = Fastest{kind.name, poisson, error, name, *time};
+        if (best) all.push_back(*best);
+      }
+    }
+  return all;
+}
+
+const Fastest* find(const std::vector<Fastest>& all, const Fastest& like) {
+  const auto at = std::find_if(all.begin(), all.end(), [&](const Fastest& f) {
+    return f.problem == like.problem && f.poisson == like.poisson && f.error == like.error;
+  });
+  return at == all.end() ? nullptr : &*at;
+}
+
+std::string ratio(const TimeTo& peer, const TimeTo& own) {
+  if (peer.kind == TimeTo::Kind::Missed || own.kind == TimeTo::Kind::Missed) return "-";
+  const bool guessed = peer.kind == TimeTo::Kind::Extrapolated || own.kind == TimeTo::Kind::Extrapolated;
+  const char* bound = guessed ? "~" : peer.kind == TimeTo::Kind::AtMost ? "<=" : "";
+  return fmt::format("{}{:.2g}", bound, peer.seconds / own.seconds);
+}
+
+}  // namespace
+
+StateBench run_state_bench(const StateBenchOptions& options) {
+  if (!options.peers.empty()) require_scripts(options.peers);
+  std::error_code failed;
+  std::filesystem::create_directories(options.folder, failed);
+  if (failed)
+    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
+  StateBench bench;
+  Runner runner(options, bench);
+  const std::vector<Sequence> all = sequences(options);
+  Stopwatch watch;
+  double spent = 0;
+  for (std::size_t i = 0; i < all.size() && !runner.stopped(); ++i) {
+    // What one sequence leaves of its share goes to those after it.
+    runner.run(all[i], (options.seconds - spent) / static_cast<double>(all.size() - i));
+    spent += watch.lap();
+  }
+  if (!options.peers.empty() && !runner.stopped()) {
+    PeerRuns peers = run_peers({.scripts = options.peers,
+                                .work = options.folder / "peers",
+                                .seconds = options.peer_seconds,
+                                .quick = options.quick,
+                                .problems = options.cases,
+                                .stop_asked = options.stop_asked,
+                                .on_phase = options.on_phase});
+    bench.peers = std::move(peers.runs);
+    bench.notes.insert(bench.notes.end(), peers.notes.begin(), peers.notes.end());
+  }
+  bench.stopped = runner.stopped();
+  std::map<Key, std::map<std::string, std::vector<WorkPoint>>> own, others;
+  for (const Measurement& m : bench.runs)
+    own[{m.problem, m.poisson}][sequence_name(m)].push_back({m.error.stress, m.seconds.work()});
+  for (const PeerRun& p : bench.peers) others[{p.problem, p.poisson}][p.name].push_back({p.stress_error, p.work});
+  bench.best = fastest(own);
+  bench.best_peers = fastest(others);
+  write_state_csv(options.folder / "state.csv", bench);
+  draw_state_plots(options.folder, bench);
+  write_state_json(options.folder / "state.json", bench);
+  return bench;
+}
+
+std::string summary(const StateBench& bench) {
+  std::string out = "Processor seconds (mesh, assembly, factorisation, solution) to a relative L2 stress error:\n";
+  out += fmt::format("{:<27}{:>8}  {:<24}{:>14}{:>14}  {:<34}{:>8}\n", "case", "error", "kerf", "seconds",
+                     bench.peers.empty() ? "" : "best peer", "", bench.peers.empty() ? "" : "ratio");
+  for (const Fastest& f : bench.best) {
+    const Fastest* peer = find(bench.best_peers, f);
+    std::string line =
+        fmt::format("{:<27}{:>8.0e}  {:<24}{:>14}", problem_tag(f.problem, f.poisson), f.error, f.name, text(f.time));
+    if (peer) line += fmt::format("{:>14}  {:<34}{:>8}", text(peer->time), peer->name, ratio(peer->time, f.time));
+    out += line + '\n';
+  }
+  for (const ReferenceUsed& r : bench.references) {
+    out += fmt::format("{}: errors are against a solution at {} points that errs by about {:.1g} itself",
+                       problem_tag(r.problem, r.poisson), r.points, r.error);
+    if (r.known_energy > 0)
+      out += fmt::format("; its energy is off by {:.1g}", std::abs(r.strain_energy / r.known_energy - 1));
+    out += '\n';
+  }
+  for (const std::string& note : bench.notes) out += "note: " + note + '\n';
+  if (bench.stopped) out += "stopped before the end\n";
+  return out;
+}
+
+std::string sequence_name(const Measurement& m) {
+  return fmt::format("{} {}, {}", m.element, m.degree, m.mesh);
+}
+
+std::string problem_tag(const std::string& problem, double poisson) {
+  return fmt::format("{}_nu{:.6g}", problem, poisson);
+}
+
+std::vector<std::string> bench_case_names() {
+  std::vector<std::string> names;
+  for (const ProblemKind& kind : problem_kinds()) names.push_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> bench_element_names() {
+  std::vector<std::string> names;
+  for (const Element& e : elements)
+    if (std::find(names.begin(), names.end(), e.name) == names.end()) names.emplace_back(e.name);
+  return names;
+}
+
+}  // namespace kerf

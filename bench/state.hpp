@@ -1,0 +1,67 @@
+#pragma once
+// `kerf bench state`: every element on every problem, time and memory against error, with files and pictures.
+
+#include "bench/compare.hpp"
+#include "bench/measure.hpp"
+#include "bench/peers.hpp"
+
+#include <filesystem>
+
+namespace kerf {
+
+struct StateBenchOptions {
+  std::filesystem::path folder;              // made if absent
+  std::vector<std::string> cases, elements;  // names; empty: all
+  double seconds = 300;                      // for kerf's runs
+  double peer_seconds = 1200;                // for those of other programs
+  bool quick = false;                        // two coarse meshes of each sequence, one Poisson's ratio per case
+  std::filesystem::path peers;               // scripts of other programs; empty: none
+  std::function<bool()> stop_asked;          // polled before each run: what is done is written
+  std::function<void(const std::string&)> on_phase;
+};
+
+/// The truth of a problem without a closed form, as good as it is.
+struct ReferenceUsed {
+  std::string problem;
+  double poisson = 0;
+  std::size_t points = 0;
+  double strain_energy = 0, known_energy = 0;  // known: 0 where it is not
+  double error = 0;                            // estimated, of the stress
+};
+
+/// The fastest sequence to an error.
+struct Fastest {
+  std::string problem;
+  double poisson = 0, error = 0;
+  std::string name;  // "bdms 3, graded"; a peer's name
+  TimeTo time;
+};
+
+struct StateBench {
+  std::vector<Measurement> runs;
+  std::vector<ReferenceUsed> references;
+  std::vector<PeerRun> peers;
+  std::vector<Fastest> best, best_peers;
+  std::vector<std::string> notes;
+  bool stopped = false;
+};
+
+inline constexpr std::array errors_to_reach{1e-2, 1e-3, 1e-4};
+
+/// Runs, writes state.csv, state.json and the PNGs, and returns what they hold. Throws Error(Files).
+StateBench run_state_bench(const StateBenchOptions& options);
+
+/// The tables that a terminal shows.
+std::string summary(const StateBench& bench);
+
+/// "bdms 3, graded".
+std::string sequence_name(const Measurement& m);
+
+/// Problem and Poisson's ratio, as in file names and tables: "smooth", 0.3 -> "smooth_nu0.3".
+std::string problem_tag(const std::string& problem, double poisson);
+
+/// Names that --case and --element take.
+std::vector<std::string> bench_case_names();
+std::vector<std::string> bench_element_names();
+
+}  // namespace kerf
