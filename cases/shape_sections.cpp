@@ -132,22 +132,28 @@ void read_shape(const Field& document, Case& c) {
 
   names.clear();
   for (const Field& crack : find_tables(document, "crack")) {
-    allow_only(crack, {"name", "path", "arc", "contact", "friction"}, {{"tresca", "contact is frictionless"}});
+    allow_only(crack, {"name", "path", "arc", "contact", "friction", "tresca"});
     const Field field = need(crack, "name");
     const std::string name = safe_name(field);
     check_unique(name, field, names);
     const auto contact = find(crack, "contact");
     const std::string law = contact ? choice(*contact, {"unilateral", "open", "bonded"}) : "unilateral";
-    if (const auto friction = find(crack, "friction")) {
-      const double coefficient = number(*friction);
-      if (coefficient < 0) fail(friction->node->position, friction->name + " must not be negative");
-      if (coefficient > 0)
-        fail(friction->node->position, friction->name + " > 0 is not supported yet; use friction = 0.0");
-    }
-    c.shape.cracks.push_back(read_path(crack, name));
-    c.scene.laws.push_back({law == "open"     ? CrackLaw::Kind::Open
-                            : law == "bonded" ? CrackLaw::Kind::Bonded
-                                              : CrackLaw::Kind::Unilateral});
+    CrackLaw crack_law{law == "open"     ? CrackLaw::Kind::Open
+                       : law == "bonded" ? CrackLaw::Kind::Bonded
+                                         : CrackLaw::Kind::Unilateral};
+    for (const auto& [key, value] :
+         {std::pair{"friction", &crack_law.friction}, std::pair{"tresca", &crack_law.slip_bound}})
+      if (const auto given = find(crack, key)) {
+        *value = number(*given);
+        if (*value < 0) fail(given->node->position, given->name + " must not be negative");
+        if (*value > 0 && law != "unilateral")
+          fail(given->node->position, fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, law));
+      }
+    Crack path = read_path(crack, name);
+    if (path.arc)
+      crack_law.normal = [center = path.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+    c.shape.cracks.push_back(std::move(path));
+    c.scene.laws.push_back(std::move(crack_law));
   }
 }
 

@@ -17,7 +17,13 @@ struct Triangle {
   // Per vertex, columns are what its unknowns stand for: displacements (2 x 2), or stresses s11, s22, sqrt(2) s12.
   std::array<Eigen::Matrix3d, 3> corner = {Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity(),
                                            Eigen::Matrix3d::Identity()};
+  // Per edge its frames at the Gauss points where they differ along it (curved cracks), or nothing.
+  std::array<const Mat2*, 3> bent = {nullptr, nullptr, nullptr};
 };
+
+inline const Mat2& frame_at(const Triangle& t, int edge, int point) {
+  return t.bent[edge] ? t.bent[edge][point] : t.frame[edge];
+}
 
 /// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame;
 /// then per vertex.

@@ -189,7 +189,7 @@ struct MixedTriangle {
       const auto add = [&](int g, double share, const Eigen::Matrix<double, Monomials, 1>& v) {
         for (int d = 0; d < 2; ++d) {
           const int column = 2 * (G * e + g) + d;
-          const Vec2 f = share * t.frame[e].col(d);
+          const Vec2 f = share * frame_at(t, e, g).col(d);
           const double weight[4] = {f.x() * n.x(), f.x() * n.y(), f.y() * n.x(), f.y() * n.y()};
           for (int m = 0; m < P; ++m)
             for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) += v[m] * weight[c];

@@ -165,9 +165,10 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
       }
       if (bonded) {
         const Eigen::Vector4d v = stress_at(model.kernel, left, state.interior.col(model.mesh.sides[c.edge][0]), p.at);
-        const Vec2 n = s.frame[c.edge].col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
+        const Mat2& frame = frame_at(s, c.edge, g);
+        const Vec2 n = frame.col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
         p.sigma_n = traction.dot(n);
-        p.sigma_t = -traction.dot(s.frame[c.edge].col(1));
+        p.sigma_t = -traction.dot(frame.col(1));
       }
       const bool gap = p.jump_n > no_gap, pressure = -p.sigma_n > no_pressure;
       p.status = bonded || pressure   ? CrackPoint::Status::Closed

@@ -108,7 +108,8 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   Eigen::VectorXd value = Eigen::VectorXd::Zero(s.base);
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     for (int g = 0; g < s.per_edge / 2; ++g)
-      value.segment<2>(edge_unknown(s, e) + 2 * g) = s.frame[e].transpose() * motion.at(edge_point(mesh, k, e, g));
+      value.segment<2>(edge_unknown(s, e) + 2 * g) =
+          frame_at(s, e, g).transpose() * motion.at(edge_point(mesh, k, e, g));
   for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c) {
     if (k.element.at_vertices == AtVertices::Rotation) value[corner_unknown(s, c)] = -motion.rotation;
     if (k.element.at_vertices == AtVertices::Displacement)

@@ -57,6 +57,9 @@ struct CrackLaw {
   enum class Kind { Unilateral, Open, Bonded } kind = Kind::Unilateral;
   double friction = 0;    // Coulomb's coefficient
   double slip_bound = 0;  // stress
+  /// Unit normal of a curved crack, either way; empty: that of its edges. Chords would lock: sliding faces of a polygon
+  /// interlock at every vertex.
+  std::function<Vec2(const Vec2& x)> normal = {};
 };
 
 struct Scene {

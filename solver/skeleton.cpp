@@ -49,6 +49,26 @@ void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
   }
 }
 
+// Frames of curved cracks: the true normal, on the side of the chord's.
+void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  s.bent_at.assign(mesh.edges.size(), none);
+  if (!is_mixed(k.element)) return;
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    if (!scene.laws[crack].normal) continue;
+    for (const CrackEdge& c : mesh.cracks[crack]) {
+      s.bent_at[c.edge] = static_cast<Index>(s.bent.size());
+      const Vec2& a = mesh.points[mesh.edges[c.edge][0]];
+      const Vec2& b = mesh.points[mesh.edges[c.edge][1]];
+      const Vec2 chord = normal(mesh, c.edge);
+      for (int g = 0; g < points_per_edge(k.element); ++g) {
+        Vec2 n = scene.laws[crack].normal(a + k.trace.s[g] * (b - a));
+        if (n.dot(chord) < 0) n = -n;
+        s.bent.push_back((Mat2() << n, Vec2(-n.y(), n.x())).finished());
+      }
+    }
+  }
+}
+
 void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   const int points = points_per_edge(k.element);
   const EdgeRule rule = gauss(data_points);
@@ -171,6 +191,10 @@ void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
 
 }  // namespace
 
+const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
+  return s.bent_at[edge] == none ? s.frame[edge] : s.bent[s.bent_at[edge] + point];
+}
+
 Index edge_unknown(const Skeleton& s, Index edge) {
   return edge * s.per_edge;
 }
@@ -203,6 +227,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
       s.total += s.per_edge;
     }
   }
+  bend(mesh, k, scene, s);
   s.prescribed.assign(s.total, 0);
   s.fixed.assign(s.total, false);
   s.bounded.assign(s.total, false);
@@ -231,6 +256,7 @@ Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
     result.x[i] = mesh.points[mesh.triangles[t][i]];
     result.frame[i] = s.frame[e];
     result.forward[i] = mesh.sides[e][0] == t;
+    if (s.bent_at[e] != none) result.bent[i] = s.bent.data() + s.bent_at[e];
     if (s.per_vertex > 1) result.corner[i] = s.corner_frame[s.corners.of[t][i]];
   }
   return result;

@@ -16,6 +16,8 @@ struct Skeleton {
   Index base = 0;                             // base unknowns
   Index total = 0;                            // base and jump unknowns
   std::vector<Mat2> frame;                    // per edge, columns are directions
+  std::vector<Mat2> bent;                     // frames at the Gauss points of curved cracks
+  std::vector<Index> bent_at;                 // per edge its first one, or none
   std::vector<Index> jump;                    // per edge its first jump unknown, or none
   Corners corners;                            // empty without unknowns at vertices
   std::vector<Eigen::Matrix3d> corner_frame;  // per corner: see Triangle::corner
@@ -25,6 +27,8 @@ struct Skeleton {
   std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
 };
 
+/// Directions of the two components at a Gauss point of an edge.
+const Mat2& frame_at(const Skeleton& s, Index edge, int point);
 Index edge_unknown(const Skeleton& s, Index edge);
 Index corner_unknown(const Skeleton& s, Index corner);
 

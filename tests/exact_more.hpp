@@ -2,7 +2,7 @@
 // More exact fields: collinear cracks, friction, a crack along an arc, corners, holes, an inclusion. Each sets
 // `ExactField::side`.
 
-#include "tests/exact_field.hpp"
+#include "bench/exact_field.hpp"
 
 #include <complex>
 
