@@ -1,0 +1,476 @@
+#include "solver/bounds.hpp"
+
+#include "solver/conforming.hpp"
+#include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
+#include "solver/right_inverse.hpp"
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// Values on lattice(degree) of the L2 projections onto P_degree of data at the points of a rule.
+Eigen::MatrixXd projection(int degree, const TriangleRule& rule) {
+  const Eigen::MatrixXd basis = interpolation(degree, rule.x);  // of the Lagrange functions at the points
+  const Eigen::MatrixXd weighted = rule.w.asDiagonal() * basis;
+  return Eigen::MatrixXd(basis.transpose() * weighted).partialPivLu().solve(weighted.transpose());
+}
+
+// The body force as the bounds see it: polynomials of a degree per triangle.
+struct Forces {
+  int degree = 0;
+  Eigen::MatrixXd nodal;   // x, y at lattice(degree), a column per triangle; no columns without a body force
+  bool balanced = true;    // div s_h = -f already, so that no local correction is needed
+  Eigen::VectorXd couple;  // per triangle, the mean asymmetry that its correction has; only with constant displacements
+  double left_out = 0;     // sum (h/pi)^2 |f - its polynomial|^2
+};
+
+Forces forces(const Model& m) {
+  const Element& e = m.kernel.element;
+  Forces f;
+  if (!m.scene.body) return f;
+  // A body held by nothing is in equilibrium with the forces that the element sees alone.
+  f.degree = !m.floating.empty() && e.displacement == 0 ? 0 : e.trace + 1;
+  const TriangleRule& rule = m.kernel.load;
+  const Eigen::MatrixXd project = projection(f.degree, rule), back = interpolation(f.degree, rule.x),
+                        mean = interpolation(e.displacement, rule.x) * projection(e.displacement, rule);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  f.nodal.resize(2 * dim(f.degree), triangles);
+  f.couple = Eigen::VectorXd::Zero(triangles);
+  Eigen::VectorXd left_out(triangles), size(triangles), rest(triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Triangle shape = triangle(m, t);
+      const Points x = rule_points(rule, shape);
+      Points value(2, x.cols());
+      for (Eigen::Index q = 0; q < x.cols(); ++q) value.col(q) = m.scene.body(x.col(q));
+      const Points nodal = value * project.transpose(), seen = nodal * back.transpose();
+      const Points unseen = seen - value * mean.transpose();  // by the element
+      f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
+      double h = 0;
+      for (int i = 0; i < 3; ++i) h = std::max(h, (shape.x[(i + 1) % 3] - shape.x[i]).norm());
+      left_out[t] = std::pow(h / std::numbers::pi, 2) * area(shape) *
+                    (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
+      size[t] = value.cwiseAbs().maxCoeff();
+      rest[t] = unseen.cwiseAbs().maxCoeff();
+      if (e.displacement == 0)
+        for (Eigen::Index q = 0; q < x.cols(); ++q)
+          f.couple[t] -= rule.w[q] * cross(unseen.col(q), x.col(q) - centroid(shape));
+    }
+  });
+  f.left_out = left_out.sum();
+  f.balanced = rest.maxCoeff() <= 1e3 * epsilon * size.maxCoeff();
+  if (f.balanced || e.displacement > 0) f.couple.resize(0);
+  return f;
+}
+
+// The antisymmetric stress of mean asymmetry g: no divergence.
+Mat2 antisymmetric(double g) {
+  return (Mat2() << 0, 0.5 * g, -0.5 * g, 0).finished();
+}
+
+// What must be added to the contact forces so that the cracks carry no tension anywhere: the Bernstein coefficients of
+// the normal stress on each edge become the unknowns of the same small contact problem, the moments of the opening
+// against the Bernstein polynomials their multipliers.
+Eigen::VectorXd pressures_everywhere(const Model& m, const State& s, const Eigen::VectorXd& free_jumps) {
+  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
+  const EdgeRule& trace = m.kernel.trace;
+  const Eigen::Index n = trace.w.size();
+  Eigen::MatrixXd change(n, n);  // from values at the Gauss points to moments
+  for (Eigen::Index b = 0; b < n; ++b)
+    for (Eigen::Index g = 0; g < n; ++g)
+      change(b, g) = trace.w[g] * std::round(std::tgamma(n) / (std::tgamma(b + 1) * std::tgamma(n - b))) *
+                     std::pow(trace.s[g], b) * std::pow(1 - trace.s[g], n - 1 - b);
+  const Eigen::MatrixXd back = change.inverse();
+  Eigen::VectorXd force(trailing), jump(trailing);
+  for (Index u = 0; u < m.skeleton.total; ++u)
+    if (const Index row = m.ordering.row[u]; row != none && row >= leading) {
+      force[row - leading] = s.force[u];
+      jump[row - leading] = s.skeleton[u];
+    }
+  Eigen::MatrixXd S = m.factor.schur_complement();
+  Eigen::VectorXd load = S * (jump + free_jumps) - force;
+  std::vector<std::vector<Index>> blocks;
+  for (const auto& crack : m.mesh.cracks)
+    for (const CrackEdge& c : crack) {
+      std::vector<Index> rows;
+      for (Index g = 0; g < static_cast<Index>(n); ++g)
+        if (const Index row = m.ordering.row[m.skeleton.jump[c.edge] + 2 * g]; row != none && row >= leading)
+          rows.push_back(row - leading);
+      if (!rows.empty()) blocks.push_back(rows);
+    }
+  std::vector<bool> closed(trailing, false);
+  for (const auto& rows : blocks) {
+    S(Eigen::all, rows) = (S(Eigen::all, rows) * back).eval();
+    load(rows) = (back.transpose() * load(rows)).eval();
+    const Eigen::VectorXd guess = back.transpose() * force(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) closed[rows[i]] = guess[static_cast<Eigen::Index>(i)] > 0;
+  }
+  for (const auto& rows : blocks) S(rows, Eigen::all) = (back.transpose() * S(rows, Eigen::all)).eval();
+  // Any forces >= 0 will do: the best ones if the iteration settles.
+  Eigen::VectorXd pressure = solve_unilateral(S, load, closed).force.cwiseMax(0);
+  for (const auto& rows : blocks) pressure(rows) = (change.transpose() * pressure(rows)).eval();
+  return pressure - force;
+}
+
+// The interior fields of a stress in equilibrium with the whole body force once the local corrections are added, and
+// without tension on unilateral cracks: the solution, plus the response to couples and to a change of contact forces.
+Eigen::MatrixXd static_interior(const Model& m, const State& s, const Eigen::VectorXd& couple) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const Index trailing = m.ordering.trailing, size = m.ordering.size;
+  const bool contact = trailing > 0 && s.force.cwiseAbs().maxCoeff() > 0;
+  if (size == 0 || (couple.size() == 0 && !contact)) return s.interior;
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(size);
+  for (Index t = 0; t < static_cast<Index>(couple.size()); ++t) {
+    const Triangle shape = triangle(m, t);
+    const Seen view = seen(m.mesh, m.skeleton, t);
+    const Mat2 stress = antisymmetric(couple[t]);
+    int i = 0;
+    for (int e = 0; e < 3; ++e) {
+      const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
+      const Vec2 force = shape.frame[e].transpose() * stress * Vec2(side.y(), -side.x());
+      for (Eigen::Index g = 0; g < m.kernel.trace.w.size(); ++g)
+        for (int d = 0; d < 2; ++d, ++i)
+          for (const Index u : {view.base[i], view.jump[i]})
+            if (u != none && m.ordering.row[u] != none) load[m.ordering.row[u]] -= m.kernel.trace.w[g] * force[d];
+    }
+  }
+  if (trailing > 0) {
+    const Eigen::VectorXd jumps =
+        couple.size() > 0 ? Eigen::VectorXd(m.factor.solve(load).tail(trailing)) : Eigen::VectorXd::Zero(trailing);
+    load.tail(trailing) += pressures_everywhere(m, s, jumps);
+  }
+  const Eigen::VectorXd change = m.factor.solve(load);
+  Eigen::MatrixXd interior_fields = s.interior;
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Seen view = seen(m.mesh, m.skeleton, t);
+      SkeletonVector trace = SkeletonVector::Zero(view.count);
+      for (int i = 0; i < view.count; ++i)
+        for (const Index u : {view.base[i], view.jump[i]})
+          if (u != none && m.ordering.row[u] != none) trace[i] += change[m.ordering.row[u]];
+      interior_fields.col(t) += interior(m.kernel, triangle(m, t), m.scene.material, {}, trace, {m.system.penalty, 0});
+    }
+  });
+  return interior_fields;
+}
+
+// Everything that does not depend on the triangle. Stresses, divergences and forces are polynomials of degree n by
+// their values on lattice(n), displacements of degree n + 1 by theirs on lattice(n + 1).
+struct Reference {
+  int n;
+  TriangleRule rule;
+  Points nodes, field_nodes;
+  Eigen::MatrixXd at_rule, field_at_rule;                                  // values
+  std::array<Eigen::MatrixXd, 2> slope, field_slope, field_slope_at_rule;  // derivatives
+  Eigen::MatrixXd raise;                                                   // conforming displacement -> lattice(n + 1)
+  Eigen::MatrixXd force, mean_force;                                       // body force, what the element sees of it
+  RightInverse inverse;
+  Eigen::MatrixXd normal_free;
+};
+
+Reference reference(const Element& e, int n, const Forces& f) {
+  Reference r;
+  r.n = n;
+  r.rule = split_rule(2 * n);
+  r.nodes = lattice(n);
+  r.field_nodes = lattice(n + 1);
+  r.at_rule = interpolation(n, r.rule.x);
+  r.field_at_rule = interpolation(n + 1, r.rule.x);
+  r.slope = differentiation(n, r.nodes);
+  r.field_slope = differentiation(n + 1, r.nodes);
+  r.field_slope_at_rule = differentiation(n + 1, r.rule.x);
+  r.raise = interpolation(e.trace + 1, r.field_nodes);
+  r.force = interpolation(f.degree, r.nodes);
+  const TriangleRule exact = triangle_rule(f.degree + e.displacement);
+  r.mean_force =
+      interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
+  r.inverse = right_inverse(n, r.rule);
+  r.normal_free = normal_free_right_inverse(n);
+  return r;
+}
+
+struct Share {  // of one triangle
+  double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
+  double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
+};
+
+struct Bounding {
+  const Model& m;
+  const State& s;
+  const Forces& f;
+  const std::vector<EdgeData>& data;
+  const Conforming& conforming;
+  const Eigen::MatrixXd& statics;
+  EdgeRule carrier = gauss(data_carriers);
+
+  /// The coordinate (1 + l_b - l_a)/2 along a boundary edge and l_a l_b, at a point (l1, l2).
+  struct Along {
+    double s, bump;
+  };
+  Along along(const EdgeData& d, const Vec2& l) const {
+    const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
+    const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
+    const double from = full[(d.side + (forward ? 1 : 2)) % 3], to = full[(d.side + (forward ? 2 : 1)) % 3];
+    return {0.5 * (1 + to - from), from * to};
+  }
+
+  /// Symmetric stress in equilibrium: its complementary energy and the work of the supports.
+  void lower(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
+    const Triangle shape = triangle(m, t);
+    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+    const double det = J.determinant();
+    Points x(2, r.nodes.cols());
+    for (Eigen::Index q = 0; q < x.cols(); ++q)
+      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    Eigen::Matrix4Xd stress = evaluate(m.kernel, shape, statics.col(t), x).stress;
+    if (f.couple.size() > 0) {
+      const Mat2 c = antisymmetric(f.couple[t]);
+      stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
+    }
+    work_of_supports(shape, stress, r, edges, share);
+
+    // Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
+    bool correct = f.nodal.cols() > 0 && !f.balanced;
+    Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
+      correct = true;
+      const Vec2& apex = shape.x[d.side];
+      const double l = length(m.mesh, d.edge);
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
+        const Vec2 load = m.skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
+        rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
+      }
+    }
+    if (correct) {
+      Points wanted = Points::Zero(2, x.cols());
+      if (f.nodal.cols() > 0) {
+        const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+        wanted = force * (r.mean_force - r.force).transpose();
+      }
+      for (int row = 0; row < 2; ++row) {
+        const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
+          return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
+                 inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
+        };
+        const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
+        const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
+        const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
+        rows.middleRows<2>(2 * row) += own;
+      }
+      stress += rows;
+    }
+
+    const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
+    const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
+    const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
+    const double mu = m.scene.material.mu, c = m.scene.material.c;
+    double energy = 0;
+    for (Eigen::Index i = 0; i < at.cols(); ++i) {
+      const Mat2 gradient =
+          J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
+      const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
+                   s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
+      energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
+      share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
+      share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
+    }
+    energy *= 0.5 * area(shape);
+    share.lower -= energy;
+    share.size += energy;
+  }
+
+  /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
+  void work_of_supports(const Triangle& shape, const Eigen::Matrix4Xd& stress, const Reference& r,
+                        const std::vector<Index>& edges, Share& share) const {
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      const double l = length(m.mesh, d.edge);
+      const Vec2 side = shape.x[(d.side + 2) % 3] - shape.x[(d.side + 1) % 3];
+      const Vec2 n = Vec2(side.y(), -side.x()) / l;
+      Points at(2, m.kernel.trace.w.size());
+      for (Eigen::Index g = 0; g < at.cols(); ++g) {
+        const double s_here = shape.forward[d.side] ? m.kernel.trace.s[g] : 1 - m.kernel.trace.s[g];
+        std::array<double, 3> b{0, 0, 0};
+        b[(d.side + 1) % 3] = 1 - s_here;
+        b[(d.side + 2) % 3] = s_here;
+        at.col(g) << b[1], b[2];
+      }
+      const Eigen::Matrix4Xd there = stress * interpolation(r.n, at).transpose();
+      for (int k = 0; k < 2; ++k) {
+        if (!d.held[k]) continue;
+        for (Eigen::Index g = 0; g < at.cols(); ++g) {
+          const double traction = m.skeleton.frame[d.edge].col(k).dot(tensor(there.col(g)) * n);
+          const Index unknown = d.edge * m.skeleton.per_edge + 2 * static_cast<Index>(g) + k;
+          const double work = l * m.kernel.trace.w[g] * traction * m.skeleton.prescribed[unknown];
+          share.lower += work;
+          share.size += std::abs(work);
+        }
+        for (int g = 0; g < data_carriers; ++g)
+          share.lower -= l * carrier.w[g] * d.load(k, g) * conforming.value[i](k, g);
+      }
+    }
+  }
+
+  /// Energy of the conforming displacement with its divergence moved towards that of the stress.
+  void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
+    const Triangle shape = triangle(m, t);
+    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+    const double det = J.determinant(), mu = m.scene.material.mu, c = m.scene.material.c;
+    const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
+    Points v = nodal * r.raise.transpose();
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      if (!d.held[0] && !d.held[1]) continue;
+      for (Eigen::Index q = 0; q < v.cols(); ++q) {
+        const Along a = along(d, r.field_nodes.col(q));
+        v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
+      }
+    }
+    // The divergence wanted is 2 c tr s: tr strain = 2 c tr s.
+    Points x(2, r.nodes.cols());
+    for (Eigen::Index q = 0; q < x.cols(); ++q)
+      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    const Eigen::Matrix4Xd stress = evaluate(m.kernel, shape, s.interior.col(t), x).stress;
+    Eigen::RowVectorXd wanted = 2 * c * (stress.row(0) + stress.row(3));
+    for (int axis = 0; axis < 2; ++axis)
+      for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
+    const Eigen::VectorXd scaled = det * wanted.transpose();
+    const Eigen::VectorXd correction = r.inverse.derivative * scaled;
+    const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
+    // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
+    double e = 0, b = 0, a = 0, size = 0;
+    std::array<double, 2> worst{0, 0};
+    for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
+      const double w = r.rule.w[q] * area(shape);
+      Mat2 g;
+      g << dx.col(q), dy.col(q);
+      g = (g * inverse).eval();
+      const Eigen::Vector4d d = correction.segment<4>(4 * q);
+      const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
+      const double volume = g.trace(), own_volume = h.trace();
+      const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
+                   own_shear = h(0, 1) + h(1, 0);
+      e += w * 0.5 * mu * (difference * difference + shear * shear);
+      b += w * mu * (difference * own_difference + shear * own_shear);
+      a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
+      if (c > 0) {
+        e += w * volume * volume / (8 * c);
+        b += w * 2 * volume * own_volume / (8 * c);
+        a += w * own_volume * own_volume / (8 * c);
+      }
+      worst[0] = std::max(worst[0], std::abs(volume + own_volume));
+      worst[1] = std::max(worst[1], g.cwiseAbs().maxCoeff());
+    }
+    size += e;
+    if (f.nodal.cols() > 0) {
+      const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+      const Points at = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
+      const Eigen::VectorXd own = r.inverse.value * scaled;
+      for (Eigen::Index q = 0; q < at.cols(); ++q) {
+        const double w = r.rule.w[q] * area(shape), work = at.col(q).dot(value.col(q));
+        e -= w * work;
+        size += w * std::abs(work);
+        b -= w * at.col(q).dot(J * own.segment<2>(2 * q)) / det;
+      }
+    }
+    for (const Index i : edges)
+      for (int g = 0; g < data_carriers; ++g) {
+        const double work =
+            length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
+        e -= work;
+        size += std::abs(work);
+      }
+    const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
+    share.upper = e + alpha * (b + alpha * a);
+    share.size += size;
+    share.divergence = worst[0];
+    share.gradient = worst[1];
+  }
+};
+
+std::string unavailable(const Model& m) {
+  for (const CrackLaw& law : m.scene.laws)
+    if (law.kind == CrackLaw::Kind::Unilateral && (law.friction != 0 || law.slip_bound != 0))
+      return "no bounds of the energy: with friction the solution does not minimise one";
+  return {};
+}
+
+}  // namespace
+
+EnergyBounds energy_bounds(const Model& m, const State& s) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why, 0};
+  const Element& element = m.kernel.element;
+  const std::vector<EdgeData> data = edge_data(m);
+  const Forces f = forces(m);
+  const Conforming conforming = conforming_displacement(m, s, data);
+  const Eigen::MatrixXd statics = static_interior(m, s, f.couple);
+  const Bounding bounding{m, s, f, data, conforming, statics};
+
+  // Boundary data are of higher degree than the fields inside.
+  const int inside = std::max(stress_degree(element), element.trace + (f.nodal.cols() > 0 && !f.balanced ? 2 : 1));
+  const Reference plain = reference(element, inside, f), rich = reference(element, std::max(inside, data_carriers), f);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  std::vector<std::vector<Index>> edges(triangles);
+  for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
+  std::vector<Share> shares(triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Reference& r = edges[t].empty() ? plain : rich;
+      bounding.lower(r, t, edges[t], shares[t]);
+      bounding.upper(r, t, edges[t], shares[t]);
+    }
+  });
+
+  EnergyBounds result;
+  Share sum;
+  for (const Share& share : shares) {
+    sum.lower += share.lower;
+    sum.upper += share.upper;
+    sum.size += share.size;
+    sum.asymmetry = std::max(sum.asymmetry, share.asymmetry);
+    sum.stress = std::max(sum.stress, share.stress);
+    sum.divergence = std::max(sum.divergence, share.divergence);
+    sum.gradient = std::max(sum.gradient, share.gradient);
+  }
+  result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
+  const double rounding = (64 * epsilon + s.certificate.kkt) * sum.size;
+  const double mu = m.scene.material.mu, gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
+  double left_out = f.left_out;
+  for (const EdgeData& d : data) left_out += length(m.mesh, d.edge) * d.left_out;
+  // (f - f_h, u - v) <= |f - f_h| h/pi |grad(u - v)|, and so for the others. Korn's constant is taken as 4.
+  constexpr double korn = 4;
+  const double energy = korn * (std::sqrt(left_out / (2 * mu)) + std::sqrt(conforming.mismatch));
+  result.oscillation = energy * std::sqrt(2 * gap) + energy * energy;
+  result.lower = sum.lower - rounding - result.oscillation;
+  result.upper = sum.upper + rounding + result.oscillation;
+  constexpr double isochoric = 1e-9;
+  if (m.scene.material.c == 0 && sum.divergence > isochoric * sum.gradient)
+    return {nan,
+            nan,
+            result.oscillation,
+            false,
+            "no bounds of the energy: no admissible displacement without change of volume was found",
+            result.asymmetry};
+  constexpr double negligible = 0.01;
+  result.guaranteed = result.oscillation <= negligible * gap + 1e-12 * sum.size;
+  if (!result.guaranteed)
+    result.note =
+        "the bounds of the energy hold up to the oscillation of the data (of the body force, tractions or prescribed "
+        "displacements within a triangle or edge): an estimate of it is included";
+  return result;
+}
+
+}  // namespace kerf

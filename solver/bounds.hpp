@@ -1,0 +1,24 @@
+#pragma once
+// Two-sided bounds of the potential energy.
+
+#include "solver/model.hpp"
+
+namespace kerf {
+
+/// lower <= J(u) <= upper for the exact u [Prager, Synge 1947], J(v) = 1/2 a(v, v) - l(v). Lower: the stress of the
+/// solution made exactly symmetric, in equilibrium, and without tension anywhere on unilateral cracks. Upper: a
+/// displacement that takes the prescribed values, with [v].n >= 0 all along unilateral cracks. The data enter as
+/// polynomials (body force of degree trace + 1 per triangle, tractions of degree 5 and displacements of degree 7 per
+/// edge); `oscillation` estimates what the difference does to the energy, and is part of both bounds.
+struct EnergyBounds {
+  double lower = 0, upper = 0;  // nan: not available
+  double oscillation = 0;
+  bool guaranteed = false;  // available, and oscillation is at most 1 % of upper - lower or rounding
+  std::string note;         // why not available or not guaranteed
+  double asymmetry = 0;  // largest |s12 - s21| of the equilibrated stress relative to its largest component: rounding
+};
+
+/// For mixed elements with a rotation that is discontinuous between triangles, and cracks without friction.
+EnergyBounds energy_bounds(const Model& model, const State& state);
+
+}  // namespace kerf
