@@ -175,6 +175,7 @@ struct Reference {
   Eigen::MatrixXd force, mean_force;                                       // body force, what the element sees of it
   RightInverse inverse;
   Eigen::MatrixXd normal_free;
+  std::array<std::array<Eigen::MatrixXd, 2>, 3> at_edge;  // values at the Gauss points, edges backward and forward
 };
 
 Reference reference(const Element& e, int n, const Forces& f) {
@@ -195,12 +196,24 @@ Reference reference(const Element& e, int n, const Forces& f) {
       interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
   r.inverse = right_inverse(n, r.rule);
   r.normal_free = normal_free_right_inverse(n);
+  const EdgeRule trace = gauss(points_per_edge(e));
+  for (int side = 0; side < 3; ++side)
+    for (int forward = 0; forward < 2; ++forward) {
+      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
+      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
+      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
+      r.at_edge[side][forward] = interpolation(n, l.bottomRows<2>());
+    }
   return r;
 }
+
+// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
+using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
 
 struct Share {  // of one triangle
   double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
   double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
+  Tractions tractions;
 };
 
 struct Bounding {
@@ -236,7 +249,8 @@ struct Bounding {
       const Mat2 c = antisymmetric(f.couple[t]);
       stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
     }
-    work_of_supports(shape, stress, r, edges, share);
+    share.tractions = tractions(r, shape, stress);
+    work_of_supports(share.tractions, edges, share);
 
     // Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
     bool correct = f.nodal.cols() > 0 && !f.balanced;
@@ -292,28 +306,17 @@ struct Bounding {
   }
 
   /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
-  void work_of_supports(const Triangle& shape, const Eigen::Matrix4Xd& stress, const Reference& r,
-                        const std::vector<Index>& edges, Share& share) const {
+  void work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
+    const Eigen::Index points = m.kernel.trace.w.size();
     for (const Index i : edges) {
       const EdgeData& d = data[i];
       const double l = length(m.mesh, d.edge);
-      const Vec2 side = shape.x[(d.side + 2) % 3] - shape.x[(d.side + 1) % 3];
-      const Vec2 n = Vec2(side.y(), -side.x()) / l;
-      Points at(2, m.kernel.trace.w.size());
-      for (Eigen::Index g = 0; g < at.cols(); ++g) {
-        const double s_here = shape.forward[d.side] ? m.kernel.trace.s[g] : 1 - m.kernel.trace.s[g];
-        std::array<double, 3> b{0, 0, 0};
-        b[(d.side + 1) % 3] = 1 - s_here;
-        b[(d.side + 2) % 3] = s_here;
-        at.col(g) << b[1], b[2];
-      }
-      const Eigen::Matrix4Xd there = stress * interpolation(r.n, at).transpose();
       for (int k = 0; k < 2; ++k) {
         if (!d.held[k]) continue;
-        for (Eigen::Index g = 0; g < at.cols(); ++g) {
-          const double traction = m.skeleton.frame[d.edge].col(k).dot(tensor(there.col(g)) * n);
+        for (Eigen::Index g = 0; g < points; ++g) {
           const Index unknown = d.edge * m.skeleton.per_edge + 2 * static_cast<Index>(g) + k;
-          const double work = l * m.kernel.trace.w[g] * traction * m.skeleton.prescribed[unknown];
+          const double work =
+              l * m.kernel.trace.w[g] * tractions(k, points * d.side + g) * m.skeleton.prescribed[unknown];
           share.lower += work;
           share.size += std::abs(work);
         }
@@ -321,6 +324,19 @@ struct Bounding {
           share.lower -= l * carrier.w[g] * d.load(k, g) * conforming.value[i](k, g);
       }
     }
+  }
+
+  Tractions tractions(const Reference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const {
+    const Eigen::Index points = m.kernel.trace.w.size();
+    Tractions result(2, 3 * points);
+    for (int e = 0; e < 3; ++e) {
+      const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
+      const Vec2 n = Vec2(side.y(), -side.x()).normalized();
+      const Eigen::Matrix4Xd there = stress * r.at_edge[e][shape.forward[e] ? 1 : 0].transpose();
+      for (Eigen::Index g = 0; g < points; ++g)
+        result.col(points * e + g) = shape.frame[e].transpose() * (tensor(there.col(g)) * n);
+    }
+    return result;
   }
 
   /// Energy of the conforming displacement with its divergence moved towards that of the stress.
@@ -400,6 +416,45 @@ struct Bounding {
   }
 };
 
+// What the equilibrium of the tractions and the sign of those on cracks lack, times the displacements: rounding.
+double imbalance(const Model& m, const State& s, const std::vector<EdgeData>& data, const std::vector<Share>& shares) {
+  const Index points = points_per_edge(m.kernel.element);
+  std::vector<Index> place(m.mesh.edges.size(), none);
+  for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
+  const EdgeRule carrier = gauss(data_carriers);
+  double total = 0;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    std::array<Tractions, 2> side;
+    for (int k = 0; k < 2; ++k) {
+      side[k] = Tractions::Zero(2, points);
+      const Index t = m.mesh.sides[e][k];
+      if (t == none) continue;
+      int i = 0;
+      while (m.mesh.edges_of[t][i] != e) ++i;
+      side[k] = shares[t].tractions.middleCols(points * i, points);
+    }
+    const CrackLaw::Kind kind = m.mesh.crack[e] == none ? CrackLaw::Kind::Bonded : m.scene.laws[m.mesh.crack[e]].kind;
+    const EdgeData* d = place[e] == none ? nullptr : &data[place[e]];
+    for (Index g = 0; g < points; ++g)
+      for (int k = 0; k < 2; ++k) {
+        if (d && d->held[k]) continue;
+        double rest = side[0](k, g) + side[1](k, g);
+        if (d)
+          for (int q = 0; q < data_carriers; ++q)
+            rest -= carrier.w[q] / m.kernel.trace.w[g] * trace_basis(m.kernel.trace, carrier.s[q])[g] * d->load(k, q);
+        const Index unknown = 2 * g + k;
+        double work = std::abs(rest * s.skeleton[e * m.skeleton.per_edge + unknown]);
+        if (kind != CrackLaw::Kind::Bonded) {
+          const double wrong =
+              k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, side[0](k, g)) : side[0](k, g);
+          work += std::abs(wrong * s.skeleton[m.skeleton.jump[e] + unknown]);
+        }
+        total += length(m.mesh, e) * m.kernel.trace.w[g] * work;
+      }
+  }
+  return total;
+}
+
 std::string unavailable(const Model& m) {
   for (const CrackLaw& law : m.scene.laws)
     if (law.kind == CrackLaw::Kind::Unilateral && (law.friction != 0 || law.slip_bound != 0))
@@ -411,7 +466,7 @@ std::string unavailable(const Model& m) {
 
 EnergyBounds energy_bounds(const Model& m, const State& s) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why, 0};
+  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
   const Element& element = m.kernel.element;
   const std::vector<EdgeData> data = edge_data(m);
   const Forces f = forces(m);
@@ -446,7 +501,8 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
     sum.gradient = std::max(sum.gradient, share.gradient);
   }
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
-  const double rounding = (64 * epsilon + s.certificate.kkt) * sum.size;
+  result.imbalance = sum.size > 0 ? imbalance(m, s, data, shares) / sum.size : 0;
+  const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
   const double mu = m.scene.material.mu, gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
   double left_out = f.left_out;
   for (const EdgeData& d : data) left_out += length(m.mesh, d.edge) * d.left_out;
@@ -458,12 +514,8 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
   result.upper = sum.upper + rounding + result.oscillation;
   constexpr double isochoric = 1e-9;
   if (m.scene.material.c == 0 && sum.divergence > isochoric * sum.gradient)
-    return {nan,
-            nan,
-            result.oscillation,
-            false,
-            "no bounds of the energy: no admissible displacement without change of volume was found",
-            result.asymmetry};
+    return {nan, nan, result.oscillation, false,
+            "no bounds of the energy: no admissible displacement without change of volume was found"};
   constexpr double negligible = 0.01;
   result.guaranteed = result.oscillation <= negligible * gap + 1e-12 * sum.size;
   if (!result.guaranteed)

@@ -15,7 +15,9 @@ struct EnergyBounds {
   double oscillation = 0;
   bool guaranteed = false;  // available, and oscillation is at most 1 % of upper - lower or rounding
   std::string note;         // why not available or not guaranteed
-  double asymmetry = 0;  // largest |s12 - s21| of the equilibrated stress relative to its largest component: rounding
+  // Rounding, of the equilibrated stress: the largest |s12 - s21| relative to its largest component; the work of what
+  // its tractions lack in balance and of tension on cracks, relative to the works that make up the energy.
+  double asymmetry = 0, imbalance = 0;
 };
 
 /// For mixed elements with a rotation that is discontinuous between triangles, and cracks without friction.

@@ -36,7 +36,7 @@ int corner_at(const Mesh& mesh, Index t, Index vertex) {
 
 // 0 <= (v_right - v_left).n <= most, at the corners of a vertex on a unilateral crack.
 struct Opening {
-  Index left, right;
+  Index edge, left, right;
   Vec2 n;
   double most;
 };
@@ -208,13 +208,28 @@ void correct_corners(const Model& m, const State& s, const Nodes& nodes, const s
         }
   std::map<Index, std::vector<Opening>> openings;  // per vertex
   on_unilateral_edges(m, [&](Index e) {
-    const auto [left, right] = m.mesh.sides[e];
     for (const Index vertex : m.mesh.edges[e]) {
-      const Opening o{nodes.corner(left, vertex), nodes.corner(right, vertex), m.skeleton.frame[e].col(0),
-                      0.5 * (nodes.degree + 1) * mean_opening(m, s, e)};
+      const Opening o{e, nodes.corner(m.mesh.sides[e][0], vertex), nodes.corner(m.mesh.sides[e][1], vertex),
+                      m.skeleton.frame[e].col(0), (nodes.degree + 1) * mean_opening(m, s, e)};
       if (o.left != o.right) openings[vertex].push_back(o);
     }
   });
+  // The room of an edge is shared between its ends in proportion to what each would take alone.
+  std::map<Index, double> taken;
+  const auto alone = [&](const std::vector<Opening>& list, const Opening& o) {
+    std::vector<Opening> same;
+    for (const Opening& other : list)
+      if (other.left == o.left && other.right == o.right) same.push_back(other);
+    return std::max(0.0, o.n.dot(project(v.col(o.right) - v.col(o.left), same)));
+  };
+  for (const auto& [vertex, list] : openings)
+    for (const Opening& o : list) taken[o.edge] += alone(list, o);
+  for (auto& [vertex, list] : openings) {
+    std::vector<Opening> shared = list;
+    for (Opening& o : shared)
+      if (taken[o.edge] > o.most) o.most *= alone(list, o) / taken[o.edge];
+    list = shared;
+  }
   for (auto& [vertex, list] : openings) {
     std::vector<Index> copies;
     for (const Opening& o : list)
