@@ -9,12 +9,13 @@ namespace kerf {
 /// solution made exactly symmetric, in equilibrium, and without tension anywhere on unilateral cracks. Upper: a
 /// displacement that takes the prescribed values, with [v].n >= 0 all along unilateral cracks. The data enter as
 /// polynomials (body force of degree trace + 1 per triangle, tractions of degree 5 and displacements of degree 7 per
-/// edge); `oscillation` estimates what the difference does to the energy, and is part of both bounds.
+/// edge). What these leave out widens the bounds by at most `oscillation`: of forces by inequalities with known
+/// constants, of prescribed displacements by an estimate.
 struct EnergyBounds {
   double lower = 0, upper = 0;  // nan: not available
   double oscillation = 0;
-  bool guaranteed = false;  // available, and oscillation is at most 1 % of upper - lower or rounding
-  std::string note;         // why not available or not guaranteed
+  bool guaranteed = false;  // up to rounding and quadrature of the data; estimates are below 1 % of upper - lower
+  std::string note;         // why not available, or not guaranteed
   // Rounding, of the equilibrated stress: the largest |s12 - s21| relative to its largest component; the work of what
   // its tractions lack in balance and of tension on cracks, relative to the works that make up the energy.
   double asymmetry = 0, imbalance = 0;

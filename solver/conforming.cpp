@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,55 @@ Vec2 project(const Vec2& j, const std::vector<Opening>& openings) {
     if (allowed && (c - j).norm() < (best - j).norm()) best = c;
   }
   return best;
+}
+
+// The copies of a vertex where several cracks meet, moved as little as possible until 0 <= opening <= most on every
+// edge: those without room, and then those found to take too much, are held at it.
+void open_junction(const std::vector<Index>& copies, const std::vector<Opening>& openings, Points& v) {
+  const Eigen::Index n = 2 * static_cast<Eigen::Index>(copies.size());
+  const Index count = static_cast<Index>(openings.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, n);
+  Eigen::VectorXd start(n), most(count);
+  for (Eigen::Index i = 0; 2 * i < n; ++i) start.segment<2>(2 * i) = v.col(copies[i]);
+  for (Index i = 0; i < count; ++i) {
+    const auto place = [&](Index corner) {
+      return 2 * (std::find(copies.begin(), copies.end(), corner) - copies.begin());
+    };
+    rows.row(i).segment<2>(place(openings[i].right)) += openings[i].n.transpose();
+    rows.row(i).segment<2>(place(openings[i].left)) -= openings[i].n.transpose();
+    most[i] = openings[i].most;
+  }
+  const double rounding = 1e-10 * start.norm();
+  std::vector<bool> held(count);
+  for (Index i = 0; i < count; ++i) held[i] = most[i] <= rounding;
+  Eigen::VectorXd x;
+  for (bool changed = true; changed;) {
+    std::vector<Index> fixed, free;
+    for (Index i = 0; i < count; ++i) (held[i] ? fixed : free).push_back(i);
+    x = start;
+    Eigen::MatrixXd within = Eigen::MatrixXd::Identity(n, n);
+    if (!fixed.empty()) {
+      const Eigen::MatrixXd equal = rows(fixed, Eigen::all);
+      const Eigen::MatrixXd inverse = equal.completeOrthogonalDecomposition().pseudoInverse();
+      x += inverse * (most(fixed) - equal * x);
+      within -= inverse * equal;
+    }
+    if (!free.empty()) {
+      const Eigen::MatrixXd open = rows(free, Eigen::all) * within;
+      constexpr double regular = 1e-12;
+      const Eigen::MatrixXd gram =
+          open * open.transpose() + regular * Eigen::MatrixXd::Identity(open.rows(), open.rows());
+      x += open.transpose() * solve_unilateral(gram, -rows(free, Eigen::all) * x).jump;
+    }
+    changed = false;
+    for (const Index i : free)
+      if (rows.row(i).dot(x) > most[i] + rounding) held[i] = changed = true;
+  }
+  const Eigen::VectorXd opening = rows * x;
+  Vec2 mean = Vec2::Zero();
+  for (Eigen::Index i = 0; 2 * i < n; ++i) mean += 2 * x.segment<2>(2 * i) / static_cast<double>(n);
+  const bool possible = (opening.array() >= -rounding).all() && (opening.array() <= most.array() + rounding).all();
+  for (Eigen::Index i = 0; 2 * i < n; ++i) v.col(copies[i]) = possible ? Vec2(x.segment<2>(2 * i)) : mean;
 }
 
 // A component that a support prescribes at a corner.
@@ -249,13 +299,7 @@ void correct_corners(const Model& m, const State& s, const Nodes& nodes, const s
       v.col(copies[1]) = mean + 0.5 * jump;
       continue;
     }
-    double share = 1;  // of the opening at a junction
-    for (const Opening& o : list) {
-      const double opening = o.n.dot(v.col(o.right) - v.col(o.left));
-      if (opening < 0) share = 0;
-      if (opening > o.most) share = std::min(share, o.most / opening);
-    }
-    for (const Index c : copies) v.col(c) = mean + share * (v.col(c) - mean);
+    open_junction(copies, list, v);
   }
   for (const auto& [corner, list] : held)
     if (!openings.contains(nodes.corners.vertex[corner])) v.col(corner) = obey(v.col(corner), list);

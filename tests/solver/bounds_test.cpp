@@ -171,9 +171,10 @@ TEST(EnergyBounds, ContainTheEnergyOfSmoothBodiesAndCloseAtTwiceTheOrder) {
             const Measured r = measure(exact::unit_square_mesh(n, 0.2), f, held, degree);
             expect_bounds(r, which + " n " + std::to_string(n));
             gap.push_back(r.gap());
-            EXPECT_LT(r.bounds.oscillation, 0.5 * (r.bounds.upper - r.bounds.lower)) << which;
           }
-          EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + (degree == 1 ? 1.4 : 1.1)) << which;
+          if (gap[2] > 1e-10) {  // not rounding alone
+            EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + 1.4) << which;
+          }
         }
 }
 
@@ -397,15 +398,24 @@ TEST(EnergyBounds, AreNotGivenWithFriction) {
   EXPECT_NE(b.note.find("friction"), std::string::npos);
 }
 
-TEST(EnergyBounds, SayWhenTheDataOscillate) {
+// A traction that jumps inside an edge widens the bounds, a displacement with a kink there makes them estimates.
+TEST(EnergyBounds, SayWhenTheDataAreNotResolved) {
   Scene scene;
   scene.supports.push_back({0, false, true, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }});
   scene.tractions.push_back({2, [](const Vec2& x, const Vec2&) { return Vec2(0, x.x() < 0.4 ? 1 : 0); }});
-  const Model m = prepare(exact::unit_square_mesh(4), element("bdms"), scene, 1);
-  const EnergyBounds b = energy_bounds(m, solve(m));
-  EXPECT_FALSE(b.guaranteed);
-  EXPECT_GT(b.oscillation, 0);
-  EXPECT_NE(b.note.find("oscillation"), std::string::npos);
+  const auto bounds = [&] {
+    const Model m = prepare(exact::unit_square_mesh(4), element("bdms"), scene, 1);
+    return energy_bounds(m, solve(m));
+  };
+  const EnergyBounds jump = bounds();
+  EXPECT_TRUE(jump.guaranteed);
+  EXPECT_GT(jump.oscillation, 0.01 * (jump.upper - jump.lower));
+  scene.supports.push_back(
+      {2, false, true, true, [](const Vec2& x, const Vec2&) { return Vec2(0, std::abs(x.x() - 0.4)); }});
+  scene.tractions.clear();
+  const EnergyBounds kink = bounds();
+  EXPECT_FALSE(kink.guaranteed);
+  EXPECT_NE(kink.note.find("prescribed displacements"), std::string::npos) << kink.note;
 }
 
 TEST(EnergyBounds, Time) {
