@@ -4,6 +4,7 @@
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 #include "solver/right_inverse.hpp"
+#include "solver/statics.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>
@@ -17,19 +18,6 @@ namespace kerf {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-// Values on lattice(degree) of the L2 projections onto P_degree of data at the points of a rule.
-Eigen::MatrixXd projection(int degree, const TriangleRule& rule) {
-  const Eigen::MatrixXd basis = interpolation(degree, rule.x);  // of the Lagrange functions at the points
-  const Eigen::MatrixXd weighted = rule.w.asDiagonal() * basis;
-  return Eigen::MatrixXd(basis.transpose() * weighted).partialPivLu().solve(weighted.transpose());
-}
-
-double diameter(const Triangle& t) {
-  double h = 0;
-  for (int i = 0; i < 3; ++i) h = std::max(h, (t.x[(i + 1) % 3] - t.x[i]).norm());
-  return h;
-}
 
 // |grad w - its mean rotation| <= K |eps(w)| on a triangle, K^2 = 1 + 2/beta^2 with a lower bound of the inf-sup
 // constant beta of a body that sees the disk of radius r and lies in the one of radius R [Costabel, Dauge 2015]: the
@@ -48,143 +36,6 @@ double local_korn(const Triangle& t) {
   const double ratio = std::pow(2 * area(t) / perimeter / outer, 2);
   const double beta_squared = ratio / (2 * (1 + std::sqrt(1 - ratio)));
   return std::sqrt(1 + 2 / beta_squared);
-}
-
-// The body force as the bounds see it: polynomials of a degree per triangle.
-struct Forces {
-  int degree = 0;
-  Eigen::MatrixXd nodal;   // x, y at lattice(degree), a column per triangle; no columns without a body force
-  bool balanced = true;    // div s_h = -f already, so that no local correction is needed
-  Eigen::VectorXd couple;  // per triangle, the mean asymmetry that its correction has; only with constant displacements
-  Eigen::VectorXd left_out;  // per triangle h/pi |f - its polynomial|
-};
-
-Forces forces(const Model& m) {
-  const Element& e = m.kernel.element;
-  Forces f;
-  if (!m.scene.body) return f;
-  // A body held by nothing is in equilibrium with the forces that the element sees alone.
-  f.degree = !m.floating.empty() && e.displacement == 0 ? 0 : e.trace + 1;
-  const TriangleRule& rule = m.kernel.load;
-  const Eigen::MatrixXd project = projection(f.degree, rule), back = interpolation(f.degree, rule.x),
-                        mean = interpolation(e.displacement, rule.x) * projection(e.displacement, rule);
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  f.nodal.resize(2 * dim(f.degree), triangles);
-  f.couple = Eigen::VectorXd::Zero(triangles);
-  f.left_out.resize(triangles);
-  Eigen::VectorXd size(triangles), rest(triangles);
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Triangle shape = triangle(m, t);
-      const Points x = rule_points(rule, shape);
-      Points value(2, x.cols());
-      for (Eigen::Index q = 0; q < x.cols(); ++q) value.col(q) = m.scene.body(x.col(q));
-      const Points nodal = value * project.transpose(), seen = nodal * back.transpose();
-      const Points unseen = seen - value * mean.transpose();  // by the element
-      f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
-      const double square = area(shape) * (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
-      f.left_out[t] = diameter(shape) / std::numbers::pi * std::sqrt(square);
-      size[t] = value.cwiseAbs().maxCoeff();
-      rest[t] = unseen.cwiseAbs().maxCoeff();
-      if (e.displacement == 0)
-        for (Eigen::Index q = 0; q < x.cols(); ++q)
-          f.couple[t] -= rule.w[q] * cross(unseen.col(q), x.col(q) - centroid(shape));
-    }
-  });
-  f.balanced = rest.maxCoeff() <= 1e3 * epsilon * size.maxCoeff();
-  if (f.balanced || e.displacement > 0) f.couple.resize(0);
-  return f;
-}
-
-// The antisymmetric stress of mean asymmetry g: no divergence.
-Mat2 antisymmetric(double g) {
-  return (Mat2() << 0, 0.5 * g, -0.5 * g, 0).finished();
-}
-
-// What must be added to the contact forces so that the cracks carry no tension anywhere: the Bernstein coefficients of
-// the normal stress on each edge become the unknowns of the same small contact problem, the moments of the opening
-// against the Bernstein polynomials their multipliers.
-Eigen::VectorXd pressures_everywhere(const Model& m, const State& s, const Eigen::VectorXd& free_jumps) {
-  const Index trailing = m.ordering.trailing, leading = m.ordering.size - trailing;
-  const EdgeRule& trace = m.kernel.trace;
-  const Eigen::Index n = trace.w.size();
-  Eigen::MatrixXd change(n, n);  // from values at the Gauss points to moments
-  for (Eigen::Index b = 0; b < n; ++b)
-    for (Eigen::Index g = 0; g < n; ++g)
-      change(b, g) = trace.w[g] * std::round(std::tgamma(n) / (std::tgamma(b + 1) * std::tgamma(n - b))) *
-                     std::pow(trace.s[g], b) * std::pow(1 - trace.s[g], n - 1 - b);
-  const Eigen::MatrixXd back = change.inverse();
-  Eigen::VectorXd force(trailing), jump(trailing);
-  for (Index u = 0; u < m.skeleton.total; ++u)
-    if (const Index row = m.ordering.row[u]; row != none && row >= leading) {
-      force[row - leading] = s.force[u];
-      jump[row - leading] = s.skeleton[u];
-    }
-  Eigen::MatrixXd S = m.factor.schur_complement();
-  Eigen::VectorXd load = S * (jump + free_jumps) - force;
-  std::vector<std::vector<Index>> blocks;
-  for (const auto& crack : m.mesh.cracks)
-    for (const CrackEdge& c : crack) {
-      std::vector<Index> rows;
-      for (Index g = 0; g < static_cast<Index>(n); ++g)
-        if (const Index row = m.ordering.row[m.skeleton.jump[c.edge] + 2 * g]; row != none && row >= leading)
-          rows.push_back(row - leading);
-      if (!rows.empty()) blocks.push_back(rows);
-    }
-  std::vector<bool> closed(trailing, false);
-  for (const auto& rows : blocks) {
-    S(Eigen::all, rows) = (S(Eigen::all, rows) * back).eval();
-    load(rows) = (back.transpose() * load(rows)).eval();
-    const Eigen::VectorXd guess = back.transpose() * force(rows);
-    for (std::size_t i = 0; i < rows.size(); ++i) closed[rows[i]] = guess[static_cast<Eigen::Index>(i)] > 0;
-  }
-  for (const auto& rows : blocks) S(rows, Eigen::all) = (back.transpose() * S(rows, Eigen::all)).eval();
-  // Any forces >= 0 will do: the best ones if the iteration settles.
-  Eigen::VectorXd pressure = solve_unilateral(S, load, closed).force.cwiseMax(0);
-  for (const auto& rows : blocks) pressure(rows) = (change.transpose() * pressure(rows)).eval();
-  return pressure - force;
-}
-
-// The interior fields of a stress in equilibrium with the whole body force once the local corrections are added, and
-// without tension on unilateral cracks: the solution, plus the response to couples and to a change of contact forces.
-Eigen::MatrixXd static_interior(const Model& m, const State& s, const Eigen::VectorXd& couple) {
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const Index trailing = m.ordering.trailing, size = m.ordering.size;
-  const bool contact = trailing > 0 && s.force.cwiseAbs().maxCoeff() > 0;
-  if (size == 0 || (couple.size() == 0 && !contact)) return s.interior;
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(size);
-  for (Index t = 0; t < static_cast<Index>(couple.size()); ++t) {
-    const Triangle shape = triangle(m, t);
-    const Seen view = seen(m.mesh, m.skeleton, t);
-    const Mat2 stress = antisymmetric(couple[t]);
-    int i = 0;
-    for (int e = 0; e < 3; ++e) {
-      const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
-      const Vec2 force = shape.frame[e].transpose() * stress * Vec2(side.y(), -side.x());
-      for (Eigen::Index g = 0; g < m.kernel.trace.w.size(); ++g)
-        for (int d = 0; d < 2; ++d, ++i)
-          for (const Index u : {view.base[i], view.jump[i]})
-            if (u != none && m.ordering.row[u] != none) load[m.ordering.row[u]] -= m.kernel.trace.w[g] * force[d];
-    }
-  }
-  if (trailing > 0) {
-    const Eigen::VectorXd jumps =
-        couple.size() > 0 ? Eigen::VectorXd(m.factor.solve(load).tail(trailing)) : Eigen::VectorXd::Zero(trailing);
-    load.tail(trailing) += pressures_everywhere(m, s, jumps);
-  }
-  const Eigen::VectorXd change = m.factor.solve(load);
-  Eigen::MatrixXd interior_fields = s.interior;
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Seen view = seen(m.mesh, m.skeleton, t);
-      SkeletonVector trace = SkeletonVector::Zero(view.count);
-      for (int i = 0; i < view.count; ++i)
-        for (const Index u : {view.base[i], view.jump[i]})
-          if (u != none && m.ordering.row[u] != none) trace[i] += change[m.ordering.row[u]];
-      interior_fields.col(t) += interior(m.kernel, triangle(m, t), m.scene.material, {}, trace, {m.system.penalty, 0});
-    }
-  });
-  return interior_fields;
 }
 
 // Everything that does not depend on the triangle. Stresses, divergences and forces are polynomials of degree n by

@@ -16,13 +16,6 @@ namespace kerf {
 
 namespace {
 
-// Values of the polynomials of `carrier` at points of [0, 1]: carriers x points.
-Eigen::MatrixXd traces(const EdgeRule& carrier, const Eigen::VectorXd& s) {
-  Eigen::MatrixXd value(carrier.s.size(), s.size());
-  for (Eigen::Index q = 0; q < s.size(); ++q) value.col(q) = trace_basis(carrier, s[q]);
-  return value;
-}
-
 EdgeRule even(int n) {
   EdgeRule rule{Eigen::VectorXd::LinSpaced(n + 1, 0, 1), Eigen::VectorXd(n + 1)};
   const EdgeRule exact = gauss(n + 1);
@@ -356,65 +349,6 @@ struct Fit {
 };
 
 }  // namespace
-
-std::vector<EdgeData> edge_data(const Model& m) {
-  const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_samples);
-  const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(m.kernel.trace, sample.s),
-                        trace_at_carrier = traces(m.kernel.trace, carrier.s);
-  std::vector<Index> place(m.mesh.edges.size(), none);
-  std::vector<EdgeData> data;
-  std::vector<Eigen::Matrix<double, 2, data_samples>> load;
-  const auto entry = [&](Index e) {
-    if (place[e] == none) {
-      place[e] = static_cast<Index>(data.size());
-      EdgeData d;
-      d.edge = e;
-      d.triangle = m.mesh.sides[e][m.mesh.sides[e][0] == none ? 1 : 0];
-      while (m.mesh.edges_of[d.triangle][d.side] != e) ++d.side;
-      d.displacement.setZero();
-      data.push_back(d);
-      load.emplace_back(decltype(load)::value_type::Zero());
-    }
-    return place[e];
-  };
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    if (m.mesh.label[e] == none) continue;
-    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-    const Vec2 n = m.mesh.sides[e][1] == none ? normal(m.mesh, e) : Vec2(-normal(m.mesh, e));
-    for (const Support& support : m.scene.supports) {
-      if (support.label != m.mesh.label[e]) continue;
-      EdgeData& d = data[entry(e)];
-      for (int k = 0; k < 2; ++k) {
-        if (!(k == 0 ? support.first : support.second)) continue;
-        d.held[k] = true;
-        for (int q = 0; q < data_samples; ++q) d.displacement(k, q) = support.value(a + sample.s[q] * side, n)[k];
-        d.ends.row(k) << support.value(a, n)[k], support.value(a + side, n)[k];
-      }
-    }
-    for (const Traction& traction : m.scene.tractions) {
-      if (traction.label != m.mesh.label[e]) continue;
-      auto& l = load[entry(e)];
-      for (int q = 0; q < data_samples; ++q)
-        l.col(q) += m.skeleton.frame[e].transpose() * traction.value(a + sample.s[q] * side, n);
-    }
-  }
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    EdgeData& d = data[i];
-    const Eigen::Matrix<double, 2, data_samples> weighted = load[i] * sample.w.asDiagonal();
-    d.load = weighted * basis.transpose() * carrier.w.cwiseInverse().asDiagonal();
-    d.unbalanced =
-        d.load - weighted * trace.transpose() * m.kernel.trace.w.cwiseInverse().asDiagonal() * trace_at_carrier;
-    const Eigen::Matrix<double, 2, data_samples> rest = load[i] - d.load * basis;
-    for (int k = 0; k < 2; ++k) {
-      if (d.held[k])
-        d.unbalanced.row(k).setZero();
-      else
-        d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
-    }
-  }
-  return data;
-}
 
 Conforming conforming_displacement(const Model& m, const State& s, const std::vector<EdgeData>& data) {
   const int degree = m.kernel.element.trace + 1;

@@ -8,9 +8,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace kerf {
@@ -78,9 +76,6 @@ Measured measure(const Mesh& mesh, const exact::ExactField& f, const Held& held,
 }
 
 void expect_bounds(const Measured& r, const std::string& which) {
-  std::printf("%-40s gap %.3e  low %.3e  high %.3e  osc %.1e  guaranteed %d  asymmetry %.1e imbalance %.1e\n",
-              which.c_str(), r.gap(), (r.exact - r.bounds.lower) / r.scale, (r.bounds.upper - r.exact) / r.scale,
-              r.bounds.oscillation / r.scale, r.bounds.guaranteed, r.bounds.asymmetry, r.bounds.imbalance);
   EXPECT_LE(r.bounds.lower, r.exact) << which;
   EXPECT_GE(r.bounds.upper, r.exact) << which;
   EXPECT_LT(r.bounds.asymmetry, 1e-11) << which;
@@ -173,7 +168,7 @@ TEST(EnergyBounds, ContainTheEnergyOfSmoothBodiesAndCloseAtTwiceTheOrder) {
             gap.push_back(r.gap());
           }
           if (gap[2] > 1e-10) {  // not rounding alone
-            EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + 1.4) << which;
+            EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + 1.3) << which;
           }
         }
 }
@@ -190,8 +185,8 @@ TEST(EnergyBounds, GapIsASmallMultipleOfTheErrorOfTheStress) {
         return 0.5 * strain(f.material, d).cwiseProduct(d).sum();
       });
       const EnergyBounds b = energy_bounds(m, s);
-      std::printf("effectivity nu %g degree %d: %.2f\n", nu, degree, (b.upper - b.lower) / error);
       EXPECT_GT(b.upper - b.lower, error);
+      EXPECT_LT(b.upper - b.lower, 7 * error);  // 2.4 to 5.9
     }
 }
 
@@ -329,9 +324,6 @@ TEST(EnergyBounds, OfCoarseMeshesContainThoseOfFineOnes) {
       const Model m = prepare(f.mesh, element("bdms", degree), f.scene, 1);
       const State s = solve(m);
       const EnergyBounds b = energy_bounds(m, s);
-      std::printf("%-26s degree %d: [%.8f, %.8f] fine [%.8f, %.8f] J_h %.8f guaranteed %d osc %.1e imbalance %.1e\n",
-                  f.name.c_str(), degree, b.lower, b.upper, inner.lower, inner.upper, potential_energy(m, s),
-                  b.guaranteed, b.oscillation, b.imbalance);
       EXPECT_LE(b.lower, middle) << f.name;
       EXPECT_GE(b.upper, middle) << f.name;
       EXPECT_LT(inner.upper - inner.lower, 0.7 * (b.upper - b.lower)) << f.name;
@@ -358,7 +350,6 @@ TEST(EnergyBounds, DoNotRelyOnTheSignAtGaussPoints) {
           const Mat2 stress = tensor(stress_at(m.kernel, triangle(m, t), s.interior.col(t), m.mesh.points[v]));
           tension = std::max(tension, normal.dot(stress * normal));
         }
-      std::printf("%s %d: largest tension %.3g\n", name, n, tension);
       if (tension > 1e-3) ++unsafe;
       const EnergyBounds b = energy_bounds(m, s);
       const double exact = exact_energy(m.mesh, f, {0, 1, 2, 3});
@@ -373,7 +364,7 @@ TEST(EnergyBounds, ExistWithoutCompressibility) {
     const exact::ExactField f = exact::wave_field(0.5);
     const Measured r = measure(exact::unit_square_mesh(4, 0.2), f, {0, 3}, degree);
     expect_bounds(r, "nu 0.5 degree " + std::to_string(degree));
-    std::printf("%s\n", r.bounds.note.c_str());
+    EXPECT_LT(r.gap(), degree == 1 ? 3e-2 : 2e-4);
   }
 }
 
@@ -416,25 +407,6 @@ TEST(EnergyBounds, SayWhenTheDataAreNotResolved) {
   const EnergyBounds kink = bounds();
   EXPECT_FALSE(kink.guaranteed);
   EXPECT_NE(kink.note.find("prescribed displacements"), std::string::npos) << kink.note;
-}
-
-TEST(EnergyBounds, Time) {
-  for (const int n : {71, 224}) {
-    for (int body = 0; body < 2; ++body) {
-      const exact::ExactField f = exact::wave_field(0.3);
-      Scene scene = scene_of(f, {0, 3}, 0);
-      if (body == 0) scene.body = nullptr;
-      const auto t0 = std::chrono::steady_clock::now();
-      const Model m = prepare(exact::unit_square_mesh(n), element("bdms"), scene, 1);
-      const State s = solve(m);
-      const auto t1 = std::chrono::steady_clock::now();
-      const EnergyBounds b = energy_bounds(m, s);
-      const auto t2 = std::chrono::steady_clock::now();
-      std::printf("%zu triangles body %d: solve %.3f s (assemble %.3f), bounds %.3f s, gap %.2e\n",
-                  m.mesh.triangles.size(), body, std::chrono::duration<double>(t1 - t0).count(), m.seconds.assemble,
-                  std::chrono::duration<double>(t2 - t1).count(), b.upper - b.lower);
-    }
-  }
 }
 
 }  // namespace
