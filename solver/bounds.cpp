@@ -310,8 +310,10 @@ struct Bounding {
   }
 };
 
-// What the equilibrium of the tractions and the sign of those on cracks lack, times the displacements: rounding.
-double imbalance(const Model& m, const State& s, const std::vector<EdgeData>& data, const std::vector<Share>& shares) {
+// What the equilibrium of the tractions and the sign of those on cracks lack, times the displacements, and the work of
+// pressure on penetration: rounding.
+double imbalance(const Model& m, const State& s, const std::vector<EdgeData>& data, const Conforming& conforming,
+                 const std::vector<Share>& shares) {
   const Index points = points_per_edge(m.kernel.element);
   std::vector<Index> place(m.mesh.edges.size(), none);
   for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
@@ -342,6 +344,7 @@ double imbalance(const Model& m, const State& s, const std::vector<EdgeData>& da
           const double wrong =
               k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, side[0](k, g)) : side[0](k, g);
           work += std::abs(wrong * s.skeleton[m.skeleton.jump[e] + unknown]);
+          if (k == 0) work += std::abs(side[0](k, g)) * conforming.penetration[e];
         }
         total += length(m.mesh, e) * m.kernel.trace.w[g] * work;
       }
@@ -430,7 +433,7 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
     sum.gradient = std::max(sum.gradient, share.gradient);
   }
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
-  result.imbalance = sum.size > 0 ? imbalance(m, s, data, shares) / sum.size : 0;
+  result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
   const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
   const double mu = m.scene.material.mu, gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
   const Oscillation o = oscillation(m, data, f, shares, edges);

@@ -17,7 +17,8 @@ struct EnergyBounds {
   bool guaranteed = false;  // up to rounding and quadrature of the data; estimates are below 1 % of upper - lower
   std::string note;         // why not available, or not guaranteed
   // Rounding, of the equilibrated stress: the largest |s12 - s21| relative to its largest component; the work of what
-  // its tractions lack in balance and of tension on cracks, relative to the works that make up the energy.
+  // its tractions lack in balance, of tension on cracks and of penetration, relative to the works that make up the
+  // energy.
   double asymmetry = 0, imbalance = 0;
 };
 

@@ -53,7 +53,7 @@ Vec2 project(const Vec2& j, const std::vector<Opening>& openings) {
     }
   }
   Vec2 best = Vec2::Zero();
-  const double rounding = 1e-15 * j.norm();
+  const double rounding = 1e-10 * j.norm();  // the edges of a straight crack are not quite parallel
   for (const Vec2& c : candidates) {
     const bool allowed = std::all_of(openings.begin(), openings.end(), [&](const Opening& o) {
       return o.n.dot(c) >= -rounding && o.n.dot(c) <= o.most + rounding;
@@ -309,12 +309,14 @@ Points edge_values(const Nodes& nodes, const Points& v, Index e, int side) {
 }
 
 // Bernstein coefficients of the opening made >= 0 with the mean kept, half the change on either side.
-void correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const Vec2& n, Index e, Points& v) {
+// Returns how far the coefficients at the ends are below 0: rounding.
+double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const Vec2& n, Index e, Points& v) {
   const int degree = nodes.degree;
   const Eigen::VectorXd values = (edge_values(nodes, v, e, 1) - edge_values(nodes, v, e, 0)).transpose() * n;
   const Eigen::VectorXd c = bernstein.partialPivLu().solve(values);
   const auto inner = c.segment(1, degree - 1);
-  if ((inner.array() >= 0).all()) return;
+  const double below = std::max({0.0, -c[0], -c[degree]});
+  if ((inner.array() >= 0).all()) return below;
   const double sum = std::max(0.0, inner.sum()), positive = inner.cwiseMax(0).sum();
   Eigen::VectorXd change = Eigen::VectorXd::Zero(degree + 1);
   change.segment(1, degree - 1) = (positive > 0 ? sum / positive : 0) * inner.cwiseMax(0) - inner;
@@ -323,6 +325,7 @@ void correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const
     v.col(nodes.on_edge(e, 0, i)) -= 0.5 * change[i] * n;
     v.col(nodes.on_edge(e, 1, i)) += 0.5 * change[i] * n;
   }
+  return below;
 }
 
 // Prescribed components of an edge as linear + s (1 - s) p, p of degree 5 by moments, the ends given.
@@ -353,7 +356,7 @@ struct Fit {
 Conforming conforming_displacement(const Model& m, const State& s, const std::vector<EdgeData>& data) {
   const int degree = m.kernel.element.trace + 1;
   const Nodes nodes = make_nodes(m, degree);
-  Conforming result{degree, {}, {}, {}, 0};
+  Conforming result{degree, {}, {}, {}, {}, 0};
   Points v = averages(m, s, nodes, result.nodal);
   correct_corners(m, s, nodes, data, v);
 
@@ -391,7 +394,9 @@ Conforming conforming_displacement(const Model& m, const State& s, const std::ve
     for (int k = 0; k <= degree; ++k)
       bernstein(i, k) = std::round(std::tgamma(degree + 1) / (std::tgamma(k + 1) * std::tgamma(degree - k + 1))) *
                         std::pow(rule.s[i], k) * std::pow(1 - rule.s[i], degree - k);
-  on_unilateral_edges(m, [&](Index e) { correct_opening(nodes, bernstein, m.skeleton.frame[e].col(0), e, v); });
+  result.penetration.assign(m.mesh.edges.size(), 0);
+  on_unilateral_edges(
+      m, [&](Index e) { result.penetration[e] = correct_opening(nodes, bernstein, m.skeleton.frame[e].col(0), e, v); });
 
   // What the supported edges still miss.
   const Eigen::MatrixXd at_carrier = traces(rule, fit.carrier.s);

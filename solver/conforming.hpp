@@ -15,6 +15,7 @@ struct Conforming {
   Eigen::MatrixXd nodal;               // per triangle x, y at each point of lattice(degree)
   std::vector<EdgePolynomial> bubble;  // p per edge of the data; x, y
   std::vector<EdgePolynomial> value;   // what results on these edges, in their frames
+  std::vector<double> penetration;     // per edge, of unilateral cracks: rounding
   double mismatch = 0;                 // energy of what polynomials of degree 7 do not see of the prescribed values
 };
 Conforming conforming_displacement(const Model& model, const State& state, const std::vector<EdgeData>& data);
