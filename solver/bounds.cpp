@@ -2,13 +2,13 @@
 
 #include "solver/conforming.hpp"
 #include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 #include "solver/right_inverse.hpp"
 #include "solver/statics.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
