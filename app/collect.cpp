@@ -31,7 +31,8 @@ PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   return d;
 }
 
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
+                         const EnergyBounds& bounds) {
   StateResult r;
   r.element = model.kernel.element.name;
   r.degree = model.kernel.element.degree;
@@ -44,6 +45,8 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   r.area = area(model);
   if (std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
   r.notes = model.notes;
+  if (std::isfinite(bounds.lower) && std::isfinite(bounds.upper)) r.energy_bounds = {bounds.lower, bounds.upper};
+  if (!bounds.note.empty()) r.notes.push_back(bounds.note);
   return r;
 }
 

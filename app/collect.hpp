@@ -5,6 +5,7 @@
 #include "report/picture.hpp"
 #include "report/result.hpp"
 #include "report/vtk.hpp"
+#include "solver/bounds.hpp"
 #include "solver/estimate.hpp"
 #include "topo/map.hpp"
 
@@ -19,7 +20,8 @@ struct PlotData {
 };
 PlotData plot_data(const Model& model, const State& state, bool plane_strain);
 
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
+                         const EnergyBounds& bounds);
 ContactResultSummary contact_result(const State& state, const std::string& method,
                                     const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);

@@ -139,7 +139,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
 
   begin("recover");
   const Indicator indicator = error_indicator(model, state);
-  r.state = state_result(model, state, indicator);
+  r.state = state_result(model, state, indicator, energy_bounds(model, state));
   r.cracks = crack_results(model, state, c.shape);
   for (const CrackResult& crack : r.cracks)
     if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)

@@ -163,9 +163,9 @@ constexpr bool needs_penalty(const Element& e) {
 }
 
 // See ForceMoments.
-Eigen::Matrix<double, edge_data, 1> edge_data_of(const Mesh& mesh, const Scene& scene, Index t) {
+Eigen::Matrix<double, cubic_trace_count, 1> cubic_traces(const Mesh& mesh, const Scene& scene, Index t) {
   static const EdgeRule rule = gauss(8);
-  Eigen::Matrix<double, edge_data, 1> coefficients = Eigen::Matrix<double, edge_data, 1>::Zero();
+  Eigen::Matrix<double, cubic_trace_count, 1> coefficients = Eigen::Matrix<double, cubic_trace_count, 1>::Zero();
   for (int i = 0; i < 3; ++i) {
     const Index e = mesh.edges_of[t][i];
     for (const Support& support : scene.supports) {
@@ -250,12 +250,12 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
   const bool with_edges = k.element.at_vertices == AtVertices::Stress;
   const int moments = displacement_count(k.element);
   if (scene.body || with_edges)
-    a.force.setZero(moments + (with_edges ? edge_data : 0), static_cast<Eigen::Index>(mesh.triangles.size()));
+    a.force.setZero(moments + (with_edges ? cubic_trace_count : 0), static_cast<Eigen::Index>(mesh.triangles.size()));
   Eigen::VectorXd triangles = Eigen::VectorXd::Zero(o.size);
   const auto condense_triangle = [&](Index t) {
     const Triangle shape = triangle(mesh, s, t);
     if (scene.body) a.force.col(t).head(moments) = force_moments(k, shape, scene.body);
-    if (with_edges) a.force.col(t).tail<edge_data>() = edge_data_of(mesh, scene, t);
+    if (with_edges) a.force.col(t).tail<cubic_trace_count>() = cubic_traces(mesh, scene, t);
     Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
     if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
     return c;

@@ -52,7 +52,7 @@ Kernel kernel(const Element& e);
 /// linear: per edge the x, y components of the Legendre coefficients 2 and 3 of the prescribed displacement, along the
 /// edge.
 using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
-inline constexpr int edge_data = 12;
+inline constexpr int cubic_trace_count = 12;
 /// The means alone.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
 /// Orthonormal Legendre polynomial of degree k on [0, 1].

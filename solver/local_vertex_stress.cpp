@@ -19,7 +19,7 @@ struct Split {
   Eigen::MatrixXd inner, outer;  // S x (S - 9) and S x 9: no values at the vertices; unit values in the vertex frames
 };
 
-Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matrix<double, edge_data, 1>& data) {
+Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matrix<double, cubic_trace_count, 1>& data) {
   static const EdgeRule rule = gauss(4);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(Base::F);
   for (int e = 0; e < 3; ++e) {
@@ -39,7 +39,7 @@ Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matri
 Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
   const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
   Split r{Base::assemble(k, t, s, material, body), Base::span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
-  if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<edge_data>());
+  if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<cubic_trace_count>());
   // Values at the vertices as (s11, s22, sqrt(2) s12) in the vertex's frame.
   Eigen::MatrixXd values(9, Base::F);
   for (int v = 0; v < 3; ++v) {
