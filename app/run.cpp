@@ -1,6 +1,8 @@
 #include "app/run.hpp"
 
 #include "app/collect.hpp"
+#include "solver/adaptive.hpp"
+#include "solver/bounds.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -63,6 +65,65 @@ std::vector<std::vector<double>> map_rows(const MapResult& r, const PlotData& da
   return rows;
 }
 
+ContactMethod contact_method(const Case& c) {
+  return c.contact == "uzawa"        ? ContactMethod::Uzawa
+         : c.contact == "active-set" ? ContactMethod::ActiveSet
+                                     : ContactMethod::DualQp;
+}
+
+void describe_mesh(const Mesh& mesh, Result& r) {
+  r.triangles = static_cast<Index>(mesh.triangles.size());
+  r.vertices = static_cast<Index>(mesh.points.size());
+  r.mesh = quality(mesh);
+}
+
+using Begin = std::function<void(const std::string& phase)>;
+
+Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin, Result& r) {
+  begin("mesh");
+  Stopwatch watch;
+  Mesh mesh = triangulate(c.shape, c.sizing);
+  describe_mesh(mesh, r);
+  r.seconds.mesh = watch.lap();
+  begin("assemble and factorise");
+  Model model = prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads);
+  r.seconds.assemble = model.seconds.assemble;
+  r.seconds.factor = model.seconds.factor;
+  begin("solve");
+  watch.lap();
+  State state = solve(model, contact_method(c));
+  Indicator indicator = error_indicator(model, state);
+  r.seconds.solve = watch.lap() - state.seconds.contact;
+  r.seconds.contact = state.seconds.contact;
+  return {std::move(model), std::move(state), std::move(indicator), {}, {}};
+}
+
+Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& begin, Result& r) {
+  begin("solve and refine");
+  const Adaptation wanted{.error = c.adapt->error,
+                          .max_triangles = c.adapt->max_triangles,
+                          .contact = contact_method(c),
+                          .threads = options.threads};
+  int number = 0;
+  const auto report = [&](const Round& round) {
+    begin(fmt::format("refine: round {}, {} triangles, estimated error {:.3g}", ++number, round.triangles,
+                      round.estimated_error));
+    return true;
+  };
+  Adapted adapted = solve_adaptively(c.shape, c.sizing, element(c.element, c.degree), c.scene, wanted, report);
+  describe_mesh(adapted.model.mesh, r);
+  r.adapt.emplace();
+  r.adapt->stopped = adapted.stopped;
+  for (const Round& round : adapted.rounds) {
+    r.seconds.mesh += round.mesh;
+    r.seconds.assemble += round.assemble;
+    r.seconds.factor += round.factor;
+    r.seconds.solve += round.solve + round.estimate;
+    r.adapt->rounds.emplace_back(round.triangles, round.estimated_error);
+  }
+  return adapted;
+}
+
 // What an earlier run left under the names of the interface: a stale map beside a new state would mislead.
 void remove_earlier_results(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> old;
@@ -104,21 +165,13 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   r.case_name = c.name;
   r.title = c.title;
 
-  begin("mesh");
-  Mesh mesh = triangulate(c.shape, c.sizing);
-  r.triangles = static_cast<Index>(mesh.triangles.size());
-  r.vertices = static_cast<Index>(mesh.points.size());
-  r.mesh = quality(mesh);
-  r.seconds.mesh = watch.lap();
-
-  begin("assemble and factorise");
   const auto sum_up = [&] {
     r.seconds.total = whole.lap();
     r.peak_memory_mb = peak_memory_mb();
   };
-  std::optional<Model> prepared;
+  std::optional<Adapted> solved;
   try {
-    prepared.emplace(prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads));
+    solved.emplace(c.adapt ? solve_refined(c, options, begin, r) : solve_once(c, options, begin, r));
   } catch (const Error& e) {
     if (e.fault == Fault::Numerics) {
       r.status = "failed";
@@ -128,17 +181,11 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     }
     throw;
   }
-  const Model& model = *prepared;
-  r.seconds.assemble = model.seconds.assemble;
-  r.seconds.factor = model.seconds.factor;
-
-  begin("solve");
-  const State state = solve(model);
-  r.seconds.solve = state.seconds.solve;
-  r.seconds.contact = state.seconds.contact;
+  const Model& model = solved->model;
+  const State& state = solved->state;
+  const Indicator& indicator = solved->indicator;
 
   begin("recover");
-  const Indicator indicator = error_indicator(model, state);
   r.state = state_result(model, state, indicator, energy_bounds(model, state));
   r.cracks = crack_results(model, state, c.shape);
   for (const CrackResult& crack : r.cracks)

@@ -114,6 +114,11 @@ std::string mesh_and_state(const Result& result) {
     facts.add("longest edge", pretty(result.mesh.h_max));
     facts.add("smallest angle", fmt::format("{:.1f}°", result.mesh.min_angle_deg));
     facts.add("mean quality", fmt::format("{:.3f}", result.mesh.mean_quality));
+    if (result.adapt) {
+      facts.add("refinement", escape_html(result.adapt->stopped));
+      for (const auto& [triangles, error] : result.adapt->rounds)
+        facts.add(fmt::format("{} triangles", triangles), "estimated error " + pretty(error));
+    }
     out += "<h2>Mesh</h2>\n" + facts.table();
   }
   if (result.state) {

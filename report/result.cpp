@@ -30,12 +30,19 @@ Json placed(const PlacedValue& value) {
 }
 
 Json mesh_section(const Result& result) {
-  return {{"triangles", result.triangles},
-          {"vertices", result.vertices},
-          {"h_min", number(result.mesh.h_min)},
-          {"h_max", number(result.mesh.h_max)},
-          {"min_angle_deg", number(result.mesh.min_angle_deg)},
-          {"mean_quality", number(result.mesh.mean_quality)}};
+  Json section = {{"triangles", result.triangles},
+                  {"vertices", result.vertices},
+                  {"h_min", number(result.mesh.h_min)},
+                  {"h_max", number(result.mesh.h_max)},
+                  {"min_angle_deg", number(result.mesh.min_angle_deg)},
+                  {"mean_quality", number(result.mesh.mean_quality)}};
+  if (result.adapt) {
+    Json rounds = Json::array();
+    for (const auto& [triangles, error] : result.adapt->rounds)
+      rounds.push_back({{"triangles", triangles}, {"estimated_error", number(error)}});
+    section["adapt"] = {{"rounds", rounds}, {"stopped", result.adapt->stopped}};
+  }
+  return section;
 }
 
 Json state_section(const StateResult& state) {

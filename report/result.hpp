@@ -61,6 +61,11 @@ struct StateResult {
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
 };
 
+struct AdaptResult {
+  std::vector<std::pair<Index, double>> rounds;  // triangles, estimated error
+  std::string stopped;                           // why
+};
+
 struct ContactResultSummary {
   std::string method;
   int iterations = 0, linear_solves = 0;
@@ -85,6 +90,7 @@ struct Result {
   std::optional<std::string> reason;  // when status is not ok
   Index triangles = 0, vertices = 0;
   Quality mesh;
+  std::optional<AdaptResult> adapt;  // under "mesh"
   std::optional<StateResult> state;
   std::optional<ContactResultSummary> contact;
   std::vector<CrackResult> cracks;

@@ -151,6 +151,8 @@ std::string summary(const Result& result) {
          fmt::format("min angle {:.1f} deg", result.mesh.min_angle_deg),
          fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
   }
+  if (result.adapt)
+    add_sentence(out, "adapt", fmt::format("{} after {} rounds", result.adapt->stopped, result.adapt->rounds.size()));
   if (result.state) {
     const StateResult& s = *result.state;
     add(out, "state",

@@ -1,0 +1,91 @@
+#include "solver/adaptive.hpp"
+
+#include "solver/stopwatch.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+// The fewest triangles that carry half of the squared error.
+std::vector<Index> mark(const Eigen::VectorXd& eta) {
+  std::vector<Index> order(eta.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return eta[a] > eta[b]; });
+  const double half = 0.5 * eta.squaredNorm();
+  double sum = 0;
+  std::size_t count = 0;
+  while (count < order.size() && sum < half) sum += std::pow(eta[order[count++]], 2);
+  order.resize(count);
+  return order;
+}
+
+Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
+             const Indicator& indicator) {
+  if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta));
+  // A little below the goal: the mesher does not meet every size.
+  constexpr double safety = 0.85;
+  Goal goal{.error = safety * wanted.error / indicator.relative * indicator.eta.norm(),
+            .order = static_cast<double>(model.kernel.element.order),
+            .max_triangles = static_cast<double>(wanted.max_triangles)};
+  const std::span<const double> eta(indicator.eta.data(), static_cast<std::size_t>(indicator.eta.size()));
+  return triangulate(shape, sizing, {&model.mesh, equidistributed_sizes(model.mesh, eta, goal)});
+}
+
+}  // namespace
+
+Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
+                         const Adaptation& wanted, const std::function<bool(const Round&)>& go_on) {
+  if (!is_mixed(e))
+    throw Error(
+        Fault::Usage,
+        fmt::format("element \"{}\" has no error estimate to adapt the mesh to; use a mixed one, such as \"bdms\"",
+                    e.name));
+  constexpr std::size_t most_rounds = 40;
+  Stopwatch watch;
+  Mesh mesh = triangulate(shape, sizing);
+  if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh));
+  std::vector<Round> rounds;
+  double best = std::numeric_limits<double>::infinity();
+  int without_gain = 0;
+  while (true) {
+    Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
+    Model model = prepare(std::move(mesh), e, scene, wanted.threads);
+    round.assemble = model.seconds.assemble;
+    round.factor = model.seconds.factor;
+    watch.lap();
+    State state = solve(model, wanted.contact);
+    round.solve = watch.lap();
+    Indicator indicator = error_indicator(model, state);
+    round.estimate = watch.lap();
+    round.estimated_error = indicator.relative;
+    rounds.push_back(round);
+    constexpr double gain = 0.95;
+    without_gain = round.estimated_error < gain * best ? 0 : without_gain + 1;
+    best = std::min(best, round.estimated_error);
+    std::string stopped;
+    if (round.estimated_error <= wanted.error)
+      stopped = fmt::format("reached the asked error {:.3g}", wanted.error);
+    else if (round.triangles >= 0.9 * wanted.max_triangles)
+      stopped = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
+                            round.estimated_error, wanted.error);
+    else if (without_gain == 3)
+      stopped = fmt::format("stopped: the estimated error stays at {:.3g}, asked {:.3g}", best, wanted.error);
+    else if (rounds.size() == most_rounds)
+      stopped = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
+                            round.estimated_error, wanted.error);
+    else if (go_on && !go_on(round))
+      stopped = "stopped on request";
+    if (!stopped.empty())
+      return {std::move(model), std::move(state), std::move(indicator), std::move(rounds), std::move(stopped)};
+    mesh = refined(shape, sizing, wanted, model, indicator);
+  }
+}
+
+}  // namespace kerf
