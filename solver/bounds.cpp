@@ -391,9 +391,12 @@ std::string unavailable(const Model& m) {
   const Element& e = m.kernel.element;
   if (e.at_vertices != AtVertices::Nothing || is_symmetric(e))
     return fmt::format("no bounds of the energy: they need the rotation of \"bdms\" or \"afw\", not \"{}\"", e.name);
-  for (const CrackLaw& law : m.scene.laws)
+  for (const CrackLaw& law : m.scene.laws) {
+    if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
+      return "no bounds of the energy: the chords of a curved crack in contact do not slide";
     if (law.kind == CrackLaw::Kind::Unilateral && (law.friction != 0 || law.slip_bound != 0))
       return "no bounds of the energy: with friction the solution does not minimise one";
+  }
   return {};
 }
 
