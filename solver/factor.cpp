@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 #include <fmt/core.h>
+#include <malloc.h>
 #include <omp.h>
 
 #include <algorithm>
@@ -77,6 +78,12 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
   return order;
 }
 
+void return_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 struct Factor::Impl {
   mutable Session session;
   cholmod_factor* factor = nullptr;
@@ -140,6 +147,10 @@ Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite) : impl
   c.supernodal = CHOLMOD_SUPERNODAL;
   c.nmethods = 1;
   c.method[0].ordering = CHOLMOD_NATURAL;
+  // Fewer zeros in merged supernodes than by default: 7 % less memory for the same speed (130k triangles).
+  c.nrelax[0] = 1;
+  c.nrelax[1] = 4;
+  c.nrelax[2] = 12;
   c.postorder = 0;  // `dissection` is a postorder already, and the trailing columns must stay where they are
   cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
                           const_cast<double*>(lower.values.data()), -1);

@@ -13,6 +13,9 @@ namespace kerf {
 /// k-th to be eliminated.
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours);
 
+/// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
+void return_freed_memory();
+
 /// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that
 /// the trailing block of L is the Cholesky factor of the Schur complement onto them. A matrix that is not definite goes
 /// to UMFPACK, without trailing columns.

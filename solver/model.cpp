@@ -112,6 +112,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
   Ordering ordering = order(mesh, skeleton);
+  return_freed_memory();
   ModelSeconds seconds;
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);
