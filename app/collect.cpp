@@ -102,7 +102,14 @@ ContactResultSummary contact_result(const State& state, const std::string& metho
 std::vector<Vec2> singular_points(const Model& model) {
   const Mesh& mesh = model.mesh;
   std::set<Index> vertices;
-  for (const auto& crack : mesh.cracks)
+  std::vector<Index> crack_at(mesh.points.size(), none);
+  for (std::size_t number = 0; number < mesh.cracks.size(); ++number) {
+    const auto& crack = mesh.cracks[number];
+    for (const CrackEdge& c : crack)
+      for (const Index v : mesh.edges[c.edge]) {
+        if (crack_at[v] != none && crack_at[v] != static_cast<Index>(number)) vertices.insert(v);  // a junction
+        crack_at[v] = static_cast<Index>(number);
+      }
     for (std::size_t i = 0; i < crack.size(); ++i) {
       const auto start = [&](std::size_t k) { return mesh.edges[crack[k].edge][crack[k].forward ? 0 : 1]; };
       if (i == 0) {
@@ -113,9 +120,11 @@ std::vector<Vec2> singular_points(const Model& model) {
       const Vec2 before = mesh.points[start(i)] - mesh.points[start(i - 1)];
       const Index end = mesh.edges[crack[i].edge][crack[i].forward ? 1 : 0];
       const Vec2 after = mesh.points[end] - mesh.points[start(i)];
-      constexpr double kink = 0.05;  // radians
+      constexpr double kink = 0.05;                   // radians
+      if (model.scene.laws[number].normal) continue;  // a curve
       if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(start(i));
     }
+  }
   // Boundary vertices: interior angle, and whether the two edges are held in the same way.
   std::vector<double> angle(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles)

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <optional>
 #include <string>
 
 namespace kerf {
@@ -61,20 +62,38 @@ Measurement once(const Problem& problem, const Element& e, Grading grading, doub
                 .mesh = std::string(name_of(grading)),
                 .level = level};
   ProcessorWatch watch;
-  Mesh mesh = bench_mesh(problem, grading, e.degree, level);
-  m.seconds.mesh = watch.lap();
-  const Model model = prepare(std::move(mesh), e, problem.scene, 1);
-  const double prepared = watch.lap();
-  const State state = solve(model);
-  m.seconds.solve = watch.lap();
+  std::optional<Adapted> adapted;
+  if (grading == Grading::Adaptive) {
+    adapted.emplace(adapt(problem, e, level));
+    const double whole = watch.lap();
+    // Wall clocks of all rounds: their shares of the processor time. Estimating is a part of meshing here.
+    PhaseSeconds wall;
+    for (const Round& r : adapted->rounds) {
+      wall.mesh += r.mesh + r.estimate;
+      wall.assemble += r.assemble;
+      wall.factor += r.factor;
+      wall.solve += r.solve;
+    }
+    const double share = wall.work() > 0 ? whole / wall.work() : 0;
+    m.seconds = {wall.mesh * share, wall.assemble * share, wall.factor * share, wall.solve * share};
+  } else {
+    Mesh mesh = bench_mesh(problem, grading, e.degree, level);
+    m.seconds.mesh = watch.lap();
+    Model model = prepare(std::move(mesh), e, problem.scene, 1);
+    const double prepared = watch.lap();
+    State state = solve(model);
+    m.seconds.solve = watch.lap();
+    const double wall = model.seconds.assemble + model.seconds.factor;
+    m.seconds.factor = wall > 0 ? prepared * model.seconds.factor / wall : 0;
+    m.seconds.assemble = prepared - m.seconds.factor;
+    adapted = Adapted{std::move(model), std::move(state), {}, {}, {}};
+  }
+  const Model& model = adapted->model;
+  const State& state = adapted->state;
   m.memory_mb = peak_memory_mb();
   watch.lap();
   recover_displacement(model, state);
   m.seconds.recover = watch.lap();
-  // The model keeps wall clocks of its phases: their shares of the processor time.
-  const double wall = model.seconds.assemble + model.seconds.factor;
-  m.seconds.factor = wall > 0 ? prepared * model.seconds.factor / wall : 0;
-  m.seconds.assemble = prepared - m.seconds.factor;
   m.seconds.contact = state.seconds.contact;
   m.h = quality(model.mesh).h_max;
   m.triangles = static_cast<Index>(model.mesh.triangles.size());
@@ -95,7 +114,7 @@ double processor_seconds() {
 }
 
 std::string_view name_of(Grading grading) {
-  return grading == Grading::Uniform ? "uniform" : "graded";
+  return grading == Grading::Uniform ? "uniform" : grading == Grading::Graded ? "graded" : "adaptive";
 }
 
 Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat) {

@@ -23,7 +23,7 @@ struct Measurement {
   double poisson = 0;
   std::string element;
   int degree = 1;
-  std::string mesh;  // "uniform", "graded"
+  std::string mesh;  // "uniform", "graded", "adaptive"
   double level = 0;
   double h = 0;  // longest edge
   Index triangles = 0, unknowns = 0, condensed_unknowns = 0;

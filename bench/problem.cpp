@@ -234,6 +234,12 @@ Problem problem(const std::string& name, double poisson) {
   return p;
 }
 
+Adapted adapt(const Problem& problem, const Element& e, double level) {
+  const Sizing coarse{.size = problem.coarsest, .crack_tip_size = problem.coarsest};
+  return solve_adaptively(problem.shape, coarse, e, problem.scene,
+                          {.error = 0.1 * std::pow(2, -level), .max_triangles = 1000000});
+}
+
 Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level) {
   const double size = problem.coarsest * std::pow(2, -level / 2);
   if (grading == Grading::Uniform) return triangulate(problem.shape, {.size = size, .crack_tip_size = size});

@@ -4,7 +4,7 @@
 
 #include "bench/exact_field.hpp"
 #include "geometry/mesher.hpp"
-#include "solver/model.hpp"
+#include "solver/adaptive.hpp"
 
 #include <optional>
 
@@ -48,10 +48,13 @@ struct ProblemKind {
 const std::vector<ProblemKind>& problem_kinds();
 Problem problem(const std::string& name, double poisson);  // throws std::invalid_argument for an unknown name
 
-enum class Grading { Uniform, Graded };
+/// Adaptive: refined from level 0 until the estimated error is small.
+enum class Grading { Uniform, Graded, Adaptive };
 /// Level l has edges 2^(l/2) times shorter than level 0. Graded: towards crack tips and sharp corners, so that an
 /// element of the given degree (stress errors h^(degree + 1)) is as accurate there as elsewhere.
 Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level);
+/// Adaptive level l asks for an estimated error of 0.1 / 2^l.
+Adapted adapt(const Problem& problem, const Element& e, double level);
 
 /// Degree 3 on a graded mesh of the given level; `error` is its distance from the one two levels coarser.
 Reference overkill(const Problem& problem, double level);

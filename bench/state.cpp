@@ -34,7 +34,9 @@ std::vector<Sequence> sequences(const StateBenchOptions& options) {
       for (const Element& e : elements) {
         if (!wanted(options.elements, e.name)) continue;
         all.push_back({kind.name, poisson, e, Grading::Uniform});
-        if (kind.name != "smooth") all.push_back({kind.name, poisson, e, Grading::Graded});
+        if (kind.name == "smooth") continue;
+        all.push_back({kind.name, poisson, e, Grading::Graded});
+        if (is_mixed(e)) all.push_back({kind.name, poisson, e, Grading::Adaptive});
       }
     }
   }
