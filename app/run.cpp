@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/collect.hpp"
+#include "solver/extended.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -116,9 +117,10 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     r.seconds.total = whole.lap();
     r.peak_memory_mb = peak_memory_mb();
   };
+  const bool condensed = c.backend == "cholmod";
   std::optional<Model> prepared;
   try {
-    prepared.emplace(prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads));
+    prepared.emplace(prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads, condensed));
   } catch (const Error& e) {
     if (e.fault == Fault::Numerics) {
       r.status = "failed";
@@ -133,7 +135,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   r.seconds.factor = model.seconds.factor;
 
   begin("solve");
-  const State state = solve(model);
+  const State state = condensed ? solve(model) : solve_extended(model);
   r.seconds.solve = state.seconds.solve;
   r.seconds.contact = state.seconds.contact;
 

@@ -93,7 +93,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
 
 }  // namespace
 
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   Stopwatch watch;
   const Kernel k = kernel(e);
@@ -107,7 +107,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor(system.K, ordering.trailing, is_definite(e));
+  Factor factor = factorise ? Factor(system.K, ordering.trailing, is_definite(e)) : Factor(LowerTriangle{}, 0);
   seconds.factor = watch.lap();
   return {std::move(mesh),
           k,
