@@ -151,7 +151,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
                       crack.name, crack.penetration));
   const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact) r.contact = contact_result(state, c.contact, r.cracks);
+  if (contact) r.contact = contact_result(state, condensed ? c.contact : "active-set", r.cracks);
   r.functional = {c.functional, r.state->energy};
   const PlotData data = plot_data(model, state, c.plane_strain);
   r.seconds.solve += watch.lap();

@@ -336,11 +336,11 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, State& state) {
       if (layout.mean != none)
         moment += x[layout.mean] * l.system.h * l.system.h * l.basis.leftCols(layout.edge).transpose() * l.system.trace;
       for (int i = 0; i < layout.edge; ++i) traces(i, t) = l.sign[i] * moment[i] / (mu2 * layout.share[l.unknowns[i]]);
-      Eigen::VectorXd local(stress + inner);
-      local << l.basis * y.head(stress), y.segment(stress, inner) / mu2;
+      Eigen::VectorXd solution(stress + inner);
+      solution << l.basis * y.head(stress), y.segment(stress, inner) / mu2;
       SkeletonVector at(layout.edge + corners);
       at << traces.col(t), y.tail(corners) / mu2;
-      state.interior.col(t) = interior_of(m.kernel, triangle(m, t), m.scene.material, local, at);
+      state.interior.col(t) = interior_of(m.kernel, triangle(m, t), m.scene.material, solution, at);
     }
   });
   state.skeleton = Eigen::VectorXd::Zero(s.total);
