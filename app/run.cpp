@@ -3,6 +3,7 @@
 #include "app/collect.hpp"
 #include "solver/adaptive.hpp"
 #include "solver/bounds.hpp"
+#include "solver/extended.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -91,7 +92,7 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
   r.seconds.factor = model.seconds.factor;
   begin("solve");
   watch.lap();
-  State state = solve(model, contact_method(c));
+  State state = c.backend == "umfpack" ? solve_extended(model) : solve(model, contact_method(c));
   Indicator indicator = error_indicator(model, state);
   r.seconds.solve = watch.lap() - state.seconds.contact;
   r.seconds.contact = state.seconds.contact;
@@ -103,6 +104,7 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
   const Adaptation wanted{.error = c.adapt->error,
                           .max_triangles = c.adapt->max_triangles,
                           .contact = contact_method(c),
+                          .saddle_point = c.backend == "umfpack",
                           .threads = options.threads};
   int number = 0;
   const auto report = [&](const Round& round) {
@@ -196,7 +198,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
                       crack.name, crack.penetration));
   const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact) r.contact = contact_result(state, c.contact, r.cracks);
+  if (contact) r.contact = contact_result(state, c.backend == "umfpack" ? "active-set" : c.contact, r.cracks);
   r.functional = {c.functional, r.state->energy};
   const PlotData data = plot_data(model, state, c.plane_strain);
   r.seconds.solve += watch.lap();

@@ -1,5 +1,6 @@
 #include "solver/adaptive.hpp"
 
+#include "solver/extended.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -60,7 +61,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
-    State state = solve(model, wanted.contact);
+    State state = wanted.saddle_point ? solve_extended(model) : solve(model, wanted.contact);
     round.solve = watch.lap();
     Indicator indicator = error_indicator(model, state);
     round.estimate = watch.lap();

@@ -16,6 +16,7 @@ struct Adaptation {
   Index max_triangles = 200000;
   Refinement refinement = Refinement::Remesh;
   ContactMethod contact = ContactMethod::DualQp;
+  bool saddle_point = false;  // solve_extended instead of solve
   int threads = 1;
 };
 

@@ -152,6 +152,19 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
   return k.run->interior(k, t, material, force, m, penalty);
 }
 
+LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
+  if (k.run->local_system) return k.run->local_system(k, t, material, force);
+  throw Error(Fault::Usage,
+              fmt::format("element \"{}\" has no saddle-point system of its own (backend \"umfpack\"); use a mixed "
+                          "element, such as \"bdms\", or the backend \"cholmod\"",
+                          k.element.name));
+}
+
+Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
+                            const SkeletonVector& m) {
+  return k.run->interior_of(k, t, material, local, m);
+}
+
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x) {
   return k.run->evaluate(t, interior, x);
 }

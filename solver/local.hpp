@@ -92,6 +92,20 @@ struct Fields {
 };
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
 
+/// The local problem as it stands, for formulations that do not condense it. In xi = (x - centroid)/h with u = h u_xi,
+/// m = h m_xi (rotations at vertices, the last columns of Ct, as they are), h^2 times it is the problem in x:
+///   M s + Bt (u_xi, r) = Ct m_xi,   Bt' s = given,   tractions = h Ct' s.
+struct LocalSystem {
+  double h;
+  Eigen::MatrixXd M, Bt, Ct;
+  Eigen::VectorXd given, trace;  // trace: int tr s, in xi
+};
+/// Throws Error(Usage) for an element that has no such problem.
+LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force);
+/// Coefficients (s, u, r) from a solution s, (u_xi, r) of it; of m only what lives at vertices.
+Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
+                            const SkeletonVector& m);
+
 /// How local.cpp reaches the code of an element.
 struct Operations {
   Condensed (*condense)(const Kernel&, const Triangle&, const Material&, const ForceMoments&, const Penalty&);
@@ -99,6 +113,10 @@ struct Operations {
                               const SkeletonVector&, const Penalty&);
   Fields (*evaluate)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Points&);
   Eigen::Vector4d (*stress_at)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Vec2&);
+  // Of mixed elements without stresses at vertices:
+  LocalSystem (*local_system)(const Kernel&, const Triangle&, const Material&, const ForceMoments&) = nullptr;
+  Eigen::VectorXd (*interior_of)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                                 const SkeletonVector&) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

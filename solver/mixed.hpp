@@ -383,12 +383,19 @@ struct MixedTriangle {
     Rowwise<S, 1> stress = e.YC.lazyProduct(scaled) + e.YB.lazyProduct(p);
     if (penalty.a > 0) stress += penalty.theta * e.YT;
     backward<S>(e.L, stress);
+    p = e.gamma * a.given - p;
+    return unpack(k, s, material, stress, p, m);
+  }
+
+  // Of the local problem's solution s, (u_xi, r).
+  static Eigen::VectorXd unpack(const Kernel& k, const Scaled& s, const Material& material, const Rowwise<S, 1>& stress,
+                                const Rowwise<B, 1>& inner, const SkeletonVector& m) {
     Eigen::VectorXd all(interior_count(E));
     if constexpr (IsCut)
       all.head(F) = span_of(k, s) * Eigen::VectorXd(stress);
     else
       all.template head<F>() = stress;
-    for (int b = 0; b < B; ++b) all[F + b] = (b < U ? s.h : 1) * (e.gamma * a.given[b] - p[b]);
+    for (int b = 0; b < B; ++b) all[F + b] = (b < U ? s.h : 1) * inner[b];
     if constexpr (V > 0) {
       const Eigen::Vector3d at = m.template tail<V>();
       all[F + U] = at.mean();
@@ -397,6 +404,18 @@ struct MixedTriangle {
     }
     if constexpr (is_symmetric(E)) all.tail(rotation_count(E)) = rotation_of(k, s, material, all);
     return all;
+  }
+
+  static LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material,
+                                  const ForceMoments& force) {
+    const Scaled s = scale(t);
+    const System<S> a = assemble(k, t, s, material, force);
+    return {s.h, a.M, a.Bt, a.Ct, a.given, a.trace};
+  }
+
+  static Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material,
+                                     const Eigen::VectorXd& local, const SkeletonVector& m) {
+    return unpack(k, scale(t), material, local.template head<S>(), local.template tail<B>(), m);
   }
 
   // Rotation of a symmetric element, from the derivatives of its strain e = A s:
@@ -492,7 +511,8 @@ struct MixedTriangle {
 template <const Element& E>
 constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
-  return {&Sized::condense, &Sized::interior, &Sized::evaluate, &Sized::stress_at_point};
+  return {&Sized::condense,        &Sized::interior,     &Sized::evaluate,
+          &Sized::stress_at_point, &Sized::local_system, &Sized::interior_of};
 }
 
 }  // namespace kerf

@@ -102,7 +102,7 @@ LowerTriangle lifted(LowerTriangle k) {
 
 }  // namespace
 
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   Stopwatch watch;
   const Kernel k = kernel(e);
@@ -117,7 +117,8 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads) {
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = e.cut == Cut::LinearDivergence && is_definite(e)
+  Factor factor = !factorise ? Factor(LowerTriangle{}, 0)
+                  : e.cut == Cut::LinearDivergence && is_definite(e)
                       ? Factor(lifted(system.K), ordering.trailing)
                       : Factor(system.K, ordering.trailing, is_definite(e));
   seconds.factor = watch.lap();

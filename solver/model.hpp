@@ -18,7 +18,7 @@ struct Model {
   Skeleton skeleton;
   Ordering ordering;
   System system;
-  Factor factor;
+  Factor factor;                      // empty when not asked for
   std::vector<RigidMotion> floating;  // rigid motions that the supports leave free; the loads balance on them
   std::vector<std::string> notes;     // what the user should know
   int threads = 1;
@@ -27,7 +27,8 @@ struct Model {
 
 /// Numbers, assembles and factorises. Throws Error(Numerics) when the supports leave a rigid motion free on which the
 /// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads);
+/// `factorise`: for `solve`; solve_extended (extended.hpp) does without.
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise = true);
 
 struct Certificate {
   double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)

@@ -1,5 +1,6 @@
+#include "solver/solve.hpp"
+
 #include "solver/contact_law.hpp"
-#include "solver/model.hpp"
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -13,29 +14,6 @@
 namespace kerf {
 
 namespace {
-
-// Takes the rigid motions closest to the displacement in the mean out of the traces of a solution that pins hold.
-void remove_motion(const Model& m, State& s) {
-  const Index n = static_cast<Index>(m.floating.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
-    const Triangle shape = triangle(m, t);
-    const Points x = rule_points(m.kernel.rule, shape), u = evaluate(m, s, t, x).displacement;
-    for (Eigen::Index q = 0; q < x.cols(); ++q) {
-      const double w = area(shape) * m.kernel.rule.w[q];
-      // The motion as the element's displacement sees it: its mean when that is constant.
-      const Vec2 at = m.kernel.element.displacement == 0 ? centroid(shape) : Vec2(x.col(q));
-      for (Index i = 0; i < n; ++i) {
-        moment[i] += w * u.col(q).dot(m.floating[i].at(at));
-        for (Index j = 0; j < n; ++j) gram(i, j) += w * m.floating[i].at(at).dot(m.floating[j].at(at));
-      }
-    }
-  }
-  const Eigen::VectorXd share = gram.llt().solve(moment);
-  for (Index i = 0; i < n; ++i)
-    s.skeleton.head(m.skeleton.base) -= share[i] * trace(m.mesh, m.kernel, m.skeleton, m.floating[i]);
-}
 
 struct Solved {
   Eigen::VectorXd x, force;    // per row; force on the rows in contact
@@ -98,29 +76,6 @@ Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
   return F;
 }
 
-// The points of all cracks in contact, by their rows counted from the first trailing one.
-std::vector<ContactPoint> contact_points(const Model& m) {
-  const Index leading = m.ordering.size - m.ordering.trailing;
-  std::vector<ContactPoint> points;
-  for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
-    const CrackLaw& law = m.scene.laws[crack];
-    for (const CrackEdge& c : m.mesh.cracks[crack])
-      for (int g = 0; g < m.skeleton.per_edge / 2; ++g) {
-        const Index unknown = m.skeleton.jump[c.edge] + 2 * g;
-        if (!m.skeleton.bounded[unknown]) continue;
-        ContactPoint p;
-        p.normal = m.ordering.row[unknown] - leading;
-        if (m.skeleton.frictional[unknown + 1]) {
-          p.tangential = m.ordering.row[unknown + 1] - leading;
-          p.slip_bound = law.slip_bound * length(m.mesh, c.edge) * m.kernel.trace.w[g];
-          p.friction = law.friction;
-        }
-        points.push_back(p);
-      }
-  }
-  return points;
-}
-
 // The rows in contact condensed: S once for all sweeps, and the two halves of a solve around them.
 struct Condensation {
   const Model& m;
@@ -165,20 +120,6 @@ struct Condensation {
   }
 };
 
-// theta is a volume strain: what the prescribed displacements ask for beyond rounding and quadrature cannot be had.
-void check_volume(const Model& m, double change, double whole) {
-  const double displacement = std::transform_reduce(
-      m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
-      [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
-  constexpr double rounding = 1e-7;
-  if (std::abs(change) > rounding * displacement * std::sqrt(whole))
-    throw Error(Fault::Numerics,
-                fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "
-                            "prescribed displacements change its area by {:.3g}; free a part of the boundary, or "
-                            "prescribe displacements that keep the area",
-                            2 * change));
-}
-
 // The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
 // falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
 // delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
@@ -215,7 +156,7 @@ struct UniformPressure {
     }
     constexpr double none_left = 1e-11;
     if (!(stiffness > none_left * whole)) {
-      check_volume(m, rest, whole);
+      check_volume(m, 2 * rest);
       s.theta = before.array() - rest / whole;
       return;
     }
@@ -291,6 +232,61 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
 
 }  // namespace
 
+Eigen::VectorXd floating_shares(const Model& m, const State& s) {
+  const Index n = static_cast<Index>(m.floating.size());
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(m, t);
+    const Points x = rule_points(m.kernel.rule, shape), u = evaluate(m, s, t, x).displacement;
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      const double w = area(shape) * m.kernel.rule.w[q];
+      // The motion as the element's displacement sees it: its mean when that is constant.
+      const Vec2 at = m.kernel.element.displacement == 0 ? centroid(shape) : Vec2(x.col(q));
+      for (Index i = 0; i < n; ++i) {
+        moment[i] += w * u.col(q).dot(m.floating[i].at(at));
+        for (Index j = 0; j < n; ++j) gram(i, j) += w * m.floating[i].at(at).dot(m.floating[j].at(at));
+      }
+    }
+  }
+  return gram.llt().solve(moment);
+}
+
+std::vector<ContactPoint> contact_points(const Model& m) {
+  const Index leading = m.ordering.size - m.ordering.trailing;
+  std::vector<ContactPoint> points;
+  for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
+    const CrackLaw& law = m.scene.laws[crack];
+    for (const CrackEdge& c : m.mesh.cracks[crack])
+      for (int g = 0; g < m.skeleton.per_edge / 2; ++g) {
+        const Index unknown = m.skeleton.jump[c.edge] + 2 * g;
+        if (!m.skeleton.bounded[unknown]) continue;
+        ContactPoint p;
+        p.normal = m.ordering.row[unknown] - leading;
+        if (m.skeleton.frictional[unknown + 1]) {
+          p.tangential = m.ordering.row[unknown + 1] - leading;
+          p.slip_bound = law.slip_bound * length(m.mesh, c.edge) * m.kernel.trace.w[g];
+          p.friction = law.friction;
+        }
+        points.push_back(p);
+      }
+  }
+  return points;
+}
+
+void check_volume(const Model& m, double change) {
+  const double displacement = std::transform_reduce(
+      m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
+      [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
+  constexpr double rounding = 1e-7;
+  if (std::abs(change) > 2 * rounding * displacement * std::sqrt(area(m)))
+    throw Error(Fault::Numerics,
+                fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "
+                            "prescribed displacements change its area by {:.3g}; free a part of the boundary, or "
+                            "prescribe displacements that keep the area",
+                            change));
+}
+
 State solve(const Model& m, ContactMethod method) {
   State state;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -349,7 +345,9 @@ State solve(const Model& m, ContactMethod method) {
   };
   recover();
   if (!m.floating.empty()) {
-    remove_motion(m, state);
+    const Eigen::VectorXd share = floating_shares(m, state);
+    for (Index i = 0; i < static_cast<Index>(m.floating.size()); ++i)
+      state.skeleton.head(m.skeleton.base) -= share[i] * trace(m.mesh, m.kernel, m.skeleton, m.floating[i]);
     recover();
   }
   state.seconds.solve += watch.lap();

@@ -246,6 +246,21 @@ TEST_F(Run, LoadsBalancedButForThePolygonsOfArcsAreAccepted) {
   EXPECT_NEAR(r.state->compliance / (12 * std::acos(-1) / mu), 1, 5e-3);
 }
 
+TEST_F(Run, BackendsAgree) {
+  const auto with = [&](const std::string& backend) {
+    return run_case("partly_closed",
+                    {"solver.backend=\"" + backend + "\"", "mesh.size=0.3", "mesh.crack_tip_size=0.05"}, Job::Run, 2,
+                    backend);
+  };
+  const json one = with("cholmod"), two = with("umfpack");
+  EXPECT_EQ(two["status"], "ok");
+  EXPECT_NEAR(two["state"]["energy"].get<double>() / one["state"]["energy"].get<double>(), 1, 1e-11);
+  EXPECT_NEAR(two["contact"]["open_length"].get<double>(), one["contact"]["open_length"].get<double>(), 1e-11);
+  for (int tip : {0, 1})
+    EXPECT_NEAR(two["cracks"][0]["tips"][tip]["K_I"].get<double>(), one["cracks"][0]["tips"][tip]["K_I"].get<double>(),
+                1e-9);
+}
+
 TEST_F(Run, HigherDegreesAgreeOnTheShowcase) {
   std::vector<double> k;
   for (const char* degree : {"1", "2", "3"}) {

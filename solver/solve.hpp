@@ -1,0 +1,18 @@
+#pragma once
+// What the two ways to solve for the state share. Internal to this room.
+
+#include "solver/model.hpp"
+
+namespace kerf {
+
+/// Shares of Model::floating in the displacement, in the mean of squares.
+Eigen::VectorXd floating_shares(const Model& m, const State& s);
+
+/// The points of all cracks in contact, by their rows counted from the first trailing one of Model::ordering.
+std::vector<ContactPoint> contact_points(const Model& m);
+
+/// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond rounding and
+/// quadrature.
+void check_volume(const Model& m, double change);
+
+}  // namespace kerf
