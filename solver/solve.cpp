@@ -165,13 +165,14 @@ struct Condensation {
   }
 };
 
-// theta is a volume strain: what the prescribed displacements ask for beyond rounding and quadrature cannot be had.
-void check_volume(const Model& m, double change, double whole) {
+// theta is a volume strain: what the prescribed displacements ask for beyond rounding (of them, or of the strains that
+// other loads cause) and quadrature cannot be had.
+void check_volume(const Model& m, double change, double whole, double largest_strain) {
   const double displacement = std::transform_reduce(
       m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
       [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
   constexpr double rounding = 1e-7;
-  if (std::abs(change) > rounding * displacement * std::sqrt(whole))
+  if (std::abs(change) > rounding * std::max(displacement * std::sqrt(whole), largest_strain * whole))
     throw Error(Fault::Numerics,
                 fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "
                             "prescribed displacements change its area by {:.3g}; free a part of the boundary, or "
@@ -215,7 +216,7 @@ struct UniformPressure {
     }
     constexpr double none_left = 1e-11;
     if (!(stiffness > none_left * whole)) {
-      check_volume(m, rest, whole);
+      check_volume(m, rest, whole, s.theta.cwiseAbs().maxCoeff());
       s.theta = before.array() - rest / whole;
       return;
     }
