@@ -3,6 +3,7 @@
 #include "solver/contact_law.hpp"
 #include "solver/lu.hpp"
 #include "solver/parallel.hpp"
+#include "solver/recover.hpp"
 #include "solver/solve.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -420,7 +421,10 @@ State solve_extended(const Model& m) {
   }
   recover(solver, x, state);
   if (!m.floating.empty()) remove_motions(m, state);
-  if (layout.mean != none) check_volume(m, x[layout.mean] / m.scene.material.mu * area(m));
+  if (layout.mean != none) {
+    const double strain = mean_stress(m, state) / m.scene.material.mu;
+    check_volume(m, x[layout.mean] / m.scene.material.mu * area(m), strain);
+  }
   state.seconds.solve += watch.lap();
   return state;
 }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <Eigen/SVD>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -33,12 +34,34 @@ bool opens(const Mesh& mesh, const Scene& scene, Index e) {
   return mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
 }
 
+// The supports prescribe the normal displacement all around.
+bool enclosed(const Mesh& mesh, const Scene& scene) {
+  const auto holds = [&](const Support& support, Index e) {
+    if (support.label != mesh.label[e]) return false;
+    if (support.first && support.second) return true;
+    if (support.normal_frame) return support.first;
+    constexpr double straight = 1 - 1e-12;
+    const Vec2 n = outward(mesh, e).cwiseAbs();
+    return (support.first && n.x() > straight) || (support.second && n.y() > straight);
+  };
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const bool boundary = mesh.sides[e][0] == none || mesh.sides[e][1] == none;
+    if (boundary && std::none_of(scene.supports.begin(), scene.supports.end(),
+                                 [&](const Support& support) { return holds(support, e); }))
+      return false;
+  }
+  return true;
+}
+
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
   const auto refuse = [&](const char* what, const char* instead) {
     throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
   };
   if (!is_mixed(e) && !(scene.material.c > 0))
     refuse("an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
+  if (e.at_vertices == AtVertices::Stress && !(scene.material.c > 0) && enclosed(mesh, scene))
+    refuse("an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level",
+           "\"arnold-winther\", which sets the mean pressure to zero");
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     const auto kind = scene.laws[crack].kind;
     if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;

@@ -156,7 +156,7 @@ struct UniformPressure {
     }
     constexpr double none_left = 1e-11;
     if (!(stiffness > none_left * whole)) {
-      check_volume(m, 2 * rest);
+      check_volume(m, 2 * rest, s.theta.cwiseAbs().maxCoeff());
       s.theta = before.array() - rest / whole;
       return;
     }
@@ -274,12 +274,13 @@ std::vector<ContactPoint> contact_points(const Model& m) {
   return points;
 }
 
-void check_volume(const Model& m, double change) {
+void check_volume(const Model& m, double change, double largest_strain) {
   const double displacement = std::transform_reduce(
       m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
       [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
   constexpr double rounding = 1e-7;
-  if (std::abs(change) > 2 * rounding * displacement * std::sqrt(area(m)))
+  const double whole = area(m);
+  if (std::abs(change) > 2 * rounding * std::max(displacement * std::sqrt(whole), largest_strain * whole))
     throw Error(Fault::Numerics,
                 fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "
                             "prescribed displacements change its area by {:.3g}; free a part of the boundary, or "

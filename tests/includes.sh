@@ -27,6 +27,7 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
 }
 only CGAL/ geometry/mesher.cpp
 only cholmod solver/factor.cpp
+only umfpack solver/lu.cpp
 only 'toml\+\+' cases/reader.cpp
 only muParser cases/expression.cpp
 only vtk report/vtk_module.cpp
