@@ -320,7 +320,7 @@ TEST_P(ElementSpace, LinearDisplacementGivesItsStressRotationAndItself) {
       const Vec2 center = centroid(t);
       const auto u = [&](const Vec2& x) -> Vec2 { return gradient * (x - center) + h * Vec2(0.1, 0.2); };
       ForceMoments none;
-      if (e.at_vertices == AtVertices::Stress) none = ForceMoments::Zero(displacement_count(e) + edge_data);
+      if (e.at_vertices == AtVertices::Stress) none = ForceMoments::Zero(displacement_count(e) + cubic_trace_count);
       const Eigen::VectorXd inside = interior(k, t, material, none, skeleton_of(k, t, u, omega, stress));
       Points x(2, 2);
       x << center, 0.5 * t.x[0] + 0.3 * t.x[1] + 0.2 * t.x[2];
