@@ -175,7 +175,8 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   try {
     solved.emplace(c.adapt ? solve_refined(c, options, begin, r) : solve_once(c, options, begin, r));
   } catch (const Error& e) {
-    if (e.fault == Fault::Numerics) {
+    const bool stopped = options.stop_asked && options.stop_asked();
+    if (e.fault == Fault::Numerics && !stopped) {
       r.status = "failed";
       r.reason = e.what();
       sum_up();
@@ -251,6 +252,10 @@ Result run(const Case& c, Job job, const RunOptions& options) {
                    : fmt::format("the {} hold only to {:.2g} of the load",
                                  r.contact ? "conditions of equilibrium and contact" : "equations of equilibrium",
                                  state.certificate.kkt);
+    if (!model.skeleton.unseen.empty())
+      *r.reason +=
+          "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
+          "one symmetric stress there: use \"bdms\" with degree = 3";
   }
   r.seconds.output = watch.lap();
   sum_up();

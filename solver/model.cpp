@@ -91,12 +91,12 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   return motions;
 }
 
-// Symmetric stresses with P_3 traces do not see some combinations of traces at singular vertices (whose edges lie on
-// two lines) and at corners: K is singular there, consistently. A shift that the sweeps of the solve undo makes it
-// definite.
-LowerTriangle lifted(LowerTriangle k) {
+// Symmetric stresses with P_3 traces do not see some combinations of traces at singular vertices: K is singular there,
+// consistently. A small shift makes it definite; the sweeps of the solve undo what else it does.
+LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   constexpr double shift = 1e-11;
-  for (Index j = 0; j < k.size; ++j) k.values[k.start[j]] *= 1 + shift;
+  for (Index u = 0; u < s.total; ++u)
+    if (s.unseen[u] && o.row[u] != none) k.values[k.start[o.row[u]]] *= 1 + shift;
   return k;
 }
 
@@ -117,10 +117,9 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factor
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !factorise ? Factor(LowerTriangle{}, 0)
-                  : e.cut == Cut::LinearDivergence && is_definite(e)
-                      ? Factor(lifted(system.K), ordering.trailing)
-                      : Factor(system.K, ordering.trailing, is_definite(e));
+  Factor factor = !factorise                 ? Factor(LowerTriangle{}, 0)
+                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.trailing)
+                                             : Factor(system.K, ordering.trailing, is_definite(e));
   seconds.factor = watch.lap();
   return {std::move(mesh),
           k,

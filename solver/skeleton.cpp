@@ -212,6 +212,52 @@ void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   }
 }
 
+// At a corner between edges with normals a, b a symmetric stress has a.s b = b.s a, so that cubic traces have a
+// combination there that the triangle does not see. The combinations around a vertex add up to one that no triangle
+// sees where the edges lie on two lines and the ends of the fan, if it has any, are free.
+// Marks the traces around such a vertex.
+void mark_unseen(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  const Index edges = static_cast<Index>(mesh.edges.size());
+  std::vector<bool> cut(edges);
+  for (Index i = 0; i < edges; ++i) cut[i] = opens(mesh, scene, i);
+  const Corners corners = split_at(mesh, cut);
+  std::vector<bool> unseen(corners.vertex.size(), true);
+  constexpr double parallel = 1e-6;
+  // The edge of triangle t at the vertex that is not `edge`.
+  const auto other = [&](Index t, Index vertex, Index edge) {
+    for (int i = 0; i < 3; ++i)
+      if (mesh.edges_of[t][i] != edge && mesh.triangles[t][i] != vertex) return mesh.edges_of[t][i];
+    return none;
+  };
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (const int k : {(i + 1) % 3, (i + 2) % 3}) {
+        const Index vertex = mesh.triangles[t][i], edge = mesh.edges_of[t][k];
+        if (cut[edge]) continue;
+        const Vec2 across = normal(mesh, other(t, vertex, edge));
+        const Index beyond = mesh.sides[edge][0] == t ? mesh.sides[edge][1] : mesh.sides[edge][0];
+        bool seen_here = false;
+        if (beyond != none)
+          seen_here = std::abs(cross(across, normal(mesh, other(beyond, vertex, edge)))) > parallel;
+        else
+          for (int d = 0; d < 2; ++d)
+            seen_here = seen_here ||
+                        (s.fixed[edge_unknown(s, edge) + d] && std::abs(across.dot(s.frame[edge].col(d))) > parallel);
+        if (seen_here) unseen[corners.of[t][i]] = false;
+      }
+  s.unseen.assign(s.total, false);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (unseen[corners.of[t][i]])
+        for (const int k : {(i + 1) % 3, (i + 2) % 3}) {
+          const Index edge = mesh.edges_of[t][k];
+          for (int u = 0; u < s.per_edge; ++u) {
+            s.unseen[edge_unknown(s, edge) + u] = true;
+            if (s.jump[edge] != none) s.unseen[s.jump[edge] + u] = true;
+          }
+        }
+}
+
 }  // namespace
 
 const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
@@ -269,6 +315,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   support_edges(mesh, k, scene, s);
   if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
   if (k.element.at_vertices == AtVertices::Stress) load_corners(mesh, scene, s);
+  if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
   return s;
 }
 

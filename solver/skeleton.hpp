@@ -25,6 +25,7 @@ struct Skeleton {
   std::vector<bool> fixed;                    // per unknown: by a support, or the jump of a bonded crack
   std::vector<bool> bounded;                  // per unknown: a normal jump that must not be negative
   std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
+  std::vector<bool> unseen;                   // per unknown: part of a combination that no triangle sees; or empty
 };
 
 /// Directions of the two components at a Gauss point of an edge.

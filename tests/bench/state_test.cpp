@@ -45,7 +45,7 @@ TEST_F(StateBenchTest, WritesItsFiles) {
   std::size_t rows = 0;
   while (std::getline(csv, line)) ++rows;
   EXPECT_EQ(rows, bench.runs.size());
-  EXPECT_EQ(rows, 2u * 3 + 2 * 2 * 3);
+  EXPECT_EQ(rows, 2u * 3 + 2 * 3 * 3);
 
   const auto json = nlohmann::json::parse(text("state.json"));
   EXPECT_EQ(json["status"], "ok");

@@ -71,6 +71,36 @@ TEST_P(Patch, ConstantStressIsExact) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, Patch, testing::ValuesIn(elements), by_title);
 
+// Vertices whose edges lie on two lines leave combinations of cubic traces that no triangle sees.
+TEST(SingularVertices, DoNotMatterToTheElementWithCubicTraces) {
+  const exact::ExactField f = exact::wave_field(0.3);
+  const auto error = [&](const Mesh& mesh) {
+    const Model m = prepare(mesh, arnold_winther, scene_of(f, {0, 1, 2, 3}), 1);
+    const State s = solve(m);
+    EXPECT_LT(s.certificate.kkt, 1e-10);
+    EXPECT_LT(s.skeleton.cwiseAbs().maxCoeff(), 100);
+    return exact::stress_error(m, s, f);
+  };
+  // A corner with two triangles between two free sides: tractions a, b on sides with normals m, n fit when a.n = b.m.
+  // What their projections leave of that has no solution, and the certificate says so.
+  const Model m = prepare(exact::unit_square_mesh(8), arnold_winther, scene_of(f, {2, 3}), 1);
+  EXPECT_FALSE(certified(solve(m)));
+  exact::ExactField uniform;
+  uniform.material = f.material;
+  const Mat2 stress = (Mat2() << 1, 0.3, 0.3, -2).finished();
+  uniform.stress = [=](const Vec2&, int) { return stress; };
+  uniform.displacement = [=](const Vec2& x, int) { return Vec2(strain(f.material, stress) * x); };
+  const State s = solve(prepare(exact::unit_square_mesh(8), arnold_winther, scene_of(uniform, {2, 3}), 1));
+  EXPECT_LT(s.certificate.kkt, 1e-10);
+  EXPECT_LT(s.skeleton.cwiseAbs().maxCoeff(), 100);
+  // Four triangles around a vertex, inside the body.
+  const std::vector<Vec2> points{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.5}};
+  const std::vector<Marked> sides{{0, 1, 0}, {1, 2, 1}, {2, 3, 2}, {3, 0, 3}};
+  Mesh cross = connect(points, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, sides);
+  const double coarse = error(cross);
+  EXPECT_LT(error(refine(refine(cross))), coarse / 30);
+}
+
 struct Errors {
   double stress, displacement;
 };
