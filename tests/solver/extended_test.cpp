@@ -3,6 +3,7 @@
 
 #include "geometry/mesher.hpp"
 #include "tests/exact.hpp"
+#include "tests/solver/scenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,21 +12,7 @@
 namespace kerf {
 namespace {
 
-Scene scene_of(const exact::ExactField& f, std::initializer_list<Index> held, std::size_t cracks) {
-  Scene s;
-  s.material = f.material;
-  s.body = f.body;
-  for (Index label = 0; label < 4; ++label) {
-    if (std::find(held.begin(), held.end(), label) != held.end())
-      s.supports.push_back({label, false, true, true,
-                            [f](const Vec2& x, const Vec2&) { return f.displacement(x, exact::side_of(f, x)); }});
-    else
-      s.tractions.push_back(
-          {label, [f](const Vec2& x, const Vec2& n) { return Vec2(f.stress(x, exact::side_of(f, x)) * n); }});
-  }
-  s.laws.resize(cracks);
-  return s;
-}
+const std::vector<CrackLaw> one_crack(1);
 
 // Relative to the condensed solution: stress and displacement in L2, traces, jumps and forces in the maximum norm.
 struct Difference {
@@ -89,7 +76,7 @@ std::string describe(const Named& n) {
 }
 
 TEST(Extended, AgreesOnTheSmoothSolution) {
-  const Scene scene = scene_of(exact::wave_field(0.3), {0, 3}, 0);
+  const Scene scene = scene_of(exact::wave_field(0.3), {0, 3});
   for (const Named& n : all) {
     const Model m = prepare(exact::unit_square_mesh(8, 0.2), element(n.name, n.degree), scene, 1);
     const Difference d = compare(m, describe(n));
@@ -103,7 +90,7 @@ TEST(Extended, AgreesOnTheCrackCases) {
       for (const int size : {8, 16}) {
         if (size > 8 && n.name != std::string("bdms") && n.name != std::string("peers")) continue;
         if (size > 8 && n.degree > 1) continue;
-        const Scene scene = scene_of(exact::crack_case(which), {0, 1, 2, 3}, 1);
+        const Scene scene = scene_of(exact::crack_case(which), {0, 1, 2, 3}, one_crack);
         const Model m = prepare(exact::crack_mesh(size), element(n.name, n.degree), scene, 1);
         const Difference d = compare(m, describe(n) + " case " + which);
         EXPECT_LT(std::max(d.worst(), d.pressure), 1e-12) << describe(n) << " case " << which << ' ' << size;
@@ -114,7 +101,7 @@ TEST(Extended, AgreesOnTheCrackCases) {
 TEST(Extended, NoDigitsAreLostTowardsIncompressibility) {
   for (const Named& n : all)
     for (const double rest : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0.0}) {
-      const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 3}, 0);
+      const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 3});
       const Model m = prepare(exact::unit_square_mesh(8), element(n.name, n.degree), scene, 1);
       const Difference d = compare(m, describe(n) + " 1/2 - " + std::to_string(rest));
       EXPECT_LT(std::max(d.worst(), d.pressure), 1e-10) << describe(n) << ' ' << rest;
@@ -126,7 +113,7 @@ TEST(Extended, NoDigitsAreLostTowardsIncompressibility) {
 TEST(Extended, EnclosedBodiesDifferByTheRoundingOfTheirPressure) {
   for (const Named& n : {all[0], all[1], all[4], all[8]})
     for (const double rest : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 0.0}) {
-      const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 1, 2, 3}, 0);
+      const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 1, 2, 3});
       const Model m = prepare(exact::unit_square_mesh(8), element(n.name, n.degree), scene, 1);
       const Difference d = compare(m, describe(n) + " enclosed 1/2 - " + std::to_string(rest));
       EXPECT_LT(d.worst(), 1e-10) << describe(n) << ' ' << rest;
@@ -228,7 +215,7 @@ TEST(Extended, RollersAndFloatingBodies) {
 }
 
 TEST(Extended, NeedsNoFactor) {
-  const Scene scene = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, 1);
+  const Scene scene = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   const Model with = prepare(exact::crack_mesh(8), element("bdms"), scene, 1),
               without = prepare(exact::crack_mesh(8), element("bdms"), scene, 2, false);
   const State a = solve_extended(with), b = solve_extended(without);
@@ -249,16 +236,16 @@ void expect_refusal(const Model& m, Fault fault, const std::string& part) {
 
 TEST(Extended, RefusesWhatItCannotDo) {
   const Mesh mesh = exact::unit_square_mesh(4, 0.2);
-  const Scene smooth = scene_of(exact::wave_field(0.3), {0, 3}, 0);
+  const Scene smooth = scene_of(exact::wave_field(0.3), {0, 3});
   expect_refusal(prepare(mesh, element("arnold-winther"), smooth, 1), Fault::Usage, "only 21 of 24 edge moments");
   for (const char* name : {"arnold-winther-c", "p1", "p2"})
     expect_refusal(prepare(mesh, element(name), smooth, 1), Fault::Usage, "has no saddle-point system");
 
-  Scene swollen = scene_of(exact::wave_field(0.5), {0, 1, 2, 3}, 0);
+  Scene swollen = scene_of(exact::wave_field(0.5), {0, 1, 2, 3});
   swollen.supports[1].value = [](const Vec2&, const Vec2&) { return Vec2(0.1, 0); };
   expect_refusal(prepare(mesh, element("bdms"), swollen, 1, false), Fault::Numerics, "change its area by");
 
-  Scene enclosed = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, 1);
+  Scene enclosed = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   enclosed.material.c = 0;
   expect_refusal(prepare(exact::crack_mesh(8), element("bdms"), enclosed, 1, false), Fault::Numerics,
                  "wholly enclosed");
