@@ -120,7 +120,8 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
     r.seconds.mesh += round.mesh;
     r.seconds.assemble += round.assemble;
     r.seconds.factor += round.factor;
-    r.seconds.solve += round.solve + round.estimate;
+    r.seconds.solve += round.solve - round.contact + round.estimate;
+    r.seconds.contact += round.contact;
     r.adapt->rounds.emplace_back(round.triangles, round.estimated_error);
   }
   return adapted;
@@ -154,6 +155,16 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     if (options.on_phase) options.on_phase(phase);
     watch.lap();
   };
+  const bool with_map = job == Job::Map || (job == Job::Run && c.map);
+  if (with_map)
+    for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
+      if (c.scene.laws[k].kind == CrackLaw::Kind::Unilateral &&
+          (c.scene.laws[k].friction > 0 || c.scene.laws[k].slip_bound > 0))
+        throw Error(
+            Fault::Usage,
+            fmt::format("the map needs cracks without friction: crack \"{}\" slides against it, and the state does "
+                        "not minimise the energy; remove friction and tresca, or [map] (kerf solve)",
+                        c.shape.cracks[k].name));
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)
@@ -204,7 +215,6 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   const PlotData data = plot_data(model, state, c.plane_strain);
   r.seconds.solve += watch.lap();
 
-  const bool with_map = job == Job::Map || (job == Job::Run && c.map);
   FullMap full;
   if (with_map) {
     begin("map");

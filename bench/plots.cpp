@@ -13,7 +13,7 @@ namespace {
 
 using Coordinates = std::function<Vec2(const Measurement&)>;
 
-/// One style per element and degree, dashed on uniform meshes.
+/// One style per element and degree, dashed on uniform meshes, dotted on adaptive ones.
 std::vector<Series> sequences(const StateBench& bench, const std::string& problem, double poisson,
                               const Coordinates& at) {
   std::vector<std::string> elements;
@@ -26,7 +26,8 @@ std::vector<Series> sequences(const StateBench& bench, const std::string& proble
     if (m.problem != problem || m.poisson != poisson) continue;
     const std::string name = sequence_name(m);
     auto series = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
-    if (series == all.end()) series = all.insert(all.end(), {name, {}, m.mesh == "uniform", style});
+    if (series == all.end())
+      series = all.insert(all.end(), {name, {}, m.mesh == "uniform", m.mesh == "adaptive", style});
     series->points.push_back(at(m));
   }
   return all;

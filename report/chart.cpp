@@ -80,10 +80,10 @@ void draw_marker(cairo_t* pen, const Vec2& at, std::size_t style, std::uint32_t 
 
 void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const std::vector<Vec2>& markers, const Series& s) {
   const std::uint32_t rgb = palette[s.style % palette.size()];
-  const std::array<double, 2> dashes{11, 9};
+  const std::array<double, 2> dashes{11, 9}, dots{3, 5};
   cairo_new_path(pen);
   for (const Vec2& p : pixels) cairo_line_to(pen, p.x(), p.y());
-  if (s.dashed) cairo_set_dash(pen, dashes.data(), 2, 0);
+  if (s.dashed || s.dotted) cairo_set_dash(pen, s.dashed ? dashes.data() : dots.data(), 2, 0);
   stroke(pen, 3, rgb, s.dashed ? 0.75 : 1);
   cairo_set_dash(pen, nullptr, 0, 0);
   for (const Vec2& p : markers) draw_marker(pen, p, s.style, rgb);

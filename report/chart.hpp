@@ -12,7 +12,7 @@ namespace kerf {
 struct Series {
   std::string name;
   std::vector<Vec2> points;  // joined in this order; what is not finite and positive in both coordinates is left out
-  bool dashed = false;
+  bool dashed = false, dotted = false;
   std::size_t style = 0;  // colour and marker
 };
 

@@ -124,7 +124,7 @@ std::string mesh_and_state(const Result& result) {
   if (result.state) {
     const StateResult& s = *result.state;
     Facts facts;
-    facts.add("element", escape_html(s.element));
+    facts.add("element", escape_html(s.element) + fmt::format(", degree {}", s.degree));
     facts.add("unknowns", fmt::format("{}", s.unknowns));
     facts.add("after condensation", fmt::format("{}", s.condensed_unknowns));
     facts.add("residual", pretty(s.residual));

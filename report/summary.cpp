@@ -156,8 +156,8 @@ std::string summary(const Result& result) {
   if (result.state) {
     const StateResult& s = *result.state;
     add(out, "state",
-        {s.element, fmt::format("{} unknowns", s.unknowns), fmt::format("{} condensed", s.condensed_unknowns),
-         item("residual", s.residual)});
+        {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
+         fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
     add(out, "", {item("energy", s.energy), item("compliance", s.compliance), item("area", s.area)});
     if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
     if (s.energy_bounds) {

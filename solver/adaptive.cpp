@@ -30,11 +30,12 @@ std::vector<Index> mark(const Eigen::VectorXd& eta) {
 Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
              const Indicator& indicator) {
   if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta));
+  constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
   // Below the goal: at singular points the error falls slower than the order of the element says.
   constexpr double safety = 0.7;
   Goal goal{.error = safety * wanted.error / indicator.relative * indicator.eta.norm(),
             .order = static_cast<double>(model.kernel.element.order),
-            .max_triangles = static_cast<double>(wanted.max_triangles)};
+            .max_triangles = std::min<double>(wanted.max_triangles, most_growth * indicator.eta.size())};
   // The indicator grades the mesh: the growth that is right around a tip without it makes twice the triangles at
   // degree 2.
   Sizing steep = sizing;
@@ -75,6 +76,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
     watch.lap();
     State state = wanted.saddle_point ? solve_extended(model) : solve(model, wanted.contact);
     round.solve = watch.lap();
+    round.contact = state.seconds.contact;
     Indicator indicator = error_indicator(model, state);
     round.estimate = watch.lap();
     round.estimated_error = indicator.relative;

@@ -23,7 +23,7 @@ struct Adaptation {
 struct Round {
   Index triangles = 0;
   double estimated_error = 0;
-  double mesh = 0, assemble = 0, factor = 0, solve = 0, estimate = 0;  // seconds
+  double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0;  // seconds; contact within solve
 };
 
 struct Adapted {

@@ -452,6 +452,8 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
   result.oscillation = std::max(below, above);
   result.lower = sum.lower - rounding - below;
   result.upper = sum.upper + rounding + above;
+  if (!(result.lower <= result.upper))
+    return {nan, nan, result.oscillation, false, "no bounds of the energy: they are lost to rounding"};
   constexpr double isochoric = 1e-9;
   if (m.scene.material.c == 0 && sum.divergence > isochoric * sum.gradient)
     return {nan, nan, result.oscillation, false,

@@ -119,13 +119,13 @@ Prescribed prescribed(const Model& m, Index e, double s) {
   return p;
 }
 
-// d/dtau of the normal jump of a crack edge: where a part of it is open, D tau jumps by as much.
-double opening_slope(const Model& m, const State& s, Index e, double at) {
+// d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much.
+Vec2 jump_slope(const Model& m, const State& s, Index e, double at) {
   constexpr double step = 1e-4;  // central differences: exact to 1e-8 for the cubic functions of a trace
   const Eigen::VectorXd slope = (trace_basis(m.kernel.trace, at + step) - trace_basis(m.kernel.trace, at - step)) /
                                 (2 * step * length(m.mesh, e));
-  double sum = 0;
-  for (Eigen::Index g = 0; g < slope.size(); ++g) sum += slope[g] * s.skeleton[m.skeleton.jump[e] + 2 * g];
+  Vec2 sum = Vec2::Zero();
+  for (Eigen::Index g = 0; g < slope.size(); ++g) sum += slope[g] * s.skeleton.segment<2>(m.skeleton.jump[e] + 2 * g);
   return sum;
 }
 
@@ -156,11 +156,14 @@ Indicator error_indicator(const Model& m, const State& s) {
       const Index e = m.mesh.edges_of[t][i];
       const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
       const double l = length(m.mesh, e), scale = 4 * std::pow(m.scene.material.mu * l, 2);
-      bool contact = false;
+      // Where the faces touch, and where they do not slide either.
+      bool contact = false, stick = false;
       if (m.skeleton.jump[e] != none)
-        for (int k = 0; k < m.skeleton.per_edge; ++k) {
-          const Index unknown = m.skeleton.jump[e] + k;
-          contact = contact || m.skeleton.fixed[unknown] || s.force[unknown] > 0;
+        for (int k = 0; k < m.skeleton.per_edge; k += 2) {
+          const Index normal = m.skeleton.jump[e] + k, tangential = normal + 1;
+          const bool bonded = m.skeleton.fixed[normal], touching = bonded || s.force[normal] > 0;
+          contact = contact || touching;
+          stick = stick || (touching && (bonded || (m.skeleton.frictional[tangential] && s.skeleton[tangential] == 0)));
         }
       for (int g = 0; g < edge_points; ++g) {
         Vec2 jump = traces[t].col(edge_points * i + g);
@@ -170,9 +173,10 @@ Indicator error_indicator(const Model& m, const State& s) {
           while (m.mesh.edges_of[other][j] != e) ++j;
           jump -= traces[other].col(edge_points * j + g);
           if (m.skeleton.jump[e] != none) {
-            const Vec2 n = m.skeleton.frame[e].col(0);
             const double sign = m.mesh.sides[e][0] == t ? 1 : -1;  // the jump is right minus left
-            jump = contact ? Vec2((jump.dot(n) + sign * opening_slope(m, s, e, rule.s[g])) * n) : Vec2(Vec2::Zero());
+            jump = m.skeleton.frame[e].transpose() * jump + sign * jump_slope(m, s, e, rule.s[g]);
+            if (!contact) jump[0] = 0;
+            if (!stick) jump[1] = 0;
           }
         } else {
           const Prescribed given = prescribed(m, e, rule.s[g]);

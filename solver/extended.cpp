@@ -91,31 +91,6 @@ Local local(const Model& m, const Layout& layout, Index t) {
   return l;
 }
 
-// A uniform pressure strains nothing in an incompressible body. It is free when no edge has a given normal traction.
-bool has_free_pressure(const Model& m) {
-  if (m.scene.material.c > 0) return false;
-  const Skeleton& s = m.skeleton;
-  bool contact = false;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    if (m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none) {
-      for (int i = 0; i < s.per_edge; ++i) {
-        constexpr double across = 1e-12;
-        if (!s.fixed[edge_unknown(s, e) + i] && std::abs(s.frame[e].col(i % 2).dot(normal(m.mesh, e))) > across)
-          return false;
-      }
-    } else if (m.mesh.crack[e] != none) {
-      const CrackLaw::Kind kind = m.scene.laws[m.mesh.crack[e]].kind;
-      if (kind == CrackLaw::Kind::Open) return false;
-      contact = contact || kind == CrackLaw::Kind::Unilateral;
-    }
-  }
-  if (contact)
-    throw Error(Fault::Numerics,
-                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
-                "on its cracks is open; free a part of the boundary");
-  return true;
-}
-
 Layout lay_out(const Model& m) {
   Layout layout;
   const Element& e = m.kernel.element;

@@ -113,6 +113,14 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factor
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
   Ordering ordering = order(mesh, skeleton);
   return_freed_memory();
+  constexpr Index most_contact = 9000;  // half a minute and two gigabytes
+  if (ordering.trailing > most_contact)
+    throw Error(
+        Fault::Numerics,
+        fmt::format("the cracks in contact have {} unknowns on their faces; at most {} can be solved for; use "
+                    "longer edges there (mesh.size, mesh.crack_tip_size) or move the crack away from the side that "
+                    "it nearly touches",
+                    ordering.trailing, most_contact));
   ModelSeconds seconds;
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads);

@@ -56,7 +56,7 @@ void update_theta(const Model& m, Solved& s) {
       s.theta[t] = m.system.penalty * mean;
     }
   });
-  const double scale = size.size() > 0 ? size.maxCoeff() : 0;
+  const double scale = size.size() > 0 ? std::max(size.maxCoeff(), s.theta.cwiseAbs().maxCoeff()) : 0;
   s.penalty_error = scale > 0 ? (s.theta - before).cwiseAbs().maxCoeff() / scale : 0;
 }
 
@@ -128,6 +128,7 @@ struct UniformPressure {
   std::vector<Motion> motion;  // that the response was computed with
   Eigen::VectorXd response;    // of x to theta = 1
   double stiffness = 0;        // sum_T |T| (1 - a d mean(tr s)/d delta)
+  bool level_open = false;     // the last solution leaves the level of pressure free
 
   void correct(const Condensation& condensed, Solved& s, State& state) {
     const Model& m = condensed.m;
@@ -155,7 +156,8 @@ struct UniformPressure {
       whole += area(m.mesh, t);
     }
     constexpr double none_left = 1e-11;
-    if (!(stiffness > none_left * whole)) {
+    level_open = !(stiffness > none_left * whole);
+    if (level_open) {
       check_volume(m, 2 * rest, s.theta.cwiseAbs().maxCoeff());
       s.theta = before.array() - rest / whole;
       return;
@@ -274,6 +276,30 @@ std::vector<ContactPoint> contact_points(const Model& m) {
   return points;
 }
 
+bool has_free_pressure(const Model& m) {
+  if (m.scene.material.c > 0) return false;
+  const Skeleton& s = m.skeleton;
+  bool contact = false;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    if (m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none) {
+      for (int i = 0; i < s.per_edge; ++i) {
+        constexpr double across = 1e-12;
+        if (!s.fixed[edge_unknown(s, e) + i] && std::abs(s.frame[e].col(i % 2).dot(normal(m.mesh, e))) > across)
+          return false;
+      }
+    } else if (m.mesh.crack[e] != none) {
+      const CrackLaw::Kind kind = m.scene.laws[m.mesh.crack[e]].kind;
+      if (kind == CrackLaw::Kind::Open) return false;
+      contact = contact || kind == CrackLaw::Kind::Unilateral;
+    }
+  }
+  if (contact)
+    throw Error(Fault::Numerics,
+                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
+                "on its cracks is open; free a part of the boundary");
+  return true;
+}
+
 void check_volume(const Model& m, double change, double largest_strain) {
   const double displacement = std::transform_reduce(
       m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
@@ -298,34 +324,43 @@ State solve(const Model& m, ContactMethod method) {
   const Condensation condensed{m};
   state.seconds.contact += watch.lap();
   UniformPressure uniform;
-  // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one.
-  constexpr int most_sweeps = 15;
-  // With a penalty F is as large as 1/a, so that the sweeps go on until rounding stops them.
-  const double good_enough = m.system.penalty > 0 ? 1e-16 : 1e-12;
+  // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one. With a penalty
+  // F is as large as 1/a, so that the sweeps go on until rounding stops them; before they shrink the error they may
+  // raise it, while a pressure builds up or contacts change.
+  const bool penalised = m.system.penalty > 0;
+  const int most_sweeps = penalised ? 40 : 15;
+  const double good_enough = penalised ? 1e-16 : 1e-12;
+  Solved next;
+  int without_gain = 0;
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    Solved next = solved;
+    next = sweep == 0 ? solved : std::move(next);
     if (m.ordering.size > 0) solve_contact(condensed, method, F, next, state);
     watch.lap();
-    if (m.system.penalty > 0) {
+    if (penalised) {
       uniform.correct(condensed, next, state);
       update_theta(m, next);
       F = right_hand_side(m, next);
     }
     if (m.ordering.size == 0) {
-      solved = std::move(next);
-      if (m.system.penalty == 0) break;
+      solved = next;
+      if (!penalised) break;
       continue;
     }
     const Certificate certificate = certify(condensed, next, F);
-    const bool better = sweep == 0 || certificate.kkt < state.certificate.kkt;
     state.seconds.solve += watch.lap();
-    if (!better) break;
+    const bool better = sweep == 0 || certificate.kkt < state.certificate.kkt;
     const bool slow = sweep > 0 && certificate.kkt > 0.5 * state.certificate.kkt;
-    solved = std::move(next);
-    state.certificate = certificate;
-    if (certificate.kkt <= good_enough || slow) break;
+    if (better) {
+      solved = next;
+      state.certificate = certificate;
+    }
+    constexpr double settled = 1e-9;
+    without_gain = slow ? without_gain + 1 : 0;
+    const int patience = penalised && state.certificate.kkt > settled ? 6 : 1;
+    if (certificate.kkt <= good_enough || without_gain == patience) break;
   }
 
+  if (uniform.level_open) has_free_pressure(m);  // an opening crack would have fixed it
   watch.lap();
   if (m.ordering.size > 0) {
     const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
