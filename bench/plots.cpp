@@ -88,6 +88,10 @@ void draw_peers(const std::filesystem::path& folder, const StateBench& bench, co
   // kerf's uniform sequences are in a picture of their own, unless there are no others.
   if (std::any_of(chart.series.begin(), chart.series.end(), [](const Series& s) { return !s.dashed; }))
     std::erase_if(chart.series, [](const Series& s) { return s.dashed; });
+  // Beside other programs the default family stands for kerf.
+  const auto of_bdms = [](const Series& s) { return s.name.starts_with("bdms "); };
+  if (std::any_of(chart.series.begin(), chart.series.end(), of_bdms))
+    std::erase_if(chart.series, [&](const Series& s) { return !of_bdms(s); });
   std::size_t style = 0;
   for (Series& s : chart.series) {
     s.name = "kerf " + s.name;
