@@ -31,7 +31,6 @@ TEST_P(Efficiency, EstimateIsTheErrorUpToAFactorTwo) {
       const double error = exact::stress_error(m, s, f) / stress_norm(m, s);
       const double ratio = error_indicator(m, s).relative / error;
       const std::string which = title(e) + " " + f.name + " " + std::to_string(mesh.triangles.size());
-      printf("RATIO %s %.2f index %.2f\n", which.c_str(), ratio, ratio * e.efficiency);
       EXPECT_GT(ratio, 0.5) << which;
       EXPECT_LT(ratio, 2) << which;
     }
