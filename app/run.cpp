@@ -158,8 +158,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   const bool with_map = job == Job::Map || (job == Job::Run && c.map);
   if (with_map)
     for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
-      if (c.scene.laws[k].kind == CrackLaw::Kind::Unilateral &&
-          (c.scene.laws[k].friction > 0 || c.scene.laws[k].slip_bound > 0))
+      if (has_friction(c.scene.laws[k]))
         throw Error(
             Fault::Usage,
             fmt::format("the map needs cracks without friction: crack \"{}\" slides against it, and the state does "

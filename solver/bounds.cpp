@@ -394,8 +394,7 @@ std::string unavailable(const Model& m) {
   for (const CrackLaw& law : m.scene.laws) {
     if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
       return "no bounds of the energy: the chords of a curved crack in contact do not slide";
-    if (law.kind == CrackLaw::Kind::Unilateral && (law.friction != 0 || law.slip_bound != 0))
-      return "no bounds of the energy: with friction the solution does not minimise one";
+    if (has_friction(law)) return "no bounds of the energy: with friction the solution does not minimise one";
   }
   return {};
 }

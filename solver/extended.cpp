@@ -100,7 +100,7 @@ Layout lay_out(const Model& m) {
   layout.inner = displacement_count(e) + inner_rotation_count(e);
   layout.first = m.skeleton.base;
   layout.size = layout.first + triangles * static_cast<Index>(layout.stress + layout.inner);
-  if (has_free_pressure(m)) layout.mean = layout.size++;
+  if (has_free_pressure(m.mesh, m.scene, m.skeleton)) layout.mean = layout.size++;
   layout.share = Eigen::VectorXd::Zero(m.skeleton.base);
   for (Index i = 0; i < static_cast<Index>(m.mesh.edges.size()); ++i)
     for (int k = 0; k < m.skeleton.per_edge; ++k)

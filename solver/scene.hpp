@@ -62,6 +62,11 @@ struct CrackLaw {
   std::function<Vec2(const Vec2& x)> normal = {};
 };
 
+/// Faces that resist sliding.
+inline bool has_friction(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral && (law.friction > 0 || law.slip_bound > 0);
+}
+
 struct Scene {
   Material material;
   VectorField body;  // force per area; empty: none

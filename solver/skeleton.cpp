@@ -34,41 +34,20 @@ bool opens(const Mesh& mesh, const Scene& scene, Index e) {
   return mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
 }
 
-// The supports prescribe the normal displacement all around.
-bool enclosed(const Mesh& mesh, const Scene& scene) {
-  const auto holds = [&](const Support& support, Index e) {
-    if (support.label != mesh.label[e]) return false;
-    if (support.first && support.second) return true;
-    if (support.normal_frame) return support.first;
-    constexpr double straight = 1 - 1e-12;
-    const Vec2 n = outward(mesh, e).cwiseAbs();
-    return (support.first && n.x() > straight) || (support.second && n.y() > straight);
-  };
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-    const bool boundary = mesh.sides[e][0] == none || mesh.sides[e][1] == none;
-    if (boundary && std::none_of(scene.supports.begin(), scene.supports.end(),
-                                 [&](const Support& support) { return holds(support, e); }))
-      return false;
-  }
-  return true;
+[[noreturn]] void refuse(const Element& e, const char* what, const char* instead) {
+  throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
 }
 
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
-  const auto refuse = [&](const char* what, const char* instead) {
-    throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
-  };
   if (!is_mixed(e) && !(scene.material.c > 0))
-    refuse("an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
-  if (e.at_vertices == AtVertices::Stress && !(scene.material.c > 0) && enclosed(mesh, scene))
-    refuse("an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level",
-           "\"arnold-winther\", which sets the mean pressure to zero");
+    refuse(e, "an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     const auto kind = scene.laws[crack].kind;
     if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;
     if (e.at_vertices == AtVertices::Stress)
-      refuse("cracks: its stress is one at every vertex", "\"arnold-winther\", which shares its functions");
+      refuse(e, "cracks: its stress is one at every vertex", "\"arnold-winther\", which shares its functions");
     if (!is_mixed(e) && kind == CrackLaw::Kind::Unilateral)
-      refuse("contact on cracks", "a mixed element, such as \"bdms\", or contact = \"open\"");
+      refuse(e, "contact on cracks", "a mixed element, such as \"bdms\", or contact = \"open\"");
   }
 }
 
@@ -272,6 +251,29 @@ Index corner_unknown(const Skeleton& s, Index corner) {
   return static_cast<Index>(s.frame.size()) * s.per_edge + corner * s.per_vertex;
 }
 
+bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
+  if (scene.material.c > 0) return false;
+  bool contact = false;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none) {
+      for (int i = 0; i < s.per_edge; ++i) {
+        constexpr double across = 1e-12;
+        if (!s.fixed[edge_unknown(s, e) + i] && std::abs(s.frame[e].col(i % 2).dot(normal(mesh, e))) > across)
+          return false;
+      }
+    } else if (mesh.crack[e] != none) {
+      const CrackLaw::Kind kind = scene.laws[mesh.crack[e]].kind;
+      if (kind == CrackLaw::Kind::Open) return false;
+      contact = contact || kind == CrackLaw::Kind::Unilateral;
+    }
+  }
+  if (contact)
+    throw Error(Fault::Numerics,
+                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
+                "on its cracks is open; free a part of the boundary");
+  return true;
+}
+
 Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   check_element(mesh, k.element, scene);
   Skeleton s;
@@ -304,17 +306,22 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   for (Index e = 0; e < edges; ++e) {
     if (s.jump[e] == none) continue;
     const CrackLaw& law = scene.laws[mesh.crack[e]];
-    const bool unilateral = law.kind == CrackLaw::Kind::Unilateral, rough = law.friction > 0 || law.slip_bound > 0;
+    const bool unilateral = law.kind == CrackLaw::Kind::Unilateral, rough = has_friction(law);
     for (int i = 0; i < s.per_edge; ++i) {
       const Index unknown = s.jump[e] + i;
       s.fixed[unknown] = law.kind == CrackLaw::Kind::Bonded;
       s.bounded[unknown] = unilateral && i % 2 == 0;
-      s.frictional[unknown] = unilateral && rough && i % 2 == 1;
+      s.frictional[unknown] = rough && i % 2 == 1;
     }
   }
   support_edges(mesh, k, scene, s);
   if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
-  if (k.element.at_vertices == AtVertices::Stress) load_corners(mesh, scene, s);
+  if (k.element.at_vertices == AtVertices::Stress) {
+    if (has_free_pressure(mesh, scene, s))
+      refuse(k.element, "an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level",
+             "\"arnold-winther\", which sets the mean pressure to zero");
+    load_corners(mesh, scene, s);
+  }
   if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
   return s;
 }

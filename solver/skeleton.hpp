@@ -37,6 +37,10 @@ Index corner_unknown(const Skeleton& s, Index corner);
 /// Throws Error(Numerics) for a scene that the element cannot do.
 Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene);
 
+/// A uniform pressure strains nothing in an incompressible body: whether no edge has a given normal traction, so that
+/// its level is free. Throws Error(Numerics) when contact forces would depend on it.
+bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s);
+
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t);
 
 /// Unknowns seen by triangle t: base unknowns of its edges, then of its corners; and, where it lies on the right of a

@@ -276,30 +276,6 @@ std::vector<ContactPoint> contact_points(const Model& m) {
   return points;
 }
 
-bool has_free_pressure(const Model& m) {
-  if (m.scene.material.c > 0) return false;
-  const Skeleton& s = m.skeleton;
-  bool contact = false;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    if (m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none) {
-      for (int i = 0; i < s.per_edge; ++i) {
-        constexpr double across = 1e-12;
-        if (!s.fixed[edge_unknown(s, e) + i] && std::abs(s.frame[e].col(i % 2).dot(normal(m.mesh, e))) > across)
-          return false;
-      }
-    } else if (m.mesh.crack[e] != none) {
-      const CrackLaw::Kind kind = m.scene.laws[m.mesh.crack[e]].kind;
-      if (kind == CrackLaw::Kind::Open) return false;
-      contact = contact || kind == CrackLaw::Kind::Unilateral;
-    }
-  }
-  if (contact)
-    throw Error(Fault::Numerics,
-                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
-                "on its cracks is open; free a part of the boundary");
-  return true;
-}
-
 void check_volume(const Model& m, double change, double largest_strain) {
   const double displacement = std::transform_reduce(
       m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), 0.0,
@@ -330,10 +306,9 @@ State solve(const Model& m, ContactMethod method) {
   const bool penalised = m.system.penalty > 0;
   const int most_sweeps = penalised ? 40 : 15;
   const double good_enough = penalised ? 1e-16 : 1e-12;
-  Solved next;
+  Solved next = solved;
   int without_gain = 0;
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    next = sweep == 0 ? solved : std::move(next);
     if (m.ordering.size > 0) solve_contact(condensed, method, F, next, state);
     watch.lap();
     if (penalised) {
@@ -360,7 +335,7 @@ State solve(const Model& m, ContactMethod method) {
     if (certificate.kkt <= good_enough || without_gain == patience) break;
   }
 
-  if (uniform.level_open) has_free_pressure(m);  // an opening crack would have fixed it
+  if (uniform.level_open) has_free_pressure(m.mesh, m.scene, m.skeleton);  // an opening crack would have fixed it
   watch.lap();
   if (m.ordering.size > 0) {
     const double load = std::max(m.system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());

@@ -11,10 +11,6 @@ Eigen::VectorXd floating_shares(const Model& m, const State& s);
 /// The points of all cracks in contact, by their rows counted from the first trailing one of Model::ordering.
 std::vector<ContactPoint> contact_points(const Model& m);
 
-/// A uniform pressure strains nothing in an incompressible body: whether no edge has a given normal traction, so that
-/// its level is free. Throws Error(Numerics) when contact forces would depend on it.
-bool has_free_pressure(const Model& m);
-
 /// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond quadrature
 /// and the rounding of displacements and of the strains that other loads cause.
 void check_volume(const Model& m, double change, double largest_strain);
