@@ -32,8 +32,8 @@ Analysis analyse(const Functional& j, const Model& model, const State& state, bo
 
 struct MapPoint {
   Vec2 at = Vec2::Zero();
-  double value = 0;     // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
-  double angle = 0;     // radians, of the ellipse or the crack
+  double value = 0;  // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
+  double angle = 0;  // radians, of the ellipse or the crack
   bool masked = false;  // the expansion cannot hold here at the asked radius
   std::optional<double> lower = {}, upper = {};
 };
