@@ -37,6 +37,7 @@ Points recovered(const Model& model, const State& state, Index t, const Points& 
   const Triangle shape = triangle(model, t);
   const Vec2 center = centroid(shape);
   const double h = std::sqrt(2 * area(shape));
+  const Material& material = material_of(model.mesh, model.scene, t);
   const Points q = rule_points(model.kernel.rule, shape);
   const Fields f = evaluate(model.kernel, shape, state.interior.col(t), q);
   Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
@@ -46,7 +47,7 @@ Points recovered(const Model& model, const State& state, Index t, const Points& 
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
     const double w = model.kernel.rule.w[i];
     const Monomials<D> v((q.col(i) - center) / h);
-    const Eigen::Vector4d d = displacement_gradient(model.scene.material, f.stress.col(i), f.rotation[i]);
+    const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
     stiffness += w * v.gradient.transpose() * v.gradient;
     load.col(0) += w * v.gradient.transpose() * d.head<2>();
     load.col(1) += w * v.gradient.transpose() * d.tail<2>();
@@ -129,9 +130,11 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
   const int points = static_cast<int>(rule.s.size());
   double total = 0, done = 0;
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
+  if (total == 0) return {};
   // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
   constexpr double rounding = 1e-8;
-  const double modulus = plane_modulus(model.scene.material);
+  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
+  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
   const double floor = 1e-12 * state.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
   const double no_pressure = std::max(rounding * mean_stress(model, state), floor * modulus / total);
   const double no_gap = no_pressure * total / modulus;
