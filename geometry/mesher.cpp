@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 namespace kerf {
@@ -184,10 +185,7 @@ std::string nearest_name(const Shape& shape, const Drawing& drawing, const Piece
     const double d = distance(x, pieces.points[std::size_t(piece.a)], pieces.points[std::size_t(piece.b)]);
     if (d >= least) continue;
     least = d;
-    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
-    name = strand.crack != none ? fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name)
-           : strand.loop == 0   ? "the outline"
-                                : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
+    name = kerf::name(shape, drawing.strands[std::size_t(piece.strand)]);
   }
   return name;
 }
@@ -238,12 +236,16 @@ std::vector<Vertex> chain(const Triangulation& triangulation, const Vertex& a, c
   return found;
 }
 
-/// A mesh, and its points on the chords of curved cracks with their places on the arcs.
+/// A mesh, its points on the chords of curved cracks with their places on the arcs, and the edges around regions.
 struct Rough {
   std::vector<Vec2> points;
   std::vector<std::array<Index, 3>> triangles;
   std::vector<Marked> marked;
   std::vector<std::pair<Index, Vec2>> places;
+  struct Interface {
+    Index a, b, region;  // on the left from a to b
+  };
+  std::vector<Interface> interfaces;
 };
 
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
@@ -285,8 +287,13 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
   for (std::size_t i = 0; i < chains.size(); ++i) {
     const Piece& piece = pieces.pieces[i];
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
-    for (std::size_t k = 0; k + 1 < chains[i].size(); ++k)
-      rough.marked.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, strand.label, strand.crack});
+    for (std::size_t k = 0; k + 1 < chains[i].size(); ++k) {
+      const Index a = chains[i][k]->info().value, b = chains[i][k + 1]->info().value;
+      if (strand.region != none)
+        rough.interfaces.push_back({a, b, strand.region});
+      else
+        rough.marked.push_back({a, b, strand.label, strand.crack});
+    }
     if (strand.crack == none || !strand.arc) continue;
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
     for (std::size_t k = 1; k + 1 < chains[i].size(); ++k) {
@@ -296,6 +303,26 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
     }
   }
   return rough;
+}
+
+/// The region of every triangle: inwards from the edges around a region as far as the next such edge.
+std::vector<Index> regions(const Mesh& mesh, const std::vector<Rough::Interface>& interfaces) {
+  if (interfaces.empty()) return {};
+  std::map<std::pair<Index, Index>, Index> edge;
+  for (const Rough::Interface& i : interfaces) edge[std::minmax(i.a, i.b)] = none;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (const auto found = edge.find({mesh.edges[e][0], mesh.edges[e][1]}); found != edge.end())
+      found->second = Index(e);
+  std::vector<bool> cut(mesh.edges.size(), false);
+  for (const auto& [ends, e] : edge) cut[std::size_t(e)] = true;
+  const std::vector<Index> piece = pieces(mesh, cut);
+  std::vector<Index> of_piece(mesh.triangles.size(), none), region;
+  for (const Rough::Interface& i : interfaces) {
+    const auto& sides = mesh.sides[std::size_t(edge[std::minmax(i.a, i.b)])];
+    of_piece[std::size_t(piece[std::size_t(sides[i.a < i.b ? 0 : 1])])] = i.region;
+  }
+  for (const Index p : piece) region.push_back(of_piece[std::size_t(p)]);
+  return region;
 }
 
 /// Moves the points on chords to their arcs. False when that would flatten a triangle.
@@ -339,9 +366,10 @@ Mesh triangulate(const Shape& shape, const Sizing& given, const Background* back
     if (problem) continue;
     Rough rough = mesh_of(shape, drawing, pieces, field, sizing.min_angle_deg);
     if (!place_on_arcs(rough) && finer < 16) continue;
-    const Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
+    Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
+    mesh.region = regions(mesh, rough.interfaces);
     Smoothed smoothed = smooth(mesh, sizing.min_angle_deg, sweeps);
-    return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked);
+    return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
   }
 }
 

@@ -220,6 +220,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
                                  bool singular_points) {
   const double size = sizing.size;
   const double corner = size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
+  const double mild = size / 10;    // and corners between materials
   std::vector<Source> sources;
   const auto ask = [&](Index corner, double wanted, double reach = 0) {
     if (!singular_points) return;
@@ -230,7 +231,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   for (const Strand& s : drawing.strands) {
     if (s.crack != none) crack_length[std::size_t(s.crack)] += length(drawing, s);
     const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
-    if (s.loop != none)
+    if (s.crack == none)
       for (const Index corner : {s.from, s.to})
         shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], chord);
   }
@@ -243,6 +244,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
         on_loop[std::size_t(corner)] = true;
         continue;
       }
+      if (s.region != none) continue;
       Index& crack = meets[std::size_t(corner)];
       if (crack != none && crack != s.crack) junction[std::size_t(corner)] = true;
       crack = s.crack;
@@ -278,6 +280,15 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
       // The two ends of an arc that nearly closes.
       if (strand.arc && (b - a).norm() < std::min(size, side / 2)) sources.push_back({a, b, (b - a).norm() / 2});
     }
+  }
+  std::vector<Index> arriving(drawing.corners.size(), none);
+  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
+    if (drawing.strands[i].region != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
+  for (const Strand& s : drawing.strands) {
+    if (s.region == none) continue;
+    const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
+    if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > 10 * degree)
+      ask(s.from, mild, shortest[std::size_t(s.from)] / 2);
   }
   const std::vector<bool> reentrant = reentrant_corners(drawing);
   for (std::size_t v = 0; v < reentrant.size(); ++v)

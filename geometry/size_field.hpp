@@ -44,8 +44,8 @@ void add_background(SizeField& field, const Background& background, double least
 double size_at(const SizeField& field, const Vec2& x);
 
 /// What asks for short edges in a drawing: crack tips inside the body, kinks and mouths of cracks, reentrant corners,
-/// curved sides, narrow gaps; without `singular_points` only the last two and short sides. Throws Error(Geometry)
-/// naming the two sides of a gap too narrow to mesh.
+/// corners of regions, curved sides, narrow gaps; without `singular_points` only the last two and short sides. Throws
+/// Error(Geometry) naming the two sides of a gap too narrow to mesh.
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
                                  bool singular_points);
 

@@ -37,7 +37,7 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
     if (dJ.interior.size() > 0)
       for (Index t = 0; t < triangles; ++t)
         work[i] +=
-            dJ.interior.col(t).dot(interior(m.kernel, triangle(m, t), m.scene.material, {}, trace_seen(m, motion, t)));
+            dJ.interior.col(t).dot(interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace_seen(m, motion, t)));
   }
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
   std::vector<Fields> weights(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(n));
@@ -129,7 +129,7 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) {
         const DualLoad load =
-            condense_dual(m.kernel, triangle(m, t), m.scene.material, dJ.interior.col(t), {m.system.penalty, 0});
+            condense_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), dJ.interior.col(t), {m.system.penalty, 0});
         local.col(t) = load.F;
         if (penalised) loads.own[t] = load.own;
       }
@@ -197,7 +197,7 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Penalty penalty{m.system.penalty, penalised ? best.theta[t] : 0};
-      adjoint.interior.col(t) = interior_dual(m.kernel, triangle(m, t), m.scene.material,
+      adjoint.interior.col(t) = interior_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
                                               loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
                                               trace_seen(m, adjoint.skeleton, t), penalty);
     }

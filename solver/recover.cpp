@@ -65,10 +65,11 @@ Points recovered(const Model& model, const State& state, Index t, const Points& 
   const Fields f = evaluate(model.kernel, p.shape, state.interior.col(t), p.q);
   Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
   Vec2 mean_displacement = Vec2::Zero();
+  const Material& material = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
     const double w = model.kernel.rule.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
-    const Eigen::Vector4d d = displacement_gradient(model.scene.material, f.stress.col(i), f.rotation[i]);
+    const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
     load.col(0) += w * v.gradient.transpose() * d.head<2>();
     load.col(1) += w * v.gradient.transpose() * d.tail<2>();
     mean_displacement += w * f.displacement.col(i);
@@ -90,7 +91,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
   const Vec2 by_mean = weights.rowwise().sum();
   const Eigen::Matrix<double, p.n, 2> by_load = p.h * p.stiffness.llt().solve(by_c);
   Fields w{Eigen::Matrix4Xd(4, p.q.cols()), Points(2, p.q.cols()), Eigen::RowVectorXd(p.q.cols())};
-  const Material& m = model.scene.material;
+  const Material& m = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
     const double share = model.kernel.rule.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
@@ -188,9 +189,11 @@ std::vector<CrackPoint> crack_profile(const Model& model, const State& state, In
   const int points = static_cast<int>(rule.s.size());
   double total = 0, done = 0;
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
+  if (total == 0) return {};
   // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
   constexpr double rounding = 1e-8;
-  const double modulus = plane_modulus(model.scene.material);
+  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
+  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
   const double floor = 1e-12 * state.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
   const double no_pressure = std::max(rounding * mean_stress(model, state), floor * modulus / total);
   const double no_gap = no_pressure * total / modulus;

@@ -33,7 +33,10 @@ bool opens(const Mesh& mesh, const Scene& scene, Index e) {
 }
 
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
-  if (!is_mixed(e) && !(scene.material.c > 0))
+  if (e.at_vertices == AtVertices::Stress && !mesh.region.empty())
+    refuse(e, "regions of other materials: its stress is one at every vertex",
+           "\"arnold-winther\", which shares its functions");
+  if (!is_mixed(e) && std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
     refuse(e, "an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     const auto kind = scene.laws[crack].kind;
@@ -246,7 +249,7 @@ Index corner_unknown(const Skeleton& s, Index corner) {
 }
 
 bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
-  if (scene.material.c > 0) return false;
+  if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return m.c > 0; })) return false;
   bool contact = false;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.sides[e][0] == none || mesh.sides[e][1] == none) {
@@ -279,7 +282,9 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   s.base = edges * s.per_edge;
   if (s.per_vertex > 0) {
     std::vector<bool> cut(edges);
-    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e);
+    // The rotation jumps between materials, where the displacement kinks.
+    const bool rotation = k.element.at_vertices == AtVertices::Rotation;
+    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e) || (rotation && is_interface(mesh, e));
     s.corners = split_at(mesh, cut);
     s.base += static_cast<Index>(s.corners.vertex.size()) * s.per_vertex;
     s.corner_frame.assign(s.corners.vertex.size(), Eigen::Matrix3d::Identity());
@@ -318,6 +323,11 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   }
   if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
   return s;
+}
+
+const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
+  const Index region = region_of(mesh, t);
+  return region == none ? scene.material : scene.regions[region];
 }
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {

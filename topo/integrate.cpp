@@ -25,18 +25,19 @@ bool wanted(const Term& term, const Triangle& t) {
 
 struct Sampled {
   Points x;
-  Fields fields;  // displacement: u*
+  const Material& material;
+  Fields fields = {};  // displacement: u*
 };
 Sampled sample(const Term& term, const Model& m, const State& s, const Triangle& shape, Index t,
                const TriangleRule& rule) {
-  Sampled p{rule_points(rule, shape), {}};
+  Sampled p{rule_points(rule, shape), material_of(m.mesh, m.scene, t)};
   if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.kernel, shape, s.interior.col(t), p.x);
   if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, s, t, p.x);
   return p;
 }
 
-FieldPoint field_point(const Term& term, const Model& m, const Sampled& p, Eigen::Index q) {
-  FieldPoint f{.x = p.x.col(q), .material = m.scene.material};
+FieldPoint field_point(const Term& term, const Sampled& p, Eigen::Index q) {
+  FieldPoint f{.x = p.x.col(q), .material = p.material};
   if (term.uses_stress) f.stress = tensor(p.fields.stress.col(q));
   if (term.uses_displacement) f.displacement = p.fields.displacement.col(q);
   if (term.uses_rotation) f.rotation = p.fields.rotation[q];
@@ -117,7 +118,7 @@ double over_body(const Term& term, const Model& m, const State& s, const std::ve
     const Sampled p = sample(term, m, s, shape, t, rule);
     double value = 0;
     for (Eigen::Index q = 0; q < rule.w.size(); ++q)
-      value += rule.w[q] * term.density(field_point(term, m, p, q)).value;
+      value += rule.w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
   });
 }
@@ -175,7 +176,7 @@ Sensitivity derivative(const Term& term, const Model& m, const State& s) {
         Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
         for (Eigen::Index q = 0; q < n; ++q) {
           const double share = area(shape) * rule.w[q];
-          const Density by = term.density(field_point(term, m, p, q));
+          const Density by = term.density(field_point(term, p, q));
           w.stress.col(q) =
               share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
           w.displacement.col(q) = share * by.by_displacement;
@@ -220,7 +221,7 @@ double difference(const Term& term, const Model& m, const State& s, const State&
       const Sampled p = sample(term, m, s, shape, t, rule), d = sample(term, m, change, shape, t, rule);
       double value = 0;
       for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
-        const FieldPoint before = field_point(term, m, p, q), by = field_point(term, m, d, q);
+        const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
         FieldPoint after = before;
         after.stress += by.stress;
         after.displacement += by.displacement;
