@@ -69,7 +69,8 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number) {
                                .to = first_corner + (i + 1) % count,
                                .arc = side.arc,
                                .label = side.label,
-                               .loop = number});
+                               .loop = number,
+                               .keep = side.keep});
   }
   const bool body_on_left = (signed_area(loop) > 0) == (number == 0);
   if (body_on_left) return;

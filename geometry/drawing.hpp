@@ -26,6 +26,7 @@ struct Strand {
   Index label = none;
   Index loop = none;   // 0 the outline, i hole i - 1
   Index crack = none;  // or the crack
+  bool keep = false;   // one edge of the mesh
 };
 
 struct Drawing {
