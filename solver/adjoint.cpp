@@ -36,8 +36,8 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
     if (dJ.skeleton.size() > 0) work[i] += dJ.skeleton.dot(motion);
     if (dJ.interior.size() > 0)
       for (Index t = 0; t < triangles; ++t)
-        work[i] +=
-            dJ.interior.col(t).dot(interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace_seen(m, motion, t)));
+        work[i] += dJ.interior.col(t).dot(
+            interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace_seen(m, motion, t)));
   }
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
   std::vector<Fields> weights(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(n));
@@ -128,8 +128,8 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
     Eigen::MatrixXd local(skeleton_count(m.kernel.element), triangles);
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) {
-        const DualLoad load =
-            condense_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), dJ.interior.col(t), {m.system.penalty, 0});
+        const DualLoad load = condense_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                                            dJ.interior.col(t), {m.system.penalty, 0});
         local.col(t) = load.F;
         if (penalised) loads.own[t] = load.own;
       }

@@ -117,8 +117,7 @@ double over_body(const Term& term, const Model& m, const State& s, const std::ve
     if (!wanted(term, shape)) return 0.0;
     const Sampled p = sample(term, m, s, shape, t, rule);
     double value = 0;
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q)
-      value += rule.w[q] * term.density(field_point(term, p, q)).value;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
   });
 }
