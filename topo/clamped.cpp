@@ -26,8 +26,8 @@ Mat2 kelvin(const Material& m, const Vec2& r) {
 Mat2 kelvin_stress(const Material& m, const Vec2& r, int j) {
   const double k = kolosov(m), square = r.squaredNorm();
   const Vec2 e = Vec2::Unit(j), y = r / square;
-  const Mat2 linear = e * y.transpose() + y * e.transpose() - y[j] * Mat2::Identity();
-  return -(0.5 * (k - 1) * linear + 2 * r[j] * y * y.transpose()) / (std::numbers::pi * (1 + k));
+  const Mat2 linear = e * y.transpose() + y * e.transpose() - y[j] * Mat2::Identity(), yy = y * y.transpose();
+  return -(0.5 * (k - 1) * linear + 2 * r[j] * yy) / (std::numbers::pi * (1 + k));
 }
 
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {

@@ -13,7 +13,7 @@ Mat2 kelvin(const Material& m, const Vec2& r);
 /// The stress of G e_j, symmetric; its tractions on a circle around the force sum to -e_j.
 Mat2 kelvin_stress(const Material& m, const Vec2& r, int j);
 
-/// M(eps): the mean displacement of the rim is u0 - M F under the force F of the clamp on the body. hreg is the regular
+/// M(eps): the mean displacement of the rim is u0 - M F, F the force of the body on the clamp. hreg is the regular
 /// part of the body's Green tensor at the centre (its w: div s(w_j) = 0, w_j = -G e_j on supports, s(w_j) n =
 /// -s(G e_j) n on free sides; column j is w_j at the centre).
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg);
