@@ -54,8 +54,8 @@ double largest_size(const SizeField& field, const Vec2& x, double distance);
 double steepest(const SizeField& field, const Vec2& x, double distance);
 
 /// What asks for short edges in a drawing: crack tips inside the body, kinks and mouths of cracks, reentrant corners,
-/// corners of regions, curved sides, narrow gaps; without `singular_points` only the last two and short sides. Throws
-/// Error(Geometry) naming the two sides of a gap too narrow to mesh.
+/// (not those of sides to be kept), corners of regions, curved sides, narrow gaps; without `singular_points` only the
+/// last two and short sides. Throws Error(Geometry) naming the two sides of a gap too narrow to mesh.
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
                                  bool singular_points);
 
