@@ -36,8 +36,8 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
     if (dJ.skeleton.size() > 0) work[i] += dJ.skeleton.dot(motion);
     if (dJ.interior.size() > 0)
       for (Index t = 0; t < triangles; ++t)
-        work[i] += dJ.interior.col(t).dot(
-            interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace_seen(m, motion, t)));
+        work[i] += dJ.interior.col(t).dot(interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
+                                                   trace_seen(m.mesh, m.skeleton, motion, t)));
   }
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
   std::vector<Fields> weights(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(n));
@@ -164,7 +164,12 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
   double least = std::numeric_limits<double>::infinity();
   const int most_sweeps = penalised ? 40 : 4;
   int without_gain = 0;
-  const double scale = std::max(F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  double scale = std::numeric_limits<double>::min();
+  if (rows > 0) {
+    Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
+    given.tail(trailing) = jump;
+    scale = std::max({scale, F.cwiseAbs().maxCoeff(), multiply(m.system.K, given).cwiseAbs().maxCoeff()});
+  }
   for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
     Eigen::VectorXd rest = F - multiply(m.system.K, next.x);
     const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
@@ -199,7 +204,7 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
       const Penalty penalty{m.system.penalty, penalised ? best.theta[t] : 0};
       adjoint.interior.col(t) = interior_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
                                               loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
-                                              trace_seen(m, adjoint.skeleton, t), penalty);
+                                              trace_seen(m.mesh, m.skeleton, adjoint.skeleton, t), penalty);
     }
   });
   return adjoint;

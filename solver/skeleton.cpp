@@ -362,6 +362,14 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
   return result;
 }
 
+SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t) {
+  const Seen view = seen(mesh, s, t);
+  SkeletonVector trace(view.count);
+  for (int i = 0; i < view.count; ++i)
+    trace[i] = values[view.base[i]] + (view.jump[i] == none ? 0 : values[view.jump[i]]);
+  return trace;
+}
+
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
   const EdgeRule rule = gauss(data_points);

@@ -53,6 +53,8 @@ struct Seen {
   int count = 0;
 };
 Seen seen(const Mesh& mesh, const Skeleton& s, Index t);
+/// What triangle t sees of the values of all unknowns.
+SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t);
 
 /// Loads of the tractions: their moments against the basis of each labelled edge, per unknown.
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene);

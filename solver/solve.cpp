@@ -211,8 +211,9 @@ State solve(const Model& m, ContactMethod method) {
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) {
         const Penalty penalty{m.system.penalty, m.system.penalty > 0 ? solved.theta[t] : 0};
-        state.interior.col(t) = interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                         force_of(m.system, t), trace_seen(m, state.skeleton, t), penalty);
+        state.interior.col(t) =
+            interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.system, t),
+                     trace_seen(m.mesh, m.skeleton, state.skeleton, t), penalty);
       }
     });
   };

@@ -21,14 +21,6 @@ Loads loads_of(const Model& m) {
   return l;
 }
 
-SkeletonVector trace_seen(const Model& m, const Eigen::VectorXd& skeleton, Index t) {
-  const Seen view = seen(m.mesh, m.skeleton, t);
-  SkeletonVector trace(view.count);
-  for (int i = 0; i < view.count; ++i)
-    trace[i] = skeleton[view.base[i]] + (view.jump[i] == none ? 0 : skeleton[view.jump[i]]);
-  return trace;
-}
-
 Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
   Eigen::VectorXd all(m.skeleton.total);
   for (Index u = 0; u < m.skeleton.total; ++u)
@@ -46,7 +38,7 @@ void update_theta(const Model& m, const Loads& loads, Solved& s) {
   parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto column = m.system.traces.col(t);
-      const SkeletonVector seen_here = trace_seen(m, skeleton, t);
+      const SkeletonVector seen_here = trace_seen(m.mesh, m.skeleton, skeleton, t);
       const double mean =
           column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] + s.theta[t] * column[count + 1];
       size[t] = m.system.penalty * (column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) +
@@ -117,8 +109,8 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
     stiffness = 0;
     for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
       const auto column = m.system.traces.col(t);
-      stiffness +=
-          area(m.mesh, t) * (1 - a * column[count + 1]) - a * column.head(count).dot(trace_seen(m, skeleton, t));
+      stiffness += area(m.mesh, t) * (1 - a * column[count + 1]) -
+                   a * column.head(count).dot(trace_seen(m.mesh, m.skeleton, skeleton, t));
     }
   }
   const Eigen::VectorXd before = s.theta;

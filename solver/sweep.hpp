@@ -21,8 +21,6 @@ struct Loads {
 };
 Loads loads_of(const Model& m);
 
-SkeletonVector trace_seen(const Model& m, const Eigen::VectorXd& skeleton, Index t);
-
 /// All skeleton unknowns from the free ones; the others as given, or 0.
 Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
 

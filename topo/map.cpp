@@ -2,6 +2,7 @@
 
 #include "solver/parallel.hpp"
 #include "topo/mask.hpp"
+#include "topo/point.hpp"
 
 #include <cmath>
 #include <limits>
@@ -11,105 +12,8 @@ namespace kerf {
 
 namespace {
 
-Mat2 symmetric(const Eigen::Vector3d& s) {
-  return (Mat2() << s[0], s[2], s[2], s[1]).finished();
-}
-Eigen::Vector3d components(const Eigen::Vector4d& s) {
-  return {s[0], s[3], 0.5 * (s[1] + s[2])};
-}
-
-bool removes_body(const Perturbation& p) {
-  return p.kind == Perturbation::Kind::Hole || p.kind == Perturbation::Kind::Ellipse;
-}
-
-// One state at some points: stress s11, s22, s12; displacement where asked for.
-struct Sample {
-  Eigen::Matrix3Xd stress;
-  Points displacement;
-};
-
-// What the expansion asks for, of every state that it is made of.
-struct Needs {
-  bool displacement = false;  // of the state
-  bool dual_displacement = false;
-  bool stress_only_dual = true;  // the adjoint's displacement may be recovered from its stress
-};
-Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
-  Needs n;
-  const bool loaded = removes_body(p) && a.model->scene.body;
-  n.displacement = loaded;
-  n.dual_displacement = loaded && a.adjoint;
-  for (const Term& term : j.terms) {
-    if (term.uses_displacement) n.displacement = true;
-    if (term.uses_stress) n.stress_only_dual = false;
-  }
-  return n;
-}
-
-// At one point of every state.
-struct Values {
-  Vec2 x;
-  Material material;
-  Eigen::Vector3d stress, dual, measured;
-  Vec2 u = Vec2::Zero(), p = Vec2::Zero(), measured_u = Vec2::Zero();
-  Eigen::Matrix3Xd openings = {};  // stress of the responses to openings
-  Points opening_u = {};
-};
-
-class Expansion {
- public:
-  Expansion(const Analysis& a, const Functional& j, const Perturbation& p) : a_(a), j_(j), p_(p) {}
-
-  // `closed` is a guess for the biactive rows, and their state afterwards.
-  Oriented operator()(const Values& v, std::vector<bool>& closed) const {
-    const Mat2 s = symmetric(v.stress);
-    std::array<Product, 3> products;
-    std::size_t count = 0;
-    if (a_.energy_share != 0 || !a_.adjoint) products[count++] = {-0.5 * a_.energy_share, s, s};
-    if (a_.adjoint) products[count++] = {1, s, symmetric(v.dual)};
-    if (a_.measured) products[count++] = {-0.5 * a_.measured_share, symmetric(v.measured), symmetric(v.measured)};
-    Oriented t = oriented(p_, v.material, std::span(products.data(), count));
-    const bool loaded = removes_body(p_) && a_.model->scene.body;
-    Vec2 body = Vec2::Zero();
-    if (loaded) {
-      body = a_.model->scene.body(v.x);
-      t.value += body.dot(a_.energy_share * v.u - v.p + a_.measured_share * v.measured_u);
-    }
-    for (std::size_t i = 0; i < j_.terms.size(); ++i) t.value += a_.slope[i] * local(j_.terms[i], v, s);
-    if (a_.biactive) {
-      const Eigen::Index n = v.openings.cols();
-      Eigen::VectorXd g(n);
-      for (Eigen::Index i = 0; i < n; ++i) {
-        g[i] = form(p_, v.material, t.angle, s, symmetric(v.openings.col(i)));
-        if (loaded) g[i] -= body.dot(v.opening_u.col(i));
-      }
-      // lambda >= 0, g + S lambda >= 0, lambda (g + S lambda) = 0.
-      const Unilateral push = solve_unilateral(a_.biactive->opening, -g, closed);
-      closed = push.closed;
-      t.value += push.jump.dot(a_.biactive->slope);
-    }
-    return t;
-  }
-
- private:
-  double local(const Term& term, const Values& v, const Mat2& s) const {
-    if (!term.density) return 0;
-    const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
-    if (term.local) return term.local(p_, at);
-    return removes_body(p_) ? -term.density(at).value : 0;
-  }
-
-  const Analysis& a_;
-  const Functional& j_;
-  const Perturbation& p_;
-};
-
 Vec2 displacement_at(const Model& m, const State& s, Index t, const Vec2& x, bool recovered) {
   return recovered ? Vec2(recovered_displacement(m, s, t, x).col(0)) : Vec2(evaluate(m, s, t, x).displacement.col(0));
-}
-
-std::vector<bool> start(const Analysis& a) {
-  return std::vector<bool>(a.biactive ? a.biactive->response.size() : 0, false);
 }
 
 // Area-weighted averages at the corners of values at the corners of triangles.
@@ -127,6 +31,11 @@ void average(const Mesh& mesh, const Corners& corners, const Local& local, Local
   for (Eigen::Index c = 0; c < at_corners.cols(); ++c) at_corners.col(c) /= weight[c];
 }
 
+// One state at some points: stress s11, s22, s12; displacement where asked for.
+struct Sample {
+  Eigen::Matrix3Xd stress;
+  Points displacement;
+};
 struct Everywhere {
   Sample centroids, corners;
 };
@@ -162,12 +71,11 @@ Everywhere sample_everywhere(const Model& m, const State& s, const Corners& corn
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r,
                              std::span<const Vec2> points) {
   const Model& m = *a.model;
-  const Expansion expansion(a, j, r.perturbation);
   const Needs need = needs(a, j, r.perturbation);
   const std::vector<Index> where = locate(m.mesh, points);
   const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
   std::vector<MapPoint> map(points.size());
-  std::vector<bool> closed = start(a);
+  std::vector<bool> closed = no_row_closed(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
     map[i].at = points[i];
     map[i].masked = masked[i];
@@ -177,10 +85,10 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
     const Vec2& x = points[i];
     const Triangle shape = triangle(m, t);
     const auto stress = [&](const State& s) { return components(stress_at(m.kernel, shape, s.interior.col(t), x)); };
-    Values v{.x = x, .material = material_of(m.mesh, m.scene, t), .stress = stress(*a.state)};
+    PointValues v{.x = x, .material = material_of(m.mesh, m.scene, t), .stress = stress(*a.state)};
     if (need.displacement) v.u = displacement_at(m, *a.state, t, x, true);
     if (a.adjoint) v.dual = stress(*a.adjoint);
-    if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.stress_only_dual);
+    if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.recover_dual);
     if (a.measured) {
       v.measured = stress(*a.measured);
       if (need.displacement) v.measured_u = displacement_at(*a.measured_model, *a.measured, t, x, true);
@@ -195,7 +103,7 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
         if (need.displacement) v.opening_u.col(k) = displacement_at(m, y, t, x, true);
       }
     }
-    const Oriented value = expansion(v, closed);
+    const Oriented value = expand(a, j, r.perturbation, v, closed);
     map[i].value = value.value;
     map[i].angle = value.angle;
   }
@@ -204,13 +112,12 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
 
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
   const Model& m = *a.model;
-  const Expansion expansion(a, j, r.perturbation);
   const Needs need = needs(a, j, r.perturbation);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()),
               count = static_cast<Index>(corners.vertex.size());
   const Everywhere state = sample_everywhere(m, *a.state, corners, need.displacement, true);
   std::optional<Everywhere> dual, measured;
-  if (a.adjoint) dual = sample_everywhere(m, *a.adjoint, corners, need.dual_displacement, need.stress_only_dual);
+  if (a.adjoint) dual = sample_everywhere(m, *a.adjoint, corners, need.dual_displacement, need.recover_dual);
   if (a.measured) measured = sample_everywhere(*a.measured_model, *a.measured, corners, need.displacement, true);
   std::vector<Everywhere> openings;
   if (a.biactive)
@@ -228,9 +135,10 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
                         const std::function<Index(Index)>& in, Eigen::VectorXd& value, Eigen::VectorXd* angle) {
     value.resize(n);
     parallel_for(n, m.threads, [&](Index begin, Index end) {
-      std::vector<bool> closed = start(a);
+      std::vector<bool> closed = no_row_closed(a);
       for (Index i = begin; i < end; ++i) {
-        Values v{.x = place(i), .material = material_of(m.mesh, m.scene, in(i)), .stress = (state.*at).stress.col(i)};
+        PointValues v{
+            .x = place(i), .material = material_of(m.mesh, m.scene, in(i)), .stress = (state.*at).stress.col(i)};
         if (need.displacement) v.u = (state.*at).displacement.col(i);
         if (dual) v.dual = ((*dual).*at).stress.col(i);
         if (need.dual_displacement) v.p = ((*dual).*at).displacement.col(i);
@@ -245,7 +153,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
               v.opening_u.col(static_cast<Eigen::Index>(k)) = (openings[k].*at).displacement.col(i);
           }
         }
-        const Oriented t = expansion(v, closed);
+        const Oriented t = expand(a, j, r.perturbation, v, closed);
         value[i] = t.value;
         if (angle) (*angle)[i] = t.angle;
       }

@@ -1,0 +1,146 @@
+#include "geometry/part.hpp"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+namespace kerf {
+
+namespace {
+
+using Ends = std::pair<Index, Index>;
+
+// Labels and cracks (in path order) of the edges for which `vertex` knows both ends.
+void carry_marks(const Mesh& mesh, const std::vector<Index>& vertex, const std::vector<bool>& wanted,
+                 std::vector<Marked>& marked) {
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (wanted[e] && mesh.label[e] != none)
+      marked.push_back({.a = vertex[mesh.edges[e][0]], .b = vertex[mesh.edges[e][1]], .label = mesh.label[e]});
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
+    for (const CrackEdge& k : mesh.cracks[c]) {
+      if (!wanted[k.edge]) continue;
+      const auto& [a, b] = mesh.edges[k.edge];
+      marked.push_back(
+          {.a = vertex[k.forward ? a : b], .b = vertex[k.forward ? b : a], .crack = static_cast<Index>(c)});
+    }
+}
+
+std::map<Ends, Index> by_ends(const Mesh& mesh) {
+  std::map<Ends, Index> edge;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    edge[{mesh.edges[e][0], mesh.edges[e][1]}] = static_cast<Index>(e);
+  return edge;
+}
+
+Ends ends(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+}  // namespace
+
+Part part(const Mesh& whole, const std::vector<bool>& use) {
+  Part p;
+  std::vector<bool> seen_vertex(whole.points.size(), false), seen_edge(whole.edges.size(), false);
+  for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
+    if (!use[t]) continue;
+    p.triangle.push_back(static_cast<Index>(t));
+    for (const Index v : whole.triangles[t]) seen_vertex[v] = true;
+    for (const Index e : whole.edges_of[t]) seen_edge[e] = true;
+  }
+  std::vector<Index> vertex(whole.points.size(), none);
+  std::vector<Vec2> points;
+  for (std::size_t v = 0; v < vertex.size(); ++v)
+    if (seen_vertex[v]) {
+      vertex[v] = static_cast<Index>(points.size());
+      points.push_back(whole.points[v]);
+    }
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<Index> region;
+  for (const Index t : p.triangle) {
+    const auto& v = whole.triangles[t];
+    triangles.push_back({vertex[v[0]], vertex[v[1]], vertex[v[2]]});
+    if (!whole.region.empty()) region.push_back(whole.region[t]);
+  }
+  std::vector<Marked> marked;
+  carry_marks(whole, vertex, seen_edge, marked);
+  p.mesh = connect(std::move(points), std::move(triangles), marked, std::move(region));
+  p.mesh.cracks.resize(whole.cracks.size());
+  p.edge.resize(p.mesh.edges.size());
+  for (std::size_t t = 0; t < p.triangle.size(); ++t)
+    for (int i = 0; i < 3; ++i) p.edge[p.mesh.edges_of[t][i]] = whole.edges_of[p.triangle[t]][i];
+  return p;
+}
+
+Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
+  std::vector<Vec2> points = outside.points;
+  std::vector<std::array<Index, 3>> triangles = outside.triangles;
+  std::vector<Index> region = outside.region;
+  std::map<std::pair<double, double>, Index> at;
+  for (std::size_t e = 0; e < outside.edges.size(); ++e)
+    if (outside.label[e] != none)
+      for (const Index v : outside.edges[e]) at[{points[v].x(), points[v].y()}] = v;
+  Filled filled;
+  std::vector<bool> keep(outside.edges.size(), true);
+  const std::map<Ends, Index> edge_of = by_ends(outside);
+  std::vector<std::vector<Index>> number;  // per ball, its vertices in the whole
+  for (const BallMesh& ball : balls) {
+    const std::size_t n = ball.contour[0].size();
+    std::vector<Index> vertex(ball.mesh.points.size());
+    for (std::size_t v = 0; v < vertex.size(); ++v) {
+      const Vec2& x = ball.mesh.points[v];
+      if (v >= n) {
+        vertex[v] = static_cast<Index>(points.size());
+        points.push_back(x);
+        continue;
+      }
+      const auto found = at.find({x.x(), x.y()});
+      if (found == at.end()) throw std::invalid_argument("fill: the ball's boundary is not in the mesh");
+      vertex[v] = found->second;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto found = edge_of.find(ends(vertex[i], vertex[(i + 1) % n]));
+      if (found == edge_of.end()) throw std::invalid_argument("fill: the ball's boundary was split");
+      keep[found->second] = false;
+    }
+    filled.first_triangle.push_back(static_cast<Index>(triangles.size()));
+    Index around = none;
+    if (!region.empty()) {
+      const auto& sides = outside.sides[edge_of.at(ends(vertex[0], vertex[1]))];
+      around = outside.region[sides[0] == none ? sides[1] : sides[0]];
+    }
+    for (const auto& v : ball.mesh.triangles) {
+      triangles.push_back({vertex[v[0]], vertex[v[1]], vertex[v[2]]});
+      if (!region.empty()) region.push_back(around);
+    }
+    number.push_back(std::move(vertex));
+  }
+  filled.first_triangle.push_back(static_cast<Index>(triangles.size()));
+  std::vector<Index> same(outside.points.size());
+  for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
+  std::vector<Marked> marked;
+  carry_marks(outside, same, keep, marked);
+  for (std::size_t b = 0; b < balls.size(); ++b)  // slits
+    for (std::size_t c = 0; c < balls[b].mesh.cracks.size(); ++c)
+      for (const CrackEdge& k : balls[b].mesh.cracks[c]) {
+        const auto& [from, to] = balls[b].mesh.edges[k.edge];
+        marked.push_back({.a = number[b][k.forward ? from : to],
+                          .b = number[b][k.forward ? to : from],
+                          .crack = static_cast<Index>(outside.cracks.size() + c)});
+      }
+  filled.mesh = connect(std::move(points), std::move(triangles), marked, std::move(region));
+  if (filled.mesh.cracks.size() < outside.cracks.size()) filled.mesh.cracks.resize(outside.cracks.size());
+  const std::map<Ends, Index> final_edge = by_ends(filled.mesh);
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    auto& contours = filled.contour.emplace_back();
+    for (const auto& contour : balls[b].contour) {
+      auto& edges = contours.emplace_back();
+      for (const Index e : contour) {
+        const auto& [from, to] = balls[b].mesh.edges[e];
+        edges.push_back(final_edge.at(ends(number[b][from], number[b][to])));
+      }
+    }
+  }
+  return filled;
+}
+
+}  // namespace kerf

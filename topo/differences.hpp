@@ -1,0 +1,35 @@
+#pragma once
+// J of a body changed at finite size, minus J, by condensation onto balls. Internal to this room.
+
+#include "topo/condense.hpp"
+#include "topo/validate.hpp"
+
+namespace kerf {
+
+struct Difference {
+  double value = 0;
+  bool same_contact = true;
+};
+
+/// Solves for the change of the state, not for the changed state: what is small keeps its digits, and so does the
+/// near-incompressible body, whose compliances are floored at 1e-8/mu instead of penalised.
+class Differences {
+ public:
+  /// The analysis belongs to a model of `filled.mesh`, prepared `how` with the balls' boundaries kept.
+  Differences(const Analysis& a, const Functional& j, const Perturbation& p, const Filled& filled,
+              const Preparation& how);
+  ~Differences();
+
+  /// For every radius of the ball.
+  std::vector<Difference> at(std::size_t ball, const BallMesh& mesh);
+
+ private:
+  struct Body;
+  const Analysis& a_;
+  const Functional& j_;
+  Perturbation p_;
+  const Filled& filled_;
+  std::vector<std::unique_ptr<Body>> bodies_;  // the body, and that of a misfit
+};
+
+}  // namespace kerf

@@ -1,0 +1,19 @@
+#pragma once
+// Where the balls of a validation go. Internal to this room.
+
+#include "topo/validate.hpp"
+
+namespace kerf {
+
+struct Site {
+  std::size_t number;  // of the point
+  Vec2 at;
+  double clear = 0;           // distance to the next feature; not positive outside the body
+  double ball = 0;            // radius; 0: no radius fits
+  std::vector<double> radii = {};  // those that fit, decreasing
+};
+
+/// Sites in batches whose balls keep apart.
+std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request);
+
+}  // namespace kerf
