@@ -125,6 +125,7 @@ Mesh bisect(const Mesh& mesh, std::span<const Index> marked) {
       triangles.push_back({half, c, a});
     }
   };
+  std::vector<Index> region;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [a, b, c] = mesh.triangles[t];
     const auto [bc, ca, ab] = mesh.edges_of[t];
@@ -135,8 +136,9 @@ Mesh bisect(const Mesh& mesh, std::span<const Index> marked) {
       add(half, a, b, middle[std::size_t(ab)]);
       add(half, c, a, middle[std::size_t(ca)]);
     }
+    if (!mesh.region.empty()) region.resize(triangles.size(), mesh.region[t]);
   }
-  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle));
+  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle), std::move(region));
   fine.cracks.resize(mesh.cracks.size());
   return fine;
 }

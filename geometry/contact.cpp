@@ -56,33 +56,36 @@ Meeting meeting(const Vec2& o, const Vec2& a, const Vec2& b, double gap, double 
   return {};
 }
 
-std::string name(const Shape& shape, Index loop) {
-  return loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[std::size_t(loop) - 1].name);
-}
-
 /// Rounded to what the pieces of arcs can say about the place.
 std::string place(const Vec2& x, double extent) {
   const double unit = std::pow(10.0, std::floor(std::log10(extent)) - 4);
   return fmt::format("({:.6g}, {:.6g})", std::round(x.x() / unit) * unit + 0.0, std::round(x.y() / unit) * unit + 0.0);
 }
 
+/// Of the same loop, crack or region.
+bool of_one(const Strand& s, const Strand& t) {
+  return s.loop == t.loop && s.crack == t.crack && s.region == t.region;
+}
+
 std::string words(const Shape& shape, const Strand& s, const Strand& t, const Meeting& m, double extent) {
   const std::string at = "at " + place(m.at, extent);
   const char* verb = m.how == How::Crosses ? "crosses" : m.how == How::Touches ? "touches" : "overlaps";
-  if (s.loop != none && s.loop == t.loop)
-    return fmt::format("{} {} itself {}; a loop must be simple", name(shape, s.loop), verb, at);
+  if (s.crack == none && of_one(s, t))
+    return fmt::format("{} {} itself {}; a loop must be simple", name(shape, s), verb, at);
+  if (t.region != none)
+    return fmt::format("{} {} {} {}; regions must lie inside the body, apart from everything else in it",
+                       name(shape, t), verb, name(shape, s), at);
   if (s.loop != none && t.loop != none)
     return fmt::format("{} {} {} {}; holes must lie inside the body, apart from its outline and from each other",
-                       name(shape, t.loop), verb, name(shape, s.loop), at);
-  const std::string crack = fmt::format("crack '{}'", shape.cracks[std::size_t(t.crack)].name);
+                       name(shape, t), verb, name(shape, s), at);
+  const std::string crack = name(shape, t);
   if (s.loop != none) {
     if (m.how == How::Overlaps)
-      return fmt::format("{} runs along {} {}; it must lie inside the body", crack, name(shape, s.loop), at);
+      return fmt::format("{} runs along {} {}; it must lie inside the body", crack, name(shape, s), at);
     if (m.how == How::Touches)
-      return fmt::format("{} touches {} {} between its ends; only its ends may lie there", crack, name(shape, s.loop),
-                         at);
+      return fmt::format("{} touches {} {} between its ends; only its ends may lie there", crack, name(shape, s), at);
     if (s.loop == 0) return fmt::format("{} leaves the body {}; end it there or inside", crack, at);
-    return fmt::format("{} crosses {} {}; end it on the hole's boundary", crack, name(shape, s.loop), at);
+    return fmt::format("{} crosses {} {}; end it on the hole's boundary", crack, name(shape, s), at);
   }
   if (s.crack == t.crack) return fmt::format("{} {} itself {}; a crack must be a simple path", crack, verb, at);
   const std::string both = fmt::format("cracks '{}' and '{}'", shape.cracks[std::size_t(s.crack)].name,
@@ -161,7 +164,7 @@ bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, co
   const auto inside = [&](const Vec2& x) {
     bool odd = false;
     for (const Piece& piece : pieces.pieces) {
-      if (drawing.strands[std::size_t(piece.strand)].loop != loop.loop) continue;
+      if (!of_one(drawing.strands[std::size_t(piece.strand)], loop)) continue;
       const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
       if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
         odd = !odd;
@@ -170,7 +173,7 @@ bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, co
   };
   int within = 0, beyond = 0;
   for (const Strand& strand : drawing.strands) {
-    if (strand.loop != other.loop || strand.crack != other.crack) continue;
+    if (!of_one(strand, other)) continue;
     for (int i = 0; i < 8; ++i) {
       const Vec2 x = point(drawing, strand, (i + 0.5) / 8);
       if ((x - contact).norm() > 1e-3 * drawing.extent) ++(inside(x) ? within : beyond);
@@ -212,9 +215,9 @@ std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawi
     const Shared shared{p.a == q.a, p.a == q.b, p.b == q.a, p.b == q.b};
     const Strand &s = drawing.strands[std::size_t(p.strand)], &t = drawing.strands[std::size_t(q.strand)];
     if (p.strand == q.strand && shared.any()) return;  // neighbours on a smooth strand
-    const bool same = s.loop == t.loop && s.crack == t.crack;
+    const bool same = of_one(s, t);
     const Meeting m = meeting(drawing, chords[std::size_t(i)], chords[std::size_t(j)], shared,
-                              same || t.crack == none ? gaps.loop : gaps.crack, gaps.crack);
+                              same || (s.crack == none && t.crack == none) ? gaps.loop : gaps.crack, gaps.crack);
     if (m.how == How::Apart) return;
     first = m;
     where = {q.strand, p.strand};
@@ -232,7 +235,9 @@ std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawi
   }
   if (first.how == How::Apart) return std::nullopt;
   const Strand &s = drawing.strands[std::size_t(where.second)], &t = drawing.strands[std::size_t(where.first)];
-  if (first.how == How::Touches && s.loop != none && s.loop != t.loop && passes(drawing, pieces, s, t, first.at))
+  if (first.how == How::Touches && !of_one(s, t) &&
+      ((s.loop != none && passes(drawing, pieces, s, t, first.at)) ||
+       (t.region != none && passes(drawing, pieces, t, s, first.at))))
     first.how = How::Crosses;
   return words(shape, s, t, first, drawing.extent);
 }

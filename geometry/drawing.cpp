@@ -1,5 +1,7 @@
 #include "geometry/drawing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,7 +61,8 @@ Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
 
 namespace {
 
-void add_loop(Drawing& drawing, const Loop& loop, Index number) {
+/// `number` counts the outline, then the holes; or `region` counts the regions.
+void add_loop(Drawing& drawing, const Loop& loop, Index number, Index region = none) {
   const Index first_corner = Index(drawing.corners.size()), count = Index(loop.sides.size());
   const std::size_t first_strand = drawing.strands.size();
   for (Index i = 0; i < count; ++i) {
@@ -69,9 +72,12 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number) {
                                .to = first_corner + (i + 1) % count,
                                .arc = side.arc,
                                .label = side.label,
-                               .loop = number});
+                               .loop = number,
+                               .crack = none,
+                               .region = region,
+                               .keep = side.keep});
   }
-  const bool body_on_left = (signed_area(loop) > 0) == (number == 0);
+  const bool body_on_left = (signed_area(loop) > 0) == (number <= 0);
   if (body_on_left) return;
   std::reverse(drawing.strands.begin() + Index(first_strand), drawing.strands.end());
   for (auto s = drawing.strands.begin() + Index(first_strand); s != drawing.strands.end(); ++s) {
@@ -222,7 +228,14 @@ Drawing draw(const Shape& shape) {
     }
   }
   join_cracks(drawing);
+  for (std::size_t r = 0; r < shape.regions.size(); ++r) add_loop(drawing, shape.regions[r], none, Index(r));
   return drawing;
+}
+
+std::string name(const Shape& shape, const Strand& strand) {
+  if (strand.crack != none) return fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name);
+  if (strand.region != none) return fmt::format("region '{}'", shape.regions[std::size_t(strand.region)].name);
+  return strand.loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
 }
 
 Pieces split_evenly(const Drawing& drawing) {

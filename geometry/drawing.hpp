@@ -18,22 +18,27 @@ double smallest_radius(const Arc& arc);  // the smaller one
 double signed_area(const Loop& loop);    // positive when counter-clockwise
 bool closed(const Side& side);           // a whole circle or ellipse
 
-/// A side (or a part of it between crack ends), the body on its left; or a segment or arc of a crack between kinks,
-/// ends and junctions.
+/// A side (or a part of it between crack ends), the body on its left; a segment or arc of a crack between kinks, ends
+/// and junctions; or a side of a region, that on its left.
 struct Strand {
   Index from, to;          // corners; equal for a whole circle (of a loop)
   std::optional<Arc> arc;  // from `from` to `to`
   Index label = none;
-  Index loop = none;   // 0 the outline, i hole i - 1
-  Index crack = none;  // or the crack
+  Index loop = none;    // 0 the outline, i hole i - 1
+  Index crack = none;   // or the crack
+  Index region = none;  // or the region
+  bool keep = false;    // one edge of the mesh
 };
 
 struct Drawing {
   std::vector<Vec2> corners;
-  std::vector<Strand> strands;  // loops in order, each closed; then cracks, each in the order of its path
+  std::vector<Strand> strands;  // loops in order, each closed; cracks, each in the order of its path; regions, closed
   double extent = 0;
 };
 Drawing draw(const Shape& shape);
+
+/// "the outline", "hole 'h'", "crack 'c'", "region 'r'".
+std::string name(const Shape& shape, const Strand& strand);
 
 /// Cuts the strands of cracks where another crack ends, has a kink or crosses them; meeting strands share a corner.
 void join_cracks(Drawing& drawing);

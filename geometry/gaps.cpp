@@ -49,11 +49,6 @@ struct Targets {
   }
 };
 
-std::string name(const Shape& shape, const Strand& strand) {
-  if (strand.crack != none) return fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name);
-  return strand.loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
-}
-
 int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
   if (!strand.arc) {
     const double length = (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
@@ -118,7 +113,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const
         if (normal != Vec2::Zero() && normal.dot(y - x) < leaving * width) continue;
         const bool tip = (s == 0 && target.tip_a) || (s == 1 && target.tip_b);
         const double turned = left(d).dot(x - y) / d.norm();
-        if (!tip && (other.crack != none ? std::abs(turned) : turned) < arriving * width) continue;
+        if (!tip && (other.loop == none ? std::abs(turned) : turned) < arriving * width) continue;
         best = {width, y, target.strand};
       }
   return best;
@@ -153,7 +148,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vect
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
     for (const Index corner : {strand.from, strand.to}) {
-      if (strand.crack == none && !reentrant[std::size_t(corner)]) continue;
+      if (strand.loop != none && !reentrant[std::size_t(corner)]) continue;
       const Vec2& x = drawing.corners[std::size_t(corner)];
       // Both strands of an inner corner ask: the same answer twice does no harm.
       use(x, nearest(drawing, targets, x, Vec2::Zero(), Index(k), reach, corner), Index(k));
@@ -169,7 +164,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vect
       const Vec2 normal = left(along).normalized();
       double width = reach;
       for (const double sign : {1.0, -1.0}) {
-        if (sign < 0 && strand.crack == none) break;  // a side faces the body on its left only
+        if (sign < 0 && strand.loop != none) break;  // a side faces the body on its left only
         const Gap gap = nearest(drawing, targets, x, sign * normal, Index(k), reach, none);
         use(x, gap, Index(k));
         width = std::min(width, gap.width);

@@ -69,7 +69,10 @@ void mark(Mesh& mesh, const std::vector<Index>& first, std::span<const Marked> m
 
 }  // namespace
 
-Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangles, std::span<const Marked> marked) {
+Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangles, std::span<const Marked> marked,
+             std::vector<Index> region) {
+  if (!region.empty() && region.size() != triangles.size())
+    throw std::invalid_argument(fmt::format("regions of {} triangles for {}", region.size(), triangles.size()));
   for (std::size_t t = 0; t < triangles.size(); ++t) check_triangle(points, triangles[t], t);
 
   // Counting sort of the half edges by their smaller vertex, then each short list by the larger one.
@@ -115,10 +118,20 @@ Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangl
 
   mesh.points = std::move(points);
   mesh.triangles = std::move(triangles);
+  mesh.region = std::move(region);
   mesh.label.assign(mesh.edges.size(), none);
   mesh.crack.assign(mesh.edges.size(), none);
   mark(mesh, first, marked);
   return mesh;
+}
+
+Index region_of(const Mesh& mesh, Index triangle) {
+  return mesh.region.empty() ? none : mesh.region[std::size_t(triangle)];
+}
+
+bool is_interface(const Mesh& mesh, Index edge) {
+  const auto [left, right] = mesh.sides[std::size_t(edge)];
+  return left != none && right != none && region_of(mesh, left) != region_of(mesh, right);
 }
 
 double area(const Mesh& mesh, Index triangle) {
@@ -129,6 +142,11 @@ double area(const Mesh& mesh, Index triangle) {
 double length(const Mesh& mesh, Index edge) {
   const auto [a, b] = mesh.edges[std::size_t(edge)];
   return (mesh.points[std::size_t(b)] - mesh.points[std::size_t(a)]).norm();
+}
+
+// Out of the body.
+Vec2 outward_normal(const Mesh& mesh, Index e) {
+  return mesh.sides[e][1] == none ? normal(mesh, e) : Vec2(-normal(mesh, e));
 }
 
 Vec2 tangent(const Mesh& mesh, Index edge) {
@@ -274,9 +292,11 @@ Mesh refine(const Mesh& mesh) {
     triangles.insert(triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
   }
 
+  std::vector<Index> region;
+  for (const Index r : mesh.region) region.insert(region.end(), 4, r);
   std::vector<Index> middle(mesh.edges.size());
   for (std::size_t e = 0; e < middle.size(); ++e) middle[e] = vertices + Index(e);
-  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle));
+  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle), std::move(region));
   fine.cracks.resize(mesh.cracks.size());
   return fine;
 }

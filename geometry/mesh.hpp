@@ -27,6 +27,7 @@ struct Mesh {
   std::vector<Index> label;                    // per edge: boundary label or none
   std::vector<Index> crack;                    // per edge: crack number or none
   std::vector<std::vector<CrackEdge>> cracks;  // per crack, its edges from the start of its path to the end
+  std::vector<Index> region;                   // per triangle: region number or none; empty when there are none
 };
 
 /// An edge that means something: a piece of the boundary (label) or of a crack, a -> b along the crack's path.
@@ -36,13 +37,19 @@ struct Marked {
 };
 
 /// Edges and neighbours of counter-clockwise triangles. The marked edges of one crack come in path order.
-/// Throws std::invalid_argument on a marked pair that is no edge, a degenerate triangle, or an edge with three
-/// triangles.
-Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangles, std::span<const Marked> marked);
+/// `region` as in Mesh. Throws std::invalid_argument on a marked pair that is no edge, a degenerate triangle, an edge
+/// with three triangles, or regions for another number of triangles.
+Mesh connect(std::vector<Vec2> points, std::vector<std::array<Index, 3>> triangles, std::span<const Marked> marked,
+             std::vector<Index> region = {});
+
+Index region_of(const Mesh& mesh, Index triangle);
+/// Whether the edge separates two regions, or a region from the rest.
+bool is_interface(const Mesh& mesh, Index edge);
 
 double area(const Mesh& mesh, Index triangle);
 double length(const Mesh& mesh, Index edge);
 Vec2 normal(const Mesh& mesh, Index edge);   // unit, from left to right of the edge
+Vec2 outward_normal(const Mesh& mesh, Index boundary_edge);
 Vec2 tangent(const Mesh& mesh, Index edge);  // unit, from edges[e][0] to edges[e][1]
 Vec2 centroid(const Mesh& mesh, Index triangle);
 

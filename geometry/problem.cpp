@@ -18,11 +18,17 @@ std::string text(const Vec2& x) {
   return fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }
 
-std::string name(const Shape& shape, std::size_t loop) {
-  return loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[loop - 1].name);
+/// Loops are numbered: the outline, holes, regions.
+std::size_t loop_count(const Shape& shape) {
+  return 1 + shape.holes.size() + shape.regions.size();
 }
 const Loop& loop(const Shape& shape, std::size_t number) {
-  return number == 0 ? shape.outline : shape.holes[number - 1];
+  if (number == 0) return shape.outline;
+  return number <= shape.holes.size() ? shape.holes[number - 1] : shape.regions[number - 1 - shape.holes.size()];
+}
+std::string name(const Shape& shape, std::size_t number) {
+  if (number == 0) return "the outline";
+  return fmt::format("{} '{}'", number <= shape.holes.size() ? "hole" : "region", loop(shape, number).name);
 }
 
 /// Numbers that are no numbers, or so large that their squares are not.
@@ -36,7 +42,7 @@ bool usable(const Arc& arc) {
 }
 
 Problem numbers(const Shape& shape) {
-  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+  for (std::size_t l = 0; l < loop_count(shape); ++l) {
     const std::vector<Side>& sides = loop(shape, l).sides;
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const Side& side = sides[i];
@@ -60,7 +66,7 @@ Problem numbers(const Shape& shape) {
 }
 
 Problem counts(const Shape& shape) {
-  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+  for (std::size_t l = 0; l < loop_count(shape); ++l) {
     const std::vector<Side>& sides = loop(shape, l).sides;
     const bool curved = std::any_of(sides.begin(), sides.end(), [](const Side& s) { return s.arc.has_value(); });
     if (sides.empty()) return fmt::format("{} has no sides", name(shape, l));
@@ -111,13 +117,15 @@ Problem crack_arc_problem(const Crack& crack, double size) {
 }
 
 Problem lengths(const Shape& shape, double size) {
-  for (std::size_t l = 0; l <= shape.holes.size(); ++l) {
+  for (std::size_t l = 0; l < loop_count(shape); ++l) {
     const std::vector<Side>& sides = loop(shape, l).sides;
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const Vec2 &start = sides[i].start, &end = sides[(i + 1) % sides.size()].start;
       if (sides[i].arc) {
         if (const Problem problem = arc_problem(*sides[i].arc, start, end, size))
           return fmt::format("side {} of {} {}", i + 1, name(shape, l), *problem);
+        if (sides[i].keep)
+          return fmt::format("side {} of {} is to be one edge of the mesh, but is curved", i + 1, name(shape, l));
       } else if (!((end - start).norm() > touch_tolerance * size)) {
         return fmt::format("side {} of {} has zero length at {}; remove the repeated point", i + 1, name(shape, l),
                            text(start));
@@ -162,7 +170,7 @@ bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, c
 
 /// Loops and cracks are known not to cross: each lies on one side of every other.
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
-  std::vector<std::vector<Piece>> loops(shape.holes.size() + 1);
+  std::vector<std::vector<Piece>> loops(loop_count(shape));
   std::vector<std::vector<Vec2>> on_loop(loops.size()), on_crack(shape.cracks.size());
   for (const Piece& piece : pieces.pieces) {
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
@@ -170,15 +178,17 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     if (strand.crack != none) {
       on_crack[std::size_t(strand.crack)].push_back((a + b) / 2);
     } else {
-      loops[std::size_t(strand.loop)].push_back(piece);
-      on_loop[std::size_t(strand.loop)].push_back(a);
+      const std::size_t l =
+          strand.region == none ? std::size_t(strand.loop) : 1 + shape.holes.size() + std::size_t(strand.region);
+      loops[l].push_back(piece);
+      on_loop[l].push_back(a);
     }
   }
   const auto within = [&](const std::vector<Vec2>& x, std::size_t l) { return contains(pieces.points, loops[l], x); };
   for (std::size_t h = 1; h < loops.size(); ++h) {
     if (!within(on_loop[h], 0))
       return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(on_loop[h].front()));
-    for (std::size_t other = 1; other < loops.size(); ++other)
+    for (std::size_t other = 1; other <= shape.holes.size(); ++other)
       if (other != h && within({on_loop[h].front()}, other) && within(on_loop[h], other))
         return fmt::format("{} lies inside {}; remove it", name(shape, h), name(shape, other));
   }
@@ -186,7 +196,7 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     const std::string& crack = shape.cracks[c].name;
     if (!within(on_crack[c], 0))
       return fmt::format("crack '{}' lies outside the body, at {}", crack, text(on_crack[c].front()));
-    for (std::size_t h = 1; h < loops.size(); ++h)
+    for (std::size_t h = 1; h <= shape.holes.size(); ++h)
       if (within(on_crack[c], h))
         return fmt::format("crack '{}' lies inside {}, at {}", crack, name(shape, h), text(on_crack[c].front()));
   }
@@ -219,6 +229,18 @@ Problem revisited(const Shape& shape, const Drawing& drawing) {
       return fmt::format("crack '{}' touches itself at {}; a crack must be a simple path", shape.cracks[c].name,
                          text(drawing.corners[std::size_t(*twice)]));
   }
+  return {};
+}
+
+/// Sides to be kept whole on which a crack ends.
+Problem cut_sides(const Shape& shape, const Drawing& drawing) {
+  Index corners = Index(shape.outline.sides.size());
+  for (const Loop& hole : shape.holes) corners += Index(hole.sides.size());
+  for (const Strand& strand : drawing.strands)
+    for (const Index corner : {strand.from, strand.to})
+      if (strand.keep && corner >= corners)
+        return fmt::format("a crack ends at {} on a side of {} that is to be one edge of the mesh",
+                           text(drawing.corners[std::size_t(corner)]), name(shape, std::size_t(strand.loop)));
   return {};
 }
 
@@ -266,6 +288,7 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
+  if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;
   if (Problem problem = wedges(shape, drawing)) return problem;
   return places(shape, drawing, pieces);

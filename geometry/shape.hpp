@@ -1,5 +1,6 @@
 #pragma once
-// The body as drawn: an outline, holes, cracks. Curved sides stay exact until the mesher splits them.
+// The body as drawn: an outline, holes, cracks, regions of other materials. Curved sides stay exact until the mesher
+// splits them.
 
 #include "geometry/types.hpp"
 
@@ -20,6 +21,7 @@ struct Side {
   Vec2 start;  // it ends where the next side of the loop starts
   Index label = none;
   std::optional<Arc> arc;  // absent: straight
+  bool keep = false;       // one edge of the mesh as it is, whatever the target size; straight sides only
 };
 
 struct Loop {  // closed; either orientation, find_problem does not mind
@@ -37,6 +39,7 @@ struct Shape {
   Loop outline;
   std::vector<Loop> holes;
   std::vector<Crack> cracks;
+  std::vector<Loop> regions;        // without labels; in a region inside another one the inner one counts
   std::vector<std::string> labels;  // Side::label counts into this
 };
 
@@ -59,7 +62,9 @@ Polygon flatten(const Loop& loop, double chord, double longest);
 /// nothing. Knows: fewer than three sides, zero-length sides, non-finite numbers, a loop that crosses or touches
 /// itself, holes outside the outline, touching it or each other, cracks outside the body or crossing its boundary,
 /// overlapping cracks, cracks that meet at less than a degree, a crack that crosses itself or runs along the boundary.
-/// Cracks may cross, and end on the outline, on a hole or on each other.
+/// Regions lie inside the body and touch nothing, neither one another nor holes, cracks and the outline; they may lie
+/// inside one another and around holes and cracks. Cracks may cross, and end on the outline, on a hole or on each
+/// other.
 std::optional<std::string> find_problem(const Shape& shape);
 
 /// Length scale of the shape: the diagonal of its bounding box.

@@ -72,12 +72,13 @@ Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t e = std::size_t(mesh.edges_of[t][i]);
       const auto& [left, right] = mesh.sides[e];
-      const bool stays = mesh.label[e] != none || mesh.crack[e] != none;
+      const bool stays = mesh.label[e] != none || mesh.crack[e] != none || is_interface(mesh, Index(e));
       m.across[t][i] = stays ? none : left == Index(t) ? right : left;
       m.around[std::size_t(mesh.triangles[t][i])] = Index(t);
     }
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.label[e] != none || mesh.crack[e] != none || mesh.sides[e][0] == none || mesh.sides[e][1] == none)
+    if (mesh.label[e] != none || mesh.crack[e] != none || mesh.sides[e][0] == none || mesh.sides[e][1] == none ||
+        is_interface(mesh, Index(e)))
       for (const Index v : mesh.edges[e]) m.around[std::size_t(v)] = none;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (m.of(Index(t)).cost > good) m.wake(Index(t));

@@ -16,8 +16,6 @@ bool empty(const Sensitivity& s);
 
 /// The transpose of `evaluate`: derivatives by the interior coefficients of sum_q weights_q . fields(x_q).
 Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields& weights);
-/// The same for recovered_displacement (2 x n weights).
-Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights);
 
 /// What a row in contact does to small changes of the load. Biactive: neither gap nor pressure, so that the state has
 /// one-sided derivatives only.

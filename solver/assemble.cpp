@@ -193,10 +193,19 @@ ForceMoments force_of(const System& a, Index t) {
 System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const Ordering& o,
                 int threads) {
   System a;
-  // Below this compliance plain condensation loses more than two digits: nu > 0.498 in plane strain.
-  const double small = 1e-3 / scene.material.mu;
-  if (scene.material.c < small && needs_penalty(k.element)) {
-    a.penalty = small;
+  // Below this compliance c mu plain condensation loses more than two digits: nu > 0.498 in plane strain.
+  constexpr double small = 1e-3, floor = 1e-6;
+  double softest = scene.material.mu, stiffest = softest, least = softest * scene.material.c;
+  for (const Material& m : scene.regions) {
+    softest = std::min(softest, m.mu);
+    stiffest = std::max(stiffest, m.mu);
+    least = std::min(least, m.c * m.mu);
+  }
+  if (least < small && needs_penalty(k.element)) {
+    // One a for all materials, so that a uniform pressure stays one mode. The sweeps shrink the error by about a/(a +
+    // 1/mu) with the mu of what confines the pressure: a is small for the stiffest. The softest loses digits like
+    // 1/(a mu): six at most; from a contrast of 1e3 on the sweeps get slower instead.
+    a.penalty = std::max(small / stiffest, floor / softest);
     a.traces.resize(skeleton_count(k.element) + 2, static_cast<Eigen::Index>(mesh.triangles.size()));
   }
   const Index nodes = static_cast<Index>(o.first.size()) - 1;
@@ -256,7 +265,7 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
     const Triangle shape = triangle(mesh, s, t);
     if (scene.body) a.force.col(t).head(moments) = force_moments(k, shape, scene.body);
     if (with_edges) a.force.col(t).tail<cubic_trace_count>() = cubic_traces(mesh, scene, t);
-    Condensed c = condense(k, shape, scene.material, force_of(a, t), {a.penalty});
+    Condensed c = condense(k, shape, material_of(mesh, scene, t), force_of(a, t), {a.penalty});
     if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
     return c;
   };

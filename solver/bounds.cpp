@@ -165,7 +165,7 @@ struct Bounding {
     const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
     const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
     const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
-    const double mu = m.scene.material.mu, c = m.scene.material.c;
+    const auto [mu, c] = material_of(m.mesh, m.scene, t);
     double energy = 0;
     for (Eigen::Index i = 0; i < at.cols(); ++i) {
       const Mat2 gradient =
@@ -219,7 +219,8 @@ struct Bounding {
   void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
     const Triangle shape = triangle(m, t);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const double det = J.determinant(), mu = m.scene.material.mu, c = m.scene.material.c;
+    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    const double det = J.determinant();
     const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
     Points v = nodal * r.raise.transpose();
     const Points low = v;
@@ -305,7 +306,7 @@ struct Bounding {
     const double square = zz + alpha * (2 * zw + alpha * ww);
     share.rough = std::sqrt(std::max(0.0, square));
     share.size += size;
-    share.divergence = worst[0];
+    share.divergence = c == 0 ? worst[0] : 0;
     share.gradient = worst[1];
   }
 };
@@ -440,7 +441,9 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
   result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
   const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
-  const double mu = m.scene.material.mu, gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
+  double mu = m.scene.material.mu;  // the least: |eps|^2 <= energy/mu
+  for (const Material& material : m.scene.regions) mu = std::min(mu, material.mu);
+  const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
   const Oscillation o = oscillation(m, data, f, shares, edges);
   // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
   const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
@@ -454,7 +457,7 @@ EnergyBounds energy_bounds(const Model& m, const State& s) {
   if (!(result.lower <= result.upper))
     return {nan, nan, result.oscillation, false, "no bounds of the energy: they are lost to rounding"};
   constexpr double isochoric = 1e-9;
-  if (m.scene.material.c == 0 && sum.divergence > isochoric * sum.gradient)
+  if (sum.divergence > isochoric * sum.gradient)
     return {nan, nan, result.oscillation, false,
             "no bounds of the energy: no admissible displacement without change of volume was found"};
   constexpr double negligible = 0.01;

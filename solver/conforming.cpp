@@ -408,7 +408,7 @@ Conforming conforming_displacement(const Model& m, const State& s, const std::ve
       if (!d.held[k]) continue;
       const Fit::Result f = fit.fit(d.displacement.row(k), here(k, 0), here(k, degree));
       const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
-      result.mismatch += 2 * m.scene.material.mu * (f.square + ends);
+      result.mismatch += 2 * material_of(m.mesh, m.scene, d.triangle).mu * (f.square + ends);
       for (int g = 0; g < data_carriers; ++g) {
         const double at = fit.carrier.s[g];
         const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;

@@ -107,7 +107,7 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w) {
   return tip;
 }
 
-/// `ends`: the edges of the boundary and of all cracks.
+/// `ends`: the edges of the boundary, of all cracks, and between materials.
 double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
   std::vector<Index> own = tip.edges;
   std::sort(own.begin(), own.end());
@@ -130,7 +130,7 @@ std::vector<CrackTip> find_tips(const Mesh& mesh) {
       if (boundary) on_boundary[v] = true;
       if (mesh.crack[e] != none) ++crack_edges[v];
     }
-    if (boundary || mesh.crack[e] != none) ends.push_back(e);
+    if (boundary || mesh.crack[e] != none || is_interface(mesh, e)) ends.push_back(e);
   }
   std::vector<CrackTip> tips;
   for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {

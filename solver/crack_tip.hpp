@@ -16,7 +16,8 @@ struct CrackTip {
   std::vector<Vec2> vertices;     // of those edges: one more, the first at 0, ever farther from it
   std::vector<Vec2> slopes;       // of the curve through the vertices, per length of chord
   bool curved = false;            // straight otherwise, up to rounding
-  double room = 0;  // to the nearest end of the material other than the smooth part: boundary, other cracks, kinks
+  double room =
+      0;  // to the nearest end of the material other than the smooth part: boundary, other cracks, kinks, regions
 };
 
 /// Ends on the boundary, on a hole, or on another crack are no tips. In the order of the cracks, start before end. A

@@ -42,7 +42,8 @@ Interior interior_part(const Model& m, const State& s, Index t, const Derivative
   const TriangleRule& rule = m.kernel.rule;
   const Points x = rule_points(rule, shape);
   const Fields f = evaluate(m.kernel, shape, s.interior.col(t), x);
-  const double mu = m.scene.material.mu;
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const double mu = material.mu;
   double h = 0;
   for (int i = 0; i < 3; ++i) h = std::max(h, (shape.x[(i + 1) % 3] - shape.x[i]).norm());
 
@@ -52,7 +53,7 @@ Interior interior_part(const Model& m, const State& s, Index t, const Derivative
   const Eigen::Index n = x.cols();
   Eigen::MatrixX4d gradient(n, 4), stress = f.stress.transpose();
   for (Eigen::Index q = 0; q < n; ++q)
-    gradient.row(q) = displacement_gradient(m.scene.material, f.stress.col(q), f.rotation[q]).transpose();
+    gradient.row(q) = displacement_gradient(material, f.stress.col(q), f.rotation[q]).transpose();
   const auto derive = [&](const auto& column, int axis) -> Eigen::VectorXd {
     return inverse(0, axis) * (d.along[0] * column) + inverse(1, axis) * (d.along[1] * column);
   };
@@ -87,7 +88,7 @@ EdgeTraces edge_traces(const Model& m, const State& s, Index t, const EdgeRule& 
   const Fields f = evaluate(m.kernel, shape, s.interior.col(t), x);
   EdgeTraces traces;
   for (int i = 0; i < 3 * edge_points; ++i) {
-    const Eigen::Vector4d d = displacement_gradient(m.scene.material, f.stress.col(i), f.rotation[i]);
+    const Eigen::Vector4d d = displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(i), f.rotation[i]);
     const Vec2& direction = tau[i / edge_points];
     traces.col(i) << d.head<2>().dot(direction), d.tail<2>().dot(direction);
   }
@@ -155,7 +156,10 @@ Indicator error_indicator(const Model& m, const State& s) {
     for (int i = 0; i < 3; ++i) {
       const Index e = m.mesh.edges_of[t][i];
       const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
-      const double l = length(m.mesh, e), scale = 4 * std::pow(m.scene.material.mu * l, 2);
+      // Between two materials most of the jump is the strain error of the softer one.
+      const double mu = material_of(m.mesh, m.scene, t).mu,
+                   softer = other == none ? mu : std::min(mu, material_of(m.mesh, m.scene, other).mu);
+      const double l = length(m.mesh, e), scale = 4 * std::pow(softer * l, 2);
       // Where the faces touch, and where they do not slide either.
       bool contact = false, stick = false;
       if (m.skeleton.jump[e] != none)

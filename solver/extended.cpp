@@ -22,8 +22,8 @@ namespace {
 // Unknowns: under the numbers of the base unknowns of the skeleton the traction that goes with each (sigma n at the
 // Gauss points, n from left to right, outward on the boundary) and the rotations at vertices; then per triangle the
 // stress functions without traction, and u_xi, r; in an enclosed incompressible body last the multiplier of the mean
-// pressure. Displacements and rotations are multiplied by 2 mu and equations weighted with h^2, so that all unknowns
-// are stresses and all rows forces.
+// pressure. Displacements and rotations are multiplied by 2 mu (of `material`, one for all) and equations weighted with
+// h^2, so that all unknowns are stresses and all rows forces.
 struct Layout {
   int edge = 0;       // tractions seen by one triangle
   int stress = 0;     // functions without traction
@@ -46,7 +46,7 @@ struct Local {
 
 Local local(const Model& m, const Layout& layout, Index t) {
   const Triangle shape = triangle(m, t);
-  Local l{local_system(m.kernel, shape, m.scene.material, force_of(m.system, t)), {}, {}, {}, {}, {}};
+  Local l{local_system(m.kernel, shape, material_of(m.mesh, m.scene, t), force_of(m.system, t)), {}, {}, {}, {}, {}};
   const LocalSystem& a = l.system;
   const Eigen::Index edge = layout.edge, stress = a.M.rows(), own = stress - edge, inner = a.Bt.cols(),
                      corners = a.Ct.cols() - edge, size = stress + inner + corners;
@@ -316,7 +316,7 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, State& state) {
       solution << l.basis * y.head(stress), y.segment(stress, inner) / mu2;
       SkeletonVector at(layout.edge + corners);
       at << traces.col(t), y.tail(corners) / mu2;
-      state.interior.col(t) = interior_of(m.kernel, triangle(m, t), m.scene.material, solution, at);
+      state.interior.col(t) = interior_of(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), solution, at);
     }
   });
   state.skeleton = Eigen::VectorXd::Zero(s.total);

@@ -80,16 +80,17 @@ using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in 
 
 struct Disc {
   CrackTip tip;
+  Material material;  // no ring reaches another one
   std::array<Ring, rings> ring;
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
 };
 
-Field in_frame(const Model& model, const Disc& disc, Eigen::Vector4d stress, double rotation) {
+Field in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation) {
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
   stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
   const Mat2& frame = disc.tip.frame;
-  const Eigen::Vector4d gradient = displacement_gradient(model.scene.material, stress, rotation - disc.rotation);
+  const Eigen::Vector4d gradient = displacement_gradient(disc.material, stress, rotation - disc.rotation);
   return {frame.transpose() * tensor(stress) * frame, frame.transpose() * tensor(gradient) * frame};
 }
 
@@ -106,8 +107,8 @@ Integrals over_triangle(const Model& model, const State& state, const Disc& disc
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const Vec2 at = disc.tip.frame.transpose() * (x.col(i) - disc.tip.at);
     const double r = at.norm(), w = area(shape) * rule.w[i];
-    const auto [s, d] = in_frame(model, disc, f.stress.col(i), f.rotation[i]);
-    const auto unit = auxiliary_fields(model.scene.material, at, angle_about(disc.tip, at));
+    const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i]);
+    const auto unit = auxiliary_fields(disc.material, at, angle_about(disc.tip, at));
     Vectors P;
     Eigen::Vector4d rest = Eigen::Vector4d::Zero();  // the factor of q
     for (int k = 0; k < auxiliary; ++k)
@@ -256,13 +257,13 @@ Vec2 traction(const Face& face, const Spot& p) {
 }
 
 /// int q (s n) . [u'_,1]: the auxiliary fields only.
-Integrals work_of_tractions(const Model& model, const Disc& disc, std::span<const Face> faces) {
+Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
   Integrals sum = Integrals::Zero();
   for (const Face& face : faces) {
     if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
     for (const Spot& p : spots(disc.tip, face.edge)) {
-      const auto upper = auxiliary_fields(model.scene.material, p.at, p.upper),
-                 lower = auxiliary_fields(model.scene.material, p.at, p.upper - 2 * std::numbers::pi);
+      const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
+                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * std::numbers::pi);
       const Vec2 through = traction(face, p);
       for (int k = 0; k < rings; ++k)
         for (int i = 0; i < auxiliary; ++i)
@@ -346,8 +347,8 @@ Integrals over_curved_faces(const Model& model, const State& state, const Disc& 
       for (std::size_t i = 0; i < all.size(); ++i) {
         const Eigen::Index column = static_cast<Eigen::Index>(i);
         const Spot& p = all[i];
-        const Field here = along_curve(in_frame(model, disc, f.stress.col(column), f.rotation[column]), b - a, p);
-        const Eigen::Vector4d through = flux(model.scene.material, p, here, upper);
+        const Field here = along_curve(in_frame(disc, f.stress.col(column), f.rotation[column]), b - a, p);
+        const Eigen::Vector4d through = flux(disc.material, p, here, upper);
         const double sliding = work_of_sliding(faces[edge], p, here, upper, curvature);
         for (int k = 0; k < rings; ++k) {
           const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
@@ -376,7 +377,8 @@ TipIntensity intensity(const Model& model, const State& state, const CrackTip& t
   constexpr double safe = 0.9, fewest_elements = 1.5;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const double radius = safe * tip.room;
-  Disc disc{tip, place_rings(radius)};
+  const Index at_tip = model.mesh.sides[tip.edges.front()][0];
+  Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius)};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
@@ -386,12 +388,12 @@ TipIntensity intensity(const Model& model, const State& state, const CrackTip& t
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);
   const std::vector<Face> behind = faces(model, tip, profile);
-  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(model, disc, behind);
+  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(disc, behind);
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);
   else
     I.row(auxiliary) += work_of_friction(disc, behind);
-  const double modulus = plane_modulus(model.scene.material);
+  const double modulus = plane_modulus(disc.material);
   Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
   if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);
   const Row T = modulus * I.row(2);

@@ -104,6 +104,9 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
+  for (const Index r : mesh.region)
+    if (r >= static_cast<Index>(scene.regions.size()))
+      throw std::invalid_argument("prepare: one material per region is needed");
   Stopwatch watch;
   const Kernel k = kernel(e);
   Skeleton skeleton = number(mesh, k, scene);
@@ -159,14 +162,14 @@ double strain_energy(const Model& m, const State& s) {
   double energy = 0;
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(m, t);
+    const Material& material = material_of(m.mesh, m.scene, t);
     const Points x = rule_points(m.kernel.rule, shape);
     double sum = 0;
     for (Eigen::Index q = 0; q < x.cols(); ++q) {
       const Eigen::Vector4d v = stress_at(m.kernel, shape, s.interior.col(t), x.col(q));
       const double difference = v[0] - v[3], trace = v[0] + v[3];
-      sum += m.kernel.rule.w[q] *
-             ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * m.scene.material.mu) +
-              m.scene.material.c * trace * trace);
+      sum += m.kernel.rule.w[q] * ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * material.mu) +
+                                   material.c * trace * trace);
     }
     energy += 0.5 * area(shape) * sum;
   }

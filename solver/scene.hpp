@@ -69,10 +69,18 @@ inline bool has_friction(const CrackLaw& law) {
 
 struct Scene {
   Material material;
-  VectorField body;  // force per area; empty: none
+  std::vector<Material> regions;  // per region of the mesh, instead of `material`
+  VectorField body;               // force per area; empty: none
   std::vector<Support> supports;
   std::vector<Traction> tractions;
   std::vector<CrackLaw> laws;  // per crack
 };
+
+/// `material` first.
+inline std::vector<Material> all_materials(const Scene& scene) {
+  std::vector<Material> all{scene.material};
+  all.insert(all.end(), scene.regions.begin(), scene.regions.end());
+  return all;
+}
 
 }  // namespace kerf

@@ -12,12 +12,6 @@ namespace {
 
 constexpr int data_points = 8;  // Gauss points per edge for boundary data
 
-// The unit normal that points out of the body on a boundary edge.
-Vec2 outward(const Mesh& mesh, Index e) {
-  const Vec2 n = normal(mesh, e);
-  return mesh.sides[e][1] == none ? n : Vec2(-n);
-}
-
 Mat2 edge_frame(const Mesh& mesh, Index e) {
   Mat2 f;
   f << normal(mesh, e), tangent(mesh, e);
@@ -39,7 +33,10 @@ bool opens(const Mesh& mesh, const Scene& scene, Index e) {
 }
 
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
-  if (!is_mixed(e) && !(scene.material.c > 0))
+  if (e.at_vertices == AtVertices::Stress && !mesh.region.empty())
+    refuse(e, "regions of other materials: its stress is one at every vertex",
+           "\"arnold-winther\", which shares its functions");
+  if (!is_mixed(e) && std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
     refuse(e, "an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     const auto kind = scene.laws[crack].kind;
@@ -79,7 +76,7 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
       if (mesh.label[e] != support.label) continue;
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       s.frame[e] = Mat2::Identity();
       if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
       const auto value_at = [&](double along) -> Vec2 {
@@ -118,7 +115,7 @@ void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   for (const Support& support : scene.supports)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
       if (mesh.label[e] != support.label) continue;
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       Mat2 frame = Mat2::Identity();
       if (support.normal_frame) frame << n, Vec2(-n.y(), n.x());
       for (int end = 0; end < 2; ++end) {
@@ -156,7 +153,7 @@ void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   std::vector<Rows> given(s.corners.vertex.size());
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.label[e] == none) continue;
-    const Vec2 n = outward(mesh, e);
+    const Vec2 n = outward_normal(mesh, e);
     for (int end = 0; end < 2; ++end) {
       const Vec2& x = mesh.points[mesh.edges[e][end]];
       Vec2 value = Vec2::Zero();
@@ -252,7 +249,7 @@ Index corner_unknown(const Skeleton& s, Index corner) {
 }
 
 bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
-  if (scene.material.c > 0) return false;
+  if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return m.c > 0; })) return false;
   bool contact = false;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.sides[e][0] == none || mesh.sides[e][1] == none) {
@@ -285,7 +282,9 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   s.base = edges * s.per_edge;
   if (s.per_vertex > 0) {
     std::vector<bool> cut(edges);
-    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e);
+    // The rotation jumps between materials, where the displacement kinks.
+    const bool rotation = k.element.at_vertices == AtVertices::Rotation;
+    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e) || (rotation && is_interface(mesh, e));
     s.corners = split_at(mesh, cut);
     s.base += static_cast<Index>(s.corners.vertex.size()) * s.per_vertex;
     s.corner_frame.assign(s.corners.vertex.size(), Eigen::Matrix3d::Identity());
@@ -324,6 +323,11 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   }
   if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
   return s;
+}
+
+const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
+  const Index region = region_of(mesh, t);
+  return region == none ? scene.material : scene.regions[region];
 }
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
@@ -366,7 +370,7 @@ Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton
       if (mesh.label[e] != traction.label) continue;
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       const double l = length(mesh, e);
       for (int q = 0; q < data_points; ++q) {
         const Vec2 x = a + rule.s[q] * (b - a);

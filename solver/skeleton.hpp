@@ -43,6 +43,9 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s);
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t);
 
+/// What triangle t is made of.
+const Material& material_of(const Mesh& mesh, const Scene& scene, Index t);
+
 /// Unknowns seen by triangle t: base unknowns of its edges, then of its corners; and, where it lies on the right of a
 /// crack edge, the jump that it sees on top of the base unknown (none elsewhere).
 struct Seen {

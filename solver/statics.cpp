@@ -94,7 +94,8 @@ Eigen::MatrixXd static_interior(const Model& m, const State& s, const Eigen::Vec
       for (int i = 0; i < view.count; ++i)
         for (const Index u : {view.base[i], view.jump[i]})
           if (u != none && m.ordering.row[u] != none) trace[i] += change[m.ordering.row[u]];
-      interior_fields.col(t) += interior(m.kernel, triangle(m, t), m.scene.material, {}, trace, {m.system.penalty, 0});
+      interior_fields.col(t) +=
+          interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace, {m.system.penalty, 0});
     }
   });
   return interior_fields;

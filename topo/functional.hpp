@@ -47,6 +47,7 @@ struct Term {
   // The potential energy, and the Kohn-Vogelius gap between the state and one with measured displacements: their
   // topological derivatives need no adjoint (Danskin).
   bool energy = false;
+  bool work = false;                     // the work of the loads
   std::optional<Support> measured = {};  // replaces the tractions on its label
 
   // Integral over the body.
@@ -78,7 +79,7 @@ struct Functional {
 
 // topo/functionals.cpp and one file each; empty weights: 1.
 Term energy();
-Term compliance(const Scene& scene);
+Term compliance();
 Term volume();
 Term displacement_tracking(VectorField target, ScalarField weight);
 Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight);

@@ -2,38 +2,17 @@
 // T(x) over candidate points, from the stress itself.
 
 #include "solver/recover.hpp"
-#include "topo/functional.hpp"
+#include "topo/analysis.hpp"
 
-#include <memory>
 #include <optional>
 #include <span>
 
 namespace kerf {
 
-/// What T(x) is made of, for one J: solved once, evaluated anywhere.
-struct Analysis {
-  const Model* model;
-  const State* state;
-  double value = 0;                // J
-  std::vector<double> term_value;  // of each term, factor left out
-  // Weights of -1/2 form(s, s) + b.u: energies, and compliances under homogeneous supports (-2).
-  double energy_share = 0;
-  State adjoint = {};  // of all other terms; nothing in it when there are none
-  // With a misfit: the body with measured displacements.
-  std::shared_ptr<const Model> measured_model = {};
-  std::shared_ptr<const State> measured = {};
-  double measured_share = 0;
-  std::vector<ContactStatus> status = {};  // per row in contact
-  double biactive_length = 0;
-};
-
-/// Value of J and, unless `value_only`, everything that its map needs. Throws Error(Usage | Numerics).
-Analysis analyse(const Functional& j, const Model& model, const State& state, bool value_only = false);
-
 struct MapPoint {
   Vec2 at = Vec2::Zero();
-  double value = 0;     // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
-  double angle = 0;     // radians, of the ellipse or the crack
+  double value = 0;  // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
+  double angle = 0;  // radians, of the ellipse or the crack
   bool masked = false;  // the expansion cannot hold here at the asked radius
   std::optional<double> lower = {}, upper = {};
 };

@@ -7,12 +7,12 @@
 namespace kerf {
 
 struct ValidationRow {
-  double radius = 0, J = 0;     // J(Omega_eps)
-  double difference = 0;        // J(Omega_eps) - J(Omega), both on the same mesh
-  double predicted = 0;         // f(eps) T with the exact area of the polygon; a clamped hole: renormalised
-  double remainder = 0;         // difference - predicted
-  double order = 0;             // log2-like slope of |remainder| to the next smaller radius; NaN in the last row
-  bool same_contact = true;     // the contact set is that of the unperturbed body
+  double radius = 0, J = 0;  // J(Omega_eps)
+  double difference = 0;     // J(Omega_eps) - J(Omega), both on the same mesh
+  double predicted = 0;      // f(eps) T with the exact area of the polygon; a clamped hole: renormalised
+  double remainder = 0;      // difference - predicted
+  double order = 0;          // log2-like slope of |remainder| to the next smaller radius; NaN in the last row
+  bool same_contact = true;  // the contact set is that of the unperturbed body
 };
 
 enum class Verdict { Holds, Fails, OutOfRange };
@@ -25,7 +25,7 @@ struct Validation {
   double c2 = 0, c3 = 0;   // of that fit: the series to order eps^4
   double plateau = 0;      // relative error of D that the mesh leaves
   Verdict verdict = Verdict::OutOfRange;
-  std::string reason;      // in words
+  std::string reason;  // in words
   std::vector<ValidationRow> rows;
 };
 
