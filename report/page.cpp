@@ -204,8 +204,9 @@ std::string map_section(const MapResult& map) {
         pretty(map.radius), 100 * map.masked_share);
   if (map.biactive_length > 0)
     out += fmt::format(
-        "<p class=\"note\">A length {} of the cracks has neither gap nor pressure: there the map takes "
-        "the faces as free to move.</p>\n",
+        "<p class=\"note\">A length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "
+        "the "
+        "map is of these.</p>\n",
         pretty(map.biactive_length));
   std::vector<std::string> heads = {"point", "value", "lower", "upper"};
   if (map.oriented) heads.push_back("angle");

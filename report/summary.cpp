@@ -115,8 +115,8 @@ void add_map(std::string& out, const MapResult& map) {
                     six(map.radius), 100 * map.masked_share));
   if (map.biactive_length > 0)
     add_sentence(out, "",
-                 fmt::format("a length {} of the cracks has neither gap nor pressure: there the map takes the faces as "
-                             "free to move",
+                 fmt::format("a length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "
+                             "the map is of these",
                              six(map.biactive_length)));
   constexpr std::size_t shown = 10;
   for (std::size_t i = 0; i < std::min(map.points.size(), shown); ++i) {
