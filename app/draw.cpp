@@ -63,7 +63,8 @@ double exaggeration(const PlotData& data) {
 
 std::string map_words(const Case& c) {
   const Perturbation& p = c.map_request.perturbation;
-  const std::string j = c.functional.kind == "energy" ? "energy" : "functional " + c.functional.kind;
+  std::string j = c.functional.kind == "sum" ? "functional" : c.functional.kind;
+  std::replace(j.begin(), j.end(), '_', ' ');
   const char* by = " changes it by \u03c0 \u03b5\u00b2 T";
   switch (p.kind) {
     case Perturbation::Kind::ClampedHole:

@@ -95,13 +95,13 @@ void write_state_files(const std::filesystem::path& folder, const Case& c, const
 
 void write_map_files(const std::filesystem::path& folder, const Case& c, const MapResult& result, const Mesh& mesh,
                      const PlotData& data, const FullMap& map) {
-  const bool bounds = map.lower.size() > 0, oriented = map.angle.size() > 0;
+  const bool bounds = c.map_request.bounds, everywhere = map.lower.size() > 0, oriented = map.angle.size() > 0;
   if (c.output.vtk) {
     std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
                                    {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
                                    {"mask", false, flags(map.masked_corner)},
                                    {"mask_at_centroid", true, flags(map.masked_centroid)}};
-    if (bounds) {
+    if (everywhere) {
       fields.push_back({"lower", false, map.lower.transpose()});
       fields.push_back({"upper", false, map.upper.transpose()});
     }
@@ -128,7 +128,7 @@ void write_map_files(const std::filesystem::path& folder, const Case& c, const M
       const auto k = static_cast<Eigen::Index>(i);
       MapPoint p{.at = data.points[i], .value = map.at_corners[k], .masked = map.masked_corner[i]};
       if (oriented) p.angle = angle[k];
-      if (bounds) p.lower = map.lower[k], p.upper = map.upper[k];
+      if (everywhere) p.lower = map.lower[k], p.upper = map.upper[k];
       add(p);
     }
   }

@@ -84,14 +84,14 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
 }
 
 /// Faces that slide against friction do not minimise an energy: only the value of a functional is to be had.
-void refuse_friction(const Case& c, const char* job) {
+void refuse_friction(const Case& c, const char* job, const char* table) {
   for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
     if (has_friction(c.scene.laws[k]))
       throw Error(
           Fault::Usage,
-          fmt::format("the {0} needs cracks without friction: crack \"{1}\" slides against it, and the state does not "
-                      "minimise the energy; remove friction and tresca, or [{0}] (kerf solve)",
-                      job, c.shape.cracks[k].name));
+          fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
+                      "minimise the energy; remove friction and tresca, or [{}] (kerf solve)",
+                      job, c.shape.cracks[k].name, table));
 }
 
 void describe_failure(const Model& model, const State& state, Result& r) {
@@ -134,8 +134,8 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   const bool with_validation = job == Job::Validate || (job == Job::Run && c.validate);
   if (with_validation && !c.validate)
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
-  if (with_map) refuse_friction(c, "map");
-  if (with_validation) refuse_friction(c, "validate");
+  if (with_map) refuse_friction(c, "map", "map");
+  if (with_validation) refuse_friction(c, "validation", "validate");
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)
@@ -197,6 +197,10 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     if (with_map) {
       const FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
       r.map = map_result(c, *analysis, full);
+      if (c.map_request.bounds && full.lower.size() == 0 &&
+          std::none_of(r.map->points.begin(), r.map->points.end(),
+                       [](const MapPoint& p) { return p.lower.has_value(); }))
+        r.state->notes.push_back("there are no bounds of the map for this functional, perturbation and element");
       r.seconds.map = watch.lap();
       begin("write the map");
       write_map_files(options.folder, c, *r.map, model.mesh, data, full);
