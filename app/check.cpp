@@ -121,6 +121,9 @@ std::string check(const Case& c) {
   if (c.map && !c.map->points.empty())
     if (const std::size_t lost = outside(mesh, c.map->points))
       notes.push_back(fmt::format("map: {} of {} points lie outside the body", lost, c.map->points.size()));
+  if (c.validate)
+    if (const std::size_t lost = outside(mesh, c.validate->points))
+      notes.push_back(fmt::format("validate: {} of {} points lie outside the body", lost, c.validate->points.size()));
   if (c.scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
   if (c.scene.supports.empty() && c.scene.tractions.empty() && !c.scene.body)
     notes.push_back("nothing acts on the body: the solution is zero");

@@ -1,5 +1,6 @@
 #include "app/collect.hpp"
 
+#include "report/validation.hpp"
 #include "solver/fracture.hpp"
 
 #include <cmath>
@@ -150,21 +151,53 @@ std::vector<Vec2> singular_points(const Model& model) {
   return points;
 }
 
-Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular,
-                double radius) {
-  Extrema e;
-  bool any = false;
-  for (Index t = 0; t < static_cast<Index>(at_centroids.size()); ++t) {
-    const Vec2 x = centroid(model.mesh, t);
-    bool near = false;
-    for (const Vec2& p : singular) near = near || (x - p).squaredNorm() < radius * radius;
-    if (near) continue;
-    if (!any || at_centroids[t] < e.min.value) e.min = {x, at_centroids[t]};
-    if (!any || at_centroids[t] > e.max.value) e.max = {x, at_centroids[t]};
-    any = true;
+Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius) {
+  const Eigen::VectorXd& values = map.at_centroids;
+  for (const bool with_masked : {false, true}) {
+    Extrema e;
+    bool any = false;
+    for (Index t = 0; t < static_cast<Index>(values.size()); ++t) {
+      if (!std::isfinite(values[t]) || (!with_masked && map.masked_centroid[static_cast<std::size_t>(t)])) continue;
+      const Vec2 x = centroid(model.mesh, t);
+      bool near = false;
+      for (const Vec2& p : singular) near = near || (x - p).squaredNorm() < radius * radius;
+      if (near) continue;
+      if (!any || values[t] < e.min.value) e.min = {x, values[t]};
+      if (!any || values[t] > e.max.value) e.max = {x, values[t]};
+      any = true;
+    }
+    if (any) return e;
   }
-  if (!any) e.min.value = e.max.value = std::numeric_limits<double>::quiet_NaN();
-  return e;
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  return {{Vec2::Zero(), unknown}, {Vec2::Zero(), unknown}};
+}
+
+FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
+  FunctionalResult r{j.kind, analysis.value};
+  if (j.kind == "sum")
+    for (std::size_t i = 0; i < j.terms.size(); ++i)
+      r.terms.push_back({j.terms[i].kind, j.terms[i].factor, analysis.term_value.at(i)});
+  return r;
+}
+
+MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map) {
+  const Model& model = *analysis.model;
+  MapResult r{.perturbation = word(c.map_request.perturbation.kind)};
+  const std::vector<Vec2> singular = singular_points(model);
+  constexpr double share = 0.02;  // of the body's extent
+  r.excluded_radius = singular.empty() ? 0 : share * extent(c.shape);
+  const Extrema e = extrema(model, map, singular, r.excluded_radius);
+  r.min = e.min;
+  r.max = e.max;
+  if (c.map && !c.map->points.empty()) r.points = map_at(analysis, c.functional, c.map_request, c.map->points);
+  r.radius = c.map_request.radius;
+  double masked = 0;
+  for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
+    if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
+  r.masked_share = masked / area(model);
+  r.biactive_length = analysis.biactive_length;
+  r.oriented = map.angle.size() > 0;
+  return r;
 }
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,

@@ -29,12 +29,15 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
 /// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be
 /// infinite.
 std::vector<Vec2> singular_points(const Model& model);
-/// Smallest and largest value over the triangles whose centroid is at least `radius` from every singular point.
+/// Smallest and largest value over the triangles that are not masked and whose centroid is at least `radius` from every
+/// singular point; over masked ones too where nothing else is left.
 struct Extrema {
   PlacedValue min, max;
 };
-Extrema extrema(const Model& model, const Eigen::VectorXd& at_centroids, const std::vector<Vec2>& singular,
-                double radius);
+Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius);
+
+FunctionalResult functional_result(const Functional& j, const Analysis& analysis);
+MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map);
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace kerf {
 
@@ -60,6 +61,29 @@ double exaggeration(const PlotData& data) {
   return power;
 }
 
+std::string map_words(const Case& c) {
+  const Perturbation& p = c.map_request.perturbation;
+  std::string j = c.functional.kind == "sum" ? "functional" : c.functional.kind;
+  std::replace(j.begin(), j.end(), '_', ' ');
+  const char* by = " changes it by \u03c0 \u03b5\u00b2 T";
+  switch (p.kind) {
+    case Perturbation::Kind::ClampedHole:
+      return fmt::format("change of the {} by a clamped hole of radius {:.3g}", j, c.map_request.radius);
+    case Perturbation::Kind::Inclusion:
+      return fmt::format("topological derivative of the {}: an inclusion of radius \u03b5{}", j, by);
+    case Perturbation::Kind::Ellipse:
+      return fmt::format(
+          "topological derivative of the {}: an elliptic hole of area \u03c0 \u03b5\u00b2 and axis ratio "
+          "{:g} in its best direction{}",
+          j, p.aspect, by);
+    case Perturbation::Kind::Crack:
+      return fmt::format("topological derivative of the {}: a crack of length 2 \u03b5 in its worst direction{}", j,
+                         by);
+    default:
+      return fmt::format("topological derivative of the {}: a hole of radius \u03b5{}", j, by);
+  }
+}
+
 }  // namespace
 
 Picture mesh_picture(const Case& c, const Model& model) {
@@ -90,15 +114,26 @@ Picture stress_picture(const Case& c, const Model& model, const PlotData& data) 
 }
 
 Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map) {
-  Picture p{
-      .title = c.title,
-      .subtitle = "topological derivative of the energy: a hole of radius \u03b5 changes it by \u03c0 \u03b5\u00b2 T"};
+  Picture p{.title = c.title, .subtitle = map_words(c)};
   p.points = data.points;
   p.triangles = data.corners.of;
   p.values = spread(data, map.at_corners);
-  p.value_label = "topological derivative T";
-  const bool both_signs = map.at_corners.minCoeff() < 0 && map.at_corners.maxCoeff() > 0;
-  p.scale = both_signs ? Scale::Diverging : Scale::Linear;
+  bool grey = false, negative = false, positive = false;
+  for (std::size_t t = 0; t < map.masked_centroid.size(); ++t) {
+    auto values = p.values.col(static_cast<Eigen::Index>(t));
+    if (map.masked_centroid[t]) {
+      values.setConstant(std::numeric_limits<double>::quiet_NaN());
+      grey = true;
+    } else {
+      negative = negative || values.minCoeff() < 0;
+      positive = positive || values.maxCoeff() > 0;
+    }
+  }
+  if (grey)
+    p.subtitle += fmt::format("; grey: too near to something else for a radius of {:.3g}", c.map_request.radius);
+  p.value_label = c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole ? "predicted change of J"
+                                                                                     : "topological derivative T";
+  p.scale = negative && positive ? Scale::Diverging : Scale::Linear;
   p.clip = 0.02;  // the map is infinite at tips
   add_lines(model, data, p.points, p);
   if (c.map)

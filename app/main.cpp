@@ -53,11 +53,11 @@ struct Command {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      {"run", "Every job that the case names: solve, map, report", true},
+      {"run", "Every job that the case names: solve, map, validate, report", true},
       {"solve", "The state alone", true},
       {"map", "The state and the map of the topological derivative", true},
       {"check", "Read the case, mesh it, print what each label selected; solve nothing", true},
-      {"validate", "The expansion against computations with finite holes (not supported yet)", false},
+      {"validate", "The expansion against computations with changes of finite size", true},
       {"optimize", "Improve the shape (not supported yet)", false},
       {"init", "Write a template case (not supported yet)", false},
       {"bench", "Speed against error, with CSV, JSON and pictures", true}};
@@ -216,7 +216,7 @@ int perform(const Arguments& arguments) {
   for (const Command& command : commands())
     if (command.name == arguments.command && !command.supported)
       throw Error(Fault::Usage,
-                  fmt::format("{} is not supported yet; use run, solve, map, check or bench", command.name));
+                  fmt::format("{} is not supported yet; use run, solve, map, validate, check or bench", command.name));
   if (arguments.command == "bench") return perform_bench(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
@@ -232,7 +232,10 @@ int perform(const Arguments& arguments) {
   options.threads = arguments.threads;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   options.stop_asked = [] { return stop_requested != 0; };
-  const Job job = arguments.command == "solve" ? Job::Solve : arguments.command == "map" ? Job::Map : Job::Run;
+  const Job job = arguments.command == "solve"      ? Job::Solve
+                  : arguments.command == "map"      ? Job::Map
+                  : arguments.command == "validate" ? Job::Validate
+                                                    : Job::Run;
   const Result result = run(c, job, options);
   progress.finish();
   if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));

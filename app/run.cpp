@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
-#include "app/collect.hpp"
+#include "app/files.hpp"
+#include "report/validation.hpp"
 #include "solver/adaptive.hpp"
 #include "solver/bounds.hpp"
 #include "solver/extended.hpp"
@@ -10,7 +11,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace kerf {
 
@@ -20,50 +20,6 @@ double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-std::vector<std::vector<double>> probe_rows(const Model& model, const State& state, const Probe& probe, bool with_map) {
-  const std::vector<Index> where = locate(model.mesh, probe.points);
-  const std::vector<double> map =
-      with_map ? energy_map(model, state, probe.points)
-               : std::vector<double>(probe.points.size(), std::numeric_limits<double>::quiet_NaN());
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < probe.points.size(); ++i) {
-    const Vec2& x = probe.points[i];
-    std::vector<double> row(8, std::numeric_limits<double>::quiet_NaN());  // an empty cell: outside the body
-    row[0] = x.x(), row[1] = x.y();
-    if (where[i] != none) {
-      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
-      const Eigen::Vector4d s = stress_at(model.kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
-      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i]};
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-MapResult map_result(const Model& model, const State& state, const Case& c, const FullMap& full) {
-  MapResult r{.perturbation = "hole"};
-  const std::vector<Vec2> singular = singular_points(model);
-  constexpr double share = 0.02;  // of the body's extent
-  r.excluded_radius = singular.empty() ? 0 : share * extent(c.shape);
-  const Extrema e = extrema(model, full.at_centroids, singular, r.excluded_radius);
-  r.min = e.min;
-  r.max = e.max;
-  if (c.map) {
-    const std::vector<double> values = energy_map(model, state, c.map->points);
-    for (std::size_t i = 0; i < values.size(); ++i) r.points.push_back({.at = c.map->points[i], .value = values[i]});
-  }
-  return r;
-}
-
-std::vector<std::vector<double>> map_rows(const MapResult& r, const PlotData& data, const FullMap& full) {
-  std::vector<std::vector<double>> rows;
-  for (const MapPoint& p : r.points) rows.push_back({p.at.x(), p.at.y(), p.value});
-  if (r.points.empty())
-    for (std::size_t i = 0; i < data.points.size(); ++i)
-      rows.push_back({data.points[i].x(), data.points[i].y(), full.at_corners[static_cast<Eigen::Index>(i)]});
-  return rows;
 }
 
 ContactMethod contact_method(const Case& c) {
@@ -127,23 +83,42 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
   return adapted;
 }
 
-// What an earlier run left under the names of the interface: a stale map beside a new state would mislead.
-void remove_earlier_results(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> old;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
-    const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-                          (name.starts_with("probe_") && type == ".csv");
-    for (const char* known :
-         {"result.json", "state.vtu", "map.vtu", "map.csv", "mesh.png", "von_mises.png", "map.png", "report.html"})
-      if (name == known) old.push_back(entry.path());
-    if (numbered) old.push_back(entry.path());
-  }
-  for (const auto& path : old) {
-    std::error_code failed;
-    std::filesystem::remove(path, failed);
-    if (failed) throw Error(Fault::Files, fmt::format("cannot remove {}: {}", path.string(), failed.message()));
-  }
+/// Faces that slide against friction do not minimise an energy: only the value of a functional is to be had.
+void refuse_friction(const Case& c, const char* job, const char* table) {
+  for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
+    if (has_friction(c.scene.laws[k]))
+      throw Error(
+          Fault::Usage,
+          fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
+                      "minimise the energy; remove friction and tresca, or [{}] (kerf solve)",
+                      job, c.shape.cracks[k].name, table));
+}
+
+void describe_failure(const Model& model, const State& state, Result& r) {
+  r.status = "not converged";
+  r.reason = !state.converged
+                 ? "the contact set did not settle"
+                 : fmt::format("the {} hold only to {:.2g} of the load",
+                               r.contact ? "conditions of equilibrium and contact" : "equations of equilibrium",
+                               state.certificate.kkt);
+  if (!model.skeleton.unseen.empty())
+    *r.reason +=
+        "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
+        "one symmetric stress there: use \"bdms\" with degree = 3";
+}
+
+void describe_state(const Case& c, const Model& model, const State& state, const Indicator& indicator, Result& r) {
+  r.state = state_result(model, state, indicator, energy_bounds(model, state));
+  r.cracks = crack_results(model, state, c.shape);
+  for (const CrackResult& crack : r.cracks)
+    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
+      r.state->notes.push_back(
+          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
+                      "contact = \"unilateral\" prevents it",
+                      crack.name, crack.penetration));
+  const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
+                                   [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
+  if (contact) r.contact = contact_result(state, c.backend == "umfpack" ? "active-set" : c.contact, r.cracks);
 }
 
 }  // namespace
@@ -156,14 +131,11 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     watch.lap();
   };
   const bool with_map = job == Job::Map || (job == Job::Run && c.map);
-  if (with_map)
-    for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
-      if (has_friction(c.scene.laws[k]))
-        throw Error(
-            Fault::Usage,
-            fmt::format("the map needs cracks without friction: crack \"{}\" slides against it, and the state does "
-                        "not minimise the energy; remove friction and tresca, or [map] (kerf solve)",
-                        c.shape.cracks[k].name));
+  const bool with_validation = job == Job::Validate || (job == Job::Run && c.validate);
+  if (with_validation && !c.validate)
+    throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
+  if (with_map) refuse_friction(c, "map", "map");
+  if (with_validation) refuse_friction(c, "validation", "validate");
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)
@@ -199,74 +171,70 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   const Indicator& indicator = solved->indicator;
 
   begin("recover");
-  r.state = state_result(model, state, indicator, energy_bounds(model, state));
-  r.cracks = crack_results(model, state, c.shape);
-  for (const CrackResult& crack : r.cracks)
-    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
-      r.state->notes.push_back(
-          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
-                      "contact = \"unilateral\" prevents it",
-                      crack.name, crack.penetration));
-  const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
-                                   [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact) r.contact = contact_result(state, c.backend == "umfpack" ? "active-set" : c.contact, r.cracks);
-  r.functional = {c.functional, r.state->energy};
+  describe_state(c, model, state, indicator, r);
   const PlotData data = plot_data(model, state, c.plane_strain);
   r.seconds.solve += watch.lap();
 
-  FullMap full;
-  if (with_map) {
-    begin("map");
-    full = energy_map(model, state, data.corners, data.values);
-    r.map = map_result(model, state, c, full);
-    r.seconds.map = watch.lap();
+  std::vector<std::pair<std::string, std::filesystem::path>> pictures;
+  const auto picture = [&](const std::string& name, const std::string& caption, const auto& p) {
+    draw(file(name), p);
+    pictures.emplace_back(caption, file(name));
+  };
+  begin("write the state");
+  write_state_files(options.folder, c, model, state, indicator, data, r.cracks);
+  if (c.output.png) {
+    picture("mesh.png", "Mesh", mesh_picture(c, model));
+    picture("von_mises.png", "Von Mises stress", stress_picture(c, model, data));
+  }
+  r.seconds.output += watch.lap();
+
+  // What cannot be had from here on leaves the state and everything before it.
+  std::optional<Analysis> analysis;
+  try {
+    begin(with_map ? "map" : "functional");
+    analysis = analyse(c.functional, model, state, !with_map);
+    r.functional = functional_result(c.functional, *analysis);
+    if (with_map) {
+      const FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
+      r.map = map_result(c, *analysis, full);
+      if (c.map_request.bounds && full.lower.size() == 0 &&
+          std::none_of(r.map->points.begin(), r.map->points.end(),
+                       [](const MapPoint& p) { return p.lower.has_value(); }))
+        r.state->notes.push_back("there are no bounds of the map for this functional, perturbation and element");
+      r.seconds.map = watch.lap();
+      begin("write the map");
+      write_map_files(options.folder, c, *r.map, model.mesh, data, full);
+      if (c.output.png) picture("map.png", "Topological derivative", map_picture(c, model, data, full));
+      r.seconds.output += watch.lap();
+    } else {
+      r.seconds.solve += watch.lap();
+    }
+    if (with_validation) {
+      begin("validate");
+      ValidationRequest request = *c.validate;
+      request.threads = options.threads;
+      const Element& e = element(c.element, c.degree);
+      r.validate = {word(request.perturbation.kind), validate(c.shape, c.sizing, e, c.scene, c.functional, request)};
+      r.seconds.validate = watch.lap();
+      begin("write the validation");
+      write_validation_csv(file("validate.csv"), *r.validate);
+      if (c.output.png)
+        picture("validate.png", "Validation: what the prediction leaves of the difference",
+                validation_chart(*r.validate, c.title));
+      r.seconds.output += watch.lap();
+    }
+  } catch (const Error& e) {
+    const bool stopped = options.stop_asked && options.stop_asked();
+    if (e.fault != Fault::Numerics || stopped) throw;
+    r.status = "failed";
+    r.reason = e.what();
+    watch.lap();
   }
 
   begin("write");
-  if (c.output.vtk) {
-    write_vtu(file("state.vtu"), data.points, data.corners.of, state_fields(model, state, data, indicator));
-    if (with_map) {
-      const std::vector<NamedField> fields{{"topological_derivative", false, full.at_corners.transpose()},
-                                           {"topological_derivative_at_centroid", true, full.at_centroids.transpose()}};
-      write_vtu(file("map.vtu"), data.points, data.corners.of, fields);
-    }
-  }
-  for (const CrackResult& crack : r.cracks) {
-    write_crack_csv(file("crack_" + crack.name + ".csv"), crack);
-    if (!c.output.vtk) continue;
-    std::vector<std::vector<Vec2>> line(1);
-    for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
-    write_vtp(file("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
-  }
-  if (with_map) write_csv(file("map.csv"), {"x", "y", "topological_derivative"}, map_rows(*r.map, data, full));
-  for (const Probe& probe : c.probes)
-    write_csv(file("probe_" + probe.name + ".csv"),
-              {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"},
-              probe_rows(model, state, probe, with_map));
-  std::vector<std::pair<std::string, std::filesystem::path>> pictures;
-  if (c.output.png) {
-    const auto picture = [&](const std::string& name, const std::string& caption, const Picture& p) {
-      draw(file(name), p);
-      pictures.emplace_back(caption, file(name));
-    };
-    picture("mesh.png", "Mesh", mesh_picture(c, model));
-    picture("von_mises.png", "Von Mises stress", stress_picture(c, model, data));
-    if (with_map) picture("map.png", "Topological derivative", map_picture(c, model, data, full));
-  }
-
-  if (!certified(state)) {
-    r.status = "not converged";
-    r.reason = !state.converged
-                   ? "the contact set did not settle"
-                   : fmt::format("the {} hold only to {:.2g} of the load",
-                                 r.contact ? "conditions of equilibrium and contact" : "equations of equilibrium",
-                                 state.certificate.kkt);
-    if (!model.skeleton.unseen.empty())
-      *r.reason +=
-          "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
-          "one symmetric stress there: use \"bdms\" with degree = 3";
-  }
-  r.seconds.output = watch.lap();
+  write_probe_files(options.folder, c, model, state, r.map ? &*analysis : nullptr);
+  if (!certified(state)) describe_failure(model, state, r);
+  r.seconds.output += watch.lap();
   sum_up();
   if (c.output.html) write_page(file("report.html"), r, pictures);
   write_json(file("result.json"), r);

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-enum class Job { Run, Solve, Map };
+enum class Job { Run, Solve, Map, Validate };
 
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
@@ -16,7 +16,8 @@ struct RunOptions {
 };
 
 /// Runs the jobs and writes every file of the interface; result.json last. Throws Error(Geometry | Numerics | Files).
-/// A state that cannot be solved or certified is written (status, reason) before Error(Numerics) leaves.
+/// A state that cannot be solved is written (status, reason) before Error(Numerics) leaves; a map or a validation that
+/// cannot be had leaves a result with status "failed" and the state.
 Result run(const Case& c, Job job, const RunOptions& options);
 
 /// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing.

@@ -153,7 +153,7 @@ struct Reader {
 
   std::vector<Term> terms(const Field& table, const std::string& kind) const {
     if (kind == "energy") return {energy()};
-    if (kind == "compliance") return {compliance(c.scene)};
+    if (kind == "compliance") return {compliance()};
     if (kind == "volume") return {volume()};
     if (kind == "displacement_tracking") {
       const auto target = formulas(need(table, "target"), definitions, false);

@@ -3,6 +3,7 @@
 #include "report/svg.hpp"
 #include "report/text.hpp"
 #include "report/ticks.hpp"
+#include "report/validation.hpp"
 
 #include <fmt/format.h>
 
@@ -45,6 +46,8 @@ svg .grid { stroke: var(--rule); } svg .axis { stroke: #8a949e; fill: none; } sv
 footer { margin-top: 3rem; padding-top: .8rem; border-top: 1px solid var(--rule); color: var(--dim); font-size: .88rem; }
 @media print { main { max-width: none; padding: 0; } figure, table, svg { break-inside: avoid; } h2, h3 { break-after: avoid; } }
 )css";
+
+constexpr std::size_t most_rows = 200;  // of a table
 
 std::string at(const Vec2& p) {
   return fmt::format("({}, {})", pretty(p.x()), pretty(p.y()));
@@ -99,7 +102,7 @@ std::string key_numbers(const Result& result) {
     add("energy", pretty(result.state->energy));
     add("compliance", pretty(result.state->compliance));
   }
-  if (result.functional) add(result.functional->first + " (functional)", pretty(result.functional->second));
+  if (result.functional) add(result.functional->kind + " (functional)", pretty(result.functional->value));
   if (std::isfinite(result.seconds.total)) add("seconds", fmt::format("{:.3g}", result.seconds.total));
   return fmt::format("<div class=\"key\">\n{}</div>\n", out);
 }
@@ -134,7 +137,11 @@ std::string mesh_and_state(const Result& result) {
     if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
     if (s.energy_bounds)
       facts.add("energy between", pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
-    if (result.functional) facts.add("functional " + result.functional->first, pretty(result.functional->second));
+    if (result.functional) {
+      facts.add("functional " + result.functional->kind, pretty(result.functional->value));
+      for (const auto& term : result.functional->terms)
+        facts.add(pretty(term.factor) + " times " + term.kind, pretty(term.value));
+    }
     out += "<h2>State</h2>\n" + facts.table();
   }
   return out;
@@ -189,16 +196,63 @@ std::string map_section(const MapResult& map) {
     out += fmt::format("<p class=\"dim\">Min and max leave out {} around crack tips and reentrant corners.</p>\n",
                        pretty(map.excluded_radius));
   }
-  constexpr std::size_t shown = 200;
+  if (map.masked_share > 0)
+    out += fmt::format(
+        "<p class=\"dim\">The expansion cannot hold at radius {} on {:.3g} % of the area (grey in the "
+        "picture): too near to a boundary, a crack, a tip or an end of contact, a support or a load. Min "
+        "and max leave it out.</p>\n",
+        pretty(map.radius), 100 * map.masked_share);
+  if (map.biactive_length > 0)
+    out += fmt::format(
+        "<p class=\"note\">A length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "
+        "the "
+        "map is of these.</p>\n",
+        pretty(map.biactive_length));
+  std::vector<std::string> heads = {"point", "value", "lower", "upper"};
+  if (map.oriented) heads.push_back("angle");
+  heads.push_back("expansion");
   std::vector<std::vector<std::string>> rows;
   for (const MapPoint& p : map.points) {
-    if (rows.size() == shown) break;
+    if (rows.size() == most_rows) break;
     rows.push_back({at(p.at), pretty(p.value), value(p.lower), value(p.upper)});
+    if (map.oriented) rows.back().push_back(fmt::format("{:.1f}°", degrees(p.angle)));
+    rows.back().push_back(!std::isfinite(p.value) ? "–" : p.masked ? "masked" : "valid");
   }
-  if (!rows.empty()) out += table({"point", "value", "lower", "upper"}, rows);
-  if (map.points.size() > shown) {
-    out += fmt::format("<p class=\"dim\">{} more points are in map.csv.</p>\n", map.points.size() - shown);
+  if (!rows.empty()) out += table(heads, rows);
+  if (map.points.size() > most_rows)
+    out += fmt::format("<p class=\"dim\">{} more points are in map.csv.</p>\n", map.points.size() - most_rows);
+  return out;
+}
+
+std::string validation_section(const ValidationResult& validation, const std::string& figure) {
+  std::string out = fmt::format("<h2>Validation: {}</h2>\n", escape_html(validation.perturbation));
+  std::vector<std::vector<std::string>> rows;
+  for (const Validation& v : validation.points) {
+    out += fmt::format("<p class=\"note{}\">{}</p>\n", v.verdict == Verdict::Fails ? " bad" : "",
+                       escape_html(sentence(v)));
+    if (rows.size() < most_rows)
+      rows.push_back({at(v.at), word(v.verdict), pretty(v.coefficient), pretty(v.intercept), pretty(v.order),
+                      pretty(v.plateau), pretty(v.c2), pretty(v.c3)});
   }
+  out += table({"point", "expansion", "T", "intercept", "order", "plateau", "c<sub>2</sub>", "c<sub>3</sub>"}, rows);
+  out +=
+      "<p class=\"dim\">Intercept, c<sub>2</sub>, c<sub>3</sub>: of the fit T + c<sub>2</sub> ε² + c<sub>3</sub> ε² "
+      "ln ε to the difference over its scale (π ε²). Plateau: relative error that the mesh leaves.</p>\n" +
+      figure;
+  rows.clear();
+  std::size_t left_out = 0;
+  for (const Validation& v : validation.points)
+    for (const ValidationRow& row : v.rows) {
+      if (rows.size() == most_rows) {
+        ++left_out;
+        continue;
+      }
+      rows.push_back({at(v.at), pretty(row.radius), pretty(row.J), pretty(row.difference), pretty(row.predicted),
+                      pretty(row.remainder), pretty(row.order), row.same_contact ? "same" : "changed"});
+    }
+  if (!rows.empty())
+    out += table({"point", "radius", "J", "difference", "predicted", "remainder", "order", "contact"}, rows);
+  if (left_out > 0) out += fmt::format("<p class=\"dim\">{} more rows are in validate.csv.</p>\n", left_out);
   return out;
 }
 
@@ -213,14 +267,16 @@ void write_page(const std::filesystem::path& path, const Result& result,
       "</head>\n<body>\n<main>\n",
       title, style);
   out += head(result, title) + key_numbers(result);
+  std::string validation_figure;
   for (const auto& [caption, file] : pictures) {
     const std::string text = escape_html(caption);
-    out +=
+    (file.filename() == "validate.png" ? validation_figure : out) +=
         fmt::format("<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
                     text, base64(read_file(file)), text);
   }
   out += mesh_and_state(result) + contact_and_cracks(result);
   if (result.map) out += map_section(*result.map);
+  if (result.validate) out += validation_section(*result.validate, validation_figure);
   out += "<h2>Time</h2>\n" + time_bars(result.seconds);
   out += fmt::format("<p>Total {:.3f} s", result.seconds.total);
   if (result.peak_memory_mb > 0) out += fmt::format(", peak memory {:.1f} MB", result.peak_memory_mb);

@@ -1,6 +1,8 @@
 #include "report/result.hpp"
 
 #include "report/files.hpp"
+#include "report/text.hpp"
+#include "report/validation.hpp"
 
 #include <fmt/format.h>
 
@@ -95,17 +97,58 @@ Json crack_section(const CrackResult& crack) {
           {"tips", std::move(tips)}};
 }
 
+Json functional_section(const FunctionalResult& functional) {
+  Json out = {{"kind", functional.kind}, {"value", number(functional.value)}};
+  for (const auto& term : functional.terms)
+    out["terms"].push_back({{"kind", term.kind}, {"factor", number(term.factor)}, {"value", number(term.value)}});
+  return out;
+}
+
 Json map_section(const MapResult& map) {
   Json points = Json::array();
   for (const MapPoint& p : map.points) {
-    points.push_back(
-        {{"at", place(p.at)}, {"value", number(p.value)}, {"lower", number(p.lower)}, {"upper", number(p.upper)}});
+    const Json angle = map.oriented && std::isfinite(p.value) ? number(degrees(p.angle)) : Json(nullptr);
+    points.push_back({{"at", place(p.at)},
+                      {"value", number(p.value)},
+                      {"lower", number(p.lower)},
+                      {"upper", number(p.upper)},
+                      {"masked", p.masked},
+                      {"angle_deg", angle}});
   }
   return {{"perturbation", map.perturbation},
           {"min", placed(map.min)},
           {"max", placed(map.max)},
           {"points", std::move(points)},
-          {"excluded_radius", number(map.excluded_radius)}};
+          {"excluded_radius", number(map.excluded_radius)},
+          {"radius", number(map.radius)},
+          {"masked_share", number(map.masked_share)},
+          {"biactive_length", number(map.biactive_length)}};
+}
+
+Json validate_section(const ValidationResult& validation) {
+  Json points = Json::array();
+  for (const Validation& v : validation.points) {
+    Json rows = Json::array();
+    for (const ValidationRow& row : v.rows)
+      rows.push_back({{"radius", number(row.radius)},
+                      {"J", number(row.J)},
+                      {"difference", number(row.difference)},
+                      {"predicted", number(row.predicted)},
+                      {"remainder", number(row.remainder)},
+                      {"order", number(row.order)},
+                      {"same_contact", row.same_contact}});
+    points.push_back({{"at", place(v.at)},
+                      {"coefficient", number(v.coefficient)},
+                      {"order", number(v.order)},
+                      {"verdict", word(v.verdict)},
+                      {"rows", std::move(rows)},
+                      {"reason", v.reason},
+                      {"intercept", number(v.intercept)},
+                      {"plateau", number(v.plateau)},
+                      {"c2", number(v.c2)},
+                      {"c3", number(v.c3)}});
+  }
+  return points;
 }
 
 Json time_section(const Seconds& s) {
@@ -113,22 +156,6 @@ Json time_section(const Seconds& s) {
           {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
           {"validate", number(s.validate)}, {"optimize", number(s.optimize)}, {"output", number(s.output)},
           {"total", number(s.total)}};
-}
-
-/// The shortest text that reads back to the same bits; nothing for what is not finite.
-void append_cell(fmt::memory_buffer& out, double value) {
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value);
-}
-
-std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
-  std::string out = "\"";
-  for (const char c : name) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
-}
-
-std::string_view view(const fmt::memory_buffer& buffer) {
-  return {buffer.data(), buffer.size()};
 }
 
 }  // namespace
@@ -139,50 +166,15 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.state) out["state"] = state_section(*result.state);
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
-  if (result.functional) {
-    out["functional"] = {{"kind", result.functional->first}, {"value", number(result.functional->second)}};
-  }
+  if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
+  if (result.validate) out["validate"] = validate_section(*result.validate);
   out["time_s"] = time_section(result.seconds);
   out["peak_memory_mb"] = number(result.peak_memory_mb);
   if (!result.title.empty()) out["title"] = result.title;
   if (result.reason) out["reason"] = *result.reason;
   // Names come from users: bytes that are no UTF-8 are replaced, not thrown about.
   write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
-}
-
-void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,
-               const std::vector<std::vector<double>>& rows) {
-  fmt::memory_buffer out;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    fmt::format_to(std::back_inserter(out), "{}{}", i > 0 ? "," : "", quoted(columns[i]));
-  }
-  out.push_back('\n');
-  for (const auto& row : rows) {
-    if (row.size() != columns.size()) {
-      throw std::invalid_argument(
-          fmt::format("a row of '{}' has {} values; {} would be right", path.string(), row.size(), columns.size()));
-    }
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      if (i > 0) out.push_back(',');
-      append_cell(out, row[i]);
-    }
-    out.push_back('\n');
-  }
-  write_file(path, view(out));
-}
-
-void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack) {
-  fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n");
-  for (const CrackRow& row : crack.rows) {
-    for (const double value : {row.s, row.at.x(), row.at.y(), row.jump_n, row.jump_t, row.sigma_n, row.sigma_t}) {
-      append_cell(out, value);
-      out.push_back(',');
-    }
-    fmt::format_to(std::back_inserter(out), "{}\n", row.closed ? "closed" : "open");
-  }
-  write_file(path, view(out));
 }
 
 }  // namespace kerf

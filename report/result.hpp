@@ -1,7 +1,7 @@
 #pragma once
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
-#include "geometry/mesh.hpp"
+#include "topo/validate.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -72,17 +72,30 @@ struct ContactResultSummary {
   double kkt = 0, open_length = 0, closed_length = 0, biactive_length = 0;
 };
 
-struct MapPoint {
-  Vec2 at = Vec2::Zero();
-  double value = 0;  // not finite: outside the body, written as null with the reason in the summary
-  std::optional<double> lower, upper;
+struct FunctionalResult {
+  std::string kind;
+  double value = 0;
+  struct TermResult {
+    std::string kind;
+    double factor = 1, value = 0;  // the factor is left out of the value
+  };
+  std::vector<TermResult> terms = {};  // of a sum
 };
 
 struct MapResult {
   std::string perturbation;
-  PlacedValue min, max;
+  PlacedValue min, max;          // where nothing is masked, if that is anywhere
   double excluded_radius = 0;    // min and max leave out this neighbourhood of crack tips and reentrant corners
   std::vector<MapPoint> points;  // the asked points; empty when the map was asked everywhere
+  double radius = 0;             // that the mask is for
+  double masked_share = 0;       // of the area
+  double biactive_length = 0;
+  bool oriented = false;  // the perturbation has an angle
+};
+
+struct ValidationResult {
+  std::string perturbation;
+  std::vector<Validation> points;
 };
 
 struct Result {
@@ -94,8 +107,9 @@ struct Result {
   std::optional<StateResult> state;
   std::optional<ContactResultSummary> contact;
   std::vector<CrackResult> cracks;
-  std::optional<std::pair<std::string, double>> functional;  // kind, value
+  std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
+  std::optional<ValidationResult> validate;
   Seconds seconds;
   double peak_memory_mb = 0;
 };
@@ -110,11 +124,12 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 /// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
-/// One self-contained page: numbers, tables, and the given PNG files embedded. Opens without a network.
+/// One self-contained page: numbers, tables, and the given PNG files embedded, validate.png in
+/// the section of its own. Opens without a network.
 void write_page(const std::filesystem::path& path, const Result& result,
                 const std::vector<std::pair<std::string, std::filesystem::path>>& pictures);
 
-/// The summary for a terminal: mesh, state, contact, map, times; no colours, at most 100 columns.
+/// The summary for a terminal: mesh, state, contact, map, validation, times; no colours, at most 100 columns.
 std::string summary(const Result& result);
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include "report/result.hpp"
 #include "report/text.hpp"
+#include "report/validation.hpp"
 
 #include <fmt/format.h>
 
@@ -106,6 +107,17 @@ void add_map(std::string& out, const MapResult& map) {
         out, "",
         fmt::format("min and max leave out {} around crack tips and reentrant corners", six(map.excluded_radius)));
   }
+  if (map.masked_share > 0)
+    add_sentence(
+        out, "",
+        fmt::format("masked: the expansion cannot hold at radius {} on {:.3g} % of the area; min and max leave "
+                    "it out",
+                    six(map.radius), 100 * map.masked_share));
+  if (map.biactive_length > 0)
+    add_sentence(out, "",
+                 fmt::format("a length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "
+                             "the map is of these",
+                             six(map.biactive_length)));
   constexpr std::size_t shown = 10;
   for (std::size_t i = 0; i < std::min(map.points.size(), shown); ++i) {
     const MapPoint& p = map.points[i];
@@ -115,10 +127,26 @@ void add_map(std::string& out, const MapResult& map) {
     }
     std::string text = at(p.at) + "  " + six(p.value);
     if (p.lower && p.upper) text += fmt::format("  in [{}, {}]", six(*p.lower), six(*p.upper));
+    if (map.oriented) text += fmt::format("  angle {:.1f} deg", degrees(p.angle));
+    if (p.masked) text += "  masked";
     add(out, "", {text});
   }
   if (map.points.size() > shown)
     add(out, "", {fmt::format("and {} more points in map.csv", map.points.size() - shown)});
+}
+
+void add_functional(std::string& out, const FunctionalResult& functional) {
+  add(out, "functional", {item(functional.kind, functional.value)});
+  for (const auto& term : functional.terms)
+    add(out, "", {fmt::format("{} times", six(term.factor)), item(term.kind, term.value)});
+}
+
+void add_validation(std::string& out, const ValidationResult& validation) {
+  std::size_t hold = 0;
+  for (const Validation& v : validation.points) hold += v.verdict == Verdict::Holds;
+  add(out, "validate",
+      {clean_text(validation.perturbation), fmt::format("holds at {} of {} points", hold, validation.points.size())});
+  for (const Validation& v : validation.points) add_sentence(out, "", sentence(v));
 }
 
 void add_times(std::string& out, const Result& result) {
@@ -175,8 +203,9 @@ std::string summary(const Result& result) {
     add(out, "", lengths);
   }
   for (const CrackResult& crack : result.cracks) add_crack(out, crack);
-  if (result.functional) add(out, "functional", {item(result.functional->first, result.functional->second)});
+  if (result.functional) add_functional(out, *result.functional);
   if (result.map) add_map(out, *result.map);
+  if (result.validate) add_validation(out, *result.validate);
   add_times(out, result);
   return out;
 }

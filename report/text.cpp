@@ -4,12 +4,17 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace kerf {
 
 std::string six(double value) {
   if (!std::isfinite(value)) return "-";
   return fmt::format("{:.6g}", value == 0 ? 0.0 : value);  // no "-0"
+}
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
 }
 
 namespace {

@@ -9,6 +9,9 @@ namespace kerf {
 /// Six significant digits; "-" when not finite.
 std::string six(double value);
 
+/// Of an angle in radians.
+double degrees(double radians);
+
 /// Invalid UTF-8 becomes U+FFFD, control characters and line ends become spaces.
 std::string clean_text(std::string_view text);
 

@@ -20,11 +20,31 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST(Page, EverySectionOfAFullRun) {
   const std::string html = page(test::full_result());
-  for (const char* part :
-       {"<h1>Plate with a partly closing crack</h1>", "case cracked_plate", "<h2>Mesh</h2>", "<h2>State</h2>",
-        "<h2>Contact</h2>", "<h2>Cracks</h2>", "Crack c", "K<sub>I</sub>", "1.25", "(−0.333333, 0)", "closed",
-        "Topological derivative: hole", "(0.5, 0.25)", "<svg class=\"bars\"", "opening along c", "pressure along c",
-        "rigid motion fixed", "kerf 0.1.0", "123.5 MB"}) {
+  for (const char* part : {"<h1>Plate with a partly closing crack</h1>",
+                           "case cracked_plate",
+                           "<h2>Mesh</h2>",
+                           "<h2>State</h2>",
+                           "<h2>Contact</h2>",
+                           "<h2>Cracks</h2>",
+                           "Crack c",
+                           "K<sub>I</sub>",
+                           "1.25",
+                           "(−0.333333, 0)",
+                           "closed",
+                           "Topological derivative: hole",
+                           "(0.5, 0.25)",
+                           "<svg class=\"bars\"",
+                           "opening along c",
+                           "pressure along c",
+                           "rigid motion fixed",
+                           "kerf 0.1.0",
+                           "<h2>Validation: hole</h2>",
+                           "At (0.5, 0.8) the expansion holds",
+                           "<td>out of range</td>",
+                           "<td>changed</td>",
+                           "<td>masked</td>",
+                           "on 25 % of the area",
+                           "123.5 MB"}) {
     EXPECT_TRUE(has(html, part)) << part;
   }
   EXPECT_FALSE(has(html, "nan"));
@@ -34,7 +54,7 @@ TEST(Page, OnlyWhatRan) {
   Result r;
   r.case_name = "bare";
   const std::string html = page(r);
-  for (const char* part : {"<h2>Mesh", "<h2>State", "<h2>Contact", "<h2>Cracks", "Topological"}) {
+  for (const char* part : {"<h2>Mesh", "<h2>State", "<h2>Contact", "<h2>Cracks", "Topological", "Validation"}) {
     EXPECT_FALSE(has(html, part)) << part;
   }
   EXPECT_TRUE(has(html, "<h1>bare</h1>"));
@@ -52,12 +72,34 @@ TEST(Page, NamesCannotBecomeMarkup) {
   r.cracks[0].transitions[0].from = r.cracks[0].transitions[0].to = bad;
   r.functional = {bad, 1};
   r.map->perturbation = bad;
+  r.validate->perturbation = r.validate->points[1].reason = r.validate->points[2].reason = bad;
   const Folder folder;
   write_file(folder.path / "p.png", "png");
   const std::string html = page(r, {{bad, folder.path / "p.png"}});
   EXPECT_FALSE(has(html, "<script"));
   EXPECT_FALSE(has(html, "alert(\""));
   EXPECT_TRUE(has(html, "&lt;script&gt;alert(&quot;1&quot;)&lt;/script&gt;&amp;&#39;"));
+}
+
+TEST(Page, ThePictureOfTheValidationStandsInItsSection) {
+  const Folder folder;
+  write_file(folder.path / "mesh.png", "mesh");
+  write_file(folder.path / "validate.png", "validate");
+  const std::string html =
+      page(test::full_result(), {{"Validation", folder.path / "validate.png"}, {"Mesh", folder.path / "mesh.png"}});
+  const std::size_t mesh = html.find(base64("mesh")), section = html.find("<h2>Validation"),
+                    figure = html.find(base64("validate"));
+  EXPECT_LT(mesh, section);
+  ASSERT_NE(figure, std::string::npos);
+  EXPECT_GT(figure, section);
+  EXPECT_LT(figure, html.find("<h2>Time"));
+}
+
+TEST(Page, AnglesOfTheMap) {
+  Result r = test::full_result();
+  EXPECT_FALSE(has(page(r), ">angle</th>"));
+  r.map->oriented = true;
+  EXPECT_TRUE(has(page(r), "<td>45.0°</td>"));
 }
 
 TEST(Page, PicturesAreInsideAndNothingIsOutside) {

@@ -30,7 +30,7 @@ using Keys = std::vector<std::string>;
 TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   const Json j = written(test::full_result());
   EXPECT_EQ(keys(j), (Keys{"schema", "version", "case", "status", "mesh", "state", "contact", "cracks", "functional",
-                           "map", "time_s", "peak_memory_mb", "title"}));
+                           "map", "validate", "time_s", "peak_memory_mb", "title"}));
   EXPECT_EQ(keys(j["mesh"]), (Keys{"triangles", "vertices", "h_min", "h_max", "min_angle_deg", "mean_quality"}));
   EXPECT_EQ(keys(j["state"]), (Keys{"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance",
                                     "area", "estimated_error", "energy_bounds", "degree", "notes"}));
@@ -41,9 +41,15 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["cracks"][0]["transitions"][0]), (Keys{"at", "from", "to"}));
   EXPECT_EQ(keys(j["cracks"][0]["tips"][0]), (Keys{"at", "K_I", "K_II", "G", "T", "spread"}));
   EXPECT_EQ(keys(j["functional"]), (Keys{"kind", "value"}));
-  EXPECT_EQ(keys(j["map"]), (Keys{"perturbation", "min", "max", "points", "excluded_radius"}));
+  EXPECT_EQ(keys(j["map"]), (Keys{"perturbation", "min", "max", "points", "excluded_radius", "radius", "masked_share",
+                                  "biactive_length"}));
   EXPECT_EQ(keys(j["map"]["min"]), (Keys{"at", "value"}));
-  EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper"}));
+  EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper", "masked", "angle_deg"}));
+  ASSERT_EQ(j["validate"].size(), 3u);
+  EXPECT_EQ(keys(j["validate"][0]),
+            (Keys{"at", "coefficient", "order", "verdict", "rows", "reason", "intercept", "plateau", "c2", "c3"}));
+  EXPECT_EQ(keys(j["validate"][0]["rows"][0]),
+            (Keys{"radius", "J", "difference", "predicted", "remainder", "order", "same_contact"}));
   EXPECT_EQ(keys(j["time_s"]),
             (Keys{"mesh", "assemble", "factor", "solve", "contact", "map", "validate", "optimize", "output", "total"}));
 }
@@ -77,6 +83,41 @@ TEST(ResultJson, ValuesReadBackToTheSameBits) {
   EXPECT_TRUE(j["map"]["points"][1]["lower"].is_null());
   EXPECT_EQ(j["time_s"]["total"], 0.28);
   EXPECT_EQ(j["peak_memory_mb"], 123.5);
+}
+
+TEST(ResultJson, MapAndValidation) {
+  Result r = test::full_result();
+  Json j = written(r);
+  EXPECT_EQ(j["map"]["radius"], 0.0125);
+  EXPECT_EQ(j["map"]["masked_share"], 0.25);
+  EXPECT_EQ(j["map"]["biactive_length"], 0.01);
+  EXPECT_EQ(j["map"]["points"][0]["masked"], true);
+  EXPECT_TRUE(j["map"]["points"][0]["angle_deg"].is_null()) << "a hole has none";
+  EXPECT_EQ(j["validate"][0]["verdict"], "holds");
+  EXPECT_EQ(j["validate"][1]["verdict"], "fails");
+  EXPECT_EQ(j["validate"][2]["verdict"], "out of range");
+  EXPECT_EQ(j["validate"][0]["c2"], 5.6);
+  EXPECT_EQ(j["validate"][0]["rows"][1]["radius"], 0.1);
+  EXPECT_EQ(j["validate"][0]["rows"][1]["order"], 4);
+  EXPECT_TRUE(j["validate"][0]["rows"][2]["order"].is_null());
+  EXPECT_EQ(j["validate"][1]["rows"][0]["same_contact"], false);
+  EXPECT_TRUE(j["validate"][2]["coefficient"].is_null());
+  EXPECT_TRUE(j["validate"][2]["rows"].empty());
+  EXPECT_EQ(j["validate"][2]["reason"], "the point lies outside the body");
+  r.map->oriented = true;
+  j = written(r);
+  EXPECT_DOUBLE_EQ(j["map"]["points"][0]["angle_deg"].get<double>(), 45);
+  EXPECT_TRUE(j["map"]["points"][1]["angle_deg"].is_null());
+}
+
+TEST(ResultJson, TermsOfASum) {
+  Result r;
+  r.functional = {"energy", -0.5};
+  EXPECT_EQ(written(r)["functional"].dump(), R"({"kind":"energy","value":-0.5})");
+  r.functional = {"sum", 3, {{"compliance", 0.5, 4}, {"volume", -100, std::nan("")}}};
+  EXPECT_EQ(written(r)["functional"].dump(),
+            R"({"kind":"sum","value":3.0,"terms":[{"kind":"compliance","factor":0.5,"value":4.0},)"
+            R"({"kind":"volume","factor":-100.0,"value":null}]})");
 }
 
 TEST(ResultJson, SectionsOfJobsThatDidNotRunAreAbsent) {

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 
 namespace kerf::test {
@@ -54,6 +56,32 @@ inline Picture grid(const Vec2& low, const Vec2& high, Index nx, Index ny,
   return out;
 }
 
+/// One point that holds, one that fails, one beyond reach.
+inline ValidationResult sample_validation() {
+  ValidationResult out{"hole", {}};
+  Validation v{.at = {0.5, 0.8}, .coefficient = -1.234, .order = 4.02, .intercept = -1.2343702, .c2 = 5.6, .c3 = -0.7};
+  v.plateau = 1e-5;
+  v.verdict = Verdict::Holds;
+  v.reason = "orders 4.01 and 4.03";
+  for (const double radius : {0.2, 0.1, 0.05}) {
+    const double predicted = std::numbers::pi * radius * radius * v.coefficient, remainder = 5 * std::pow(radius, 4);
+    v.rows.push_back({radius, -10 + predicted + remainder, predicted + remainder, predicted, remainder, 4, true});
+  }
+  v.rows.back().order = std::nan("");
+  out.points.push_back(v);
+  v.at = {-0.4, 0.6};
+  v.verdict = Verdict::Fails;
+  v.reason = "the remainder falls with order 2, not 4";
+  v.order = 2;
+  v.rows[0].same_contact = false;
+  out.points.push_back(v);
+  v = {.at = {3, 0}, .coefficient = std::nan(""), .order = std::nan("")};
+  v.intercept = v.c2 = v.c3 = v.plateau = std::nan("");
+  v.reason = "the point lies outside the body";
+  out.points.push_back(v);
+  return out;
+}
+
 /// Every section, every optional value.
 inline Result full_result() {
   Result r;
@@ -95,8 +123,14 @@ inline Result full_result() {
   map.min = {{0.5, 0.25}, -3};
   map.max = {{-0.5, 0.75}, 4};
   map.excluded_radius = 0.05;
-  map.points = {{{0.5, 0.5}, 0.125, 0.1, 0.15}, {{9, 9}, std::nan(""), std::nullopt, std::nullopt}};
+  map.points = {
+      {.at = {0.5, 0.5}, .value = 0.125, .angle = std::numbers::pi / 4, .masked = true, .lower = 0.1, .upper = 0.15},
+      {.at = {9, 9}, .value = std::nan("")}};
+  map.radius = 0.0125;
+  map.masked_share = 0.25;
+  map.biactive_length = 0.01;
   r.map = map;
+  r.validate = sample_validation();
   r.seconds = {0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0, 0, 0.07, 0.28};
   r.peak_memory_mb = 123.5;
   return r;

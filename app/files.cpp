@@ -1,0 +1,146 @@
+#include "app/files.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN(), degree = std::numbers::pi / 180;
+
+Eigen::RowVectorXd flags(const std::vector<bool>& values) {
+  Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));
+  for (Eigen::Index i = 0; i < row.size(); ++i) row[i] = values[static_cast<std::size_t>(i)] ? 1 : 0;
+  return row;
+}
+
+/// The angle at the corners: axes, not vectors, weighted by the areas of the triangles that meet there.
+Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const Eigen::VectorXd& at_centroids) {
+  const auto n = static_cast<Eigen::Index>(data.points.size());
+  Eigen::Matrix2Xd sum = Eigen::Matrix2Xd::Zero(2, n);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    const double twice = 2 * at_centroids[t];
+    if (!std::isfinite(twice)) continue;
+    for (const Index corner : data.corners.of[static_cast<std::size_t>(t)])
+      sum.col(corner) += area(mesh, t) * Vec2(std::cos(twice), std::sin(twice));
+  }
+  Eigen::VectorXd angle(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    angle[i] = 0.5 * std::atan2(sum(1, i), sum(0, i));
+    if (angle[i] < 0) angle[i] += std::numbers::pi;
+  }
+  return angle;
+}
+
+std::vector<std::vector<double>> probe_rows(const Case& c, const Model& model, const State& state, const Probe& probe,
+                                            const Analysis* analysis) {
+  const std::vector<Index> where = locate(model.mesh, probe.points);
+  std::vector<MapPoint> map(probe.points.size(), MapPoint{.value = unknown});
+  if (analysis) {
+    MapRequest request = c.map_request;
+    request.bounds = false;
+    map = map_at(*analysis, c.functional, request, probe.points);
+  }
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < probe.points.size(); ++i) {
+    const Vec2& x = probe.points[i];
+    std::vector<double> row(8, unknown);  // an empty cell: outside the body
+    row[0] = x.x(), row[1] = x.y();
+    if (where[i] != none) {
+      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
+      const Eigen::Vector4d s = stress_at(model.kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
+      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace
+
+void remove_earlier_results(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> old;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
+    const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
+                          (name.starts_with("probe_") && type == ".csv");
+    for (const char* known : {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png",
+                              "von_mises.png", "map.png", "validate.png", "report.html"})
+      if (name == known) old.push_back(entry.path());
+    if (numbered) old.push_back(entry.path());
+  }
+  for (const auto& path : old) {
+    std::error_code failed;
+    std::filesystem::remove(path, failed);
+    if (failed) throw Error(Fault::Files, fmt::format("cannot remove {}: {}", path.string(), failed.message()));
+  }
+}
+
+void write_state_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
+                       const Indicator& indicator, const PlotData& data, const std::vector<CrackResult>& cracks) {
+  if (c.output.vtk)
+    write_vtu(folder / "state.vtu", data.points, data.corners.of, state_fields(model, state, data, indicator));
+  for (const CrackResult& crack : cracks) {
+    write_crack_csv(folder / ("crack_" + crack.name + ".csv"), crack);
+    if (!c.output.vtk) continue;
+    std::vector<std::vector<Vec2>> line(1);
+    for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
+    write_vtp(folder / ("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
+  }
+}
+
+void write_map_files(const std::filesystem::path& folder, const Case& c, const MapResult& result, const Mesh& mesh,
+                     const PlotData& data, const FullMap& map) {
+  const bool bounds = c.map_request.bounds, everywhere = map.lower.size() > 0, oriented = map.angle.size() > 0;
+  if (c.output.vtk) {
+    std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
+                                   {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
+                                   {"mask", false, flags(map.masked_corner)},
+                                   {"mask_at_centroid", true, flags(map.masked_centroid)}};
+    if (everywhere) {
+      fields.push_back({"lower", false, map.lower.transpose()});
+      fields.push_back({"upper", false, map.upper.transpose()});
+    }
+    if (oriented) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
+    write_vtu(folder / "map.vtu", data.points, data.corners.of, fields);
+  }
+
+  std::vector<std::string> columns = {"x", "y", "topological_derivative"};
+  if (bounds) columns.insert(columns.end(), {"lower", "upper"});
+  if (oriented) columns.push_back("angle_deg");
+  columns.push_back("masked");
+  std::vector<std::vector<double>> rows;
+  const auto add = [&](const MapPoint& p) {
+    std::vector<double> row = {p.at.x(), p.at.y(), p.value};
+    if (bounds) row.insert(row.end(), {p.lower.value_or(unknown), p.upper.value_or(unknown)});
+    if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : unknown);
+    row.push_back(p.masked ? 1 : 0);
+    rows.push_back(std::move(row));
+  };
+  for (const MapPoint& p : result.points) add(p);
+  if (result.points.empty()) {
+    const Eigen::VectorXd angle = oriented ? angle_at_corners(mesh, data, map.angle) : Eigen::VectorXd();
+    for (std::size_t i = 0; i < data.points.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      MapPoint p{.at = data.points[i], .value = map.at_corners[k], .masked = map.masked_corner[i]};
+      if (oriented) p.angle = angle[k];
+      if (everywhere) p.lower = map.lower[k], p.upper = map.upper[k];
+      add(p);
+    }
+  }
+  write_csv(folder / "map.csv", columns, rows);
+}
+
+void write_probe_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
+                       const Analysis* analysis) {
+  for (const Probe& probe : c.probes)
+    write_csv(folder / ("probe_" + probe.name + ".csv"),
+              {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"},
+              probe_rows(c, model, state, probe, analysis));
+}
+
+}  // namespace kerf
