@@ -17,13 +17,10 @@ void read_material(const Field& document, Case& c) {
   allow_only(material, {"young", "poisson", "state"});
   const auto state = find(material, "state");
   c.plane_strain = !state || choice(*state, {"plane strain", "plane stress"}) == "plane strain";
-  c.young = positive(need(material, "young"));
-  c.poisson = between(need(material, "poisson"), 0, 0.5);
-  c.scene.material = c.plane_strain ? plane_strain(c.young, c.poisson) : plane_stress(c.young, c.poisson);
-  const Material& m = c.scene.material;
-  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
-    fail(material.node->position,
-         fmt::format("{}: young = {} is out of range; choose other units", material.name, c.young));
+  const Elastic elastic = read_elastic(material);
+  c.young = elastic.young;
+  c.poisson = elastic.poisson;
+  c.scene.material = kerf::material(elastic, c.plane_strain, material);
 }
 
 void read_mesh(const Field& document, Case& c) {
@@ -108,15 +105,27 @@ void read_output(const Field& document, Case& c) {
 
 }  // namespace
 
+Elastic read_elastic(const Field& table) {
+  return {positive(need(table, "young")), between(need(table, "poisson"), 0, 0.5)};
+}
+
+Material material(const Elastic& elastic, bool strain, const Field& table) {
+  const Material m =
+      strain ? plane_strain(elastic.young, elastic.poisson) : plane_stress(elastic.young, elastic.poisson);
+  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
+    fail(table.node->position,
+         fmt::format("{}: young = {} is out of range; choose other units", table.name, elastic.young));
+  return m;
+}
+
 Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides) {
   Node root = read_document(path);
   for (const std::string& assignment : overrides) override_value(root, assignment);
   const Field document{&root, ""};
-  allow_only(
-      document,
-      {"title", "domain", "hole", "crack", "material", "boundary", "body", "define", "mesh", "solver", "functional",
-       "map", "probe", "output"},
-      {{"region", "the body has one [material]"}, {"validate", "remove the table"}, {"optimize", "remove the table"}});
+  allow_only(document,
+             {"title", "domain", "hole", "crack", "material", "region", "boundary", "body", "define", "mesh", "solver",
+              "functional", "map", "probe", "output"},
+             {{"validate", "remove the table"}, {"optimize", "remove the table"}});
 
   Case c;
   c.name = path.stem().string();
@@ -124,6 +133,7 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   c.title = title ? text(*title) : c.name;
   read_shape(document, c);
   read_material(document, c);
+  read_regions(document, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
   check_all_used(definitions);

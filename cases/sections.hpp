@@ -10,6 +10,13 @@ namespace kerf {
 /// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole.
 void read_shape(const Field& document, Case& c);
 
+/// [[region]], in the plane state that [material] has.
+void read_regions(const Field& document, Case& c);
+
+/// young and poisson of a table; refuses what no finite number describes.
+Elastic read_elastic(const Field& table);
+Material material(const Elastic& elastic, bool plane_strain, const Field& table);
+
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {
   ExpressionContext context;
