@@ -130,6 +130,17 @@ std::vector<Vec2> singular_points(const Model& model) {
       if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(start(i));
     }
   }
+  // Corners between materials; polygonal arcs turn by less per vertex.
+  std::vector<std::vector<Vec2>> interfaces(mesh.points.size());
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()) && !mesh.region.empty(); ++e)
+    if (is_interface(mesh, e))
+      for (int end = 0; end < 2; ++end)
+        interfaces[mesh.edges[e][end]].push_back((end == 0 ? 1 : -1) * tangent(mesh, e));
+  for (std::size_t v = 0; v < interfaces.size(); ++v) {
+    constexpr double straight = -0.94;  // cosine of 160 degrees
+    if (interfaces[v].size() == 2 && interfaces[v][0].dot(interfaces[v][1]) > straight)
+      vertices.insert(static_cast<Index>(v));
+  }
   // Boundary vertices: interior angle, and whether the two edges are held in the same way.
   std::vector<double> angle(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles)

@@ -150,12 +150,13 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = -1\npoisson = 0.3",
               "a.toml:10:9: young in [[region]] must be positive, not -1"},
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1\npoisson = 0.6",
-              "a.toml:11:11: poisson in [[region]] must lie between 0 and 0.5, not 0.6"},
+              "a.toml:11:11: poisson in [[region]] must be between 0 and 0.5, not 0.6"},
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1e-320\npoisson = 0.3",
               "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
         Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
               "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson"},
-        Wrong{"[[region]]\nname = '../r'", "?"},
+        Wrong{"[[region]]\nname = '../r'",
+              "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
         Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"
               "[[region]]\nname = 'r'",
               "a.toml:13:8: name in [[region]]: the name \"r\" is taken; give each its own"}));
