@@ -17,10 +17,9 @@ void read_material(const Field& document, Case& c) {
   allow_only(material, {"young", "poisson", "state"});
   const auto state = find(material, "state");
   c.plane_strain = !state || choice(*state, {"plane strain", "plane stress"}) == "plane strain";
-  const Elastic elastic = read_elastic(material);
-  c.young = elastic.young;
-  c.poisson = elastic.poisson;
-  c.scene.material = kerf::material(elastic, c.plane_strain, material);
+  c.young = positive(need(material, "young"));
+  c.poisson = between(need(material, "poisson"), 0, 0.5);
+  c.scene.material = elastic(material, c.young, c.poisson, c.plane_strain);
 }
 
 void read_mesh(const Field& document, Case& c) {
@@ -58,42 +57,6 @@ void read_solver(const Field& document, Case& c) {
   if (const auto backend = find(*solver, "backend")) c.backend = choice(*backend, {"cholmod", "umfpack"}, {"petsc"});
 }
 
-void read_functional(const Field& document, Case& c) {
-  const auto functional = find_table(document, "functional");
-  if (!functional) return;
-  if (const auto kind = find(*functional, "kind"))
-    c.functional = choice(*kind, {"energy"},
-                          {"compliance", "volume", "displacement_tracking", "boundary_tracking", "stress_power",
-                           "stress_pnorm", "misfit", "energy_release_rate", "crack_opening", "sum"});
-  std::vector<Later> later;
-  for (const char* key : {"target", "weight", "on", "p", "measured", "crack", "tip", "ring", "terms"})
-    later.push_back({key, "kind = \"energy\" needs no other key"});
-  allow_only(*functional, {"kind"}, later);
-  need(*functional, "kind");
-}
-
-void read_map(const Field& document, Case& c) {
-  const auto map = find_table(document, "map");
-  if (!map) return;
-  allow_only(*map, {"perturbation", "points", "bounds"});
-  if (const auto perturbation = find(*map, "perturbation")) {
-    if (perturbation->node->kind == Node::Kind::Table) {
-      allow_only({perturbation->node, perturbation->name}, {"young", "poisson"});
-      fail(perturbation->node->position,
-           perturbation->name + ": an inclusion is not supported yet; use perturbation = \"hole\"");
-    }
-    choice(*perturbation, {"hole"}, {"clamped_hole", "crack"});
-  }
-  c.map.emplace();
-  if (const auto at = find(*map, "points")) {
-    if (at->node->kind == Node::Kind::Array && at->node->items.empty())
-      fail(at->node->position, at->name + " is empty; leave it out for a map everywhere in the body");
-    c.map->points = points(*at, 1);
-  }
-  if (const auto bounds = find(*map, "bounds"); bounds && boolean(*bounds))
-    fail(bounds->node->position, bounds->name + " = true is not supported yet; use bounds = false");
-}
-
 void read_output(const Field& document, Case& c) {
   const auto output = find_table(document, "output");
   if (!output) return;
@@ -105,16 +68,10 @@ void read_output(const Field& document, Case& c) {
 
 }  // namespace
 
-Elastic read_elastic(const Field& table) {
-  return {positive(need(table, "young")), between(need(table, "poisson"), 0, 0.5)};
-}
-
-Material material(const Elastic& elastic, bool strain, const Field& table) {
-  const Material m =
-      strain ? plane_strain(elastic.young, elastic.poisson) : plane_stress(elastic.young, elastic.poisson);
+Material elastic(const Field& table, double young, double poisson, bool in_plane_strain) {
+  const Material m = in_plane_strain ? plane_strain(young, poisson) : plane_stress(young, poisson);
   if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
-    fail(table.node->position,
-         fmt::format("{}: young = {} is out of range; choose other units", table.name, elastic.young));
+    fail(table.node->position, fmt::format("{}: young = {} is out of range; choose other units", table.name, young));
   return m;
 }
 
@@ -124,8 +81,8 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   const Field document{&root, ""};
   allow_only(document,
              {"title", "domain", "hole", "crack", "material", "region", "boundary", "body", "define", "mesh", "solver",
-              "functional", "map", "probe", "output"},
-             {{"validate", "remove the table"}, {"optimize", "remove the table"}});
+              "functional", "map", "validate", "probe", "output"},
+             {{"optimize", "remove the table"}});
 
   Case c;
   c.name = path.stem().string();
@@ -136,10 +93,10 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   read_regions(document, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
+  read_functional(document, path.parent_path(), definitions, c);
   check_all_used(definitions);
   read_mesh(document, c);
   read_solver(document, c);
-  read_functional(document, c);
   read_map(document, c);
   read_probes(document, path.parent_path(), c);
   read_output(document, c);

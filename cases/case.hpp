@@ -1,8 +1,7 @@
 #pragma once
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
-#include "geometry/mesher.hpp"
-#include "solver/scene.hpp"
+#include "topo/validate.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -22,7 +21,7 @@ struct AdaptRequest {
   Index max_triangles = 200000;
 };
 
-struct MapRequest {
+struct MapJob {
   std::vector<Vec2> points;  // empty: everywhere in the body
 };
 
@@ -48,8 +47,10 @@ struct Case {
   std::string contact = "dual-qp";  // | "active-set" | "uzawa"
   std::string backend = "cholmod";  // | "umfpack"
   std::optional<AdaptRequest> adapt;
-  std::string functional = "energy";
-  std::optional<MapRequest> map;
+  Functional functional;
+  MapRequest map_request;  // perturbation, radius and bounds of a map, asked for in the case or not
+  std::optional<MapJob> map;
+  std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;
   OutputRequest output;
 };

@@ -13,10 +13,6 @@ void read_shape(const Field& document, Case& c);
 /// [[region]], in the plane state that [material] has.
 void read_regions(const Field& document, Case& c);
 
-/// young and poisson of a table; refuses what no finite number describes.
-Elastic read_elastic(const Field& table);
-Material material(const Elastic& elastic, bool plane_strain, const Field& table);
-
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {
   ExpressionContext context;
@@ -28,6 +24,15 @@ void check_all_used(const Definitions& definitions);
 
 /// [[boundary]] and [body].
 void read_conditions(const Field& document, Definitions& definitions, Case& c);
+
+/// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
+void read_functional(const Field& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
+
+/// [map] and [validate].
+void read_map(const Field& document, Case& c);
+
+/// The material of a table with young and poisson, which fails there when it is out of the range of numbers.
+Material elastic(const Field& table, double young, double poisson, bool in_plane_strain);
 
 /// [[probe]]; files lie relative to `folder`.
 void read_probes(const Field& document, const std::filesystem::path& folder, Case& c);

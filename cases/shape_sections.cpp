@@ -165,8 +165,9 @@ void read_regions(const Field& document, Case& c) {
     const std::string name = safe_name(field);
     check_unique(name, field, names);
     c.shape.regions.push_back(read_loop(region, name, none));
-    c.regions.push_back(read_elastic(region));
-    c.scene.regions.push_back(material(c.regions.back(), c.plane_strain, region));
+    const Elastic e{positive(need(region, "young")), between(need(region, "poisson"), 0, 0.5)};
+    c.regions.push_back(e);
+    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
   }
 }
 

@@ -74,7 +74,8 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number, Index region = n
                                .label = side.label,
                                .loop = number,
                                .crack = none,
-                               .region = region});
+                               .region = region,
+                               .keep = side.keep});
   }
   const bool body_on_left = (signed_area(loop) > 0) == (number <= 0);
   if (body_on_left) return;

@@ -27,6 +27,7 @@ struct Strand {
   Index loop = none;    // 0 the outline, i hole i - 1
   Index crack = none;   // or the crack
   Index region = none;  // or the region
+  bool keep = false;    // one edge of the mesh
 };
 
 struct Drawing {

@@ -100,7 +100,8 @@ struct Filler {
   void visit(const Vec2& low, double width, const std::vector<Index>& near_parent, const Vec2& reference, bool inside) {
     const Vec2 center = low.array() + width / 2;
     const double radius = width * std::sqrt(0.5), h = size_at(field, center);
-    const double h_low = h - field.grading * radius, h_high = std::min(field.cap, h + field.grading * radius);
+    const double change = steepest(field, center, radius) * radius;
+    const double h_low = h - change, h_high = std::min(largest_size(field, center, radius), h + change);
     inside = inside != crosses(reference, center, near_parent);
     std::vector<Index> near;
     for (const Index i : near_parent) {

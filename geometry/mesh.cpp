@@ -144,6 +144,11 @@ double length(const Mesh& mesh, Index edge) {
   return (mesh.points[std::size_t(b)] - mesh.points[std::size_t(a)]).norm();
 }
 
+// Out of the body.
+Vec2 outward_normal(const Mesh& mesh, Index e) {
+  return mesh.sides[e][1] == none ? normal(mesh, e) : Vec2(-normal(mesh, e));
+}
+
 Vec2 tangent(const Mesh& mesh, Index edge) {
   const auto [a, b] = mesh.edges[std::size_t(edge)];
   return (mesh.points[std::size_t(b)] - mesh.points[std::size_t(a)]).normalized();

@@ -28,6 +28,7 @@ constexpr double longest_edge = 1.6;  // of the target length: lattice edges rea
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 struct Number {
   Index value = none;
+  std::array<Index, 2> kept{none, none};  // the other ends of its edges that are to be kept
 };
 using VertexInfo = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
 using VertexBase = CGAL::Delaunay_mesh_vertex_base_2<Kernel, VertexInfo>;
@@ -122,7 +123,7 @@ Sizing checked(const Shape& shape, Sizing sizing) {
 
 /// The pieces as constraints of an empty triangulation; vertices carry the number of their point. Points enter in ever
 /// finer subsets of the path, each next to one already there: in path order every new point would see all earlier ones.
-std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Pieces& pieces) {
+std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Drawing& drawing, const Pieces& pieces) {
   std::vector<Vertex> vertex(pieces.points.size());
   const std::size_t end = pieces.pieces.size();
   std::size_t stride = 1;
@@ -144,6 +145,12 @@ std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Pieces& pi
   const auto count = triangulation.number_of_vertices();
   for (const Piece& piece : pieces.pieces)
     triangulation.insert_constraint(vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]);
+  for (const Piece& piece : pieces.pieces)
+    if (drawing.strands[std::size_t(piece.strand)].keep)
+      for (const auto& [from, to] : {std::array{piece.a, piece.b}, std::array{piece.b, piece.a}}) {
+        std::array<Index, 2>& kept = vertex[std::size_t(from)]->info().kept;
+        kept[kept[0] == none ? 0 : 1] = to;
+      }
   if (triangulation.number_of_vertices() != count)
     throw Error(Fault::Geometry, "sides or cracks of the shape cross within the digits of their coordinates");
   return vertex;
@@ -190,21 +197,75 @@ std::string nearest_name(const Shape& shape, const Drawing& drawing, const Piece
   return name;
 }
 
-void refine(Triangulation& triangulation, const Criteria& criteria, const Shape& shape, const Drawing& drawing,
+/// Edges that are to be kept count as conforming, whatever lies in their diametral circles.
+struct Conforming : CGAL::Mesh_2::Is_locally_conforming_Gabriel<Triangulation> {
+  using Gabriel = CGAL::Mesh_2::Is_locally_conforming_Gabriel<Triangulation>;
+  static bool kept(const Vertex& a, const Vertex& b) {
+    const Index to = b->info().value;
+    return to != none && (a->info().kept[0] == to || a->info().kept[1] == to);
+  }
+  static bool kept(const Face& face, int i) {
+    return kept(face->vertex(Triangulation::cw(i)), face->vertex(Triangulation::ccw(i)));
+  }
+  template <class... More>
+  bool operator()(const Triangulation& t, const Face& face, int i, const More&... more) const {
+    return kept(face, i) || Gabriel::operator()(t, face, i, more...);
+  }
+  template <class... More>
+  bool operator()(const Triangulation& t, const Vertex& a, const Vertex& b, const More&... more) const {
+    return kept(a, b) || Gabriel::operator()(t, a, b, more...);
+  }
+};
+
+/// The point that a bad triangle asks for does not enter where it would encroach upon an edge to be kept, or where such
+/// an edge hides it from the triangle.
+struct Edges : CGAL::Mesh_2::Refine_edges_with_clusters<Triangulation, Conforming> {
+  using Base = CGAL::Mesh_2::Refine_edges_with_clusters<Triangulation, Conforming>;
+  using Base::Base;
+  bool keeps = false;  // whether there are such edges
+
+  CGAL::Mesher_level_conflict_status test_point_conflict_from_superior(
+      const Kernel::Point_2& p, CGAL::Triangulation_mesher_level_traits_2<Triangulation>::Zone& zone) {
+    const auto encroached = [&](const Triangulation::Edge& edge) {
+      const auto& [face, i] = edge;
+      return face->is_constrained(i) && Conforming::kept(face, i) &&
+             CGAL::angle(face->vertex(Triangulation::cw(i))->point(), p,
+                         face->vertex(Triangulation::ccw(i))->point()) != CGAL::ACUTE;
+    };
+    if (keeps && (std::ranges::find(zone.faces, zone.parent_face) == zone.faces.end() ||
+                  std::ranges::any_of(zone.boundary_edges, encroached)))
+      return CGAL::CONFLICT_AND_ELEMENT_SHOULD_BE_DROPPED;
+    return Base::test_point_conflict_from_superior(p, zone);
+  }
+};
+
+void refine(Triangulation& triangulation, Criteria criteria, const Shape& shape, const Drawing& drawing,
             const Pieces& pieces) {
-  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(triangulation, criteria);
+  // As in CGAL::Delaunay_mesher_2, which does not let its edges be replaced.
+  CGAL::Null_mesher_level no_level;
+  CGAL::Null_mesh_visitor no_visitor;
+  CGAL::Mesh_2::Clusters<Triangulation> clusters(triangulation);
+  Edges edges(triangulation, clusters, no_level);
+  edges.keeps = std::ranges::any_of(drawing.strands, &Strand::keep);
+  using Faces = CGAL::Mesh_2::Refine_faces<Triangulation, Criteria, Edges>;
+  Faces faces(triangulation, criteria, edges);
+  const CGAL::Mesh_2::Refine_edges_visitor_from_faces<Faces> visitor(faces, edges, no_visitor);
   const std::size_t start = triangulation.number_of_vertices();
   const std::size_t budget = 200000 + 20 * start;
-  mesher.init(true);
-  for (std::size_t step = 0; !mesher.is_refinement_done(); ++step) {
+  CGAL::Delaunay_mesher_2<Triangulation, Criteria>::propagate_marks(triangulation.infinite_face(), false);
+  clusters.create_clusters();
+  edges.scan_triangulation();
+  faces.scan_triangulation();
+  for (std::size_t step = 0; !faces.is_algorithm_done(); ++step) {
     if (step == budget) {
-      const Vec2 x = vec(mesher.next_refinement_point());
+      const Vec2 x = vec(edges.is_algorithm_done() ? faces.refinement_point(faces.get_next_element())
+                                                   : edges.refinement_point(edges.get_next_element()));
       throw Error(Fault::Geometry,
                   fmt::format("the mesh around ({:.6g}, {:.6g}), next to {}, does not settle: {} refinement steps were "
                               "not enough; look there for nearly touching sides or very small angles",
                               x.x(), x.y(), nearest_name(shape, drawing, pieces, x), budget));
     }
-    mesher.try_one_step_refine_mesh();
+    faces.one_step(visitor);
   }
 }
 
@@ -251,7 +312,7 @@ struct Rough {
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
               double min_angle_deg) {
   Triangulation triangulation;
-  const std::vector<Vertex> vertex = insert_pieces(triangulation, pieces);
+  const std::vector<Vertex> vertex = insert_pieces(triangulation, drawing, pieces);
   Face hint = vertex.front()->face();
   for (const Vec2& x : lattice_points(drawing, pieces, field, std::size_t(max_triangles / 2)))
     hint = triangulation.insert({x.x(), x.y()}, hint)->face();
@@ -350,6 +411,7 @@ SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& siz
   SizeField field = size_field(find_sources(shape, drawing, sizing, !background), sizing.size, sizing.grading,
                                low.array() - margin, high.array() + margin);
   if (background) add_background(field, *background, 1e-9 * drawing.extent);
+  add_kept(field, drawing);
   return field;
 }
 

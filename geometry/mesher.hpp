@@ -24,6 +24,8 @@ struct Background {
 /// Constrained Delaunay triangulation, seeded with a hexagonal lattice per size level, refined (Ruppert, Shewchuk) and
 /// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area. Besides tips, short
 /// edges are asked for by kinks and mouths of cracks, reentrant corners, curved sides, short sides and narrow gaps.
+/// Sides to be kept are never split; beside those longer than the target the edges grow to their length, and the angles
+/// are no longer promised.
 /// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
 

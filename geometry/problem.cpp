@@ -124,6 +124,8 @@ Problem lengths(const Shape& shape, double size) {
       if (sides[i].arc) {
         if (const Problem problem = arc_problem(*sides[i].arc, start, end, size))
           return fmt::format("side {} of {} {}", i + 1, name(shape, l), *problem);
+        if (sides[i].keep)
+          return fmt::format("side {} of {} is to be one edge of the mesh, but is curved", i + 1, name(shape, l));
       } else if (!((end - start).norm() > touch_tolerance * size)) {
         return fmt::format("side {} of {} has zero length at {}; remove the repeated point", i + 1, name(shape, l),
                            text(start));
@@ -230,6 +232,18 @@ Problem revisited(const Shape& shape, const Drawing& drawing) {
   return {};
 }
 
+/// Sides to be kept whole on which a crack ends.
+Problem cut_sides(const Shape& shape, const Drawing& drawing) {
+  Index corners = Index(shape.outline.sides.size());
+  for (const Loop& hole : shape.holes) corners += Index(hole.sides.size());
+  for (const Strand& strand : drawing.strands)
+    for (const Index corner : {strand.from, strand.to})
+      if (strand.keep && corner >= corners)
+        return fmt::format("a crack ends at {} on a side of {} that is to be one edge of the mesh",
+                           text(drawing.corners[std::size_t(corner)]), name(shape, std::size_t(strand.loop)));
+  return {};
+}
+
 /// Cracks that meet at less than a degree, or touch without crossing.
 Problem wedges(const Shape& shape, const Drawing& drawing) {
   struct Arm {
@@ -274,6 +288,7 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
+  if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;
   if (Problem problem = wedges(shape, drawing)) return problem;
   return places(shape, drawing, pieces);

@@ -21,6 +21,7 @@ struct Side {
   Vec2 start;  // it ends where the next side of the loop starts
   Index label = none;
   std::optional<Arc> arc;  // absent: straight
+  bool keep = false;       // one edge of the mesh as it is, whatever the target size; straight sides only
 };
 
 struct Loop {  // closed; either orientation, find_problem does not mind

@@ -12,9 +12,10 @@ namespace kerf {
 
 namespace {
 
-constexpr std::size_t few = 4;    // a square with no more sources is a leaf
-constexpr std::size_t many = 12;  // no leaf lists more
-constexpr int max_depth = 40;     // of the quadtree
+constexpr std::size_t few = 4;     // a square with no more sources is a leaf
+constexpr std::size_t many = 12;   // no leaf lists more
+constexpr int max_depth = 40;      // of the quadtree
+constexpr double steepness = 0.5;  // with which the target falls away from an edge that is kept
 
 double size_of(const SizeField& field, const Source& s, const Vec2& x) {
   const double d = distance(x, s.a, s.b), linear = s.size + field.grading * d;
@@ -114,6 +115,12 @@ double background_at(const SizeField& field, const Vec2& x) {
   return std::clamp(ha + in_b * (hb - ha) + in_c * (hc - ha), std::min({ha, hb, hc}), std::max({ha, hb, hc}));
 }
 
+/// Whether an edge that is kept may raise the size within the distance of x.
+bool beside_kept(const SizeField& field, const Vec2& x, double distance) {
+  return !field.kept.empty() && (x.array() + distance > field.kept_low.array()).all() &&
+         (x.array() - distance < field.kept_high.array()).all();
+}
+
 constexpr double degree = std::numbers::pi / 180;
 
 double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
@@ -186,6 +193,36 @@ void add_background(SizeField& field, const Background& background, double least
   field.locator = make_locator(mesh);
 }
 
+void add_kept(SizeField& field, const Drawing& drawing) {
+  std::vector<Source> kept;
+  for (const Strand& strand : drawing.strands) {
+    if (!strand.keep) continue;
+    const double side = length(drawing, strand);
+    double wanted = side;
+    for (const double s : {0.0, 0.5, 1.0}) wanted = std::min(wanted, size_at(field, point(drawing, strand, s)));
+    if (wanted < side * (1 - 1e-9)) kept.push_back({point(drawing, strand, 0), point(drawing, strand, 1), side});
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Source& k = kept[i];
+    const Vec2 low = k.a.cwiseMin(k.b).array() - k.size / steepness,
+               high = k.a.cwiseMax(k.b).array() + k.size / steepness;
+    field.kept_low = i == 0 ? low : field.kept_low.cwiseMin(low);
+    field.kept_high = i == 0 ? high : field.kept_high.cwiseMax(high);
+  }
+  field.kept = std::move(kept);
+}
+
+double largest_size(const SizeField& field, const Vec2& x, double distance) {
+  double largest = field.cap;
+  if (beside_kept(field, x, distance))
+    for (const Source& k : field.kept) largest = std::max(largest, k.size);
+  return largest;
+}
+
+double steepest(const SizeField& field, const Vec2& x, double distance) {
+  return beside_kept(field, x, distance) ? std::max(field.grading, steepness) : field.grading;
+}
+
 double size_at(const SizeField& field, const Vec2& x) {
   const SizeField::Node* node = field.nodes.data();
   Vec2 local = (x - field.low) / field.width;
@@ -198,6 +235,8 @@ double size_at(const SizeField& field, const Vec2& x) {
   double h = field.background ? std::min(field.cap, background_at(field, x)) : field.cap;
   for (Index i = 0; i < node->count; ++i)
     h = std::min(h, size_of(field, field.sources[std::size_t(field.listed[std::size_t(node->first + i)])], x));
+  if (beside_kept(field, x, 0))
+    for (const Source& k : field.kept) h = std::max(h, k.size - steepness * distance(x, k.a, k.b));
   return h;
 }
 
@@ -290,7 +329,9 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > 10 * degree)
       ask(s.from, mild, shortest[std::size_t(s.from)] / 2);
   }
-  const std::vector<bool> reentrant = reentrant_corners(drawing);
+  std::vector<bool> reentrant = reentrant_corners(drawing);
+  for (const Strand& s : drawing.strands)
+    if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
   for (std::size_t v = 0; v < reentrant.size(); ++v)
     if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
   add_gaps(shape, drawing, size, sources);

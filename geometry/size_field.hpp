@@ -1,6 +1,7 @@
 #pragma once
 // The target edge length at every point: h(x) = min(cap, min over sources of size + grading d), d = dist(x, source);
-// within the reach of a singular point not above max(size, cap (d/reach)^0.8). Internal to this room.
+// within the reach of a singular point not above max(size, cap (d/reach)^0.8); beside an edge that is kept not below
+// its length - steepness d. Internal to this room.
 
 #include "geometry/drawing.hpp"
 #include "geometry/mesher.hpp"
@@ -34,6 +35,8 @@ struct SizeField {
   const Mesh* background = nullptr;
   std::vector<double> at_vertex;  // of the background
   Locator locator;
+  std::vector<Source> kept;  // edges that are not split, where the rest asks for shorter ones
+  Vec2 kept_low = Vec2::Zero(), kept_high = Vec2::Zero();  // what they reach
 };
 SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high);
 
@@ -41,11 +44,18 @@ SizeField size_field(std::vector<Source> sources, double cap, double grading, co
 /// to the largest of them. Throws std::invalid_argument.
 void add_background(SizeField& field, const Background& background, double least);
 
+/// The strands to keep, where the field so far asks for less than their length.
+void add_kept(SizeField& field, const Drawing& drawing);
+
 double size_at(const SizeField& field, const Vec2& x);
 
+/// Bounds within a distance of x: of the size, and of how fast it changes.
+double largest_size(const SizeField& field, const Vec2& x, double distance);
+double steepest(const SizeField& field, const Vec2& x, double distance);
+
 /// What asks for short edges in a drawing: crack tips inside the body, kinks and mouths of cracks, reentrant corners,
-/// corners of regions, curved sides, narrow gaps; without `singular_points` only the last two and short sides. Throws
-/// Error(Geometry) naming the two sides of a gap too narrow to mesh.
+/// (not those of sides to be kept), corners of regions, curved sides, narrow gaps; without `singular_points` only the
+/// last two and short sides. Throws Error(Geometry) naming the two sides of a gap too narrow to mesh.
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
                                  bool singular_points);
 

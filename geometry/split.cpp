@@ -82,7 +82,7 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) 
     if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
-    const std::vector<double> s = spaced(drawing, strand, field, finer);
+    const std::vector<double> s = strand.keep ? std::vector<double>{0, 1} : spaced(drawing, strand, field, finer);
     std::vector<double> factor(s.size() - 1, 1.0);
     if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
       factor = area_factors(*strand.arc, s);

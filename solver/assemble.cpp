@@ -50,7 +50,7 @@ Lists file_under(Index count, const std::vector<Index>& key) {  // key[i] of ite
 
 }  // namespace
 
-Ordering order(const Mesh& mesh, const Skeleton& s) {
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_edges) {
   const Index edges = static_cast<Index>(mesh.edges.size()), corners = static_cast<Index>(s.corners.vertex.size()),
               vertices = static_cast<Index>(mesh.points.size());
   const auto in_contact = [&](Index unknown) { return s.bounded[unknown] || s.frictional[unknown]; };
@@ -65,8 +65,10 @@ Ordering order(const Mesh& mesh, const Skeleton& s) {
   const std::vector<Index> sequence = dissect_vertices(mesh);
   std::vector<Index> position(vertices), early(edges, none);
   for (Index k = 0; k < vertices; ++k) position[sequence[k]] = k;
+  std::vector<bool> kept(edges, false);
+  for (const Index e : kept_edges) kept[e] = true;
   for (Index e = 0; e < edges; ++e)
-    if (wanted(e)) early[e] = std::min(position[mesh.edges[e][0]], position[mesh.edges[e][1]]);
+    if (wanted(e) && !kept[e]) early[e] = std::min(position[mesh.edges[e][0]], position[mesh.edges[e][1]]);
   Lists edges_at = file_under(vertices, early);
   const auto late = [&](Index e) { return std::max(position[mesh.edges[e][0]], position[mesh.edges[e][1]]); };
   for (Index k = 0; k < vertices; ++k)
@@ -109,6 +111,13 @@ Ordering order(const Mesh& mesh, const Skeleton& s) {
       nodes.push_back({none, c});
       o.first.push_back(o.size);
     }
+  }
+  for (const Index e : kept_edges) {
+    rank[e] = static_cast<Index>(nodes.size());
+    for (int i = 0; i < s.per_edge; ++i)
+      if (!s.fixed[edge_unknown(s, e) + i]) number(edge_unknown(s, e) + i), ++o.kept;
+    nodes.push_back({e, none});
+    o.first.push_back(o.size);
   }
   const Index leading = o.size, leading_nodes = static_cast<Index>(nodes.size());
   for (const auto& crack : mesh.cracks)
@@ -191,7 +200,7 @@ ForceMoments force_of(const System& a, Index t) {
 }
 
 System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const Ordering& o,
-                int threads) {
+                int threads, bool plain) {
   System a;
   // Below this compliance c mu plain condensation loses more than two digits: nu > 0.498 in plane strain.
   constexpr double small = 1e-3, floor = 1e-6;
@@ -201,7 +210,7 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
     stiffest = std::max(stiffest, m.mu);
     least = std::min(least, m.c * m.mu);
   }
-  if (least < small && needs_penalty(k.element)) {
+  if (!plain && least < small && needs_penalty(k.element)) {
     // One a for all materials, so that a uniform pressure stays one mode. The sweeps shrink the error by about a/(a +
     // 1/mu) with the mu of what confines the pressure: a is small for the stiffest. The softest loses digits like
     // 1/(a mu): six at most; from a contrast of 1e3 on the sweeps get slower instead.

@@ -87,9 +87,9 @@ void return_freed_memory() {
 struct Factor::Impl {
   mutable Session session;
   cholmod_factor* factor = nullptr;
-  Index size = 0, trailing = 0;
+  Index size = 0, trailing = 0, kept = 0;
   double entries = 0, flops = 0;
-  Eigen::MatrixXd trailing_factor;
+  Eigen::MatrixXd trailing_factor, kept_factor;
   std::optional<Lu> lu;  // instead of a Cholesky factor
 
   ~Impl() {
@@ -110,10 +110,10 @@ struct Factor::Impl {
     return x;
   }
 
-  // The supernodes hold the columns of L as dense blocks; the last one may begin before the trailing columns.
-  void read_trailing() {
-    trailing_factor = Eigen::MatrixXd::Zero(trailing, trailing);
-    const Index first = size - trailing;
+  // The supernodes hold the columns of L as dense blocks; the last one may begin before these columns.
+  Eigen::MatrixXd last_block(Index count) const {
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+    const Index first = size - count;
     const auto* super = static_cast<const Index*>(factor->super);
     const auto* rows_start = static_cast<const Index*>(factor->pi);
     const auto* values_start = static_cast<const Index*>(factor->px);
@@ -126,20 +126,23 @@ struct Factor::Impl {
         const double* column = values + values_start[s] + std::int64_t{j - super[s]} * height;
         for (Index i = j - super[s]; i < height; ++i) {
           const Index row = rows[rows_start[s] + i];
-          if (row >= j) trailing_factor(row - first, j - first) = column[i];
+          if (row >= j) block(row - first, j - first) = column[i];
         }
       }
     }
+    return block;
   }
 };
 
-Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite) : impl_(std::make_unique<Impl>()) {
+Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite, Index kept)
+    : impl_(std::make_unique<Impl>()) {
   use_one_thread();
   impl_->size = lower.size;
   impl_->trailing = trailing;
+  impl_->kept = kept;
   if (impl_->size == 0) return;
   if (!definite) {
-    if (trailing > 0) throw std::invalid_argument("Factor: trailing columns need a definite matrix");
+    if (trailing + kept > 0) throw std::invalid_argument("Factor: trailing columns need a definite matrix");
     impl_->lu.emplace(lower);
     return;
   }
@@ -166,16 +169,17 @@ Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite) : impl
                                              impl_->factor->minor, impl_->size));
   if (!done || c.status != CHOLMOD_OK) out_of_memory();
   if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
-  impl_->read_trailing();
+  impl_->kept_factor = impl_->last_block(trailing + kept);
+  impl_->trailing_factor = impl_->kept_factor.bottomRightCorner(trailing, trailing);
 }
 
 Factor::~Factor() = default;
 Factor::Factor(Factor&&) noexcept = default;
 Factor& Factor::operator=(Factor&&) noexcept = default;
 
-Eigen::MatrixXd Factor::schur_complement() const {
-  // L L' by blocks: a third of the work of a full product.
-  const Eigen::MatrixXd& l = impl_->trailing_factor;
+namespace {
+// L L' by blocks: a third of the work of a full product.
+Eigen::MatrixXd square(const Eigen::MatrixXd& l) {
   const Eigen::Index n = l.rows(), block = 128;
   Eigen::MatrixXd s(n, n);
   for (Eigen::Index i = 0; i < n; i += block) {
@@ -188,6 +192,19 @@ Eigen::MatrixXd Factor::schur_complement() const {
     }
   }
   return s;
+}
+}  // namespace
+
+Eigen::MatrixXd Factor::schur_complement() const {
+  return square(impl_->trailing_factor);
+}
+
+Eigen::MatrixXd Factor::kept_complement() const {
+  return square(impl_->kept_factor);
+}
+
+const Eigen::MatrixXd& Factor::kept_factor() const {
+  return impl_->kept_factor;
 }
 
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {

@@ -23,7 +23,8 @@ class Factor {
  public:
   /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K
   /// is not positive definite (Error::what says "column N"), or when memory runs out.
-  Factor(const LowerTriangle& lower, Index trailing, bool definite = true);
+  /// `kept` further columns before the trailing ones stay there.
+  Factor(const LowerTriangle& lower, Index trailing, bool definite = true, Index kept = 0);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;
@@ -39,6 +40,9 @@ class Factor {
 
   /// Lower triangular trailing block of L.
   const Eigen::MatrixXd& trailing_factor() const;
+  /// The same for the kept and the trailing columns together, and their Schur complement.
+  const Eigen::MatrixXd& kept_factor() const;
+  Eigen::MatrixXd kept_complement() const;
 
   double entries() const;  // nonzeros of L
   double flops() const;

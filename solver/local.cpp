@@ -165,6 +165,30 @@ Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& 
   return k.run->interior_of(k, t, material, local, m);
 }
 
+namespace {
+void require_dual(const Kernel& k) {
+  if (!k.run->condense_dual)
+    throw Error(Fault::Usage,
+                fmt::format("element \"{}\" has no adjoint; use a mixed element, such as \"bdms\"", k.element.name));
+}
+}  // namespace
+
+DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                       const Penalty& penalty) {
+  require_dual(k);
+  return k.run->condense_dual(k, t, material, J, penalty);
+}
+
+Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                              const SkeletonVector& mu, const Penalty& penalty) {
+  require_dual(k);
+  return k.run->interior_dual(k, t, material, J, mu, penalty);
+}
+
+Eigen::VectorXd weigh(const Kernel& k, const Triangle& t, const Points& x, const Fields& w) {
+  return k.run->weigh(t, x, w);
+}
+
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x) {
   return k.run->evaluate(t, interior, x);
 }

@@ -84,6 +84,18 @@ Condensed condense(const Kernel& k, const Triangle& t, const Material& material,
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty = {});
 
+/// The dual local problem: the same matrix under right-hand sides -J, J the derivative of a quantity by the interior
+/// coefficients (s, u, r; as long as an interior column).
+struct DualLoad {
+  SkeletonVector F;  // K mu = sum_T F + derivatives by the skeleton
+  double own = 0;    // as Condensed::own
+};
+/// Both throw Error(Usage) for elements that are not mixed or have stresses at vertices.
+DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                       const Penalty& penalty = {});
+Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                              const SkeletonVector& mu, const Penalty& penalty = {});
+
 /// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
 struct Fields {
   Eigen::Matrix4Xd stress;      // rows s11, s12, s21, s22: symmetric only weakly
@@ -91,6 +103,8 @@ struct Fields {
   Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
 };
 Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
+/// Its transpose: the derivative by the interior coefficients of sum_q w_q . fields(x_q).
+Eigen::VectorXd weigh(const Kernel& k, const Triangle& t, const Points& x, const Fields& w);
 
 /// The local problem as it stands, for formulations that do not condense it. In xi = (x - centroid)/h with u = h u_xi,
 /// m = h m_xi (rotations at vertices, the last columns of Ct, as they are), h^2 times it is the problem in x:
@@ -113,10 +127,15 @@ struct Operations {
                               const SkeletonVector&, const Penalty&);
   Fields (*evaluate)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Points&);
   Eigen::Vector4d (*stress_at)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Vec2&);
+  Eigen::VectorXd (*weigh)(const Triangle&, const Points&, const Fields&);
   // Of mixed elements without stresses at vertices:
   LocalSystem (*local_system)(const Kernel&, const Triangle&, const Material&, const ForceMoments&) = nullptr;
   Eigen::VectorXd (*interior_of)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
                                  const SkeletonVector&) = nullptr;
+  DualLoad (*condense_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                            const Penalty&) = nullptr;
+  Eigen::VectorXd (*interior_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                                   const SkeletonVector&, const Penalty&) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

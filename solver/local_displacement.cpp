@@ -102,7 +102,7 @@ template <const Element& E>
 constexpr Operations displacement_element_operations() {
   using Sized = MixedTriangle<E>;
   return {&DisplacementTriangle<E>::condense, &DisplacementTriangle<E>::interior, &Sized::evaluate,
-          &Sized::stress_at_point};
+          &Sized::stress_at_point, &Sized::weigh};
 }
 
 constexpr Element linear = displacement_element(1), quadratic = displacement_element(2);

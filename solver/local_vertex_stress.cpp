@@ -129,7 +129,7 @@ struct VertexStressTriangle {
 };
 
 constexpr Operations run{&VertexStressTriangle::condense, &VertexStressTriangle::interior, &Base::evaluate,
-                         &Base::stress_at_point};
+                         &Base::stress_at_point, &Base::weigh};
 
 }  // namespace
 

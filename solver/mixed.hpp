@@ -374,17 +374,89 @@ struct MixedTriangle {
     const Scaled s = scale(t);
     const System<S> a = assemble(k, t, s, material, force);
     const Eliminated e = eliminate(a, material, penalty);
+    return complete(k, s, material, e, e.given, a.given, nullptr, m, penalty);
+  }
+
+  // Back substitution: `low` is LB^-1 of the constraints' right-hand side (less what the stress load adds to it),
+  // `load` L^-1 of a load on the stresses.
+  static Eigen::VectorXd complete(const Kernel& k, const Scaled& s, const Material& material, const Eliminated& e,
+                                  const Rowwise<B, 1>& low, const Rowwise<B, 1>& given, const Rowwise<S, 1>* load,
+                                  const SkeletonVector& m, const Penalty& penalty) {
     Eigen::Matrix<double, X, 1> scaled = m / s.h;
     if constexpr (V > 0) scaled.template tail<V>() = m.template tail<V>();
     // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
-    Rowwise<B, 1> p = e.given - e.Z.lazyProduct(scaled);
+    Rowwise<B, 1> p = low - e.Z.lazyProduct(scaled);
     if (penalty.a > 0) p -= penalty.theta * e.ZT;
     backward<B>(e.LB, p);
     Rowwise<S, 1> stress = e.YC.lazyProduct(scaled) + e.YB.lazyProduct(p);
+    if (load) stress += *load;
     if (penalty.a > 0) stress += penalty.theta * e.YT;
     backward<S>(e.L, stress);
-    p = e.gamma * a.given - p;
+    p = e.gamma * given - p;
     return unpack(k, s, material, stress, p, m);
+  }
+
+  // -J as loads: on the stress functions (M s + B'p = C'm + stress), on the constraints, on the unknowns at vertices.
+  struct Acting {
+    Rowwise<S, 1> stress;
+    Rowwise<B, 1> given;
+    std::array<double, 3> at_vertices;
+  };
+  static Acting acting(const Kernel& k, const Scaled& s, const Material& material, const Eigen::VectorXd& J) {
+    Eigen::VectorXd by = J;
+    if constexpr (is_symmetric(E)) {  // the rotation is a linear function of the rest
+      constexpr int N = rotation_count(E);
+      if (!by.tail<N>().isZero(0)) {
+        Eigen::VectorXd unit = Eigen::VectorXd::Zero(interior_count(E));
+        for (int i = 0; i < F + U; ++i) {
+          unit[i] = 1;
+          by[i] += by.tail<N>().dot(rotation_of(k, s, material, unit));
+          unit[i] = 0;
+        }
+      }
+    }
+    Acting a;
+    if constexpr (IsCut)
+      a.stress = -(span_of(k, s).transpose() * by.head(F)).eval() / (s.h * s.h);
+    else
+      a.stress = -by.template head<F>() / (s.h * s.h);
+    for (int b = 0; b < B; ++b) a.given[b] = -by[F + b] / (b < U ? s.h : s.h * s.h);
+    a.at_vertices.fill(0);
+    if constexpr (V > 0)
+      for (int v = 0; v < 3; ++v)
+        a.at_vertices[v] = by[F + U] / 3 + by[F + U + 1] * s.gradient[v].x() + by[F + U + 2] * s.gradient[v].y();
+    return a;
+  }
+
+  static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                                const Penalty& penalty) {
+    const Scaled s = scale(t);
+    const Eliminated e = eliminate(assemble(k, t, s, material, {}), material, penalty);
+    Acting a = acting(k, s, material, J);
+    forward<S, 1>(e.L, a.stress);
+    forward<B, 1>(e.LB, a.given);
+    Rowwise<B, 1> from_stress = e.YB.transpose().lazyProduct(a.stress);
+    forward<B, 1>(e.LB, from_stress);
+    const Rowwise<B, 1> low = a.given - from_stress;
+    DualLoad result;
+    result.F = -s.h * (e.YC.transpose().lazyProduct(a.stress) + e.Z.transpose().lazyProduct(low));
+    if constexpr (V > 0)
+      for (int v = 0; v < 3; ++v) result.F[X - V + v] = s.h * result.F[X - V + v] + a.at_vertices[v];
+    if (penalty.a > 0) result.own = 2 * (e.YT.dot(a.stress) + e.ZT.dot(low));
+    return result;
+  }
+
+  static Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material,
+                                       const Eigen::VectorXd& J, const SkeletonVector& m, const Penalty& penalty) {
+    const Scaled s = scale(t);
+    const Eliminated e = eliminate(assemble(k, t, s, material, {}), material, penalty);
+    Acting a = acting(k, s, material, J);
+    const Rowwise<B, 1> given = a.given;
+    forward<S, 1>(e.L, a.stress);
+    forward<B, 1>(e.LB, a.given);
+    Rowwise<B, 1> from_stress = e.YB.transpose().lazyProduct(a.stress);
+    forward<B, 1>(e.LB, from_stress);
+    return complete(k, s, material, e, a.given - from_stress, given, &a.stress, m, penalty);
   }
 
   // Of the local problem's solution s, (u_xi, r).
@@ -505,14 +577,34 @@ struct MixedTriangle {
     }
     return f;
   }
+
+  static Eigen::VectorXd weigh(const Triangle& t, const Points& x, const Fields& w) {
+    const Scaled s = scale(t);
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(interior_count(E));
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      const Vec2 xi = (x.col(i) - s.center) / s.h;
+      const auto v = monomials_at(xi);
+      for (int m = 0; m < P; ++m) all.template segment<4>(4 * m) += v[m] * w.stress.col(i);
+      if constexpr (W > 0) {
+        const auto curl = curls_at(s, xi, v);
+        for (int b = 0; b < W; ++b) {
+          all[4 * P + 2 * b] += curl.row(b) * w.stress.col(i).template head<2>();
+          all[4 * P + 2 * b + 1] += curl.row(b) * w.stress.col(i).template tail<2>();
+        }
+      }
+      for (int b = 0; b < U / 2; ++b) all.template segment<2>(F + 2 * b) += v[b] * w.displacement.col(i);
+      for (int r = 0; r < rotation_count(E); ++r) all[F + U + r] += v[r] * w.rotation[i];
+    }
+    return all;
+  }
 };
 
 /// The functions of one element, by which local.cpp reaches the instance.
 template <const Element& E>
 constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
-  return {&Sized::condense,        &Sized::interior,     &Sized::evaluate,
-          &Sized::stress_at_point, &Sized::local_system, &Sized::interior_of};
+  return {&Sized::condense,     &Sized::interior,    &Sized::evaluate,      &Sized::stress_at_point, &Sized::weigh,
+          &Sized::local_system, &Sized::interior_of, &Sized::condense_dual, &Sized::interior_dual};
 }
 
 }  // namespace kerf

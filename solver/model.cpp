@@ -102,7 +102,7 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
 
 }  // namespace
 
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise) {
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   for (const Index r : mesh.region)
     if (r >= static_cast<Index>(scene.regions.size()))
@@ -114,7 +114,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factor
   std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
-  Ordering ordering = order(mesh, skeleton);
+  Ordering ordering = order(mesh, skeleton, how.kept_edges);
   return_freed_memory();
   constexpr Index most_contact = 9000;  // half a minute and two gigabytes
   if (ordering.trailing > most_contact)
@@ -126,11 +126,11 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factor
                     ordering.trailing, most_contact));
   ModelSeconds seconds;
   const double numbering = watch.lap();
-  System system = assemble(mesh, k, skeleton, scene, ordering, threads);
+  System system = assemble(mesh, k, skeleton, scene, ordering, threads, how.plain);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !factorise                 ? Factor(LowerTriangle{}, 0)
+  Factor factor = !how.factorise             ? Factor(LowerTriangle{}, 0)
                   : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.trailing)
-                                             : Factor(system.K, ordering.trailing, is_definite(e));
+                                             : Factor(system.K, ordering.trailing, is_definite(e), ordering.kept);
   seconds.factor = watch.lap();
   return {std::move(mesh),
           k,

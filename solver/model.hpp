@@ -28,7 +28,13 @@ struct Model {
 /// Numbers, assembles and factorises. Throws Error(Numerics) when the supports leave a rigid motion free on which the
 /// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
 /// `factorise`: for `solve`; solve_extended (extended.hpp) does without.
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, bool factorise = true);
+/// `kept_edges`: their unknowns come next to last, before the jumps in contact (Factor's kept columns); `plain`: see
+/// assemble.
+struct Preparation {
+  bool factorise = true, plain = false;
+  std::vector<Index> kept_edges = {};
+};
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how = {});
 
 struct Certificate {
   double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)

@@ -31,35 +31,79 @@ struct Monomials {
   }
 };
 
+// The local problem of u*: sums over the element's rule.
+template <int D>
+struct Projection {
+  static constexpr int n = Monomials<D>::count;
+  Triangle shape;
+  Vec2 center;
+  double h;
+  Points q;
+  Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
+  Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
+
+  Projection(const Model& model, Index t)
+      : shape(triangle(model, t)),
+        center(centroid(shape)),
+        h(std::sqrt(2 * area(shape))),
+        q(rule_points(model.kernel.rule, shape)) {
+    for (Eigen::Index i = 0; i < q.cols(); ++i) {
+      const double w = model.kernel.rule.w[i];
+      const Monomials<D> v = at(q.col(i));
+      stiffness += w * v.gradient.transpose() * v.gradient;
+      mean += w * v.value;
+    }
+  }
+  Monomials<D> at(const Vec2& x) const {
+    return Monomials<D>((x - center) / h);
+  }
+};
+
 template <int D>
 Points recovered(const Model& model, const State& state, Index t, const Points& x) {
-  constexpr int n = Monomials<D>::count;
-  const Triangle shape = triangle(model, t);
-  const Vec2 center = centroid(shape);
-  const double h = std::sqrt(2 * area(shape));
-  const Material& material = material_of(model.mesh, model.scene, t);
-  const Points q = rule_points(model.kernel.rule, shape);
-  const Fields f = evaluate(model.kernel, shape, state.interior.col(t), q);
-  Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
-  Eigen::Matrix<double, n, 2> load = Eigen::Matrix<double, n, 2>::Zero();
-  Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
+  const Projection<D> p(model, t);
+  const Fields f = evaluate(model.kernel, p.shape, state.interior.col(t), p.q);
+  Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
   Vec2 mean_displacement = Vec2::Zero();
-  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+  const Material& material = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
     const double w = model.kernel.rule.w[i];
-    const Monomials<D> v((q.col(i) - center) / h);
+    const Monomials<D> v = p.at(p.q.col(i));
     const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
-    stiffness += w * v.gradient.transpose() * v.gradient;
     load.col(0) += w * v.gradient.transpose() * d.head<2>();
     load.col(1) += w * v.gradient.transpose() * d.tail<2>();
-    mean += w * v.value;
     mean_displacement += w * f.displacement.col(i);
   }
   // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
-  const Eigen::Matrix<double, n, 2> c = h * stiffness.llt().solve(load);
+  const Eigen::Matrix<double, p.n, 2> c = p.h * p.stiffness.llt().solve(load);
   Points u(2, x.cols());
   for (Eigen::Index i = 0; i < x.cols(); ++i)
-    u.col(i) = mean_displacement + c.transpose() * (Monomials<D>((x.col(i) - center) / h).value - mean);
+    u.col(i) = mean_displacement + c.transpose() * (p.at(x.col(i)).value - p.mean);
   return u;
+}
+
+// The transpose, step by step backwards.
+template <int D>
+Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
+  const Projection<D> p(model, t);
+  Eigen::Matrix<double, p.n, 2> by_c = Eigen::Matrix<double, p.n, 2>::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) by_c += (p.at(x.col(i)).value - p.mean) * weights.col(i).transpose();
+  const Vec2 by_mean = weights.rowwise().sum();
+  const Eigen::Matrix<double, p.n, 2> by_load = p.h * p.stiffness.llt().solve(by_c);
+  Fields w{Eigen::Matrix4Xd(4, p.q.cols()), Points(2, p.q.cols()), Eigen::RowVectorXd(p.q.cols())};
+  const Material& m = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
+    const double share = model.kernel.rule.w[i];
+    const Monomials<D> v = p.at(p.q.col(i));
+    Eigen::Vector4d d;  // by the gradient d1 u1, d2 u1, d1 u2, d2 u2
+    d << v.gradient * by_load.col(0), v.gradient * by_load.col(1);
+    d *= share;
+    const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
+    w.stress.col(i) << difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference;
+    w.rotation[i] = d[1] - d[2];
+    w.displacement.col(i) = share * by_mean;
+  }
+  return weigh(model.kernel, p.shape, p.q, w);
 }
 
 }  // namespace
@@ -79,6 +123,21 @@ Points recovered_displacement(const Model& model, const State& state, Index t, c
       return recovered<3>(model, state, t, x);
     default:
       return recovered<4>(model, state, t, x);
+  }
+}
+
+Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
+  if (!is_mixed(model.kernel.element)) {
+    const Fields w{Eigen::Matrix4Xd::Zero(4, x.cols()), weights, Eigen::RowVectorXd::Zero(x.cols())};
+    return weigh(model.kernel, triangle(model, t), x, w);
+  }
+  switch (model.kernel.element.stress) {
+    case 1:
+      return weigh_recovered<2>(model, t, x, weights);
+    case 2:
+      return weigh_recovered<3>(model, t, x, weights);
+    default:
+      return weigh_recovered<4>(model, t, x, weights);
   }
 }
 

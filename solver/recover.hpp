@@ -9,6 +9,9 @@ namespace kerf {
 /// the mean of u_h [Stenberg 1991; rates: elements.md section 7].
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x);
 
+/// Its transpose: the derivative by the interior coefficients of t of sum_q weights_q . u*(x_q).
+Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights);
+
 /// Area-weighted averages over the triangles that meet at a corner, on one side of every crack.
 struct CornerValues {
   Points displacement;      // of u*

@@ -12,12 +12,6 @@ namespace {
 
 constexpr int data_points = 8;  // Gauss points per edge for boundary data
 
-// The unit normal that points out of the body on a boundary edge.
-Vec2 outward(const Mesh& mesh, Index e) {
-  const Vec2 n = normal(mesh, e);
-  return mesh.sides[e][1] == none ? n : Vec2(-n);
-}
-
 Mat2 edge_frame(const Mesh& mesh, Index e) {
   Mat2 f;
   f << normal(mesh, e), tangent(mesh, e);
@@ -82,7 +76,7 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
       if (mesh.label[e] != support.label) continue;
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       s.frame[e] = Mat2::Identity();
       if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
       const auto value_at = [&](double along) -> Vec2 {
@@ -121,7 +115,7 @@ void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   for (const Support& support : scene.supports)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
       if (mesh.label[e] != support.label) continue;
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       Mat2 frame = Mat2::Identity();
       if (support.normal_frame) frame << n, Vec2(-n.y(), n.x());
       for (int end = 0; end < 2; ++end) {
@@ -159,7 +153,7 @@ void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   std::vector<Rows> given(s.corners.vertex.size());
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.label[e] == none) continue;
-    const Vec2 n = outward(mesh, e);
+    const Vec2 n = outward_normal(mesh, e);
     for (int end = 0; end < 2; ++end) {
       const Vec2& x = mesh.points[mesh.edges[e][end]];
       Vec2 value = Vec2::Zero();
@@ -376,7 +370,7 @@ Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton
       if (mesh.label[e] != traction.label) continue;
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward(mesh, e);
+      const Vec2 n = outward_normal(mesh, e);
       const double l = length(mesh, e);
       for (int q = 0; q < data_points; ++q) {
         const Vec2 x = a + rule.s[q] * (b - a);

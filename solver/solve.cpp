@@ -1,4 +1,4 @@
-#include "solver/solve.hpp"
+#include "solver/sweep.hpp"
 
 #include "solver/contact_law.hpp"
 #include "solver/parallel.hpp"
@@ -14,159 +14,6 @@
 namespace kerf {
 
 namespace {
-
-struct Solved {
-  Eigen::VectorXd x, force;    // per row; force on the rows in contact
-  std::vector<Motion> motion;  // per row in contact
-  Eigen::VectorXd theta;       // per triangle, with a penalty
-  double penalty_error = 0;    // what the last sweep still changed in theta, relative
-};
-
-SkeletonVector trace_seen(const Model& m, const Eigen::VectorXd& skeleton, Index t) {
-  const Seen view = seen(m.mesh, m.skeleton, t);
-  SkeletonVector trace(view.count);
-  for (int i = 0; i < view.count; ++i)
-    trace[i] = skeleton[view.base[i]] + (view.jump[i] == none ? 0 : skeleton[view.jump[i]]);
-  return trace;
-}
-
-// All skeleton unknowns from the free ones.
-Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
-  Eigen::VectorXd all(m.skeleton.total);
-  for (Index u = 0; u < m.skeleton.total; ++u)
-    all[u] = m.ordering.row[u] != none ? rows[m.ordering.row[u]] : elsewhere ? (*elsewhere)[u] : 0;
-  return all;
-}
-
-// theta = a mean(tr s) of the present solution. An enclosed body does not feel a uniform theta, so that its error must
-// be watched here: relative to the terms that it is the sum of.
-void update_theta(const Model& m, Solved& s) {
-  const Eigen::VectorXd before = s.theta;
-  Eigen::VectorXd size(s.theta.size());
-  const Eigen::VectorXd skeleton = spread(m, s.x, &m.skeleton.prescribed);
-  const Eigen::Index count = m.system.traces.rows() - 2;
-  parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const auto column = m.system.traces.col(t);
-      const SkeletonVector seen_here = trace_seen(m, skeleton, t);
-      const double mean =
-          column.head(count).dot(seen_here) / area(m.mesh, t) + column[count] + s.theta[t] * column[count + 1];
-      size[t] = m.system.penalty * (column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) +
-                                    std::abs(column[count]));
-      s.theta[t] = m.system.penalty * mean;
-    }
-  });
-  const double scale = size.size() > 0 ? std::max(size.maxCoeff(), s.theta.cwiseAbs().maxCoeff()) : 0;
-  s.penalty_error = scale > 0 ? (s.theta - before).cwiseAbs().maxCoeff() / scale : 0;
-}
-
-// F with the penalty paid back. Scattered in the order of the triangles.
-Eigen::VectorXd right_hand_side(const Model& m, const Solved& s) {
-  Eigen::VectorXd F = m.system.F;
-  const auto add = [&](Index unknown, double value) {
-    if (unknown != none && m.ordering.row[unknown] != none) F[m.ordering.row[unknown]] -= value;
-  };
-  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-    const Seen view = seen(m.mesh, m.skeleton, t);
-    for (int i = 0; i < view.count; ++i) {
-      add(view.base[i], s.theta[t] * m.system.traces(i, t));
-      add(view.jump[i], s.theta[t] * m.system.traces(i, t));
-    }
-  }
-  return F;
-}
-
-// The rows in contact condensed: S once for all sweeps, and the two halves of a solve around them.
-struct Condensation {
-  const Model& m;
-  Eigen::MatrixXd S = m.factor.schur_complement();
-  std::vector<ContactPoint> points = contact_points(m);
-
-  auto lower() const {
-    return m.factor.trailing_factor().triangularView<Eigen::Lower>();
-  }
-  /// Right-hand side on the rows in contact after the first half, y = L^-1 b.
-  Eigen::VectorXd load(const Eigen::VectorXd& y) const {
-    return lower() * y.tail(m.ordering.trailing);
-  }
-  /// The second half with given jumps on the rows in contact.
-  Eigen::VectorXd complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {
-    const auto l = lower();
-    y.tail(jump.size()) = l.transpose() * jump;
-    Eigen::VectorXd x = m.factor.backward(y);
-    x.tail(jump.size()) = jump;
-    return x;
-  }
-  /// Jumps under a load when the held rows stay at 0.
-  Eigen::VectorXd moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const {
-    std::vector<bool> held(motion.size());
-    for (std::size_t i = 0; i < held.size(); ++i) held[i] = motion[i] == Motion::Held;
-    return open_jumps(S, r, held);
-  }
-  /// K x = b with the held rows at 0 and no change of force on the others.
-  Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
-    const Eigen::VectorXd y = m.factor.forward(b);
-    return m.ordering.trailing == 0 ? m.factor.backward(y) : complete(y, moving_jumps(load(y), motion));
-  }
-  /// Jumps and forces of the whole sparse system for `active_set`.
-  Contact eliminate(const Eigen::VectorXd& b, const Eigen::VectorXd& y, const std::vector<Motion>& guess) const {
-    const Eigen::VectorXd r = load(y);
-    const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
-      const Eigen::VectorXd jump = moving_jumps(r + force, motion);
-      const Eigen::VectorXd rest = multiply(m.system.K, complete(y, jump)) - b;
-      return {jump, rest.tail(jump.size())};
-    };
-    return active_set({m.ordering.trailing, respond}, points, guess);
-  }
-};
-
-// The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
-// falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
-// delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
-// pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
-struct UniformPressure {
-  std::vector<Motion> motion;  // that the response was computed with
-  Eigen::VectorXd response;    // of x to theta = 1
-  double stiffness = 0;        // sum_T |T| (1 - a d mean(tr s)/d delta)
-  bool level_open = false;     // the last solution leaves the level of pressure free
-
-  void correct(const Condensation& condensed, Solved& s, State& state) {
-    const Model& m = condensed.m;
-    const Eigen::Index count = m.system.traces.rows() - 2;
-    const double a = m.system.penalty;
-    if (response.size() == 0 || motion != s.motion) {
-      Solved unit;
-      unit.theta = Eigen::VectorXd::Ones(s.theta.size());
-      motion = s.motion;
-      response = condensed.solve_frozen(right_hand_side(m, unit) - m.system.F, motion);
-      ++state.linear_solves;
-      const Eigen::VectorXd skeleton = spread(m, response, nullptr);
-      stiffness = 0;
-      for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-        const auto column = m.system.traces.col(t);
-        stiffness +=
-            area(m.mesh, t) * (1 - a * column[count + 1]) - a * column.head(count).dot(trace_seen(m, skeleton, t));
-      }
-    }
-    const Eigen::VectorXd before = s.theta;
-    update_theta(m, s);
-    double rest = 0, whole = 0;
-    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-      rest += area(m.mesh, t) * (s.theta[t] - before[t]);
-      whole += area(m.mesh, t);
-    }
-    constexpr double none_left = 1e-11;
-    level_open = !(stiffness > none_left * whole);
-    if (level_open) {
-      check_volume(m, 2 * rest, s.theta.cwiseAbs().maxCoeff());
-      s.theta = before.array() - rest / whole;
-      return;
-    }
-    const double delta = rest / stiffness;
-    s.x += delta * response;
-    s.theta = before.array() + delta;
-  }
-};
 
 // |K x - F| on the rows that no contact holds; the contact forces and how far they and the jumps are from the law.
 Certificate certify(const Condensation& condensed, Solved& s, const Eigen::VectorXd& F) {
@@ -195,6 +42,18 @@ Certificate certify(const Condensation& condensed, Solved& s, const Eigen::Vecto
   return c;
 }
 
+// Jumps and forces of the whole sparse system for `active_set`.
+Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const Eigen::VectorXd& y,
+                  const std::vector<Motion>& guess) {
+  const Eigen::VectorXd r = condensed.load(y);
+  const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
+    const Eigen::VectorXd jump = condensed.moving_jumps(r + force, motion);
+    const Eigen::VectorXd rest = multiply(condensed.m.system.K, condensed.complete(y, jump)) - b;
+    return {jump, rest.tail(jump.size())};
+  };
+  return active_set({condensed.m.ordering.trailing, respond}, condensed.points, guess);
+}
+
 // K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
 void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, Solved& s,
                    State& state) {
@@ -213,7 +72,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     const Contact contact = method == ContactMethod::DualQp
                                 ? dual_qp(condensed.S, condensed.load(y), condensed.points, s.motion)
                             : method == ContactMethod::Uzawa ? uzawa(condensed.S, condensed.load(y), condensed.points)
-                                                             : condensed.eliminate(rest, y, s.motion);
+                                                             : eliminate(condensed, rest, y, s.motion);
     if (method == ContactMethod::ActiveSet) state.linear_solves += contact.solves;
     s.motion = contact.motion;
     state.contact_iterations += contact.iterations;
@@ -297,7 +156,8 @@ State solve(const Model& m, ContactMethod method) {
   if (m.system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
   Eigen::VectorXd F = m.system.F;
   Stopwatch watch;
-  const Condensation condensed{m};
+  const Condensation condensed(m);
+  const Loads loads = loads_of(m);
   state.seconds.contact += watch.lap();
   UniformPressure uniform;
   // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one. With a penalty
@@ -312,9 +172,10 @@ State solve(const Model& m, ContactMethod method) {
     if (m.ordering.size > 0) solve_contact(condensed, method, F, next, state);
     watch.lap();
     if (penalised) {
-      uniform.correct(condensed, next, state);
-      update_theta(m, next);
-      F = right_hand_side(m, next);
+      uniform.correct(condensed, loads, next);
+      if (uniform.level_open) check_volume(m, uniform.change_of_area, uniform.largest_strain);
+      update_theta(m, loads, next);
+      F = right_hand_side(m, loads, next);
     }
     if (m.ordering.size == 0) {
       solved = next;
@@ -335,6 +196,7 @@ State solve(const Model& m, ContactMethod method) {
     if (certificate.kkt <= good_enough || without_gain == patience) break;
   }
 
+  state.linear_solves += uniform.solves;
   if (uniform.level_open) has_free_pressure(m.mesh, m.scene, m.skeleton);  // an opening crack would have fixed it
   watch.lap();
   if (m.ordering.size > 0) {

@@ -1,18 +1,40 @@
 #pragma once
-// g(x) over candidate points, from the stress itself.
+// T(x) over candidate points, from the stress itself.
 
 #include "solver/recover.hpp"
-#include "topo/expansion.hpp"
+#include "topo/analysis.hpp"
+
+#include <optional>
+#include <span>
 
 namespace kerf {
 
-/// The energy's topological derivative of a free hole at points; NaN outside the body.
-std::vector<double> energy_map(const Model& model, const State& state, std::span<const Vec2> points);
-
-/// The same everywhere: at the centroid of every triangle and at every corner (from the averaged stress).
-struct FullMap {
-  Eigen::VectorXd at_centroids, at_corners;
+struct MapPoint {
+  Vec2 at = Vec2::Zero();
+  double value = 0;  // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
+  double angle = 0;  // radians, of the ellipse or the crack
+  bool masked = false;  // the expansion cannot hold here at the asked radius
+  std::optional<double> lower = {}, upper = {};
 };
-FullMap energy_map(const Model& model, const State& state, const Corners& corners, const CornerValues& values);
+
+/// The expansion needs this many radii to the next feature (boundary, crack, tip, end of contact, region, support or
+/// load that ends, ring of the functional).
+inline constexpr double clear_radii = 4;
+
+struct MapRequest {
+  Perturbation perturbation;
+  double radius = 0;  // that the mask, and a clamped hole, are for
+  bool bounds = false;
+};
+
+std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r, std::span<const Vec2> points);
+
+/// The same everywhere: at the centroid of every triangle and at every corner of split_at_cracks.
+struct FullMap {
+  Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
+  Eigen::VectorXd lower, upper;                     // at corners, or empty
+  std::vector<bool> masked_centroid, masked_corner;
+};
+FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners);
 
 }  // namespace kerf

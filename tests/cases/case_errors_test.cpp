@@ -164,7 +164,6 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     NotYet, WrongCase,
     testing::Values(
-        Wrong{"[validate]\npoints = []", "a.toml:7:2: \"validate\" is not supported yet; remove the table"},
         Wrong{"[[optimize.hole]]", "a.toml:7:3: \"optimize\" is not supported yet; remove the table"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\nfriction = -0.3",
               "a.toml:10:12: friction in [[crack]] must not be negative"},
@@ -173,16 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[mesh]\nadapt = { error = 0 }", "a.toml:8:19: error in [adapt] must be positive, not 0"},
         Wrong{"[solver]\nelement = 'affw'", "a.toml:8:11: unknown element in [solver] \"affw\"; did you mean \"afw\"?"},
         Wrong{"[solver]\ndegree = 4", "a.toml:8:10: element \"bdms\" has no degree 4; it has 1, 2, 3"},
-        Wrong{"[solver]\nelement = 'peers'\ndegree = 2", "a.toml:9:10: element \"peers\" has no degree 2; it has 1"},
-        Wrong{"[functional]\nkind = 'stress_pnorm'\np = 8",
-              "a.toml:8:8: kind in [functional] = \"stress_pnorm\" is not supported yet; use \"energy\""},
-        Wrong{"[functional]\nkind = 'energy'\nweight = '1'",
-              "a.toml:9:1: \"weight\" in [functional] is not supported yet; kind = \"energy\" needs no other key"},
-        Wrong{"[map]\nperturbation = { young = 2.0, poisson = 0.3 }",
-              "a.toml:8:16: perturbation in [map]: an inclusion is not supported yet; use perturbation = \"hole\""},
-        Wrong{"[map]\nperturbation = 'crack'",
-              "a.toml:8:16: perturbation in [map] = \"crack\" is not supported yet; use \"hole\""},
-        Wrong{"[map]\nbounds = true", "a.toml:8:10: bounds in [map] = true is not supported yet; use bounds = false"}));
+        Wrong{"[solver]\nelement = 'peers'\ndegree = 2", "a.toml:9:10: element \"peers\" has no degree 2; it has 1"}));
 
 TEST(Case, DomainErrors) {
   const std::string material = "[material]\nyoung = 1\npoisson = 0.3\n";

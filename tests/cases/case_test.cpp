@@ -28,8 +28,14 @@ TEST(Case, Defaults) {
   EXPECT_EQ(c.title, "a");
   EXPECT_EQ(c.element, "bdms");
   EXPECT_EQ(c.contact, "dual-qp");
-  EXPECT_EQ(c.functional, "energy");
+  EXPECT_EQ(c.functional.kind, "energy");
+  ASSERT_EQ(c.functional.terms.size(), 1u);
+  EXPECT_TRUE(c.functional.terms[0].energy);
   EXPECT_FALSE(c.map);
+  EXPECT_FALSE(c.validate);
+  EXPECT_EQ(c.map_request.perturbation.kind, Perturbation::Kind::Hole);
+  EXPECT_DOUBLE_EQ(c.map_request.radius, 0.005 * std::sqrt(5.0));
+  EXPECT_FALSE(c.map_request.bounds);
   EXPECT_FALSE(c.scene.body);
   EXPECT_TRUE(c.plane_strain && c.output.vtk && c.output.png && c.output.html);
   EXPECT_EQ(c.sizing.size, 0);

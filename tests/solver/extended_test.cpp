@@ -217,7 +217,7 @@ TEST(Extended, RollersAndFloatingBodies) {
 TEST(Extended, NeedsNoFactor) {
   const Scene scene = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   const Model with = prepare(exact::crack_mesh(8), element("bdms"), scene, 1),
-              without = prepare(exact::crack_mesh(8), element("bdms"), scene, 2, false);
+              without = prepare(exact::crack_mesh(8), element("bdms"), scene, 2, {.factorise = false});
   const State a = solve_extended(with), b = solve_extended(without);
   EXPECT_EQ(a.skeleton, b.skeleton);
   EXPECT_EQ(a.interior, b.interior);
@@ -243,11 +243,11 @@ TEST(Extended, RefusesWhatItCannotDo) {
 
   Scene swollen = scene_of(exact::wave_field(0.5), {0, 1, 2, 3});
   swollen.supports[1].value = [](const Vec2&, const Vec2&) { return Vec2(0.1, 0); };
-  expect_refusal(prepare(mesh, element("bdms"), swollen, 1, false), Fault::Numerics, "change its area by");
+  expect_refusal(prepare(mesh, element("bdms"), swollen, 1, {.factorise = false}), Fault::Numerics, "change its area by");
 
   Scene enclosed = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   enclosed.material.c = 0;
-  expect_refusal(prepare(exact::crack_mesh(8), element("bdms"), enclosed, 1, false), Fault::Numerics,
+  expect_refusal(prepare(exact::crack_mesh(8), element("bdms"), enclosed, 1, {.factorise = false}), Fault::Numerics,
                  "wholly enclosed");
 }
 

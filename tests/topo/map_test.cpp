@@ -12,6 +12,14 @@ namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
 
+const Functional energy_only{"energy", {energy()}};
+
+std::vector<double> energy_map(const Model& m, const State& s, std::span<const Vec2> points) {
+  std::vector<double> values;
+  for (const MapPoint& p : map_at(analyse(energy_only, m, s), energy_only, {}, points)) values.push_back(p.value);
+  return values;
+}
+
 struct Solved {
   Model model;
   State state;
@@ -115,7 +123,7 @@ TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
   const auto field = exact::table_field("c05_partial_linear");
   const Solved s = solved(field, 0.2, 0.05);
   const Corners corners = split_at_cracks(s.model.mesh);
-  const FullMap map = energy_map(s.model, s.state, corners, corner_values(s.model, s.state, corners));
+  const FullMap map = map_everywhere(analyse(energy_only, s.model, s.state), energy_only, {}, corners);
   std::vector<Vec2> centers;
   for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t)
     centers.push_back(centroid(s.model.mesh, t));

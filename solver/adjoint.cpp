@@ -1,0 +1,208 @@
+#include "solver/adjoint.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/recover.hpp"
+#include "solver/sweep.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+template <typename Array>
+void add(Array& a, const Array& b) {
+  if (b.size() == 0) return;
+  if (a.size() == 0)
+    a = b;
+  else
+    a += b;
+}
+
+// With free rigid motions the state is the one of no mean motion, u - sum_i motion_i (gram^-1 moments)_i: the
+// derivative loses what it says about the motions, and with it the work that no support could take.
+Sensitivity balanced(const Model& m, Sensitivity dJ) {
+  const Eigen::Index n = static_cast<Eigen::Index>(m.floating.size());
+  if (n == 0) return dJ;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  Eigen::VectorXd work = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Eigen::VectorXd motion = Eigen::VectorXd::Zero(m.skeleton.total);
+    motion.head(m.skeleton.base) = trace(m.mesh, m.kernel, m.skeleton, m.floating[i]);
+    if (dJ.skeleton.size() > 0) work[i] += dJ.skeleton.dot(motion);
+    if (dJ.interior.size() > 0)
+      for (Index t = 0; t < triangles; ++t)
+        work[i] += dJ.interior.col(t).dot(
+            interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace_seen(m, motion, t)));
+  }
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  std::vector<Fields> weights(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(n));
+  const bool means = m.kernel.element.displacement == 0;
+  for (Index t = 0; t < triangles; ++t) {
+    const Triangle shape = triangle(m, t);
+    const Points x = rule_points(m.kernel.rule, shape);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Fields& f = weights[static_cast<std::size_t>(t) * n + i];
+      f = {Eigen::Matrix4Xd::Zero(4, x.cols()), Points(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const double w = area(shape) * m.kernel.rule.w[q];
+        const Vec2 at = means ? centroid(shape) : Vec2(x.col(q));
+        f.displacement.col(q) = w * m.floating[i].at(at);
+        for (Eigen::Index j = 0; j < n; ++j) gram(i, j) += w * m.floating[i].at(at).dot(m.floating[j].at(at));
+      }
+    }
+  }
+  const Eigen::VectorXd share = gram.llt().solve(work);
+  if (dJ.interior.size() == 0) dJ.interior.setZero(interior_count(m.kernel.element), triangles);
+  for (Index t = 0; t < triangles; ++t) {
+    const Triangle shape = triangle(m, t);
+    const Points x = rule_points(m.kernel.rule, shape);
+    for (Eigen::Index i = 0; i < n; ++i)
+      dJ.interior.col(t) -= share[i] * weigh(m.kernel, shape, x, weights[static_cast<std::size_t>(t) * n + i]);
+  }
+  return dJ;
+}
+
+}  // namespace
+
+Sensitivity& operator+=(Sensitivity& a, const Sensitivity& b) {
+  add(a.interior, b.interior);
+  add(a.skeleton, b.skeleton);
+  add(a.force, b.force);
+  return a;
+}
+
+bool empty(const Sensitivity& s) {
+  return s.interior.size() == 0 && s.skeleton.size() == 0 && s.force.size() == 0;
+}
+
+std::vector<ContactStatus> contact_status(const Model& m, const State& state) {
+  std::vector<ContactStatus> status(static_cast<std::size_t>(m.ordering.trailing), ContactStatus::Open);
+  const Index leading = m.ordering.size - m.ordering.trailing;
+  for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
+    if (m.scene.laws[crack].kind != CrackLaw::Kind::Unilateral) continue;
+    const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
+    std::size_t point = 0;
+    for (const CrackEdge& c : m.mesh.cracks[crack]) {
+      const int points = m.skeleton.per_edge / 2;
+      for (int k = 0; k < points; ++k, ++point) {
+        const Index unknown = m.skeleton.jump[c.edge] + 2 * (c.forward ? k : points - 1 - k);
+        if (!m.skeleton.bounded[unknown]) continue;
+        ContactStatus& s = status[static_cast<std::size_t>(m.ordering.row[unknown] - leading)];
+        s = profile[point].status == CrackPoint::Status::Closed ? ContactStatus::Closed
+            : profile[point].status == CrackPoint::Status::Open ? ContactStatus::Open
+                                                                : ContactStatus::Biactive;
+      }
+    }
+  }
+  return status;
+}
+
+std::vector<bool> tied(const std::vector<ContactStatus>& status) {
+  std::vector<bool> held(status.size());
+  for (std::size_t i = 0; i < held.size(); ++i) held[i] = status[i] == ContactStatus::Closed;
+  return held;
+}
+
+Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields& weights) {
+  return weigh(model.kernel, triangle(model, t), x, weights);
+}
+
+State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<bool>& held) {
+  if (static_cast<Index>(held.size()) != m.ordering.trailing)
+    throw std::invalid_argument("solve_adjoint: one entry per row in contact is needed");
+  const Sensitivity dJ = balanced(m, given);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), rows = m.ordering.size,
+              trailing = m.ordering.trailing, leading = rows - trailing;
+  const bool penalised = m.system.penalty > 0, loaded = dJ.interior.size() > 0;
+
+  Loads loads;
+  loads.prescribed.assign(static_cast<std::size_t>(m.skeleton.total), 0);
+  Eigen::VectorXd on_skeleton = dJ.skeleton.size() > 0 ? dJ.skeleton : Eigen::VectorXd::Zero(m.skeleton.total).eval();
+  loads.own.setZero(penalised ? triangles : 0);
+  if (loaded) {
+    Eigen::MatrixXd local(skeleton_count(m.kernel.element), triangles);
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const DualLoad load = condense_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                                            dJ.interior.col(t), {m.system.penalty, 0});
+        local.col(t) = load.F;
+        if (penalised) loads.own[t] = load.own;
+      }
+    });
+    for (Index t = 0; t < triangles; ++t) {
+      const Seen view = seen(m.mesh, m.skeleton, t);
+      for (int i = 0; i < view.count; ++i) {
+        on_skeleton[view.base[i]] += local(i, t);
+        if (view.jump[i] != none) on_skeleton[view.jump[i]] += local(i, t);
+      }
+    }
+  }
+  loads.F.resize(rows);
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(trailing);
+  for (Index u = 0; u < m.skeleton.total; ++u) {
+    const Index row = m.ordering.row[u];
+    if (row == none) continue;
+    loads.F[row] = on_skeleton[u];
+    if (row >= leading && held[row - leading] && dJ.force.size() > 0) jump[row - leading] = -dJ.force[u];
+  }
+
+  const Condensation condensed(m);
+  Solved next;
+  next.x.setZero(rows);
+  if (penalised) next.theta.setZero(triangles);
+  next.motion.resize(static_cast<std::size_t>(trailing));
+  for (Index i = 0; i < trailing; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
+  Eigen::VectorXd F = loads.F;
+  UniformPressure uniform;
+  State adjoint;
+  Solved best = next;
+  double least = std::numeric_limits<double>::infinity();
+  const int most_sweeps = penalised ? 40 : 4;
+  int without_gain = 0;
+  const double scale = std::max(F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
+    Eigen::VectorXd rest = F - multiply(m.system.K, next.x);
+    const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
+    next.x += condensed.solve_frozen(rest, next.motion, &to_go);
+    for (Index i = 0; i < trailing; ++i)
+      if (held[i]) next.x[leading + i] = jump[i];
+    ++adjoint.linear_solves;
+    if (penalised) {
+      uniform.correct(condensed, loads, next);
+      update_theta(m, loads, next);
+      F = right_hand_side(m, loads, next);
+    }
+    rest = F - multiply(m.system.K, next.x);
+    for (Index i = 0; i < trailing; ++i)
+      if (held[i]) rest[leading + i] = 0;
+    const double error = std::max(rest.cwiseAbs().maxCoeff() / scale, next.penalty_error);
+    const bool slow = error > 0.5 * least;
+    if (error < least) {
+      least = error;
+      best = next;
+    }
+    without_gain = slow ? without_gain + 1 : 0;
+    if (least <= 1e-15 || without_gain == (penalised && least > 1e-9 ? 6 : 1)) break;
+  }
+  adjoint.certificate.residual = adjoint.certificate.kkt = rows > 0 ? least : 0;
+  adjoint.skeleton = spread(m, best.x, &loads.prescribed);
+  adjoint.force.setZero(m.skeleton.total);
+  adjoint.interior.resize(interior_count(m.kernel.element), triangles);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.kernel.element));
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Penalty penalty{m.system.penalty, penalised ? best.theta[t] : 0};
+      adjoint.interior.col(t) = interior_dual(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                                              loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
+                                              trace_seen(m, adjoint.skeleton, t), penalty);
+    }
+  });
+  return adjoint;
+}
+
+}  // namespace kerf

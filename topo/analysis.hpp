@@ -1,0 +1,43 @@
+#pragma once
+// Value of J, adjoint, and what else its expansion needs: solved once, evaluated anywhere.
+
+#include "topo/functional.hpp"
+
+#include <memory>
+
+namespace kerf {
+
+/// Where gap and pressure both vanish, J has one-sided derivatives: per such row the response to a unit pair of forces
+/// that opens the crack there (closed rows tied), the openings that they cause, and dJ along each.
+struct Biactive {
+  std::vector<State> response;
+  Eigen::MatrixXd opening;  // symmetric positive definite
+  Eigen::VectorXd slope;
+};
+
+struct Analysis {
+  const Model* model;
+  const State* state;
+  double value = 0;                // J
+  std::vector<double> term_value;  // of each term, its factor left out
+  std::vector<double> slope;       // dJ/d(integral of the term)
+  // Weight of -1/2 form(s, s) + b.u: energies; compliances under homogeneous supports (-2), whose adjoint is the state.
+  double energy_share = 0;
+  std::optional<State> adjoint = {};  // of all other terms
+  Sensitivity derivative = {};        // of these
+  // With a misfit: the body with measured displacements.
+  std::shared_ptr<const Model> measured_model = {};
+  std::shared_ptr<const State> measured = {};
+  double measured_share = 0;
+  std::shared_ptr<const Biactive> biactive = {};  // where it matters: with an adjoint
+  double biactive_length = 0;
+};
+
+/// `value_only`: no adjoint. Throws Error(Usage) for what the element or the scene cannot do (friction),
+/// Error(Numerics) when the measured body cannot be solved.
+Analysis analyse(const Functional& j, const Model& model, const State& state, bool value_only = false);
+
+/// The scene with the measured displacements instead of the tractions on their label.
+Scene measured_scene(const Scene& scene, const Support& measured);
+
+}  // namespace kerf

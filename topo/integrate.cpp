@@ -1,0 +1,248 @@
+#include "topo/integrate.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/recover.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace kerf {
+
+namespace {
+
+// Where a domain integral looks: data and powers of stresses are no polynomials of low degree.
+TriangleRule domain_rule(const Model& m) {
+  return triangle_rule(8 + m.kernel.element.displacement);
+}
+
+bool wanted(const Term& term, const Triangle& t) {
+  if (!term.somewhere) return true;
+  const Vec2 center = centroid(t);
+  double radius = 0;
+  for (const Vec2& x : t.x) radius = std::max(radius, (x - center).norm());
+  return term.somewhere(center, radius);
+}
+
+struct Sampled {
+  Points x;
+  const Material& material;
+  Fields fields = {};  // displacement: u*
+};
+Sampled sample(const Term& term, const Model& m, const State& s, const Triangle& shape, Index t,
+               const TriangleRule& rule) {
+  Sampled p{rule_points(rule, shape), material_of(m.mesh, m.scene, t)};
+  if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.kernel, shape, s.interior.col(t), p.x);
+  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, s, t, p.x);
+  return p;
+}
+
+FieldPoint field_point(const Term& term, const Sampled& p, Eigen::Index q) {
+  FieldPoint f{.x = p.x.col(q), .material = p.material};
+  if (term.uses_stress) f.stress = tensor(p.fields.stress.col(q));
+  if (term.uses_displacement) f.displacement = p.fields.displacement.col(q);
+  if (term.uses_rotation) f.rotation = p.fields.rotation[q];
+  return f;
+}
+
+// Sum over triangles of what `value` says of each, in their order whoever computes it.
+double sum_over(const Model& m, const std::vector<bool>& use, const std::function<double(Index)>& value) {
+  const Index n = static_cast<Index>(m.mesh.triangles.size());
+  std::vector<double> part(static_cast<std::size_t>(n), 0);
+  parallel_for(n, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t)
+      if (use.empty() || use[t]) part[t] = value(t);
+  });
+  return std::accumulate(part.begin(), part.end(), 0.0);
+}
+
+// Calls at(x, n, weight, unknowns' basis values) at the quadrature points of the labelled edges.
+struct BoundaryPoint {
+  Vec2 x, n;
+  double weight;
+  Index first;            // unknown of the edge
+  Eigen::VectorXd basis;  // per Gauss point
+  const Mat2& frame;
+};
+void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at) {
+  if (!is_mixed(m.kernel.element))
+    throw Error(Fault::Usage, "boundary functionals need a mixed element, such as \"bdms\"");
+  const EdgeRule rule = gauss(8);
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    if (m.mesh.label[e] != label) continue;
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    const Vec2 n = outward_normal(m.mesh, e);
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q)
+      at({a + rule.s[q] * side, n, side.norm() * rule.w[q], edge_unknown(m.skeleton, e),
+          trace_basis(m.kernel.trace, rule.s[q]), m.skeleton.frame[e]});
+  }
+}
+Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
+  Vec2 u = Vec2::Zero();
+  for (Eigen::Index g = 0; g < p.basis.size(); ++g)
+    u += p.basis[g] * (p.frame * skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)));
+  return u;
+}
+
+struct JumpPoint {
+  Vec2 x;
+  double share;  // of the crack's length
+  Index unknown;
+};
+void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
+  for (const CrackEdge& c : m.mesh.cracks[crack]) {
+    if (m.skeleton.jump[c.edge] == none) continue;
+    const Vec2& a = m.mesh.points[m.mesh.edges[c.edge][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[c.edge][1]] - a;
+    for (Eigen::Index g = 0; g < m.kernel.trace.s.size(); ++g)
+      at({a + m.kernel.trace.s[g] * side, side.norm() * m.kernel.trace.w[g],
+          m.skeleton.jump[c.edge] + 2 * static_cast<Index>(g)});
+  }
+}
+CrackState crack_state(const State& s, const JumpPoint& p) {
+  return {p.x, s.skeleton[p.unknown], s.force[p.unknown] / p.share};
+}
+
+State sum(const State& a, const State& b) {
+  State s;
+  s.skeleton = a.skeleton + b.skeleton;
+  s.force = a.force + b.force;
+  return s;
+}
+
+double over_body(const Term& term, const Model& m, const State& s, const std::vector<bool>& use) {
+  const TriangleRule rule = domain_rule(m);
+  return sum_over(m, use, [&](Index t) {
+    const Triangle shape = triangle(m, t);
+    if (!wanted(term, shape)) return 0.0;
+    const Sampled p = sample(term, m, s, shape, t, rule);
+    double value = 0;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
+    return area(shape) * value;
+  });
+}
+
+double on_surfaces(const Term& term, const Model& m, const State& s) {
+  double sum = 0;
+  if (term.on_boundary)
+    along_label(m, term.label, [&](const BoundaryPoint& p) {
+      sum += p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value;
+    });
+  if (term.on_crack)
+    along_crack(m, term.crack, [&](const JumpPoint& p) { sum += p.share * term.on_crack(crack_state(s, p)).value; });
+  return sum;
+}
+
+}  // namespace
+
+double slope(const Term& term, double integral) {
+  if (term.power == 1) return term.factor;
+  return integral > 0 ? term.factor * term.power * std::pow(integral, term.power - 1) : 0;
+}
+
+double integral_over(const Term& term, const Model& m, const State& s, const std::vector<bool>& use) {
+  return term.density ? over_body(term, m, s, use) : 0;
+}
+
+double integral(const Term& term, const Model& m, const State& s) {
+  if (term.energy) return potential_energy(m, s);
+  if (term.work) return work_of_loads(m, s);
+  return (term.density ? over_body(term, m, s, {}) : 0) + on_surfaces(term, m, s);
+}
+
+Sensitivity derivative(const Term& term, const Model& m, const State& s) {
+  Sensitivity d;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  if (term.work) {
+    d.skeleton = traction_loads(m.mesh, m.kernel, m.skeleton, m.scene);
+    if (m.system.force.cols() > 0) {
+      const int first = stress_count(m.kernel.element), count = displacement_count(m.kernel.element);
+      d.interior.setZero(interior_count(m.kernel.element), triangles);
+      for (Index t = 0; t < triangles; ++t)
+        d.interior.col(t).segment(first, count) = area(m.mesh, t) * m.system.force.col(t).head(count);
+    }
+    return d;
+  }
+  if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
+    const TriangleRule rule = domain_rule(m);
+    d.interior.setZero(interior_count(m.kernel.element), triangles);
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const Triangle shape = triangle(m, t);
+        if (!wanted(term, shape)) continue;
+        const Sampled p = sample(term, m, s, shape, t, rule);
+        const Eigen::Index n = rule.w.size();
+        Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
+        for (Eigen::Index q = 0; q < n; ++q) {
+          const double share = area(shape) * rule.w[q];
+          const Density by = term.density(field_point(term, p, q));
+          w.stress.col(q) =
+              share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
+          w.displacement.col(q) = share * by.by_displacement;
+          w.rotation[q] = share * by.by_rotation;
+        }
+        auto column = d.interior.col(t);
+        if (term.uses_displacement) {
+          column += weigh_recovered(m, t, p.x, w.displacement);
+          w.displacement.setZero();
+        }
+        if (term.uses_stress || term.uses_rotation) column += weigh(m.kernel, shape, p.x, w);
+      }
+    });
+  }
+  if (term.on_boundary) {
+    d.skeleton.setZero(m.skeleton.total);
+    along_label(m, term.label, [&](const BoundaryPoint& p) {
+      const Vec2 by = p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).by_displacement;
+      for (Eigen::Index g = 0; g < p.basis.size(); ++g)
+        d.skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)) += p.basis[g] * (p.frame.transpose() * by);
+    });
+  }
+  if (term.on_crack) {
+    if (d.skeleton.size() == 0) d.skeleton.setZero(m.skeleton.total);
+    d.force.setZero(m.skeleton.total);
+    along_crack(m, term.crack, [&](const JumpPoint& p) {
+      const CrackDensity by = term.on_crack(crack_state(s, p));
+      d.skeleton[p.unknown] += p.share * by.by_jump_n;
+      d.force[p.unknown] += by.by_pressure;
+    });
+  }
+  return d;
+}
+
+double difference(const Term& term, const Model& m, const State& s, const State& change, const std::vector<bool>& use) {
+  double total = 0;
+  if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
+    const TriangleRule rule = domain_rule(m);
+    total += sum_over(m, use, [&](Index t) {
+      const Triangle shape = triangle(m, t);
+      if (!wanted(term, shape)) return 0.0;
+      const Sampled p = sample(term, m, s, shape, t, rule), d = sample(term, m, change, shape, t, rule);
+      double value = 0;
+      for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
+        const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
+        FieldPoint after = before;
+        after.stress += by.stress;
+        after.displacement += by.displacement;
+        after.rotation += by.rotation;
+        value += rule.w[q] * (term.density(after).value - term.density(before).value);
+      }
+      return area(shape) * value;
+    });
+  }
+  if (term.on_boundary || term.on_crack) {
+    const State after = sum(s, change);
+    if (term.on_boundary)
+      along_label(m, term.label, [&](const BoundaryPoint& p) {
+        total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after.skeleton)).value -
+                             term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
+      });
+    if (term.on_crack)
+      along_crack(m, term.crack, [&](const JumpPoint& p) {
+        total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
+      });
+  }
+  return total;
+}
+
+}  // namespace kerf

@@ -1,0 +1,82 @@
+#include "topo/mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+struct Segment {
+  Vec2 a, b;
+};
+
+double distance(const Vec2& x, const Segment& s) {
+  const Vec2 d = s.b - s.a;
+  const double t = std::clamp((x - s.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return (x - s.a - t * d).norm();
+}
+
+std::vector<Segment> features(const Model& m) {
+  std::vector<Segment> all;
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    const auto& [left, right] = m.mesh.sides[e];
+    const bool interface =
+        left != none && right != none && !m.mesh.region.empty() && m.mesh.region[left] != m.mesh.region[right];
+    const bool crack = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+    if (left == none || right == none || crack || interface)
+      all.push_back({m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]});
+  }
+  return all;
+}
+
+double to_rings(const Functional& j, const Vec2& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Term& term : j.terms)
+    if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
+  return least;
+}
+
+}  // namespace
+
+double distance_to_features(const Model& m, const Functional& j, const Vec2& x) {
+  double least = to_rings(j, x);
+  for (const Segment& s : features(m)) least = std::min(least, distance(x, s));
+  return least;
+}
+
+// Segments in square cells of side `clear` (few enough of them): a point looks into its own, where every segment that
+// comes near enough is listed.
+std::vector<bool> too_close(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,
+                            double radius) {
+  std::vector<bool> close(points.size(), false);
+  if (m.mesh.points.empty()) return close;
+  Vec2 low = m.mesh.points[0], high = low;
+  for (const Vec2& p : m.mesh.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double width = (high - low).maxCoeff();
+  constexpr double finest = 512;
+  const double cell = std::max(clear, width / finest);
+  const auto column = [&](double x, int d) { return static_cast<Index>(std::floor((x - low[d]) / cell)); };
+  const Index across = column(high.x(), 0) + 1, up = column(high.y(), 1) + 1;
+  std::vector<std::vector<Segment>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(up));
+  for (const Segment& s : features(m)) {
+    const Vec2 from = s.a.cwiseMin(s.b).array() - clear, to = s.a.cwiseMax(s.b).array() + clear;
+    for (Index i = std::max(column(from.x(), 0), 0); i <= std::min(column(to.x(), 0), across - 1); ++i)
+      for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)
+        cells[static_cast<std::size_t>(k) * across + i].push_back(s);
+  }
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec2& x = points[p];
+    if (!x.allFinite() || (x - low).minCoeff() < 0 || (high - x).minCoeff() < 0) {
+      close[p] = true;
+      continue;
+    }
+    const auto& near = cells[static_cast<std::size_t>(column(x.y(), 1)) * across + column(x.x(), 0)];
+    close[p] = to_rings(j, x) < radius ||
+               std::any_of(near.begin(), near.end(), [&](const Segment& s) { return distance(x, s) < clear; });
+  }
+  return close;
+}
+
+}  // namespace kerf

@@ -1,0 +1,16 @@
+#pragma once
+// Where a small change is too close to something else. Internal to this room.
+
+#include "topo/functional.hpp"
+
+namespace kerf {
+
+/// Per point whether it lies nearer than `clear` to the boundary, a crack or another material, or within `radius` of
+/// the ring of a functional.
+std::vector<bool> too_close(const Model& model, const Functional& j, std::span<const Vec2> points, double clear,
+                            double radius);
+
+/// Distance to the nearest of these (of rings: to their outer circle).
+double distance_to_features(const Model& model, const Functional& j, const Vec2& x);
+
+}  // namespace kerf
