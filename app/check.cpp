@@ -80,6 +80,14 @@ std::string check(const Case& c) {
   print("body      {} to {}, area {:.6g}, {} hole{}\n", at(low), at(high), body, c.shape.holes.size(),
         c.shape.holes.size() == 1 ? "" : "s");
   print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
+  for (std::size_t r = 0; r < c.shape.regions.size(); ++r) {
+    double size = 0;
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < mesh.region.size(); ++t)
+      if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
+    print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles\n", c.shape.regions[r].name,
+          c.regions[r].young, c.regions[r].poisson, size, count);
+  }
   const Quality q = quality(mesh);
   print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",
         mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);

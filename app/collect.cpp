@@ -23,12 +23,17 @@ double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s)
 
 PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   PlotData d;
-  d.corners = split_at_cracks(model.mesh);
+  // The stress jumps between materials.
+  std::vector<bool> cut(model.mesh.edges.size());
+  for (std::size_t e = 0; e < cut.size(); ++e)
+    cut[e] = model.mesh.crack[e] != none || is_interface(model.mesh, static_cast<Index>(e));
+  d.corners = split_at(model.mesh, cut);
+  const std::vector<Material> materials = corner_materials(model, d.corners);
   for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
   d.values = corner_values(model, state, d.corners);
   d.von_mises.resize(d.values.stress.cols());
   for (Eigen::Index i = 0; i < d.von_mises.size(); ++i)
-    d.von_mises[i] = von_mises(model.scene.material, plane_strain, d.values.stress.col(i));
+    d.von_mises[i] = von_mises(materials[i], plane_strain, d.values.stress.col(i));
   return d;
 }
 
@@ -126,6 +131,17 @@ std::vector<Vec2> singular_points(const Model& model) {
       if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(start(i));
     }
   }
+  // Corners between materials; polygonal arcs turn by less per vertex.
+  std::vector<std::vector<Vec2>> interfaces(mesh.points.size());
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()) && !mesh.region.empty(); ++e)
+    if (is_interface(mesh, e))
+      for (int end = 0; end < 2; ++end)
+        interfaces[mesh.edges[e][end]].push_back((end == 0 ? 1 : -1) * tangent(mesh, e));
+  for (std::size_t v = 0; v < interfaces.size(); ++v) {
+    constexpr double straight = -0.94;  // cosine of 160 degrees
+    if (interfaces[v].size() == 2 && interfaces[v][0].dot(interfaces[v][1]) > straight)
+      vertices.insert(static_cast<Index>(v));
+  }
   // Boundary vertices: interior angle, and whether the two edges are held in the same way.
   std::vector<double> angle(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles)
@@ -217,14 +233,20 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
         stress_at(model.kernel, triangle(model, t), state.interior.col(t), centroid(model.mesh, t));
     raw.col(t) << s[0], s[3], s[1], s[2];
   }
-  return {{"u", false, data.values.displacement},
-          {"sigma", false, symmetric},
-          {"von_mises", false, data.von_mises.transpose()},
-          {"principal_stress_1", false, first},
-          {"principal_stress_2", false, second},
-          {"gamma", false, data.values.rotation},
-          {"sigma_raw", true, raw},
-          {"error_indicator", true, indicator.eta.transpose()}};
+  std::vector<NamedField> fields{{"u", false, data.values.displacement},
+                                 {"sigma", false, symmetric},
+                                 {"von_mises", false, data.von_mises.transpose()},
+                                 {"principal_stress_1", false, first},
+                                 {"principal_stress_2", false, second},
+                                 {"gamma", false, data.values.rotation},
+                                 {"sigma_raw", true, raw},
+                                 {"error_indicator", true, indicator.eta.transpose()}};
+  if (!model.mesh.region.empty()) {
+    Eigen::MatrixXd region(1, cells);
+    for (Index t = 0; t < static_cast<Index>(cells); ++t) region(0, t) = 1 + model.mesh.region[t];
+    fields.push_back({"region", true, std::move(region)});
+  }
+  return fields;
 }
 
 std::vector<NamedField> crack_fields(const CrackResult& crack) {

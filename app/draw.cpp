@@ -16,14 +16,16 @@ Index corner(const Model& model, const PlotData& data, Index t, Index v) {
   return none;
 }
 
-// Boundary edges and crack faces as lines through the given positions of the corners.
+// Boundary edges, edges between materials and crack faces as lines through the given positions of the corners.
 void add_lines(const Model& model, const PlotData& data, const std::vector<Vec2>& position, Picture& p) {
   const Mesh& mesh = model.mesh;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    const bool interface = is_interface(mesh, e);
+    if (!interface && mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
     const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
-    p.outlines.push_back(
-        {position[corner(model, data, t, mesh.edges[e][0])], position[corner(model, data, t, mesh.edges[e][1])]});
+    (interface ? p.interfaces : p.outlines)
+        .push_back(
+            {position[corner(model, data, t, mesh.edges[e][0])], position[corner(model, data, t, mesh.edges[e][1])]});
   }
   for (const auto& crack : mesh.cracks)
     for (int side = 0; side < 2; ++side) {

@@ -80,9 +80,9 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   for (const std::string& assignment : overrides) override_value(root, assignment);
   const Field document{&root, ""};
   allow_only(document,
-             {"title", "domain", "hole", "crack", "material", "boundary", "body", "define", "mesh", "solver",
+             {"title", "domain", "hole", "crack", "material", "region", "boundary", "body", "define", "mesh", "solver",
               "functional", "map", "validate", "probe", "output"},
-             {{"region", "the body has one [material]"}, {"optimize", "remove the table"}});
+             {{"optimize", "remove the table"}});
 
   Case c;
   c.name = path.stem().string();
@@ -90,6 +90,7 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   c.title = title ? text(*title) : c.name;
   read_shape(document, c);
   read_material(document, c);
+  read_regions(document, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
   read_functional(document, path.parent_path(), definitions, c);

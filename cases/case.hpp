@@ -29,6 +29,10 @@ struct OutputRequest {
   bool vtk = true, png = true, html = true;
 };
 
+struct Elastic {
+  double young = 1, poisson = 0.3;
+};
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -37,6 +41,7 @@ struct Case {
   Scene scene;  // one law per crack of the shape
   double young = 1, poisson = 0.3;
   bool plane_strain = true;
+  std::vector<Elastic> regions;  // per region of the shape; as materials in the scene
   std::string element = "bdms";
   int degree = 1;
   std::string contact = "dual-qp";  // | "active-set" | "uzawa"

@@ -10,6 +10,9 @@ namespace kerf {
 /// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole.
 void read_shape(const Field& document, Case& c);
 
+/// [[region]], in the plane state that [material] has.
+void read_regions(const Field& document, Case& c);
+
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {
   ExpressionContext context;

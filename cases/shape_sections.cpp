@@ -82,7 +82,7 @@ void check_unique(const std::string& name, const Field& field, std::vector<std::
   names.push_back(name);
 }
 
-Loop read_hole(const Field& hole, const std::string& name, Index label) {
+Loop read_loop(const Field& hole, const std::string& name, Index label) {
   const std::string kind = one_of(hole, {"circle", "ellipse", "polygon"});
   const Field form = need(hole, kind);
   if (kind == "circle") {
@@ -127,7 +127,7 @@ void read_shape(const Field& document, Case& c) {
     check_unique(name, field, names);
     const auto label = static_cast<Index>(c.shape.labels.size());
     c.shape.labels.push_back("hole:" + name);
-    c.shape.holes.push_back(read_hole(hole, name, label));
+    c.shape.holes.push_back(read_loop(hole, name, label));
   }
 
   names.clear();
@@ -154,6 +154,20 @@ void read_shape(const Field& document, Case& c) {
       crack_law.normal = [center = path.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
     c.shape.cracks.push_back(std::move(path));
     c.scene.laws.push_back(std::move(crack_law));
+  }
+}
+
+void read_regions(const Field& document, Case& c) {
+  std::vector<std::string> names;
+  for (const Field& region : find_tables(document, "region")) {
+    allow_only(region, {"name", "circle", "ellipse", "polygon", "young", "poisson"});
+    const Field field = need(region, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    c.shape.regions.push_back(read_loop(region, name, none));
+    const Elastic e{positive(need(region, "young")), between(need(region, "poisson"), 0, 0.5)};
+    c.regions.push_back(e);
+    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
   }
 }
 

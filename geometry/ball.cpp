@@ -210,7 +210,7 @@ BallMesh shells(const Ovals& ovals, const std::vector<Vec2>& boundary) {
     }
   }
   for (std::size_t k = 0; k < polygons.size(); ++k) {
-    Shape shape{polygon("contour", polygons[k], 0), {}, {}, {}, {"contour"}};
+    Shape shape{polygon("contour", polygons[k], 0), {}, {}, {"contour"}, {}};
     if (k + 1 < polygons.size()) shape.holes.push_back(polygon("next contour", polygons[k + 1], 0));
     for (Side& side : shape.outline.sides) side.keep = true;
     for (Loop& hole : shape.holes)

@@ -106,7 +106,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const
         if (corner != none) {
           if (other.from == corner || other.to == corner) continue;
         } else if (target.strand == from) {
-          if (!own.arc || own.crack != none) continue;  // a curved crack has short edges where it faces itself
+          if (!own.arc || own.loop == none) continue;  // cracks and regions have short edges where they face themselves
         } else if (other.from == own.from || other.from == own.to || other.to == own.from || other.to == own.to) {
           continue;
         }

@@ -39,8 +39,8 @@ struct Shape {
   Loop outline;
   std::vector<Loop> holes;
   std::vector<Crack> cracks;
-  std::vector<Loop> regions;        // without labels; in a region inside another one the inner one counts
   std::vector<std::string> labels;  // Side::label counts into this
+  std::vector<Loop> regions;        // without labels; of nested ones the innermost counts
 };
 
 Loop circle(std::string name, const Vec2& center, double radius, Index label);

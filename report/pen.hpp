@@ -10,7 +10,8 @@
 
 namespace kerf {
 
-inline constexpr std::uint32_t ink = 0x1c242c, grey = 0x5a6570, paper = 0xffffff, frame_grey = 0x8a949e;
+inline constexpr std::uint32_t ink = 0x1c242c, grey = 0x5a6570, paper = 0xffffff, frame_grey = 0x8a949e,
+                               interface_orange = 0xb5531c;
 
 struct Destroy {
   void operator()(cairo_surface_t* surface) const;

@@ -55,6 +55,8 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   Image image = paint(static_cast<int>(layout.plot.width), static_cast<int>(layout.plot.height), painting);
   put(pen, image, layout.plot.x, layout.plot.y);
 
+  for (const auto& line : picture.interfaces) trace(pen, layout, line);
+  stroke(pen, 2.6, interface_orange);
   for (const auto& line : picture.outlines) trace(pen, layout, line);
   stroke(pen, 2.2, ink);
   // A white rim, so that a crack shows on dark colours, too; all rims lie under all lines.

@@ -26,7 +26,8 @@ struct Picture {
   double clip = 0.005;                      // share of the area whose values may lie beyond each end of the colour bar
   bool edges = false;                       // draw the edges of the triangles
   std::vector<std::vector<Vec2>> outlines;  // thin dark lines: boundary
-  std::vector<std::vector<Vec2>> cracks;    // strong lines; one per face when displaced
+  std::vector<std::vector<Vec2>> interfaces;        // thin coloured lines: between materials
+  std::vector<std::vector<Vec2>> cracks;            // strong lines; one per face when displaced
   std::vector<std::pair<Vec2, std::string>> marks;  // small labelled crosses
 };
 

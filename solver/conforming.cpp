@@ -183,7 +183,7 @@ Nodes make_nodes(const Model& m, int degree) {
   return n;
 }
 
-// Area-weighted averages at the nodes of u*, which stays in `nodal` at the interior ones.
+// Averages, weighted by area and stiffness, at the nodes of u*, which stays in `nodal` at the interior ones.
 Points averages(const Model& m, const State& s, const Nodes& nodes, Eigen::MatrixXd& nodal) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Points at = lattice(nodes.degree);
@@ -199,7 +199,7 @@ Points averages(const Model& m, const State& s, const Nodes& nodes, Eigen::Matri
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(nodes.count);
   for (Index t = 0; t < triangles; ++t) {
     const std::vector<Index> of = nodes.of(t);
-    const double w = area(m.mesh, t);
+    const double w = area(m.mesh, t) * material_of(m.mesh, m.scene, t).mu;
     for (std::size_t i = 0; i < of.size(); ++i)
       if (of[i] != none) {
         sum.col(of[i]) += w * nodal.col(t).segment<2>(2 * static_cast<Eigen::Index>(i));

@@ -171,6 +171,13 @@ CornerValues corner_values(const Model& model, const State& state, const Corners
   return {sum.topRows<2>(), sum.middleRows<4>(2), sum.row(6)};
 }
 
+std::vector<Material> corner_materials(const Model& model, const Corners& corners) {
+  std::vector<Material> materials(corners.vertex.size(), model.scene.material);
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t)
+    for (const Index corner : corners.of[t]) materials[corner] = material_of(model.mesh, model.scene, t);
+  return materials;
+}
+
 double mean_stress(const Model& model, const State& state) {
   double square = 0;
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {

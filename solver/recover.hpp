@@ -31,6 +31,9 @@ struct CrackPoint {
 };
 std::vector<CrackPoint> crack_profile(const Model& model, const State& state, Index crack);
 
+/// What the body is made of at corners that are split between materials, too: of the last triangle at each corner.
+std::vector<Material> corner_materials(const Model& model, const Corners& corners);
+
 /// Root mean square of the stress over the body: the scale of "no pressure".
 double mean_stress(const Model& model, const State& state);
 

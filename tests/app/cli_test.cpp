@@ -292,6 +292,21 @@ TEST_F(Cli, CheckNamesEveryCondition) {
   EXPECT_NE(o.out.find("roller, normal\n"), std::string::npos) << o.out;
 }
 
+TEST_F(Cli, RegionsAreCheckedAndWritten) {
+  const std::string region =
+      "[[region]]\nname = \"stiff\"\npolygon = [[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]]\n"
+      "young = 10\npoisson = 0.2\n";
+  write("c.toml", square + region);
+  const Outcome o = kerf("check c.toml");
+  EXPECT_NE(o.out.find("region    stiff: young 10, poisson 0.2, area 0.04, "), std::string::npos) << o.out;
+  EXPECT_EQ(kerf("solve c.toml --quiet -o r").code, 0);
+  EXPECT_NE(read_all(folder / "r/state.vtu").find("Name=\"region\""), std::string::npos);
+  EXPECT_EQ(kerf("solve a.toml --quiet -o s").code, 0);
+  EXPECT_EQ(read_all(folder / "s/state.vtu").find("Name=\"region\""), std::string::npos);
+  write("d.toml", square + region + "[[crack]]\nname = \"c\"\npath = [[0.2, 0.5], [0.5, 0.5]]\n");
+  expect_failure("solve d.toml --quiet", 3, "region 'stiff' crosses crack 'c' at (0.4, 0.5)");
+}
+
 TEST_F(Cli, FirstInterruptStopsCleanly) {
   // The signal is sent when the log shows that the first phase has begun.
   const Outcome o = kerf(

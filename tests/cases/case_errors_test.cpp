@@ -141,9 +141,29 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:10:8: [[probe]] has both points and file; keep one"}));
 
 INSTANTIATE_TEST_SUITE_P(
+    Regions, WrongCase,
+    testing::Values(
+        Wrong{"[[region]]\nname = 'r'\nyoung = 1\npoisson = 0.3",
+              "a.toml:7:1: [[region]] needs one of circle, ellipse, polygon"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\npoisson = 0.3",
+              "a.toml:7:1: missing key \"young\" in [[region]]; add it"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = -1\npoisson = 0.3",
+              "a.toml:10:9: young in [[region]] must be positive, not -1"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1\npoisson = 0.6",
+              "a.toml:11:11: poisson in [[region]] must be between 0 and 0.5, not 0.6"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1e-320\npoisson = 0.3",
+              "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
+        Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
+              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson"},
+        Wrong{"[[region]]\nname = '../r'",
+              "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
+        Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"
+              "[[region]]\nname = 'r'",
+              "a.toml:13:8: name in [[region]]: the name \"r\" is taken; give each its own"}));
+
+INSTANTIATE_TEST_SUITE_P(
     NotYet, WrongCase,
     testing::Values(
-        Wrong{"[[region]]\nname = 'r'", "a.toml:7:3: \"region\" is not supported yet; the body has one [material]"},
         Wrong{"[[optimize.hole]]", "a.toml:7:3: \"optimize\" is not supported yet; remove the table"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\nfriction = -0.3",
               "a.toml:10:12: friction in [[crack]] must not be negative"},

@@ -317,5 +317,33 @@ TEST(Case, UnreadableFiles) {
   }
 }
 
+TEST(Regions, HaveTheirOwnMaterialInTheSharedPlaneState) {
+  const std::string regions = R"(
+[[region]]
+name = "stiff"
+circle = { center = [0.5, 0.5], radius = 0.2 }
+young = 30
+poisson = 0.5
+[[region]]
+name = "soft"
+polygon = [[1.2, 0.2], [1.6, 0.2], [1.6, 0.6]]
+young = 0.5
+poisson = 0
+)";
+  const Case c = read(square + regions);
+  ASSERT_EQ(c.shape.regions.size(), 2u);
+  EXPECT_EQ(c.shape.regions[0].name, "stiff");
+  EXPECT_TRUE(c.shape.regions[0].sides[0].arc);
+  EXPECT_EQ(c.shape.regions[1].sides.size(), 3u);
+  EXPECT_EQ(c.shape.regions[1].sides[0].label, none);
+  EXPECT_EQ(c.shape.labels.size(), 4u);
+  ASSERT_EQ(c.scene.regions.size(), 2u);
+  EXPECT_DOUBLE_EQ(c.scene.regions[0].mu, 10);
+  EXPECT_EQ(c.scene.regions[0].c, 0);
+  EXPECT_EQ(c.regions[1].young, 0.5);
+  const Case stress = read(square + "state = 'plane stress'" + regions);
+  EXPECT_DOUBLE_EQ(stress.scene.regions[0].c, plane_stress(30, 0.5).c);
+}
+
 }  // namespace
 }  // namespace kerf
