@@ -96,16 +96,18 @@ struct Factor::Impl {
     if (factor) cholmod_free_factor(&factor, &session.c);
   }
 
-  Eigen::VectorXd apply(int system, const Eigen::VectorXd& b) const {
+  template <typename Dense>
+  Dense apply(int system, const Dense& b) const {
     cholmod_dense in{};
-    in.nrow = in.d = in.nzmax = static_cast<std::size_t>(size);
-    in.ncol = 1;
+    in.nrow = in.d = static_cast<std::size_t>(size);
+    in.ncol = static_cast<std::size_t>(b.cols());
+    in.nzmax = in.nrow * in.ncol;
     in.x = const_cast<double*>(b.data());
     in.xtype = CHOLMOD_REAL;
     in.dtype = CHOLMOD_DOUBLE;
     cholmod_dense* out = cholmod_solve(system, factor, &in, &session.c);
     if (!out) out_of_memory();
-    Eigen::VectorXd x = Eigen::Map<Eigen::VectorXd>(static_cast<double*>(out->x), size);
+    Dense x = Eigen::Map<Dense>(static_cast<double*>(out->x), size, b.cols());
     cholmod_free_dense(&out, &session.c);
     return x;
   }
@@ -214,6 +216,11 @@ Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
   return impl_->size == 0 || impl_->lu ? y : impl_->apply(CHOLMOD_Lt, y);
+}
+
+Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
+  if (impl_->size == 0 || y.cols() == 0) return y;
+  return impl_->apply(CHOLMOD_Lt, y);
 }
 
 Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {

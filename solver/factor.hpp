@@ -36,6 +36,7 @@ class Factor {
   /// tail = (factor of S)^-1 (condensed right-hand side).
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
   Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
+  Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
   /// Lower triangular trailing block of L.

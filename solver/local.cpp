@@ -152,6 +152,13 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
   return k.run->interior(k, t, material, force, m, penalty);
 }
 
+Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m) {
+  if (k.run->interiors) return k.run->interiors(k, t, material, m);
+  Eigen::MatrixXd all(interior_count(k.element), m.cols());
+  for (Eigen::Index i = 0; i < m.cols(); ++i) all.col(i) = interior(k, t, material, {}, m.col(i));
+  return all;
+}
+
 LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
   if (k.run->local_system) return k.run->local_system(k, t, material, force);
   throw Error(Fault::Usage,

@@ -84,6 +84,9 @@ Condensed condense(const Kernel& k, const Triangle& t, const Material& material,
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty = {});
 
+/// The same for several traces without a body force (columns), one elimination.
+Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
+
 /// The dual local problem: the same matrix under right-hand sides -J, J the derivative of a quantity by the interior
 /// coefficients (s, u, r; as long as an interior column).
 struct DualLoad {
@@ -136,6 +139,7 @@ struct Operations {
                             const Penalty&) = nullptr;
   Eigen::VectorXd (*interior_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
                                    const SkeletonVector&, const Penalty&) = nullptr;
+  Eigen::MatrixXd (*interiors)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

@@ -377,6 +377,17 @@ struct MixedTriangle {
     return complete(k, s, material, e, e.given, a.given, nullptr, m, penalty);
   }
 
+  static Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material,
+                                   const Eigen::MatrixXd& m) {
+    const Scaled s = scale(t);
+    const System<S> a = assemble(k, t, s, material, {});
+    const Eliminated e = eliminate(a, material, {});
+    Eigen::MatrixXd all(interior_count(E), m.cols());
+    for (Eigen::Index i = 0; i < m.cols(); ++i)
+      all.col(i) = complete(k, s, material, e, e.given, a.given, nullptr, m.col(i), {});
+    return all;
+  }
+
   // Back substitution: `low` is LB^-1 of the constraints' right-hand side (less what the stress load adds to it),
   // `load` L^-1 of a load on the stresses.
   static Eigen::VectorXd complete(const Kernel& k, const Scaled& s, const Material& material, const Eliminated& e,

@@ -1,6 +1,7 @@
 #include "solver/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -27,6 +28,28 @@ void parallel_for(Index count, int threads, const std::function<void(Index, Inde
     std::vector<std::jthread> pool;
     for (Index w = 1; w < workers; ++w) pool.emplace_back(work, w);
     work(0);
+  }
+  for (const auto& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+}
+
+void parallel_tasks(Index count, int threads, const std::function<void(Index)>& body) {
+  const Index workers = std::clamp<Index>(count, 1, std::max(threads, 1));
+  std::vector<std::exception_ptr> failures(static_cast<std::size_t>(std::max(count, 0)));
+  std::atomic<Index> next{0};
+  const auto work = [&] {
+    for (Index i = next++; i < count; i = next++) {
+      try {
+        body(i);
+      } catch (...) {
+        failures[static_cast<std::size_t>(i)] = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> pool;
+    for (Index w = 1; w < workers; ++w) pool.emplace_back(work);
+    work();
   }
   for (const auto& failure : failures)
     if (failure) std::rethrow_exception(failure);

@@ -11,4 +11,7 @@ namespace kerf {
 /// loop is short. The first exception that a chunk throws is rethrown here.
 void parallel_for(Index count, int threads, const std::function<void(Index begin, Index end)>& body);
 
+/// body(i) for every i in [0, count), each on whichever thread is free next: for few items of uneven work.
+void parallel_tasks(Index count, int threads, const std::function<void(Index)>& body);
+
 }  // namespace kerf

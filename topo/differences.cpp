@@ -92,39 +92,32 @@ struct Differences::Body {
   const Model& operators() const {
     return plain ? *plain : *model;
   }
-  State fields(const Eigen::VectorXd& mine, const Eigen::VectorXd& push, Index first, Index end) const;
+  std::vector<State> skeletons(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& push) const;
 };
 
-// The change of the fields outside the ball, triangles `first` to `end`, from that on its boundary and at the contact
-// rows.
-State Differences::Body::fields(const Eigen::VectorXd& mine, const Eigen::VectorXd& push, Index first,
-                                Index end) const {
+// The change of the skeleton outside a ball, from that on its boundary and at the contact rows; columns are radii.
+std::vector<State> Differences::Body::skeletons(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& push) const {
   const Model& o = operators();
-  const Eigen::Index kept = o.ordering.kept, contact = o.ordering.trailing, nb = mine.size() - contact,
-                     begin = static_cast<Eigen::Index>(ball) * nb;
-  const Eigen::VectorXd rest = others * mine;
-  Eigen::VectorXd tail(kept + contact), y = Eigen::VectorXd::Zero(o.ordering.size);
-  tail << rest.head(begin), mine.head(nb), rest.tail(rest.size() - begin), mine.tail(contact);
-  y.tail(tail.size()) = o.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * tail;
-  const Eigen::VectorXd x = o.factor.backward(y);
-  State s;
-  s.skeleton.setZero(o.skeleton.total);
-  s.force.setZero(o.skeleton.total);
-  for (Index u = 0; u < o.skeleton.total; ++u) {
-    const Index row = o.ordering.row[u];
-    if (row == none) continue;
-    s.skeleton[u] = x[row];
-    if (row >= o.ordering.size - contact) s.force[u] = push[row - (o.ordering.size - contact)];
+  const Eigen::Index kept = o.ordering.kept, contact = o.ordering.trailing, nb = mine.rows() - contact,
+                     begin = static_cast<Eigen::Index>(ball) * nb, count = mine.cols();
+  const Eigen::MatrixXd rest = others * mine;
+  Eigen::MatrixXd tail(kept + contact, count), y = Eigen::MatrixXd::Zero(o.ordering.size, count);
+  tail << rest.topRows(begin), mine.topRows(nb), rest.bottomRows(rest.rows() - begin), mine.bottomRows(contact);
+  y.bottomRows(tail.rows()) = o.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * tail;
+  const Eigen::MatrixXd x = o.factor.backward(y);
+  std::vector<State> states(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    State& s = states[static_cast<std::size_t>(i)];
+    s.skeleton.setZero(o.skeleton.total);
+    s.force.setZero(o.skeleton.total);
+    for (Index u = 0; u < o.skeleton.total; ++u) {
+      const Index row = o.ordering.row[u];
+      if (row == none) continue;
+      s.skeleton[u] = x(row, i);
+      if (row >= o.ordering.size - contact) s.force[u] = push(row - (o.ordering.size - contact), i);
+    }
   }
-  const Index triangles = static_cast<Index>(o.mesh.triangles.size());
-  s.interior.setZero(interior_count(o.kernel.element), triangles);
-  parallel_for(triangles, o.threads, [&](Index from, Index to) {
-    for (Index t = from; t < to; ++t)
-      if (t < first || t >= end)
-        s.interior.col(t) = interior(o.kernel, triangle(o, t), material_of(o.mesh, o.scene, t), {},
-                                     trace_seen(o.mesh, o.skeleton, s.skeleton, t));
-  });
-  return s;
+  return states;
 }
 
 namespace {
@@ -170,12 +163,14 @@ double work_inside(const Model& m, const State& s, Index t) {
   return area(m.mesh, t) * m.system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
 }
 
-// Of the work of the loads: they stay where the body stays.
+// Of the work of the body force inside the ball: it stays where the body stays.
 double work_difference(const Model& m, const State& s, const State& change, const std::vector<bool>& disc,
-                       const InnerState* starred) {
-  double d = traction_loads(m.mesh, m.kernel, m.skeleton, m.scene).dot(change.skeleton);
-  for (Index t = 0; t < static_cast<Index>(disc.size()); ++t)
-    d += disc[t] ? -work_inside(m, s, t) : work_inside(m, change, t);
+                       const std::vector<bool>& ring, const InnerState* starred) {
+  double d = 0;
+  for (Index t = 0; t < static_cast<Index>(disc.size()); ++t) {
+    if (disc[t]) d -= work_inside(m, s, t);
+    if (ring[t]) d += work_inside(m, change, t);
+  }
   if (starred)
     for (Index t = 0; t < static_cast<Index>(starred->state.interior.cols()); ++t)
       d += work_inside(starred->model, starred->state, t);
@@ -230,6 +225,40 @@ Differences::Differences(const Analysis& a, const Functional& j, const Perturbat
 
 Differences::~Differences() = default;
 
+// The derivative exactly, what is left of the density at the centroids.
+std::vector<Eigen::VectorXd> Differences::far_changes(const std::vector<State>& changes, Index first, Index end) {
+  const Model& m = *a_.model;
+  const Model& o = bodies_[0]->operators();
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const Eigen::Index count = static_cast<Eigen::Index>(changes.size()),
+                     terms = static_cast<Eigen::Index>(j_.terms.size());
+  if (derivatives_.empty())
+    for (const Term& term : j_.terms)
+      derivatives_.push_back(term.energy || term.measured ? Sensitivity{} : derivative(term, m, *a_.state));
+  Eigen::MatrixXd part = Eigen::MatrixXd::Zero(terms * count, triangles);
+  parallel_for(triangles, m.threads, [&](Index from, Index to) {
+    for (Index t = from; t < to; ++t) {
+      if (t >= first && t < end) continue;
+      Eigen::MatrixXd traces(skeleton_count(m.kernel.element), count);
+      for (Eigen::Index k = 0; k < count; ++k)
+        traces.col(k) = trace_seen(o.mesh, o.skeleton, changes[static_cast<std::size_t>(k)].skeleton, t);
+      const Eigen::MatrixXd w = interiors(o.kernel, triangle(o, t), material_of(o.mesh, o.scene, t), traces);
+      for (Eigen::Index i = 0; i < terms; ++i) {
+        const Sensitivity& d = derivatives_[static_cast<std::size_t>(i)];
+        if (d.interior.size() == 0) continue;
+        const Term& term = j_.terms[static_cast<std::size_t>(i)];
+        auto sum = part.col(t).segment(i * count, count);
+        sum = w.transpose() * d.interior.col(t);
+        if (!term.work) sum += second_order(term, m, *a_.state, t, w);
+      }
+    }
+  });
+  std::vector<Eigen::VectorXd> all(static_cast<std::size_t>(terms), Eigen::VectorXd::Zero(count));
+  for (Index t = 0; t < triangles; ++t)
+    for (Eigen::Index i = 0; i < terms; ++i) all[static_cast<std::size_t>(i)] += part.col(t).segment(i * count, count);
+  return all;
+}
+
 std::vector<Difference> Differences::at(std::size_t ball, const BallMesh& mesh) {
   const Mesh& whole = a_.model->mesh;
   const Kernel& kernel = a_.model->kernel;
@@ -281,17 +310,30 @@ std::vector<Difference> Differences::at(std::size_t ball, const BallMesh& mesh) 
     fields = fields || !(term.energy || term.measured || (term.work && self_adjoint) || constant);
   }
 
-  std::vector<Difference> results;
-  for (Index k = 1; k <= count; ++k) {
-    const std::vector<bool> disc = shells(k, all);
+  const Body& b0 = *bodies_[0];
+  // Every radius by itself: the ring outside its contour, the changes of all bodies, their energies.
+  struct Solved {
+    std::vector<bool> disc;
+    std::optional<Piece> annulus, inner;
+    std::vector<Change> changes;
+    std::vector<double> energy;  // per body
+    bool same_contact = true;
+  };
+  std::vector<Solved> solved(static_cast<std::size_t>(count));
+  parallel_tasks(count, a_.model->threads, [&](Index number) {
+    Solved& of = solved[static_cast<std::size_t>(number)];
+    const Index k = number + 1;
+    of.disc = shells(k, all);
+    const std::vector<bool>& disc = of.disc;
     std::vector<Index> both = contours[0];
     both.insert(both.end(), contours[k].begin(), contours[k].end());
-    const Piece annulus = condense(whole, shells(0, k), both, kernel, scene, false);
+    of.annulus.emplace(condense(whole, shells(0, k), both, kernel, scene, false));
+    const Piece& annulus = *of.annulus;
     const auto A00 = annulus.K.topLeftCorner(nb, nb);
     const auto A0k = annulus.K.topRightCorner(nb, nb);
     const auto Akk = annulus.K.bottomRightCorner(nb, nb);
-    std::optional<Piece> inner;
-    if (p_.kind == Kind::Inclusion) inner = condense(whole, disc, contours[k], kernel, star, body);
+    std::optional<Piece>& inner = of.inner;
+    if (p_.kind == Kind::Inclusion) inner.emplace(condense(whole, disc, contours[k], kernel, star, body));
     Eigen::LLT<Eigen::MatrixXd> middle;
     Eigen::MatrixXd outer = A00;
     if (p_.kind != Kind::ClampedHole) {
@@ -300,9 +342,6 @@ std::vector<Difference> Differences::at(std::size_t ball, const BallMesh& mesh) 
       middle.compute(M);
       outer -= A0k * middle.solve(A0k.transpose());
     }
-    std::vector<Change> changes;
-    std::vector<double> energy;  // per body
-    Difference result;
     for (const auto& b : bodies_) {
       const Model& m = *b->model;
       const Eigen::VectorXd before = on_edges(m.skeleton, contours[k], b->state->skeleton);
@@ -359,7 +398,7 @@ std::vector<Difference> Differences::at(std::size_t ball, const BallMesh& mesh) 
         c.load = A0k.transpose() * c.ball + Akk * c.contour;
       else
         c.contour = middle.solve(c.load - A0k.transpose() * c.ball);
-      result.same_contact = result.same_contact && c.same;
+      of.same_contact = of.same_contact && c.same;
 
       // Pi(x + w) - Pi(x) in the changed body, and what the change of the disc is at x itself.
       double change = 0;
@@ -368,38 +407,63 @@ std::vector<Difference> Differences::at(std::size_t ball, const BallMesh& mesh) 
       if (inner) change += energy_inside(inner_state(*inner, kernel, star, before, body));
       const double first_order = p_.kind == Kind::ClampedHole ? -pull.dot(c.contour) : -c.load.dot(c.contour);
       change += first_order + b->force.dot(c.contact) + 0.5 * (c.load.dot(c.contour) + c.push.dot(c.contact));
-      energy.push_back(change);
-      changes.push_back(std::move(c));
+      of.energy.push_back(change);
+      of.changes.push_back(std::move(c));
     }
+  });
 
-    std::optional<State> change;
+  std::vector<State> outside;        // change of the skeleton and the forces, per radius
+  std::vector<Eigen::VectorXd> far;  // per term: change of its domain integral outside the ball, per radius
+  if (fields) {
+    Eigen::MatrixXd mine(b0.S.rows(), count), push(b0.S.rows() - nb, count);
+    for (Index i = 0; i < count; ++i) {
+      const Change& c = solved[static_cast<std::size_t>(i)].changes[0];
+      mine.col(i) << c.ball, c.contact;
+      push.col(i) = c.push;
+    }
+    outside = b0.skeletons(mine, push);
+    far = far_changes(outside, first, end);
+  }
+
+  std::vector<Difference> results;
+  for (Index number = 0; number < count; ++number) {
+    const Solved& of = solved[static_cast<std::size_t>(number)];
+    const std::vector<bool>& disc = of.disc;
+    Difference result{.same_contact = of.same_contact};
     std::optional<InnerState> starred;
+    State near;  // the change inside the ball, outside the contour
     if (fields) {
-      Eigen::VectorXd mine(nb + changes[0].contact.size()), edges(2 * nb);
-      mine << changes[0].ball, changes[0].contact;
-      edges << changes[0].ball, changes[0].contour;
-      change = bodies_[0]->fields(mine, changes[0].push, first, end);
-      add_fields(*change, annulus, complete(annulus, edges, false), kernel, scene);
-      if (inner)
-        starred.emplace(inner_state(*inner, kernel, star,
-                                    on_edges(a_.model->skeleton, contours[k], a_.state->skeleton) + changes[0].contour,
+      const Change& c = of.changes[0];
+      Eigen::VectorXd edges(2 * nb);
+      edges << c.ball, c.contour;
+      near.skeleton = outside[static_cast<std::size_t>(number)].skeleton;
+      near.force = outside[static_cast<std::size_t>(number)].force;
+      near.interior.setZero(interior_count(kernel.element), static_cast<Eigen::Index>(triangles));
+      add_fields(near, *of.annulus, complete(*of.annulus, edges, false), kernel, scene);
+      if (of.inner)
+        starred.emplace(inner_state(*of.inner, kernel, star,
+                                    on_edges(a_.model->skeleton, contours[number + 1], a_.state->skeleton) + c.contour,
                                     body));
     }
-    std::vector<bool> use(triangles);
-    for (std::size_t t = 0; t < triangles; ++t) use[t] = !disc[t];
+    std::vector<bool> ring(triangles, false);
+    for (Index t = first; t < end; ++t) ring[t] = !disc[t];
     for (std::size_t i = 0; i < j_.terms.size(); ++i) {
       const Term& term = j_.terms[i];
       double d = 0;
       if (term.energy)
-        d = energy[0];
+        d = of.energy[0];
       else if (term.measured)
-        d = energy[1] - energy[0];
+        d = of.energy[1] - of.energy[0];
       else if (term.work && self_adjoint)
-        d = -2 * energy[0];
-      else if (term.work)
-        d = work_difference(*a_.model, *a_.state, *change, disc, starred ? &*starred : nullptr);
+        d = -2 * of.energy[0];
       else {
-        if (fields) d = difference(term, *a_.model, *a_.state, *change, use);
+        if (fields) {
+          d = far[i][number];
+          d += term.work ? derivatives_[i].skeleton.dot(near.skeleton)
+                         : surface_difference(term, *a_.model, *a_.state, near);
+          d += term.work ? work_difference(*a_.model, *a_.state, near, disc, ring, starred ? &*starred : nullptr)
+                         : domain_difference(term, *a_.model, *a_.state, near, ring);
+        }
         if (term.density) {
           d -= integral_over(term, *a_.model, *a_.state, disc);
           if (starred)

@@ -25,11 +25,13 @@ class Differences {
 
  private:
   struct Body;
+  std::vector<Eigen::VectorXd> far_changes(const std::vector<State>& changes, Index first, Index end);
   const Analysis& a_;
   const Functional& j_;
   Perturbation p_;
   const Filled& filled_;
   std::vector<std::unique_ptr<Body>> bodies_;  // the body, and that of a misfit
+  std::vector<Sensitivity> derivatives_;       // of the terms, once asked for
 };
 
 }  // namespace kerf

@@ -210,7 +210,53 @@ Sensitivity derivative(const Term& term, const Model& m, const State& s) {
   return d;
 }
 
-double difference(const Term& term, const Model& m, const State& s, const State& change, const std::vector<bool>& use) {
+double surface_difference(const Term& term, const Model& m, const State& s, const State& change) {
+  double total = 0;
+  if (term.on_boundary || term.on_crack) {
+    const State after = sum(s, change);
+    if (term.on_boundary)
+      along_label(m, term.label, [&](const BoundaryPoint& p) {
+        total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after.skeleton)).value -
+                             term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
+      });
+    if (term.on_crack)
+      along_crack(m, term.crack, [&](const JumpPoint& p) {
+        total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
+      });
+  }
+  return total;
+}
+
+Eigen::VectorXd second_order(const Term& term, const Model& m, const State& s, Index t,
+                             const Eigen::MatrixXd& changes) {
+  Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
+  const Triangle shape = triangle(m, t);
+  if (!term.density || !wanted(term, shape)) return rest;
+  const Points x = centroid(shape);
+  const auto at = [&](const auto& interior) {
+    const Fields f = evaluate(m.kernel, shape, interior, x);
+    return FieldPoint{.x = x.col(0),
+                      .stress = tensor(f.stress.col(0)),
+                      .displacement = f.displacement.col(0),
+                      .rotation = f.rotation[0],
+                      .material = material_of(m.mesh, m.scene, t)};
+  };
+  const FieldPoint before = at(s.interior.col(t));
+  const Density first = term.density(before);
+  for (Eigen::Index k = 0; k < changes.cols(); ++k) {
+    const FieldPoint by = at(changes.col(k));
+    FieldPoint after = before;
+    after.stress += by.stress;
+    after.displacement += by.displacement;
+    after.rotation += by.rotation;
+    rest[k] = area(shape) * (term.density(after).value - first.value - first.by_stress.cwiseProduct(by.stress).sum() -
+                             first.by_displacement.dot(by.displacement) - first.by_rotation * by.rotation);
+  }
+  return rest;
+}
+
+double domain_difference(const Term& term, const Model& m, const State& s, const State& change,
+                         const std::vector<bool>& use) {
   double total = 0;
   if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
     const TriangleRule rule = domain_rule(m);
@@ -229,18 +275,6 @@ double difference(const Term& term, const Model& m, const State& s, const State&
       }
       return area(shape) * value;
     });
-  }
-  if (term.on_boundary || term.on_crack) {
-    const State after = sum(s, change);
-    if (term.on_boundary)
-      along_label(m, term.label, [&](const BoundaryPoint& p) {
-        total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after.skeleton)).value -
-                             term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
-      });
-    if (term.on_crack)
-      along_crack(m, term.crack, [&](const JumpPoint& p) {
-        total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
-      });
   }
   return total;
 }

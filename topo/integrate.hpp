@@ -11,10 +11,18 @@ double integral(const Term& term, const Model& model, const State& state);
 /// Its derivative by the state, exact for the quadrature that `integral` uses. Empty for energies, misfits, volumes.
 Sensitivity derivative(const Term& term, const Model& model, const State& state);
 
-/// integral(state + change) - integral(state), density by density, so that small changes keep their digits. Only
-/// triangles with `use[t]`, if it is not empty, count.
-double difference(const Term& term, const Model& model, const State& state, const State& change,
-                  const std::vector<bool>& use = {});
+/// Change of the domain integral over the triangles with use[t] when the state changes, density by density, so that
+/// small changes keep their digits.
+double domain_difference(const Term& term, const Model& model, const State& state, const State& change,
+                         const std::vector<bool>& use);
+
+/// phi(z + w) - phi(z) - phi'(z) w at the centroid of t times its area, for changes w (interior coefficients, a column
+/// each): what is left of the domain integral after its derivative, for changes that are small and smooth.
+Eigen::VectorXd second_order(const Term& term, const Model& model, const State& state, Index t,
+                             const Eigen::MatrixXd& changes);
+
+/// Change of the integrals over boundary and crack.
+double surface_difference(const Term& term, const Model& model, const State& state, const State& change);
 
 /// The part of the integral over the triangles with use[t].
 double integral_over(const Term& term, const Model& model, const State& state, const std::vector<bool>& use);
