@@ -109,25 +109,6 @@ Stars stars(const Corners& c) {
   return s;
 }
 
-// Corners on the boundary or a crack whose angle is well over pi.
-std::vector<bool> singular_corners(const Mesh& mesh, const Corners& c) {
-  std::vector<bool> edge(mesh.points.size(), false), result(c.vertex.size(), false);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none)
-      for (const Index v : mesh.edges[e]) edge[v] = true;
-  std::vector<double> angle(c.vertex.size(), 0);
-  for (std::size_t t = 0; t < c.of.size(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const auto& v = mesh.triangles[t];
-      if (!edge[v[i]]) continue;
-      const Vec2 a = mesh.points[v[(i + 1) % 3]] - mesh.points[v[i]],
-                 b = mesh.points[v[(i + 2) % 3]] - mesh.points[v[i]];
-      angle[c.of[t][i]] += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-    }
-  for (std::size_t i = 0; i < angle.size(); ++i) result[i] = angle[i] > std::numbers::pi + 0.3;
-  return result;
-}
-
 // These and all that share a triangle with one.
 std::vector<bool> with_neighbours(const Corners& c, const std::vector<bool>& corners) {
   std::vector<bool> result(corners.size(), false);
@@ -298,12 +279,11 @@ Eigen::Vector3d average(const Model& m, const State& s, const Corners& c, const 
 }
 
 template <int P, class Samples, class Add>
-RecoveredStress fitted(const Model& m, const State& s, const Corners& c, const std::vector<Samples>& samples, int rings,
-                       int least, const Add& add_to) {
+RecoveredStress fitted(const Model& m, const State& s, const Corners& c, const std::vector<bool>& singular,
+                       const std::vector<Samples>& samples, int rings, int least, const Add& add_to) {
   const Index corners = static_cast<Index>(c.vertex.size()), triangles = static_cast<Index>(c.of.size());
   RecoveredStress r{Eigen::Matrix3Xd(3, corners),         Eigen::Matrix3Xd(3, triangles), P,
                     Eigen::MatrixXd(3 * dim(P), corners), Eigen::VectorXd(corners),       {}};
-  const std::vector<bool> singular = singular_corners(m.mesh, c);
   r.kept = with_neighbours(c, singular);
   const Stars star = stars(c);
   parallel_for(corners, m.threads, [&](Index begin, Index end) {
@@ -333,37 +313,73 @@ RecoveredStress fitted(const Model& m, const State& s, const Corners& c, const s
 }
 
 template <int P>
-RecoveredStress from_means(const Model& m, const State& s, const Corners& c, const VectorField& load) {
+RecoveredStress from_means(const Model& m, const State& s, const Corners& c, const std::vector<bool>& singular,
+                           const VectorField& load) {
   std::vector<Mean> means(c.of.size());
   parallel_for(static_cast<Index>(c.of.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) means[t] = mean(m, s, t, load);
   });
-  return fitted<P>(m, s, c, means, 2, dim(P) + 4,
+  return fitted<P>(m, s, c, singular, means, 2, dim(P) + 4,
                    [](Fit<P>& fit, const Mean& of, const Vec2& corner, double reach) { add(fit, of, corner, reach); });
 }
 
 template <int P>
-RecoveredStress from_values(const Model& m, const State& s, const Corners& c) {
+RecoveredStress from_values(const Model& m, const State& s, const Corners& c, const std::vector<bool>& singular) {
   const TriangleRule rule = triangle_rule(4);
   std::vector<Values> samples(c.of.size());
   parallel_for(static_cast<Index>(c.of.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) samples[t] = values(m, s, t, rule);
   });
-  return fitted<P>(m, s, c, samples, 1, 5, [&](Fit<P>& fit, const Values& of, const Vec2& corner, double reach) {
-    add(fit, of, corner, reach, rule);
-  });
+  return fitted<P>(
+      m, s, c, singular, samples, 1, 5,
+      [&](Fit<P>& fit, const Values& of, const Vec2& corner, double reach) { add(fit, of, corner, reach, rule); });
 }
 
 }  // namespace
 
-RecoveredStress recover_stress(const Model& m, const State& s, const Corners& c, const VectorField& load) {
+std::vector<bool> singular_corners(const Model& model, const State& state, const Corners& c) {
+  const Mesh& mesh = model.mesh;
+  std::vector<bool> edge(mesh.points.size(), false), result(c.vertex.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none)
+      for (const Index v : mesh.edges[e]) edge[v] = true;
+  std::vector<bool> changes(mesh.points.size(), false);
+  std::vector<int> touching(mesh.points.size(), none);
+  for (const auto& crack : mesh.cracks)
+    for (const CrackEdge& of : crack) {
+      const Index jump = model.skeleton.jump[of.edge];
+      if (jump == none) continue;
+      for (int k = 0; k < model.skeleton.per_edge; k += 2)
+        for (const Index v : mesh.edges[of.edge]) {
+          const int now = state.force[jump + k] > 0 ? 1 : 0;
+          changes[v] = changes[v] || (touching[v] != none && touching[v] != now);
+          touching[v] = now;
+        }
+    }
+  std::vector<double> angle(c.vertex.size(), 0);
+  for (std::size_t t = 0; t < c.of.size(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const auto& v = mesh.triangles[t];
+      if (!edge[v[i]]) continue;
+      const Vec2 a = mesh.points[v[(i + 1) % 3]] - mesh.points[v[i]],
+                 b = mesh.points[v[(i + 2) % 3]] - mesh.points[v[i]];
+      angle[c.of[t][i]] += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+    }
+  constexpr double little = 0.3;
+  for (std::size_t i = 0; i < angle.size(); ++i)
+    result[i] = angle[i] > std::numbers::pi + little || changes[c.vertex[i]];
+  return result;
+}
+
+RecoveredStress recover_stress(const Model& m, const State& s, const Corners& c, const std::vector<bool>& singular,
+                               const VectorField& load) {
   switch (m.kernel.element.order) {
     case 1:
-      return from_means<2>(m, s, c, load);
+      return from_means<2>(m, s, c, singular, load);
     case 2:
-      return from_means<3>(m, s, c, load);
+      return from_means<3>(m, s, c, singular, load);
     default:
-      return from_values<4>(m, s, c);
+      return from_values<4>(m, s, c, singular);
   }
 }
 

@@ -59,6 +59,10 @@ exact::ExactField quadratic_field() {
   return f;
 }
 
+RecoveredStress recovered(const Solved& s, const VectorField& load = {}) {
+  return recover_stress(s.model, s.state, s.corners, singular_corners(s.model, s.state, s.corners), load);
+}
+
 struct Errors {
   double centroids = 0, corners = 0;  // root mean squares
 };
@@ -86,7 +90,7 @@ TEST_P(RecoverStress, ReproducesStressesOfTheElementUpToTheBoundary) {
   constant.displacement = [m = f.material, stress](const Vec2& x, int) { return Vec2(strain(m, stress) * x); };
   const auto& field = linear ? f : constant;
   const Solved s = solved(exact::unit_square_mesh(4, 0.2), GetParam(), scene_of(field, {0, 1, 2, 3}));
-  const RecoveredStress r = recover_stress(s.model, s.state, s.corners, field.body);
+  const RecoveredStress r = recovered(s, field.body);
   const Errors e = errors(s, field, r);
   EXPECT_LT(e.centroids, 1e-10);
   EXPECT_LT(e.corners, 1e-10);
@@ -111,7 +115,7 @@ TEST(RecoverStress, IsSeveralTimesCloserOnSmoothFields) {
       shape.outline = polygon("outline", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0);
       const Solved s = solved(triangulate(shape, {.size = size}), element("bdms", degree), scene_of(f, {0}));
       const CornerValues v = corner_values(s.model, s.state, s.corners);
-      RecoveredStress discrete = recover_stress(s.model, s.state, s.corners);
+      RecoveredStress discrete = recovered(s);
       better.push_back(errors(s, f, discrete));
       for (Index i = 0; i < v.stress.cols(); ++i)
         discrete.at_corners.col(i) = symmetric(tensor(Eigen::Vector4d(v.stress.col(i))));
@@ -143,7 +147,7 @@ TEST(RecoverStress, DoesNotReachAcrossACrack) {
   scene.laws = {{.kind = CrackLaw::Kind::Open}};
   scene.supports = {{.label = 0, .value = [f](const Vec2& x, const Vec2&) { return f.displacement(x, 0); }}};
   const Solved s = solved(triangulate(shape, {.size = 0.2}), element("bdms"), scene);
-  const RecoveredStress r = recover_stress(s.model, s.state, s.corners);
+  const RecoveredStress r = recovered(s);
   for (Index t = 0; t < static_cast<Index>(s.corners.of.size()); ++t) {
     const Vec2 x = centroid(s.model.mesh, t);
     EXPECT_LT((r.at_centroids.col(t) - symmetric(f.stress(x, 0))).norm(), 1e-10);
@@ -154,17 +158,17 @@ TEST(RecoverStress, DoesNotReachAcrossACrack) {
 TEST(RecoverStress, SeesAVaryingLoad) {
   const auto f = exact::trig_field(0.3);
   const Solved s = solved(exact::unit_square_mesh(16, 0.25), element("bdms"), scene_of(f, {0, 1, 2, 3}));
-  const Errors without = errors(s, f, recover_stress(s.model, s.state, s.corners));
-  const Errors with = errors(s, f, recover_stress(s.model, s.state, s.corners, f.body));
+  const Errors without = errors(s, f, recovered(s));
+  const Errors with = errors(s, f, recovered(s, f.body));
   EXPECT_LT(with.centroids, 0.7 * without.centroids);
 }
 
 TEST(RecoverStress, IsTheSameOnAnyNumberOfThreads) {
   const auto f = exact::crack_case("I", 0.3);
   Solved s = solved(exact::crack_mesh(32, 0.3, 0.2), element("bdms"), scene_of(f, {0, 1, 2, 3}, {{}}));
-  const RecoveredStress two = recover_stress(s.model, s.state, s.corners);
+  const RecoveredStress two = recovered(s);
   s.model.threads = 1;
-  const RecoveredStress one = recover_stress(s.model, s.state, s.corners);
+  const RecoveredStress one = recovered(s);
   EXPECT_EQ(one.at_corners, two.at_corners);
   EXPECT_EQ(one.at_centroids, two.at_centroids);
 }
@@ -175,7 +179,7 @@ TEST(RecoverStress, CopesWithTheSmallestMeshes) {
   const std::vector<Marked> marked = {{0, 1, 0}, {1, 2, 1}, {2, 3, 2}, {3, 0, 3}};
   const Solved s = solved(connect({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}, marked), element("bdms"),
                           scene_of(f, {0, 1, 2, 3}));
-  const RecoveredStress r = recover_stress(s.model, s.state, s.corners);
+  const RecoveredStress r = recovered(s);
   EXPECT_TRUE(r.at_corners.allFinite());
   EXPECT_TRUE(r.at_centroids.allFinite());
 }
