@@ -5,31 +5,35 @@
 
 namespace kerf {
 
-/// A quantity at every corner and at the centroid of every triangle.
-struct PointValues {
-  Eigen::VectorXd at_corners, at_centroids;
-};
-
 /// Half widths of error bars: the true value is expected within value +- half width.
 struct Spread {
-  PointValues half_width;
+  Eigen::VectorXd at_corners, at_centroids;
   Eigen::VectorXd around;  // per corner: what the two solutions typically differ by around it
 };
 
-/// From a quantity (a topological derivative, a component of the stress) of a solution and of a better one on the same
-/// mesh, both from recovered stresses: the larger of 2.1 |difference| and 1.6 times its typical size in two rings of
-/// triangles, for points where the difference changes sign. Asymptotically right where the better solution converges
-/// faster; next to it the factors leave room for the better one's error being about half of the first one's, as it is
-/// where crack tips dominate both. Guarantees nothing: measured on exact solutions, tests/solver/spread_test.cpp. What
-/// both solutions share, it does not see: polygons for curved sides, the mesh where a crack begins to touch.
-Spread spread(const Corners& corners, const PointValues& values, const PointValues& better);
+/// The better solution comes from `better_element` on triangulate(shape, sizing, {&mesh, better_sizes(...)}): edges as
+/// in `mesh`, but 8 times shorter at singular corners, whose error reaches everywhere and which a higher degree alone
+/// hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all degrees. 2.5 to 4
+/// times the work of the solution itself. Throws Error(Usage) when there is no better element.
+const Element& better_element(const Element& e);
+std::vector<double> better_sizes(const Mesh& mesh, const Corners& corners, const std::vector<bool>& singular);
+
+/// Where the two solutions are compared: for every corner a point of one of its triangles next to it, then the
+/// centroids. `better`: triangles of the better mesh.
+struct Places {
+  std::vector<Vec2> x;
+  std::vector<Index> own, better;
+};
+Places places(const Mesh& mesh, const Corners& corners, const Mesh& better);
+
+/// From a quantity (a topological derivative, a component of the stress) of the two solutions at the places, each from
+/// its recovered_at: the larger of 1.5 |difference| and 1.3 times its typical size in two rings of triangles, for
+/// points where the difference changes sign. Right where the better solution's error is less than a third; no
+/// guarantee: the factors cover 95 % of the points of known exact solutions, tests/solver/spread_test.cpp.
+Spread spread(const Corners& corners, const Eigen::VectorXd& values, const Eigen::VectorXd& better);
 
 /// The half width at a point of triangle t where the two solutions differ by `difference`.
 double half_width_at(const Mesh& mesh, const Corners& corners, const Spread& spread, Index t, const Vec2& x,
                      double difference);
-
-/// An element that is one order better on the same mesh; 2.0 to 2.4 times the work for bdms 1. Throws Error(Usage) when
-/// there is none.
-const Element& better_element(const Element& e);
 
 }  // namespace kerf
