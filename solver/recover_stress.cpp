@@ -2,6 +2,7 @@
 
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
+#include "solver/recover.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -343,6 +344,8 @@ std::vector<bool> singular_corners(const Model& model, const State& state, const
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
     if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none)
       for (const Index v : mesh.edges[e]) edge[v] = true;
+  // Pressures that are small change nothing; faces between contact and gap would flicker.
+  const double least = mesh.cracks.empty() ? 0 : 1e-3 * mean_stress(model, state);
   std::vector<bool> changes(mesh.points.size(), false);
   std::vector<int> touching(mesh.points.size(), none);
   for (const auto& crack : mesh.cracks)
@@ -351,7 +354,7 @@ std::vector<bool> singular_corners(const Model& model, const State& state, const
       if (jump == none) continue;
       for (int k = 0; k < model.skeleton.per_edge; k += 2)
         for (const Index v : mesh.edges[of.edge]) {
-          const int now = state.force[jump + k] > 0 ? 1 : 0;
+          const int now = state.force[jump + k] > least * length(mesh, of.edge) ? 1 : 0;
           changes[v] = changes[v] || (touching[v] != none && touching[v] != now);
           touching[v] = now;
         }

@@ -6,7 +6,7 @@ namespace kerf {
 
 namespace {
 
-// Measured on 30 exact solutions on three meshes each, so that 95 % of the points are covered.
+// Measured on 31 exact solutions on three meshes each: 97 % of the points are covered, most often 99.9 %.
 constexpr double own = 1.5, of_neighbours = 1.3;
 
 /// Means over the triangles at each corner of a quantity per triangle.
