@@ -1,0 +1,39 @@
+#pragma once
+// Error bars at points, from a better solution.
+
+#include "solver/recover_stress.hpp"
+
+namespace kerf {
+
+/// Half widths of error bars: the true value is expected within value +- half width.
+struct Spread {
+  Eigen::VectorXd at_corners, at_centroids;
+  Eigen::VectorXd around;  // per corner: what the two solutions typically differ by around it
+};
+
+/// The better solution comes from `better_element` on triangulate(shape, sizing, {&mesh, better_sizes(...)}): edges as
+/// in `mesh`, but 8 times shorter at singular corners, whose error reaches everywhere and which a higher degree alone
+/// hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all degrees. 2.5 to 4
+/// times the work of the solution itself. Throws Error(Usage) when there is no better element.
+const Element& better_element(const Element& e);
+std::vector<double> better_sizes(const Mesh& mesh, const Corners& corners, const std::vector<bool>& singular);
+
+/// Where the two solutions are compared: for every corner a point of one of its triangles next to it, then the
+/// centroids. `better`: triangles of the better mesh.
+struct Places {
+  std::vector<Vec2> x;
+  std::vector<Index> own, better;
+};
+Places places(const Mesh& mesh, const Corners& corners, const Mesh& better);
+
+/// From a quantity (a topological derivative, a component of the stress) of the two solutions at the places, each from
+/// its recovered_at: the larger of 1.5 |difference| and 1.3 times its typical size in two rings of triangles, for
+/// points where the difference changes sign. Right where the better solution's error is less than a third; no
+/// guarantee: the factors cover 95 % of the points of known exact solutions, tests/solver/spread_test.cpp.
+Spread spread(const Corners& corners, const Eigen::VectorXd& values, const Eigen::VectorXd& better);
+
+/// The half width at a point of triangle t where the two solutions differ by `difference`.
+double half_width_at(const Mesh& mesh, const Corners& corners, const Spread& spread, Index t, const Vec2& x,
+                     double difference);
+
+}  // namespace kerf
