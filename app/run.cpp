@@ -195,12 +195,15 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     analysis = analyse(c.functional, model, state, !with_map);
     r.functional = functional_result(c.functional, *analysis);
     if (with_map) {
-      const FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
+      analysis->fields = recover_fields(*analysis);
+      FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
       r.map = map_result(c, *analysis, full);
-      if (c.map_request.bounds && full.lower.size() == 0 &&
-          std::none_of(r.map->points.begin(), r.map->points.end(),
-                       [](const MapPoint& p) { return p.lower.has_value(); }))
-        r.state->notes.push_back("there are no bounds of the map for this functional, perturbation and element");
+      if (c.map_request.bounds) {
+        if (c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole)
+          r.state->notes.push_back("there are no bounds for maps of clamped holes");
+        else
+          add_bars(*analysis, c.functional, c.map_request, c.shape, c.sizing, full, r.map->points);
+      }
       r.seconds.map = watch.lap();
       begin("write the map");
       write_map_files(options.folder, c, *r.map, model.mesh, data, full);

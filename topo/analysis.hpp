@@ -15,6 +15,8 @@ struct Biactive {
   Eigen::VectorXd slope;
 };
 
+struct MapFields;  // see fields.hpp
+
 struct Analysis {
   const Model* model;
   const State* state;
@@ -31,11 +33,16 @@ struct Analysis {
   double measured_share = 0;
   std::shared_ptr<const Biactive> biactive = {};  // where it matters: with an adjoint
   double biactive_length = 0;
+  std::shared_ptr<const MapFields> fields =
+      {};  // recovered stresses, for maps: recover_fields; made anew where missing
 };
 
 /// `value_only`: no adjoint. Throws Error(Usage) for what the element or the scene cannot do (friction),
 /// Error(Numerics) when the measured body cannot be solved.
 Analysis analyse(const Functional& j, const Model& model, const State& state, bool value_only = false);
+
+/// The recovered stresses of the state, the adjoint and the others: once for several maps.
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a);
 
 /// The scene with the measured displacements instead of the tractions on their label.
 Scene measured_scene(const Scene& scene, const Support& measured);

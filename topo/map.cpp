@@ -1,69 +1,79 @@
 #include "topo/map.hpp"
 
+#include "geometry/mesher.hpp"
 #include "solver/parallel.hpp"
+#include "solver/spread.hpp"
+#include "topo/fields.hpp"
 #include "topo/mask.hpp"
-#include "topo/point.hpp"
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-Vec2 displacement_at(const Model& m, const State& s, Index t, const Vec2& x, bool recovered) {
-  return recovered ? Vec2(recovered_displacement(m, s, t, x).col(0)) : Vec2(evaluate(m, s, t, x).displacement.col(0));
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::shared_ptr<const MapFields> fields_of(const Analysis& a) {
+  return a.fields ? a.fields : recover_fields(a);
 }
 
-// Area-weighted averages at the corners of values at the corners of triangles.
-template <typename Local>
-void average(const Mesh& mesh, const Corners& corners, const Local& local, Local& at_corners) {
-  at_corners.setZero(local.rows(), static_cast<Eigen::Index>(corners.vertex.size()));
-  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Zero(at_corners.cols());
-  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
-    const double w = area(mesh, t);
-    for (int i = 0; i < 3; ++i) {
-      at_corners.col(corners.of[t][i]) += w * local.col(Eigen::Index{3} * t + i);
-      weight[corners.of[t][i]] += w;
-    }
-  }
-  for (Eigen::Index c = 0; c < at_corners.cols(); ++c) at_corners.col(c) /= weight[c];
-}
-
-// One state at some points: stress s11, s22, s12; displacement where asked for.
-struct Sample {
-  Eigen::Matrix3Xd stress;
-  Points displacement;
+// Displacements at centroids and corners (there the average weighted by area).
+struct Displacements {
+  Points at_centroids, at_corners;
 };
-struct Everywhere {
-  Sample centroids, corners;
-};
-Everywhere sample_everywhere(const Model& m, const State& s, const Corners& corners, bool displacement,
-                             bool recovered) {
+Displacements displacements(const Model& m, const State& s, const Corners& corners, bool recovered) {
   const Index n = static_cast<Index>(m.mesh.triangles.size());
-  Everywhere e;
-  e.centroids.stress.resize(3, n);
-  Eigen::Matrix3Xd local(3, Eigen::Index{3} * n);
-  Points local_u(2, displacement ? Eigen::Index{3} * n : 0);
-  if (displacement) e.centroids.displacement.resize(2, n);
+  Points local(2, Eigen::Index{3} * n);
+  Displacements d{Points(2, n), Points::Zero(2, static_cast<Eigen::Index>(corners.vertex.size()))};
   parallel_for(n, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Triangle shape = triangle(m, t);
-      e.centroids.stress.col(t) = components(stress_at(m.kernel, shape, s.interior.col(t), centroid(shape)));
-      for (int i = 0; i < 3; ++i)
-        local.col(Eigen::Index{3} * t + i) = components(stress_at(m.kernel, shape, s.interior.col(t), shape.x[i]));
-      if (!displacement) continue;
       Points x(2, 4);
       x << shape.x[0], shape.x[1], shape.x[2], centroid(shape);
       const Points u = recovered ? recovered_displacement(m, s, t, x) : evaluate(m, s, t, x).displacement;
-      local_u.middleCols<3>(Eigen::Index{3} * t) = u.leftCols<3>();
-      e.centroids.displacement.col(t) = u.col(3);
+      local.middleCols<3>(Eigen::Index{3} * t) = u.leftCols<3>();
+      d.at_centroids.col(t) = u.col(3);
     }
   });
-  average(m.mesh, corners, local, e.corners.stress);
-  if (displacement) average(m.mesh, corners, local_u, e.corners.displacement);
-  return e;
+  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Zero(d.at_corners.cols());
+  for (Index t = 0; t < n; ++t)
+    for (int i = 0; i < 3; ++i) {
+      d.at_corners.col(corners.of[t][i]) += area(m.mesh, t) * local.col(Eigen::Index{3} * t + i);
+      weight[corners.of[t][i]] += area(m.mesh, t);
+    }
+  for (Eigen::Index c = 0; c < d.at_corners.cols(); ++c) d.at_corners.col(c) /= weight[c];
+  return d;
+}
+
+// Everything that the expansion needs at all corners or at all centroids.
+struct Sample {
+  const Eigen::Matrix3Xd* stress;
+  const Eigen::Matrix3Xd *dual = nullptr, *measured = nullptr;
+  std::vector<const Eigen::Matrix3Xd*> openings = {};
+  const Points *u = nullptr, *p = nullptr, *measured_u = nullptr;
+  std::vector<const Points*> opening_u = {};
+};
+
+PointValues values(const Sample& s, Index i) {
+  PointValues v;
+  v.stress = s.stress->col(i);
+  if (s.dual) v.dual = s.dual->col(i);
+  if (s.measured) v.measured = s.measured->col(i);
+  if (s.u) v.u = s.u->col(i);
+  if (s.p) v.p = s.p->col(i);
+  if (s.measured_u) v.measured_u = s.measured_u->col(i);
+  const Eigen::Index n = static_cast<Eigen::Index>(s.openings.size());
+  if (n > 0) {
+    v.openings.resize(3, n);
+    v.opening_u = Points::Zero(2, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      v.openings.col(k) = s.openings[static_cast<std::size_t>(k)]->col(i);
+      if (!s.opening_u.empty()) v.opening_u.col(k) = s.opening_u[static_cast<std::size_t>(k)]->col(i);
+    }
+  }
+  return v;
 }
 
 }  // namespace
@@ -74,38 +84,15 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   const Needs need = needs(a, j, r.perturbation);
   const std::vector<Index> where = locate(m.mesh, points);
   const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
+  const std::shared_ptr<const MapFields> fields = fields_of(a);
   std::vector<MapPoint> map(points.size());
   std::vector<bool> closed = no_row_closed(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    map[i].at = points[i];
-    map[i].masked = masked[i];
-    map[i].value = std::numeric_limits<double>::quiet_NaN();
-    const Index t = where[i];
-    if (t == none) continue;
-    const Vec2& x = points[i];
-    const Triangle shape = triangle(m, t);
-    const auto stress = [&](const State& s) { return components(stress_at(m.kernel, shape, s.interior.col(t), x)); };
-    PointValues v{.x = x, .material = material_of(m.mesh, m.scene, t), .stress = stress(*a.state)};
-    if (need.displacement) v.u = displacement_at(m, *a.state, t, x, true);
-    if (a.adjoint) v.dual = stress(*a.adjoint);
-    if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.recover_dual);
-    if (a.measured) {
-      v.measured = stress(*a.measured);
-      if (need.displacement) v.measured_u = displacement_at(*a.measured_model, *a.measured, t, x, true);
-    }
-    if (a.biactive) {
-      const Eigen::Index n = static_cast<Eigen::Index>(a.biactive->response.size());
-      v.openings.resize(3, n);
-      v.opening_u.resize(2, n);
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const State& y = a.biactive->response[static_cast<std::size_t>(k)];
-        v.openings.col(k) = stress(y);
-        if (need.displacement) v.opening_u.col(k) = displacement_at(m, y, t, x, true);
-      }
-    }
-    const Oriented value = expand(a, j, r.perturbation, v, closed);
-    map[i].value = value.value;
-    map[i].angle = value.angle;
+    map[i] = {.at = points[i], .value = nan, .masked = masked[i]};
+    if (where[i] == none) continue;
+    const Oriented t = expand_at(a, j, r.perturbation, *fields, need, where[i], points[i], closed);
+    map[i].value = t.value;
+    map[i].angle = t.angle;
   }
   return map;
 }
@@ -115,62 +102,106 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   const Needs need = needs(a, j, r.perturbation);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()),
               count = static_cast<Index>(corners.vertex.size());
-  const Everywhere state = sample_everywhere(m, *a.state, corners, need.displacement, true);
-  std::optional<Everywhere> dual, measured;
-  if (a.adjoint) dual = sample_everywhere(m, *a.adjoint, corners, need.dual_displacement, need.recover_dual);
-  if (a.measured) measured = sample_everywhere(*a.measured_model, *a.measured, corners, need.displacement, true);
-  std::vector<Everywhere> openings;
-  if (a.biactive)
-    for (const State& y : a.biactive->response)
-      openings.push_back(sample_everywhere(m, y, corners, need.displacement, true));
+  const std::shared_ptr<const MapFields> fields = fields_of(a);
+  const MapFields& f = *fields;
+  std::vector<Displacements> u;  // state, dual, measured, openings
+  u.reserve(3 + f.openings.size());
+  Sample centroids{.stress = &f.state.at_centroids}, vertices{.stress = &f.state.at_corners};
+  const auto displaced = [&](const Model& model, const State& s, bool recovered, const Points*& at_centroids,
+                             const Points*& at_corners) {
+    u.push_back(displacements(model, s, corners, recovered));
+    at_centroids = &u.back().at_centroids;
+    at_corners = &u.back().at_corners;
+  };
+  if (need.displacement) displaced(m, *a.state, true, centroids.u, vertices.u);
+  if (f.dual) centroids.dual = &f.dual->at_centroids, vertices.dual = &f.dual->at_corners;
+  if (need.dual_displacement) displaced(m, *a.adjoint, need.recover_dual, centroids.p, vertices.p);
+  if (f.measured) {
+    centroids.measured = &f.measured->at_centroids, vertices.measured = &f.measured->at_corners;
+    if (need.displacement) displaced(*a.measured_model, *a.measured, true, centroids.measured_u, vertices.measured_u);
+  }
+  for (std::size_t k = 0; k < f.openings.size(); ++k) {
+    centroids.openings.push_back(&f.openings[k].at_centroids);
+    vertices.openings.push_back(&f.openings[k].at_corners);
+    if (!need.displacement) continue;
+    centroids.opening_u.push_back(nullptr), vertices.opening_u.push_back(nullptr);
+    displaced(m, a.biactive->response[k], true, centroids.opening_u.back(), vertices.opening_u.back());
+  }
   std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
   for (Index t = 0; t < triangles; ++t)
     for (const Index c : corners.of[t]) beside[c] = t;
+  std::vector<Vec2> at_centroids, at_vertices;
+  for (Index t = 0; t < triangles; ++t) at_centroids.push_back(centroid(m.mesh, t));
+  for (const Index v : corners.vertex) at_vertices.push_back(m.mesh.points[v]);
 
   FullMap map;
   const bool turned =
       r.perturbation.kind == Perturbation::Kind::Ellipse || r.perturbation.kind == Perturbation::Kind::Crack;
   if (turned) map.angle.resize(triangles);
-  const auto fill = [&](Index n, Sample Everywhere::*at, const std::function<Vec2(Index)>& place,
-                        const std::function<Index(Index)>& in, Eigen::VectorXd& value, Eigen::VectorXd* angle) {
+  const auto fill = [&](Index n, const Sample& sample, const std::vector<Vec2>& x, const std::vector<Index>* in,
+                        Eigen::VectorXd& value, Eigen::VectorXd* angle) {
     value.resize(n);
     parallel_for(n, m.threads, [&](Index begin, Index end) {
       std::vector<bool> closed = no_row_closed(a);
       for (Index i = begin; i < end; ++i) {
-        PointValues v{
-            .x = place(i), .material = material_of(m.mesh, m.scene, in(i)), .stress = (state.*at).stress.col(i)};
-        if (need.displacement) v.u = (state.*at).displacement.col(i);
-        if (dual) v.dual = ((*dual).*at).stress.col(i);
-        if (need.dual_displacement) v.p = ((*dual).*at).displacement.col(i);
-        if (measured) v.measured = ((*measured).*at).stress.col(i);
-        if (measured && need.displacement) v.measured_u = ((*measured).*at).displacement.col(i);
-        if (!openings.empty()) {
-          v.openings.resize(3, static_cast<Eigen::Index>(openings.size()));
-          v.opening_u.resize(2, v.openings.cols());
-          for (std::size_t k = 0; k < openings.size(); ++k) {
-            v.openings.col(static_cast<Eigen::Index>(k)) = (openings[k].*at).stress.col(i);
-            if (need.displacement)
-              v.opening_u.col(static_cast<Eigen::Index>(k)) = (openings[k].*at).displacement.col(i);
-          }
-        }
+        PointValues v = values(sample, i);
+        v.x = x[static_cast<std::size_t>(i)];
+        v.material = material_of(m.mesh, m.scene, in ? (*in)[static_cast<std::size_t>(i)] : i);
         const Oriented t = expand(a, j, r.perturbation, v, closed);
         value[i] = t.value;
         if (angle) (*angle)[i] = t.angle;
       }
     });
   };
-  std::vector<Vec2> centers, vertices;
-  for (Index t = 0; t < triangles; ++t) centers.push_back(centroid(m.mesh, t));
-  for (const Index v : corners.vertex) vertices.push_back(m.mesh.points[v]);
-  fill(
-      triangles, &Everywhere::centroids, [&](Index t) { return centers[static_cast<std::size_t>(t)]; },
-      [](Index t) { return t; }, map.at_centroids, turned ? &map.angle : nullptr);
-  fill(
-      count, &Everywhere::corners, [&](Index c) { return vertices[static_cast<std::size_t>(c)]; },
-      [&](Index c) { return beside[static_cast<std::size_t>(c)]; }, map.at_corners, nullptr);
-  map.masked_centroid = too_close(m, j, centers, clear_radii * r.radius, r.radius);
-  map.masked_corner = too_close(m, j, vertices, clear_radii * r.radius, r.radius);
+  fill(triangles, centroids, at_centroids, nullptr, map.at_centroids, turned ? &map.angle : nullptr);
+  fill(count, vertices, at_vertices, &beside, map.at_corners, nullptr);
+  map.masked_centroid = too_close(m, j, at_centroids, clear_radii * r.radius, r.radius);
+  map.masked_corner = too_close(m, j, at_vertices, clear_radii * r.radius, r.radius);
   return map;
+}
+
+void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
+              FullMap& map, std::span<MapPoint> points) {
+  const Model& m = *a.model;
+  const std::shared_ptr<const MapFields> fields = fields_of(a);
+  const MapFields& own = *fields;
+  const std::vector<double> sizes = better_sizes(m.mesh, own.corners, own.singular);
+  const Model better = prepare(triangulate(shape, sizing, Background{&m.mesh, sizes}), better_element(m.kernel.element),
+                               m.scene, m.threads);
+  const State state = solve(better);
+  if (!certified(state))
+    throw Error(Fault::Numerics, "the better solution for error bars (map.bounds) did not converge");
+  Analysis finer = analyse(j, better, state);
+  finer.fields = recover_fields(finer);
+  const Places at = places(m.mesh, own.corners, better.mesh);
+  const auto sampled = [&](const Analysis& of, const std::vector<Index>& where) {
+    const Needs need = needs(of, j, r.perturbation);
+    const MapFields& f = &of == &finer ? *finer.fields : own;
+    Eigen::VectorXd value(static_cast<Eigen::Index>(at.x.size()));
+    parallel_for(static_cast<Index>(at.x.size()), m.threads, [&](Index begin, Index end) {
+      std::vector<bool> closed = no_row_closed(of);
+      for (Index i = begin; i < end; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        value[i] = where[k] == none ? nan : expand_at(of, j, r.perturbation, f, need, where[k], at.x[k], closed).value;
+      }
+    });
+    return value;
+  };
+  const Spread bars = spread(own.corners, sampled(a, at.own), sampled(finer, at.better));
+  map.lower = map.at_corners - bars.at_corners;
+  map.upper = map.at_corners + bars.at_corners;
+  std::vector<Vec2> x;
+  for (const MapPoint& p : points) x.push_back(p.at);
+  const std::vector<Index> where = locate(m.mesh, x), there = locate(better.mesh, x);
+  const Needs need = needs(finer, j, r.perturbation);
+  std::vector<bool> closed = no_row_closed(finer);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (where[i] == none || there[i] == none) continue;
+    const double finest = expand_at(finer, j, r.perturbation, *finer.fields, need, there[i], x[i], closed).value;
+    const double half = half_width_at(m.mesh, own.corners, bars, where[i], x[i], points[i].value - finest);
+    points[i].lower = points[i].value - half;
+    points[i].upper = points[i].value + half;
+  }
 }
 
 }  // namespace kerf
