@@ -615,7 +615,7 @@ template <const Element& E>
 constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
   return {&Sized::condense,     &Sized::interior,    &Sized::evaluate,      &Sized::stress_at_point, &Sized::weigh,
-          &Sized::local_system, &Sized::interior_of, &Sized::condense_dual, &Sized::interior_dual};
+          &Sized::local_system, &Sized::interior_of, &Sized::condense_dual, &Sized::interior_dual,   &Sized::interiors};
 }
 
 }  // namespace kerf

@@ -20,18 +20,25 @@ class Differences {
               const Preparation& how);
   ~Differences();
 
-  /// For every radius of the ball.
-  std::vector<Difference> at(std::size_t ball, const BallMesh& mesh);
+  /// Per ball, for every radius.
+  std::vector<std::vector<Difference>> all(const std::vector<BallMesh>& balls);
 
  private:
   struct Body;
-  std::vector<Eigen::VectorXd> far_changes(const std::vector<State>& changes, Index first, Index end);
+  struct Change;
+  struct Solved;
+  std::vector<Solved> solve(std::size_t ball, const BallMesh& mesh);
+  void outside(std::vector<std::vector<Solved>>& solved);
+  Difference finish(std::size_t ball, Solved& of, State& near) const;
+  Scene starred_scene() const;
+
   const Analysis& a_;
   const Functional& j_;
   Perturbation p_;
   const Filled& filled_;
   std::vector<std::unique_ptr<Body>> bodies_;  // the body, and that of a misfit
-  std::vector<Sensitivity> derivatives_;       // of the terms, once asked for
+  std::vector<Sensitivity> derivatives_;       // of the terms, where fields are asked for
+  bool fields_ = false, self_adjoint_ = true;  // whether J asks for the fields themselves; homogeneous supports
 };
 
 }  // namespace kerf

@@ -148,7 +148,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
   if (!certified(state)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
   const bool clamped = r.perturbation.kind == Perturbation::Kind::ClampedHole;
   const Analysis a = analyse(j, model, state, clamped);
-  Differences differences(a, j, r.perturbation, f, how);
+  const std::vector<std::vector<Difference>> differences = Differences(a, j, r.perturbation, f, how).all(batch.balls);
   for (std::size_t s = 0; s < sites.size(); ++s) {
     const Site& site = sites[s];
     Validation& v = results[site.number];
@@ -159,7 +159,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
       v.coefficient =
           coefficient(a, j, r.perturbation, site.at, Centre(model, first, end, site.at, share * site.ball), end - 1)
               .value;
-    const std::vector<Difference> found = differences.at(s, batch.balls[s]);
+    const std::vector<Difference>& found = differences[s];
     std::vector<double> scales(v.rows.size(), nan);
     for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
       while (v.rows[row].radius != site.radii[k]) ++row;

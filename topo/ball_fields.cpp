@@ -1,0 +1,122 @@
+#include "topo/ball_fields.hpp"
+
+#include <algorithm>
+
+namespace kerf {
+
+Material floored(Material m) {
+  constexpr double least = 1e-8;
+  m.c = std::max(m.c, least / m.mu);
+  return m;
+}
+Scene floored(Scene scene) {
+  scene.material = floored(scene.material);
+  for (Material& m : scene.regions) m = floored(m);
+  return scene;
+}
+
+Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
+  Eigen::VectorXd x(static_cast<Eigen::Index>(edges.size()) * s.per_edge);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    x.segment(static_cast<Eigen::Index>(i) * s.per_edge, s.per_edge) =
+        values.segment(edge_unknown(s, edges[i]), s.per_edge);
+  return x;
+}
+
+Eigen::VectorXd forces_from(const Model& m, const State& s, const std::vector<Index>& edges,
+                            const std::vector<bool>& inside) {
+  const EdgeRule rule = gauss(8);
+  const int per = m.skeleton.per_edge;
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(edges.size()) * per);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Index e = edges[i];
+    const auto& [left, right] = m.mesh.sides[e];
+    const Index t = left != none && inside[left] ? left : right;
+    const Vec2 n = (t == left ? 1 : -1) * normal(m.mesh, e);
+    const Triangle shape = triangle(m, t);
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const Vec2 traction =
+          tensor(stress_at(m.kernel, shape, s.interior.col(t), a + rule.s[q] * side)) * n * (side.norm() * rule.w[q]);
+      const Eigen::VectorXd basis = trace_basis(m.kernel.trace, rule.s[q]);
+      for (Eigen::Index g = 0; g < basis.size(); ++g)
+        f.segment<2>(static_cast<Eigen::Index>(i) * per + 2 * g) +=
+            basis[g] * (m.skeleton.frame[e].transpose() * traction);
+    }
+  }
+  return f;
+}
+
+double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const Material& material) {
+  const Triangle shape = triangle(m, t);
+  const Points x = rule_points(m.kernel.rule, shape);
+  double sum = 0;
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const Mat2 s = tensor(stress_at(m.kernel, shape, interior.col(t), x.col(q)));
+    sum += 0.5 * m.kernel.rule.w[q] * s.cwiseProduct(strain(material, s)).sum();
+  }
+  if (m.system.force.cols() > 0) {
+    const int first = stress_count(m.kernel.element), count = displacement_count(m.kernel.element);
+    sum -= m.system.force.col(t).head(count).dot(interior.col(t).segment(first, count));
+  }
+  return area(shape) * sum;
+}
+
+InnerState inner_state(const Piece& inner, const Kernel& kernel, const Scene& scene, const Eigen::VectorXd& contour,
+                       bool body) {
+  Model m{inner.part.mesh,
+          kernel,
+          scene,
+          inner.skeleton,
+          inner.ordering,
+          inner.system,
+          Factor(LowerTriangle{}, 0),
+          {},
+          {},
+          1,
+          {}};
+  State s;
+  s.skeleton = complete(inner, contour, body);
+  s.force.setZero(inner.skeleton.total);
+  s.interior.resize(interior_count(kernel.element), static_cast<Eigen::Index>(inner.part.triangle.size()));
+  for (Index t = 0; t < static_cast<Index>(inner.part.triangle.size()); ++t)
+    s.interior.col(t) = interior(kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.system, t),
+                                 trace_seen(m.mesh, m.skeleton, s.skeleton, t));
+  return {std::move(m), std::move(s)};
+}
+
+double energy_inside(const InnerState& inner) {
+  double sum = 0;
+  for (Index t = 0; t < static_cast<Index>(inner.state.interior.cols()); ++t)
+    sum += energy_of(inner.model, inner.state.interior, t, material_of(inner.model.mesh, inner.model.scene, t));
+  return sum;
+}
+
+double work_inside(const Model& m, const State& s, Index t) {
+  if (m.system.force.cols() == 0) return 0;
+  const int first = stress_count(m.kernel.element), count = displacement_count(m.kernel.element);
+  return area(m.mesh, t) * m.system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
+}
+
+double work_difference(const Model& m, const State& s, const State& change, const std::vector<bool>& disc,
+                       const std::vector<bool>& ring, const InnerState* starred) {
+  double d = 0;
+  for (Index t = 0; t < static_cast<Index>(disc.size()); ++t) {
+    if (disc[t]) d -= work_inside(m, s, t);
+    if (ring[t]) d += work_inside(m, change, t);
+  }
+  if (starred)
+    for (Index t = 0; t < static_cast<Index>(starred->state.interior.cols()); ++t)
+      d += work_inside(starred->model, starred->state, t);
+  return d;
+}
+
+void add_fields(State& s, const Piece& p, const Eigen::VectorXd& values, const Kernel& kernel, const Scene& scene) {
+  for (Index t = 0; t < static_cast<Index>(p.part.triangle.size()); ++t)
+    s.interior.col(p.part.triangle[static_cast<std::size_t>(t)]) =
+        interior(kernel, triangle(p.part.mesh, p.skeleton, t), material_of(p.part.mesh, scene, t), {},
+                 trace_seen(p.part.mesh, p.skeleton, values, t));
+}
+
+}  // namespace kerf
