@@ -1,0 +1,134 @@
+// Functionals, maps and validations from case file to files.
+
+#include "app/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const char* const body = R"(
+[domain]
+outline = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+sides = ["bottom", "right", "top", "left"]
+[[crack]]
+name = "c"
+path = [[-0.4, 0], [0.4, 0]]
+[material]
+young = 1.0
+poisson = 0.3
+state = "plane strain"
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "top"
+traction = [0.1, "x - 0.05"]
+[mesh]
+size = 0.15
+)";
+
+class MapRun : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-map-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  json run_text(const std::string& more, Job job = Job::Run, int threads = 2) {
+    std::ofstream(folder / "case.toml") << body << more;
+    run(read_case(folder / "case.toml"), job, {.folder = folder / "out", .threads = threads});
+    return json::parse(std::ifstream(folder / "out/result.json"));
+  }
+  std::vector<std::string> lines(const std::string& name) const {
+    std::ifstream file(folder / "out" / name);
+    std::vector<std::string> all;
+    for (std::string line; std::getline(file, line);) all.push_back(line);
+    return all;
+  }
+  fs::path folder;
+};
+
+TEST_F(MapRun, ValidationHoldsForATrackingFunctional) {
+  const json r = run_text(R"(
+[functional]
+kind = "displacement_tracking"
+target = [0, "0.1 * y"]
+[map]
+points = [[0.15, 0.45]]
+[validate]
+points = [[0.15, 0.45], [0.99, 0.99]]
+radii = [0.08, 0.04, 0.02, 0.01]
+)");
+  ASSERT_EQ(r["validate"].size(), 2u);
+  const json& v = r["validate"][0];
+  EXPECT_EQ(v["verdict"], "holds");
+  EXPECT_NEAR(v["order"].get<double>(), 4, 0.3);
+  EXPECT_NEAR(v["coefficient"].get<double>() / r["map"]["points"][0]["value"].get<double>(), 1, 0.02);
+  ASSERT_EQ(v["rows"].size(), 4u);
+  const json& row = v["rows"][0];
+  EXPECT_NEAR(row["difference"].get<double>() - row["predicted"].get<double>(), row["remainder"].get<double>(), 1e-15);
+  EXPECT_NEAR(row["J"].get<double>() - row["difference"].get<double>(), r["functional"]["value"].get<double>(), 0.01);
+  EXPECT_EQ(r["validate"][1]["verdict"], "out of range");
+  EXPECT_EQ(lines("validate.csv").size(), 9u);
+  EXPECT_TRUE(fs::exists(folder / "out/validate.png"));
+}
+
+TEST_F(MapRun, ErrorBarsEncloseTheValues) {
+  const json r = run_text("[map]\nbounds = true\npoints = [[0.15, 0.35], [-0.6, 0.3]]\n", Job::Map);
+  for (const json& p : r["map"]["points"]) {
+    EXPECT_LT(p["lower"].get<double>(), p["value"].get<double>());
+    EXPECT_GT(p["upper"].get<double>(), p["value"].get<double>());
+    EXPECT_LT(p["upper"].get<double>() - p["lower"].get<double>(), 0.2 * std::abs(p["value"].get<double>()));
+  }
+  EXPECT_EQ(lines("map.csv")[0], "x,y,topological_derivative,lower,upper,masked");
+}
+
+TEST_F(MapRun, EveryPerturbationAndFunctionalRuns) {
+  for (const char* change : {"\"hole\"", "{ young = 5.0, poisson = 0.2 }", "\"crack\"", "{ aspect = 2.0 }"}) {
+    const json r =
+        run_text(std::string("[functional]\nkind = \"compliance\"\n[map]\nperturbation = ") + change + "\n", Job::Map);
+    EXPECT_EQ(r["status"], "ok") << change;
+    EXPECT_TRUE(std::isfinite(r["map"]["max"]["value"].get<double>())) << change;
+  }
+  for (const char* functional :
+       {"kind = \"volume\"", "kind = \"boundary_tracking\"\non = \"top\"\ntarget = [0, 0]",
+        "kind = \"stress_power\"\np = 4", "kind = \"stress_pnorm\"\np = 5",
+        "kind = \"misfit\"\non = \"top\"\nmeasured = [0, \"0.3 * x\"]",
+        "kind = \"energy_release_rate\"\ncrack = \"c\"\ntip = \"end\"", "kind = \"crack_opening\"\ncrack = \"c\"",
+        "kind = \"crack_pressure\"\ncrack = \"c\"\ntarget = 0",
+        "kind = \"sum\"\nterms = [{ kind = \"compliance\" }, { kind = \"volume\", factor = 2.0 }]"}) {
+    const json r = run_text(std::string("[functional]\n") + functional + "\n[map]\npoints = [[-0.6, 0.5]]\n", Job::Map);
+    EXPECT_EQ(r["status"], "ok") << functional;
+    EXPECT_TRUE(std::isfinite(r["map"]["points"][0]["value"].get<double>())) << functional;
+  }
+}
+
+TEST_F(MapRun, SameBitsForAnyNumberOfThreads) {
+  const std::string more = R"(
+[functional]
+kind = "displacement_tracking"
+target = [0, 0]
+[map]
+[validate]
+points = [[0.15, 0.45], [-0.6, -0.5]]
+radii = [0.04, 0.02]
+)";
+  json one = run_text(more, Job::Run, 1), two = run_text(more, Job::Run, 2);
+  EXPECT_EQ(one["map"], two["map"]);
+  EXPECT_EQ(one["validate"], two["validate"]);
+}
+
+}  // namespace
+}  // namespace kerf
