@@ -1,11 +1,13 @@
 #include "topo/map.hpp"
 
 #include "solver/parallel.hpp"
+#include "topo/green.hpp"
 #include "topo/mask.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace kerf {
 
@@ -162,11 +164,16 @@ Everywhere sample_everywhere(const Model& m, const State& s, const Corners& corn
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r,
                              std::span<const Vec2> points) {
   const Model& m = *a.model;
+  const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
+  std::vector<MapPoint> map(points.size());
+  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
+    const std::vector<double> value = clamped_at(a, j, r.radius, points);
+    for (std::size_t i = 0; i < points.size(); ++i) map[i] = {.at = points[i], .value = value[i], .masked = masked[i]};
+    return map;
+  }
   const Expansion expansion(a, j, r.perturbation);
   const Needs need = needs(a, j, r.perturbation);
   const std::vector<Index> where = locate(m.mesh, points);
-  const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
-  std::vector<MapPoint> map(points.size());
   std::vector<bool> closed = start(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
     map[i].at = points[i];
@@ -204,10 +211,32 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
 
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
   const Model& m = *a.model;
-  const Expansion expansion(a, j, r.perturbation);
-  const Needs need = needs(a, j, r.perturbation);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()),
               count = static_cast<Index>(corners.vertex.size());
+  std::vector<Vec2> centers, vertices;
+  for (Index t = 0; t < triangles; ++t) centers.push_back(centroid(m.mesh, t));
+  for (const Index v : corners.vertex) vertices.push_back(m.mesh.points[v]);
+  std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
+  for (Index t = 0; t < triangles; ++t)
+    for (const Index c : corners.of[t]) beside[c] = t;
+  FullMap map;
+  map.masked_centroid = too_close(m, j, centers, clear_radii * r.radius, r.radius);
+  map.masked_corner = too_close(m, j, vertices, clear_radii * r.radius, r.radius);
+  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
+    std::vector<Vec2> points = centers;
+    points.insert(points.end(), vertices.begin(), vertices.end());
+    std::vector<Index> in(static_cast<std::size_t>(triangles));
+    std::iota(in.begin(), in.end(), Index{0});
+    in.insert(in.end(), beside.begin(), beside.end());
+    std::vector<bool> skip = map.masked_centroid;
+    skip.insert(skip.end(), map.masked_corner.begin(), map.masked_corner.end());
+    const ClampedMap clamped = clamped_everywhere(a, j, r.radius, points, in, skip);
+    map.at_centroids = clamped.value.head(triangles);
+    map.at_corners = clamped.value.tail(count);
+    return map;
+  }
+  const Expansion expansion(a, j, r.perturbation);
+  const Needs need = needs(a, j, r.perturbation);
   const Everywhere state = sample_everywhere(m, *a.state, corners, need.displacement, true);
   std::optional<Everywhere> dual, measured;
   if (a.adjoint) dual = sample_everywhere(m, *a.adjoint, corners, need.dual_displacement, need.stress_only_dual);
@@ -216,11 +245,6 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   if (a.biactive)
     for (const State& y : a.biactive->response)
       openings.push_back(sample_everywhere(m, y, corners, need.displacement, true));
-  std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
-  for (Index t = 0; t < triangles; ++t)
-    for (const Index c : corners.of[t]) beside[c] = t;
-
-  FullMap map;
   const bool turned =
       r.perturbation.kind == Perturbation::Kind::Ellipse || r.perturbation.kind == Perturbation::Kind::Crack;
   if (turned) map.angle.resize(triangles);
@@ -251,17 +275,12 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
       }
     });
   };
-  std::vector<Vec2> centers, vertices;
-  for (Index t = 0; t < triangles; ++t) centers.push_back(centroid(m.mesh, t));
-  for (const Index v : corners.vertex) vertices.push_back(m.mesh.points[v]);
   fill(
       triangles, &Everywhere::centroids, [&](Index t) { return centers[static_cast<std::size_t>(t)]; },
       [](Index t) { return t; }, map.at_centroids, turned ? &map.angle : nullptr);
   fill(
       count, &Everywhere::corners, [&](Index c) { return vertices[static_cast<std::size_t>(c)]; },
       [&](Index c) { return beside[static_cast<std::size_t>(c)]; }, map.at_corners, nullptr);
-  map.masked_centroid = too_close(m, j, centers, clear_radii * r.radius, r.radius);
-  map.masked_corner = too_close(m, j, vertices, clear_radii * r.radius, r.radius);
   return map;
 }
 
