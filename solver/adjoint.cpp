@@ -85,9 +85,15 @@ Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, co
   double least = std::numeric_limits<double>::infinity();
   const int most_sweeps = penalised ? 40 : 4;
   int without_gain = 0;
-  const double scale = std::max(F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  double scale = std::max(rows > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  if (!jump.isZero(0)) {
+    Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
+    given.tail(trailing) = jump;
+    scale = std::max(scale, multiply(m.system.K, given).cwiseAbs().maxCoeff());
+  }
   for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
-    Eigen::VectorXd rest = F - multiply(m.system.K, next.x);
+    Eigen::VectorXd rest = F;
+    if (sweep > 0) rest -= multiply(m.system.K, next.x);
     const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
     next.x += condensed.solve_frozen(rest, next.motion, &to_go);
     for (Index i = 0; i < trailing; ++i)

@@ -84,6 +84,35 @@ bool crosses(const std::pair<Vec2, Vec2>& wall, const Vec2& a, const Vec2& b) {
          cross(ray, wall.first - a) * cross(ray, wall.second - a) < 0;
 }
 
+// Where the body's scale is a point: tips, corners, ends of supports.
+std::vector<Vec2> find_points(const std::vector<std::vector<Wall>>& walls) {
+  struct Ray {
+    Vec2 end, along;  // away from it
+    std::size_t kind;
+  };
+  std::vector<Ray> rays;
+  for (std::size_t kind = 0; kind < walls.size(); ++kind)
+    for (const Wall& w : walls[kind]) {
+      const Vec2 along = (w.b - w.a).normalized();
+      rays.push_back({w.a, along, kind});
+      rays.push_back({w.b, -along, kind});
+    }
+  const auto less = [](const Ray& p, const Ray& q) {
+    return std::pair(p.end.x(), p.end.y()) < std::pair(q.end.x(), q.end.y());
+  };
+  std::sort(rays.begin(), rays.end(), less);
+  std::vector<Vec2> points;
+  constexpr double straight = -0.94;  // 20 degrees
+  for (std::size_t i = 0, next; i < rays.size(); i = next) {
+    next = i + 1;
+    while (next < rays.size() && !less(rays[i], rays[next])) ++next;
+    const bool goes_on =
+        next == i + 2 && rays[i].kind == rays[i + 1].kind && rays[i].along.dot(rays[i + 1].along) < straight;
+    if (!goes_on) points.push_back(rays[i].end);
+  }
+  return points;
+}
+
 }  // namespace
 
 Mat2 wall_logarithms(const std::vector<std::vector<Wall>>& walls, const Vec2& x) {
@@ -112,7 +141,13 @@ GreenSamples sample_green(const Model& m, const State& s, double eps, std::span<
     for (const Wall& w : alike) g.barriers.emplace_back(w.a, w.b);
   GreenTensor tensor(m, s);
   std::vector<double> scale(candidates.size()), wide(candidates.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < candidates.size(); ++i) scale[i] = distance(g.walls, candidates[i]);
+  // Along straight walls the rest is as smooth as elsewhere.
+  const std::vector<Vec2> points = find_points(g.walls);
+  constexpr double beside_walls = 3;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    scale[i] = beside_walls * distance(g.walls, candidates[i]);
+    for (const Vec2& p : points) scale[i] = std::min(scale[i], (candidates[i] - p).norm());
+  }
   constexpr double accurate = 5e-4, residual = 1e-7;
   constexpr int most = 400, batch = 20, least = 60;
   double worst = 0;
@@ -138,7 +173,7 @@ GreenSamples sample_green(const Model& m, const State& s, double eps, std::span<
 Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < g.x.size(); ++i) near.emplace_back((g.x[i] - x).squaredNorm(), i);
-  constexpr std::size_t many = 16, looked_at = 48;
+  constexpr std::size_t many = 28, looked_at = 64;
   const std::size_t looked = std::min(looked_at, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(looked), near.end());
   std::vector<std::pair<double, std::size_t>> seen;
@@ -148,7 +183,7 @@ Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
       seen.push_back(near[k]);
   if (seen.empty()) seen.push_back(near.front());
   const Eigen::Index n = static_cast<Eigen::Index>(seen.size());
-  const Eigen::Index terms = n >= 9 ? 6 : n >= 4 ? 3 : 1;
+  const Eigen::Index terms = n >= 18 ? 10 : n >= 9 ? 6 : n >= 4 ? 3 : 1;
   const double reach = 1.2 * std::sqrt(seen.back().first) + std::numeric_limits<double>::min();
   Eigen::MatrixXd rows(n, terms);
   Eigen::MatrixXd values(n, 3);
@@ -158,8 +193,9 @@ Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
     const double r2 = d.squaredNorm();
     constexpr double sharp = 1e-4;
     const double weight = (1 - r2) / std::sqrt(r2 + sharp);
-    Eigen::Matrix<double, 6, 1> p;
-    p << 1, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y();
+    Eigen::Matrix<double, 10, 1> p;
+    p << 1, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y(), d.x() * d.x() * d.x(), d.x() * d.x() * d.y(),
+        d.x() * d.y() * d.y(), d.y() * d.y() * d.y();
     rows.row(i) = weight * p.head(terms).transpose();
     values.row(i) << g.rest[k](0, 0), g.rest[k](1, 1), 0.5 * (g.rest[k](0, 1) + g.rest[k](1, 0));
     values.row(i) *= weight;

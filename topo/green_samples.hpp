@@ -23,12 +23,13 @@ struct GreenSamples {
   double error = 0;        // see ClampedMap
 };
 
-/// Adds points among the candidates (`in`: their triangles), each where the spacing against the distance to the
-/// boundary is the widest, until the tensor at the next ones is predicted well enough for a hole of radius eps, or 400.
+/// Adds points among the candidates (`in`: their triangles), each where the spacing against the distance to the next
+/// tip or corner, or 3 distances to the boundary, is the widest, until the tensor at the next ones is predicted well
+/// enough for a hole of radius eps, or 400.
 GreenSamples sample_green(const Model& model, const State& state, double eps, std::span<const Vec2> candidates,
                           std::span<const Index> in);
 
-/// Moving least squares with quadratics over the nearest samples in sight. Symmetric.
+/// Moving least squares with cubics over the nearest samples in sight. Symmetric.
 Mat2 interpolate(const GreenSamples& samples, const Vec2& x);
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 #include "topo/green.hpp"
 
 #include "geometry/mesher.hpp"
+#include "solver/recover.hpp"
 #include "topo/map.hpp"
 
 #include <gtest/gtest.h>
@@ -54,11 +55,11 @@ TEST_P(Disc, GreensTensorAtTheCenterIsExact) {
   const Solved s = solved(shape, {.size = 0.15}, scene);
   const double k = 1 + 8 * material.mu * material.c, f = 1 / (2 * pi * material.mu * (1 + k));
   const Mat2 H = green_at(s, {0, 0}).regular;
-  EXPECT_LT((H + (1 / k + 0.5) * f * Mat2::Identity()).norm() / H.norm(), 1e-5) << H;
+  EXPECT_LT((H + (1 / k + 0.5) * f * Mat2::Identity()).norm() / H.norm(), 5e-5) << H;  // of the polygon
   // The force on a clamp at the center of the disc, u0 on the rim: F = 2 pi mu (1 + k) u0/(k ln(1/eps) - 1/k).
   for (const double eps : {0.1, 0.0125})
     EXPECT_NEAR(predicted(s, {"energy", {energy()}}, eps, {0, 0}) / (0.5 * 0.64 / f / (k * std::log(1 / eps) - 1 / k)),
-                1, 1e-5);
+                1, 6e-5);
 }
 INSTANTIATE_TEST_SUITE_P(Materials, Disc,
                          testing::Values(plane_stress(1, 0.3), plane_strain(1, 0.3), plane_strain(1, 0.49),
@@ -78,9 +79,11 @@ TEST_P(Cantilever, AgreesWithFiniteElements) {
   const Reference& r = GetParam();
   Shape shape;
   shape.labels = {"side", "held", "pulled"};
-  shape.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, 0);
-  shape.outline.sides[1].label = 2;
-  shape.outline.sides[3].label = 1;
+  // Short sides ask for short edges in the held corners, where the stress is singular.
+  const double c = 0.001;
+  shape.outline = polygon("outline", {{0, 0}, {c, 0}, {2, 0}, {2, 1}, {c, 1}, {0, 1}, {0, 1 - c}, {0, c}}, 0);
+  shape.outline.sides[2].label = 2;
+  for (const int i : {5, 6, 7}) shape.outline.sides[i].label = 1;
   Scene scene{.material = r.material};
   scene.supports.push_back({1, false, true, true, constant({0, 0})});
   scene.tractions.push_back({2, constant({0.3, -1})});
@@ -89,19 +92,21 @@ TEST_P(Cantilever, AgreesWithFiniteElements) {
   const Mat2 H = green_at(s, x).regular;
   Mat2 reference;
   reference << r.h11, r.h12, r.h12, r.h22;
-  std::printf("H %g\n", (H - reference).norm() / reference.norm());
-  EXPECT_LT((H - reference).norm() / reference.norm(), 1e-4) << H;
+  // The reference's own error: continuous quadratics, which lock towards nu = 1/2. Finer meshes here change the fourth
+  // digit of these differences.
+  const double error = r.material.c < 0.01 ? 5e-4 : 3e-5;
+  EXPECT_LT((H - reference).norm() / reference.norm(), error) << H;
+  EXPECT_LT((recovered_displacement(s.model, s.state, triangle_at(s.model, x), x).col(0) - r.u0).norm() / r.u0.norm(),
+            error);
   EXPECT_NEAR(H(0, 1), H(1, 0), 1e-5);
   const double radius[3] = {0.08, 0.01, 0.001};
   const Functional tracking{"displacement_tracking", {displacement_tracking({}, {})}};
   for (int i = 0; i < 3; ++i) {
     const double e = predicted(s, {"energy", {energy()}}, radius[i], x);
-    std::printf("energy %g %.9g\n", e / r.energy[i] - 1, e);
-    EXPECT_NEAR(e / r.energy[i], 1, 1e-4);
+    EXPECT_NEAR(e / r.energy[i], 1, error);
     EXPECT_NEAR(predicted(s, {"compliance", {compliance()}}, radius[i], x) / (-2 * e), 1, 1e-12);
     const double t = predicted(s, tracking, radius[i], x);
-    std::printf("track %g %.9g\n", t / r.track[i] - 1, t);
-    EXPECT_NEAR(t / r.track[i], 1, 2e-4);
+    EXPECT_NEAR(t / r.track[i], 1, error);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Materials, Cantilever,
@@ -146,74 +151,78 @@ Cracked cracked(double poisson) {
   return c;
 }
 
-// By brute force: the hole meshed, its rim held.
-TEST(ClampedHole, AgreesWithAFiniteHoleBetweenAnOpenAndAClosedCrack) {
+class FiniteHole : public testing::TestWithParam<double> {};
+
+// By brute force: the hole meshed, its rim held. Each error falls like eps^2 ln eps, by 3.4 to 4 per halving, and is a
+// few per cent of the difference at most.
+TEST_P(FiniteHole, BetweenAnOpenAndAClosedCrackChangesJAsPredicted) {
   const Vec2 at(0.1, 0.15);
+  const BoundaryField target = constant({0.1, -0.1});
   const Functional all[] = {
       {"energy", {energy()}},
       {"crack_opening", {crack_opening(0, {})}},
       {"crack_pressure", {crack_pressure(1, {}, {})}},
-      {"boundary_tracking", {boundary_tracking(2, constant({0.1, -0.1}), {})}},
+      {"boundary_tracking", {boundary_tracking(2, target, {})}},
       {"displacement_tracking", {displacement_tracking({}, {})}},
       {"energy_release_rate", {energy_release_rate({-0.7, 0.1}, {-1, 0}, {0.05, 0.15}, {})}},
       {"misfit", {misfit(2, constant({0.2, -0.3}))}},
-      {"sum",
-       {energy(), compliance(), boundary_tracking(2, constant({0.1, -0.1}), {}), crack_opening(0, {}), volume()}}};
-  for (const double poisson : {0.3, 0.5}) {
-    const Cracked body = cracked(poisson);
-    const Sizing sizing{.size = 0.08, .crack_tip_size = 0.004};
-    const Solved whole = solved(body.shape, sizing, body.scene);
-    std::vector<std::vector<double>> error;
-    for (const double eps : {0.06, 0.03, 0.015}) {
-      Cracked drilled = body;
-      drilled.shape.holes = {circle("hole", at, eps, 3)};
-      drilled.scene.supports.push_back({3, false, true, true, constant({0, 0})});
-      const Solved s = solved(drilled.shape, sizing, drilled.scene);
-      for (const Functional& j : all) {
-        const double before = analyse(j, whole.model, whole.state, true).value,
-                     after = analyse(j, s.model, s.state, true).value;
-        const double p = predicted(whole, j, eps, at);
-        std::printf("%g %g %s: %.6g -> %.6g: %.8g predicted %.8g  rel %.2e\n", poisson, eps, j.kind.c_str(), before,
-                    after, after - before, p, p / (after - before) - 1);
-      }
+      {"sum", {energy(), compliance(), boundary_tracking(2, target, {}), crack_opening(0, {}), volume()}}};
+  const Cracked body = cracked(GetParam());
+  const Sizing sizing{.size = 0.15, .crack_tip_size = 0.01};
+  const Solved whole = solved(body.shape, sizing, body.scene);
+  std::vector<Analysis> before;
+  for (const Functional& j : all) before.push_back(analyse(j, whole.model, whole.state));
+  const std::size_t n = before.size();
+  std::vector<double> error, difference;
+  for (const double eps : {0.06, 0.03}) {
+    Cracked drilled = body;
+    drilled.shape.holes = {circle("hole", at, eps, 3)};
+    drilled.scene.supports.push_back({3, false, true, true, constant({0, 0})});
+    const Solved s = solved(drilled.shape, sizing, drilled.scene);
+    for (std::size_t i = 0; i < n; ++i) {
+      difference.push_back(analyse(all[i], s.model, s.state, true).value - before[i].value);
+      error.push_back(clamped_at(before[i], all[i], eps, std::vector<Vec2>{at})[0] - difference.back());
     }
   }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ratio = error[i] / error[n + i];
+    EXPECT_GT(ratio, 3.2) << all[i].kind;
+    EXPECT_LT(ratio, 4.3) << all[i].kind;
+  }
+  EXPECT_LT(std::abs(error[n] / difference[n]), 0.012);
 }
+INSTANTIATE_TEST_SUITE_P(Poisson, FiniteHole, testing::Values(0.3, 0.5));
 
+// Interpolation, where it is hardest: around four tips, one crack closed.
 TEST(ClampedHole, EverywhereAgreesWithPointwise) {
   const Cracked body = cracked(0.3);
-  const Solved s = solved(body.shape, {.size = 0.05, .crack_tip_size = 0.005}, body.scene);
+  const Solved s = solved(body.shape, {.size = 0.1, .crack_tip_size = 0.02}, body.scene);
   const Functional j{"energy", {energy()}};
   const Analysis a = analyse(j, s.model, s.state);
   const MapRequest r{.perturbation = {.kind = Perturbation::Kind::ClampedHole}, .radius = 0.01};
-  const Corners corners = split_at_cracks(s.model.mesh);
-  const FullMap map = map_everywhere(a, j, r, corners);
-  std::vector<Vec2> points, centers;
+  const FullMap map = map_everywhere(a, j, r, split_at_cracks(s.model.mesh));
+  std::vector<Vec2> points;
   std::vector<double> values;
-  std::vector<Index> in;
-  std::vector<bool> skip;
+  double largest = 0;
   for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t) {
-    centers.push_back(centroid(s.model.mesh, t));
-    in.push_back(t);
-    skip.push_back(map.masked_centroid[t]);
-    EXPECT_EQ(std::isnan(map.at_centroids[t]), map.masked_centroid[t]);
-    if (t % 29 != 0 || map.masked_centroid[t]) continue;
+    ASSERT_EQ(std::isnan(map.at_centroids[t]), map.masked_centroid[t]);
+    if (map.masked_centroid[t]) continue;
+    largest = std::max(largest, map.at_centroids[t]);
+    if (t % 17 != 0) continue;
     points.push_back(centroid(s.model.mesh, t));
     values.push_back(map.at_centroids[t]);
   }
-  const ClampedMap clamped = clamped_everywhere(a, j, r.radius, centers, in, skip);
+  for (Eigen::Index c = 0; c < map.at_corners.size(); ++c)
+    ASSERT_EQ(std::isnan(map.at_corners[c]), map.masked_corner[static_cast<std::size_t>(c)]);
   const std::vector<MapPoint> exact = map_at(a, j, r, points);
-  double worst = 0, square = 0, largest = 0;
+  double worst = 0, square = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double e = std::abs(values[i] - exact[i].value);
-    worst = std::max(worst, e / std::abs(exact[i].value));
-    square += e * e;
-    largest = std::max(largest, std::abs(exact[i].value));
+    const double e = std::abs(values[i] - exact[i].value) / largest;
+    worst = std::max(worst, e);
+    square += e * e / static_cast<double>(points.size());
   }
-  std::printf("everywhere: %zu triangles %zu points: worst %.2e rms/max %.2e, error said %.2e, samples %d\n",
-              s.model.mesh.triangles.size(), points.size(), worst,
-              std::sqrt(square / static_cast<double>(points.size())) / largest, clamped.error, clamped.samples);
-  EXPECT_LT(worst, 2e-3);
+  EXPECT_LT(worst, 0.006);
+  EXPECT_LT(std::sqrt(square), 0.0015);
 }
 
 TEST(ClampedHole, RefusesWhatItCannotDo) {
