@@ -195,7 +195,8 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     analysis = analyse(c.functional, model, state, !with_map);
     r.functional = functional_result(c.functional, *analysis);
     if (with_map) {
-      analysis->fields = recover_fields(*analysis);
+      if (c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
+        analysis->fields = recover_fields(*analysis);
       FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
       r.map = map_result(c, *analysis, full);
       if (c.map_request.bounds) {

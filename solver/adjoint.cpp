@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kerf {
 
@@ -65,6 +66,61 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
       dJ.interior.col(t) -= share[i] * weigh(m.kernel, shape, x, weights[static_cast<std::size_t>(t) * n + i]);
   }
   return dJ;
+}
+
+// K mu = F on the rows that move, mu = jump on those that are held; `loads` as for a state. Stops at the relative
+// residual `enough`, or where the sweeps gain no more.
+Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, const Loads& loads,
+                     const Eigen::VectorXd& jump, const std::vector<bool>& held, double enough, State& result) {
+  const Model& m = condensed.m;
+  const Index rows = m.ordering.size, trailing = m.ordering.trailing, leading = rows - trailing;
+  const bool penalised = m.system.penalty > 0;
+  Solved next;
+  next.x.setZero(rows);
+  if (penalised) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  next.motion.resize(static_cast<std::size_t>(trailing));
+  for (Index i = 0; i < trailing; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
+  Eigen::VectorXd F = loads.F;
+  Solved best = next;
+  double least = std::numeric_limits<double>::infinity();
+  const int most_sweeps = penalised ? 40 : 4;
+  int without_gain = 0;
+  double scale = std::max(rows > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  if (!jump.isZero(0)) {
+    Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
+    given.tail(trailing) = jump;
+    scale = std::max(scale, multiply(m.system.K, given).cwiseAbs().maxCoeff());
+  }
+  for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
+    Eigen::VectorXd rest = F;
+    if (sweep > 0) rest -= multiply(m.system.K, next.x);
+    const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
+    next.x += condensed.solve_frozen(rest, next.motion, &to_go);
+    for (Index i = 0; i < trailing; ++i)
+      if (held[i]) next.x[leading + i] = jump[i];
+    ++result.linear_solves;
+    if (penalised) {
+      uniform.correct(condensed, loads, next);
+      update_theta(m, loads, next);
+      F = right_hand_side(m, loads, next);
+    }
+    rest = F - multiply(m.system.K, next.x);
+    next.force = Eigen::VectorXd::Zero(trailing);
+    for (Index i = 0; i < trailing; ++i)
+      if (held[i]) next.force[i] = -std::exchange(rest[leading + i], 0);
+    const double error = std::max(rest.cwiseAbs().maxCoeff() / scale, next.penalty_error);
+    const bool slow = error > 0.5 * least;
+    if (error < least) {
+      least = error;
+      best = next;
+    }
+    without_gain = slow ? without_gain + 1 : 0;
+    if (least <= enough || without_gain == (penalised && least > 1e-9 ? 6 : 1)) break;
+  }
+  result.certificate.residual = result.certificate.kkt = rows > 0 ? least : 0;
+  result.skeleton = spread(m, best.x, &loads.prescribed);
+  result.force.setZero(m.skeleton.total);
+  return best;
 }
 
 }  // namespace
@@ -152,51 +208,9 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
   }
 
   const Condensation condensed(m);
-  Solved next;
-  next.x.setZero(rows);
-  if (penalised) next.theta.setZero(triangles);
-  next.motion.resize(static_cast<std::size_t>(trailing));
-  for (Index i = 0; i < trailing; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
-  Eigen::VectorXd F = loads.F;
   UniformPressure uniform;
   State adjoint;
-  Solved best = next;
-  double least = std::numeric_limits<double>::infinity();
-  const int most_sweeps = penalised ? 40 : 4;
-  int without_gain = 0;
-  double scale = std::numeric_limits<double>::min();
-  if (rows > 0) {
-    Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
-    given.tail(trailing) = jump;
-    scale = std::max({scale, F.cwiseAbs().maxCoeff(), multiply(m.system.K, given).cwiseAbs().maxCoeff()});
-  }
-  for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
-    Eigen::VectorXd rest = F - multiply(m.system.K, next.x);
-    const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
-    next.x += condensed.solve_frozen(rest, next.motion, &to_go);
-    for (Index i = 0; i < trailing; ++i)
-      if (held[i]) next.x[leading + i] = jump[i];
-    ++adjoint.linear_solves;
-    if (penalised) {
-      uniform.correct(condensed, loads, next);
-      update_theta(m, loads, next);
-      F = right_hand_side(m, loads, next);
-    }
-    rest = F - multiply(m.system.K, next.x);
-    for (Index i = 0; i < trailing; ++i)
-      if (held[i]) rest[leading + i] = 0;
-    const double error = std::max(rest.cwiseAbs().maxCoeff() / scale, next.penalty_error);
-    const bool slow = error > 0.5 * least;
-    if (error < least) {
-      least = error;
-      best = next;
-    }
-    without_gain = slow ? without_gain + 1 : 0;
-    if (least <= 1e-15 || without_gain == (penalised && least > 1e-9 ? 6 : 1)) break;
-  }
-  adjoint.certificate.residual = adjoint.certificate.kkt = rows > 0 ? least : 0;
-  adjoint.skeleton = spread(m, best.x, &loads.prescribed);
-  adjoint.force.setZero(m.skeleton.total);
+  const Solved best = solve_tangent(condensed, uniform, loads, jump, held, TangentSolver::to_rounding, adjoint);
   adjoint.interior.resize(interior_count(m.kernel.element), triangles);
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.kernel.element));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
@@ -208,6 +222,74 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
     }
   });
   return adjoint;
+}
+
+struct TangentSolver::Impl {
+  Condensation condensed;
+  std::vector<bool> held;
+  UniformPressure uniform = {};
+};
+
+TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
+  if (static_cast<Index>(held.size()) != m.ordering.trailing)
+    throw std::invalid_argument("TangentSolver: one entry per row in contact is needed");
+  impl_ = std::make_unique<Impl>(Impl{Condensation(m), std::move(held)});
+}
+TangentSolver::~TangentSolver() = default;
+
+State TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
+                           std::span<const Index> only) {
+  const Model& m = impl_->condensed.m;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), trailing = m.ordering.trailing,
+              leading = m.ordering.size - trailing;
+  const bool penalised = m.system.penalty > 0;
+  const auto given = [&](Index u) { return m.skeleton.fixed[u] ? prescribed[u] : 0; };
+  Eigen::VectorXd F = load;
+  std::vector<Index> beside;  // triangles that see a value
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
+    for (int k = 0; k < m.skeleton.per_edge; ++k)
+      if (given(edge_unknown(m.skeleton, e) + k) != 0)
+        for (const Index t : m.mesh.sides[e])
+          if (t != none) beside.push_back(t);
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  for (const Index t : beside) {
+    const Condensed c = condense(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.system.penalty, 0});
+    const Seen view = seen(m.mesh, m.skeleton, t);
+    SkeletonVector value(view.count);
+    for (int i = 0; i < view.count; ++i) value[i] = given(view.base[i]);
+    const SkeletonVector force = c.K * value;
+    for (int i = 0; i < view.count; ++i) {
+      F[view.base[i]] -= force[i];
+      if (view.jump[i] != none) F[view.jump[i]] -= force[i];
+    }
+  }
+  Loads loads{Eigen::VectorXd(m.ordering.size), Eigen::VectorXd::Zero(penalised ? triangles : 0), prescribed};
+  for (Index u = 0; u < m.skeleton.total; ++u)
+    if (m.ordering.row[u] != none) loads.F[m.ordering.row[u]] = F[u];
+  State state;
+  const Solved best = solve_tangent(impl_->condensed, impl_->uniform, loads, Eigen::VectorXd::Zero(trailing),
+                                    impl_->held, enough, state);
+  for (Index u = m.skeleton.base; u < m.skeleton.total; ++u)
+    if (const Index row = m.ordering.row[u]; row != none && row >= leading && best.force.size() > 0)
+      state.force[u] = best.force[row - leading];
+  state.interior.setZero(interior_count(m.kernel.element), triangles);
+  const auto fill = [&](Index t) {
+    const Penalty penalty{m.system.penalty, penalised ? best.theta[t] : 0};
+    state.interior.col(t) = interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
+                                     trace_seen(m.mesh, m.skeleton, state.skeleton, t), penalty);
+  };
+  for (const Index t : only) fill(t);
+  if (only.empty())
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) fill(t);
+    });
+  return state;
+}
+
+State solve_linear(const Model& m, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
+                   const std::vector<bool>& held) {
+  return TangentSolver(m, held).solve(load, prescribed);
 }
 
 }  // namespace kerf

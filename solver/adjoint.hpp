@@ -3,6 +3,9 @@
 
 #include "solver/model.hpp"
 
+#include <memory>
+#include <span>
+
 namespace kerf {
 
 /// dJ: members of no size are zero. `force` is the derivative by State::force, per skeleton unknown.
@@ -32,5 +35,29 @@ std::vector<ContactStatus> contact_status(const Model& model, const State& state
 State solve_adjoint(const Model& model, const Sensitivity& dJ, const std::vector<bool>& held);
 /// Held: closed rows; biactive ones move.
 std::vector<bool> tied(const std::vector<ContactStatus>& status);
+
+/// Linear solves on the tangent cone of the contact with the model's factor: `held` rows (as for solve_adjoint) keep
+/// their jump 0, the others move without change of force.
+class TangentSolver {
+ public:
+  static constexpr double to_rounding = 1e-15;
+  /// The model must outlive the solver.
+  TangentSolver(const Model& model, std::vector<bool> held);
+  ~TangentSolver();
+
+  /// The body without body force under `load` (force per skeleton unknown; what it says on held rows shows in
+  /// State::force alone, K x - load there) and the values `prescribed` where supports fix an unknown (per skeleton
+  /// unknown, 0 elsewhere). Sweeps until the relative residual is `enough`; fills in the interior of the triangles
+  /// `only` (0 elsewhere), of all when it is empty.
+  State solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough = to_rounding,
+              std::span<const Index> only = {});
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+/// One of these.
+State solve_linear(const Model& model, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
+                   const std::vector<bool>& held);
 
 }  // namespace kerf

@@ -34,9 +34,14 @@ Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
   return flexibility(m) * (0.5 - kolosov(m) * std::log(eps)) * Mat2::Identity() + hreg;
 }
 
+bool admits_clamp(const Mat2& m) {
+  const Mat2 b = 0.5 * (m + m.transpose());
+  return b(0, 0) > 0 && b.determinant() > 0;
+}
+
 Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& u0) {
-  const Mat2 a = clamped_matrix(m, eps, hreg), b = 0.5 * (a + a.transpose());
-  if (!(b(0, 0) > 0 && b.determinant() > 0))
+  const Mat2 a = clamped_matrix(m, eps, hreg);
+  if (!admits_clamp(a))
     throw Error(Fault::Numerics,
                 "clamped hole: its radius " + std::to_string(eps) +
                     " is too large for the expansion, choose one well below the distance to the sides");

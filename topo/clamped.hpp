@@ -18,6 +18,9 @@ Mat2 kelvin_stress(const Material& m, const Vec2& r, int j);
 /// -s(G e_j) n on free sides; column j is w_j at the centre).
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg);
 
+/// Whether the symmetric part of M is positive definite: eps is not too large.
+bool admits_clamp(const Mat2& clamped_matrix);
+
 /// F = M^-1 u0, u0 the displacement of the undisturbed body at the centre. Then u_eps ~ u - G(. - x) F, the energy
 /// changes by 1/2 u0.F, a J that is linear in u by -p0.F (mixed sign). Throws (Numerics) where M is not positive
 /// definite: eps is too large.

@@ -42,7 +42,8 @@ struct CrackDensity {
 struct Term {
   std::string kind;  // as in a case file
   double factor = 1;
-  double power = 1;  // of the integral (1/p of a norm)
+  double power = 1;     // of the integral (1/p of a norm)
+  bool linear = false;  // in the state
 
   // The potential energy, and the Kohn-Vogelius gap between the state and one with measured displacements: their
   // topological derivatives need no adjoint (Danskin).

@@ -18,11 +18,11 @@ Term energy() {
 }
 
 Term compliance() {
-  return {.kind = "compliance", .work = true};
+  return {.kind = "compliance", .linear = true, .work = true};
 }
 
 Term volume() {
-  return {.kind = "volume", .density = [](const FieldPoint&) { return Density{.value = 1}; }};
+  return {.kind = "volume", .linear = true, .density = [](const FieldPoint&) { return Density{.value = 1}; }};
 }
 
 Term misfit(Index label, BoundaryField measured) {
@@ -52,7 +52,10 @@ Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight)
 }
 
 Term crack_opening(Index crack, ScalarField weight) {
-  return {.kind = "crack_opening", .crack = crack, .on_crack = [weight = std::move(weight)](const CrackState& c) {
+  return {.kind = "crack_opening",
+          .linear = true,
+          .crack = crack,
+          .on_crack = [weight = std::move(weight)](const CrackState& c) {
             const double w = weigh(weight, c.x);
             return CrackDensity{.value = w * c.jump_n, .by_jump_n = w};
           }};

@@ -3,6 +3,7 @@
 #include "solver/parallel.hpp"
 #include "solver/recover.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -28,9 +29,8 @@ struct Sampled {
   const Material& material;
   Fields fields = {};  // displacement: u*
 };
-Sampled sample(const Term& term, const Model& m, const State& s, const Triangle& shape, Index t,
-               const TriangleRule& rule) {
-  Sampled p{rule_points(rule, shape), material_of(m.mesh, m.scene, t)};
+Sampled sample(const Term& term, const Model& m, const State& s, const Triangle& shape, Index t, const Points& x) {
+  Sampled p{x, material_of(m.mesh, m.scene, t)};
   if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.kernel, shape, s.interior.col(t), p.x);
   if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, s, t, p.x);
   return p;
@@ -63,7 +63,8 @@ struct BoundaryPoint {
   Eigen::VectorXd basis;  // per Gauss point
   const Mat2& frame;
 };
-void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at) {
+void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at,
+                 const Vec2* singular = nullptr) {
   if (!is_mixed(m.kernel.element))
     throw Error(Fault::Usage, "boundary functionals need a mixed element, such as \"bdms\"");
   const EdgeRule rule = gauss(8);
@@ -72,9 +73,13 @@ void along_label(const Model& m, Index label, const std::function<void(const Bou
     const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
     const Vec2 n = outward_normal(m.mesh, e);
-    for (Eigen::Index q = 0; q < rule.s.size(); ++q)
-      at({a + rule.s[q] * side, n, side.norm() * rule.w[q], edge_unknown(m.skeleton, e),
-          trace_basis(m.kernel.trace, rule.s[q]), m.skeleton.frame[e]});
+    const int pieces = singular ? pieces_beside(*singular, a, a + side) : 1;
+    for (int piece = 0; piece < pieces; ++piece)
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const double s = (piece + rule.s[q]) / pieces;
+        at({a + s * side, n, side.norm() * rule.w[q] / pieces, edge_unknown(m.skeleton, e),
+            trace_basis(m.kernel.trace, s), m.skeleton.frame[e]});
+      }
   }
 }
 Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
@@ -115,7 +120,7 @@ double over_body(const Term& term, const Model& m, const State& s, const std::ve
   return sum_over(m, use, [&](Index t) {
     const Triangle shape = triangle(m, t);
     if (!wanted(term, shape)) return 0.0;
-    const Sampled p = sample(term, m, s, shape, t, rule);
+    const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape));
     double value = 0;
     for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
@@ -133,7 +138,44 @@ double on_surfaces(const Term& term, const Model& m, const State& s) {
   return sum;
 }
 
+// Points and weights (shares of its area) of a triangle that resolve a singularity.
+struct Divided {
+  std::vector<Vec2> x;
+  std::vector<double> w;
+};
+void divide(const Triangle& shape, double share, const Singular& added, const TriangleRule& rule, Divided& points) {
+  const Vec2 center = centroid(shape);
+  double size = 0;
+  for (const Vec2& x : shape.x) size = std::max(size, (x - center).norm());
+  const double away = (center - added.center).norm();
+  constexpr double far = 4, fine = 0.125;
+  if (away > far * size || away + size < added.radius || size < fine * added.radius) {
+    const Points x = rule_points(rule, shape);
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      points.x.emplace_back(x.col(q));
+      points.w.push_back(share * rule.w[q]);
+    }
+    return;
+  }
+  const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
+                                      0.5 * (shape.x[0] + shape.x[1])};
+  Triangle part = shape;
+  part.x = middle;
+  divide(part, 0.25 * share, added, rule, points);
+  for (int i = 0; i < 3; ++i) {
+    part.x = {shape.x[i], middle[(i + 2) % 3], middle[(i + 1) % 3]};
+    divide(part, 0.25 * share, added, rule, points);
+  }
+}
+
 }  // namespace
+
+int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b) {
+  const Vec2 side = b - a;
+  const double along = std::clamp((singular - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  constexpr double most = 64;
+  return static_cast<int>(std::clamp(std::ceil(side.norm() / (singular - a - along * side).norm()), 1.0, most));
+}
 
 double slope(const Term& term, double integral) {
   if (term.power == 1) return term.factor;
@@ -170,7 +212,7 @@ Sensitivity derivative(const Term& term, const Model& m, const State& s) {
       for (Index t = begin; t < end; ++t) {
         const Triangle shape = triangle(m, t);
         if (!wanted(term, shape)) continue;
-        const Sampled p = sample(term, m, s, shape, t, rule);
+        const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape));
         const Eigen::Index n = rule.w.size();
         Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
         for (Eigen::Index q = 0; q < n; ++q) {
@@ -263,7 +305,8 @@ double domain_difference(const Term& term, const Model& m, const State& s, const
     total += sum_over(m, use, [&](Index t) {
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
-      const Sampled p = sample(term, m, s, shape, t, rule), d = sample(term, m, change, shape, t, rule);
+      const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape)),
+                    d = sample(term, m, change, shape, t, rule_points(rule, shape));
       double value = 0;
       for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
         const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
@@ -274,6 +317,54 @@ double domain_difference(const Term& term, const Model& m, const State& s, const
         value += rule.w[q] * (term.density(after).value - term.density(before).value);
       }
       return area(shape) * value;
+    });
+  }
+  return total;
+}
+
+double difference(const Term& term, const Model& m, const State& s, const State& change, const Singular& added) {
+  double total = 0;
+  if (term.density) {
+    const TriangleRule rule = domain_rule(m);
+    total += sum_over(m, {}, [&](Index t) {
+      const Triangle shape = triangle(m, t);
+      if (!wanted(term, shape)) return 0.0;
+      Divided points;
+      divide(shape, 1, added, rule, points);
+      const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());
+      Points x(2, n);
+      for (Eigen::Index q = 0; q < n; ++q) x.col(q) = points.x[static_cast<std::size_t>(q)];
+      const Sampled p = sample(term, m, s, shape, t, x), d = sample(term, m, change, shape, t, x);
+      double value = 0;
+      for (Eigen::Index q = 0; q < n; ++q) {
+        const FieldPoint before = field_point(term, p, q);
+        double changed = -term.density(before).value;
+        if ((before.x - added.center).norm() > added.radius) {
+          const FieldPoint by = field_point(term, d, q), more = added.at(before.x);
+          FieldPoint after = before;
+          after.stress += by.stress + more.stress;
+          after.displacement += by.displacement + more.displacement;
+          after.rotation += by.rotation + more.rotation;
+          changed += term.density(after).value;
+        }
+        value += points.w[static_cast<std::size_t>(q)] * changed;
+      }
+      return area(shape) * value;
+    });
+  }
+  if (term.on_boundary) {
+    const Eigen::VectorXd after = s.skeleton + change.skeleton;
+    const auto add = [&](const BoundaryPoint& p) {
+      const Vec2 more = added.at(p.x).displacement;
+      total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after) + more).value -
+                           term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
+    };
+    along_label(m, term.label, add, &added.center);
+  }
+  if (term.on_crack) {
+    const State after = sum(s, change);
+    along_crack(m, term.crack, [&](const JumpPoint& p) {
+      total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
     });
   }
   return total;

@@ -24,6 +24,21 @@ Eigen::VectorXd second_order(const Term& term, const Model& model, const State& 
 /// Change of the integrals over boundary and crack.
 double surface_difference(const Term& term, const Model& model, const State& state, const State& change);
 
+/// A field that is known in closed form, singular at a center: its displacement, stress and rotation at a point. The
+/// disc around the center is no part of the body.
+struct Singular {
+  Vec2 center;
+  double radius;
+  std::function<FieldPoint(const Vec2& x)> at;
+};
+/// integral(state + change + added, without the disc) - integral(state). The crack's pressures of `change` are those of
+/// change + added. Triangles near the center are divided until they are small against their distance from it, or
+/// against the disc.
+double difference(const Term& term, const Model& model, const State& state, const State& change, const Singular& added);
+
+/// How many pieces of an edge an integral over it needs for a field that is singular at a point beside it.
+int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b);
+
 /// The part of the integral over the triangles with use[t].
 double integral_over(const Term& term, const Model& model, const State& state, const std::vector<bool>& use);
 

@@ -4,10 +4,12 @@
 #include "solver/parallel.hpp"
 #include "solver/spread.hpp"
 #include "topo/fields.hpp"
+#include "topo/green.hpp"
 #include "topo/mask.hpp"
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace kerf {
 
@@ -81,11 +83,16 @@ PointValues values(const Sample& s, Index i) {
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r,
                              std::span<const Vec2> points) {
   const Model& m = *a.model;
+  const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
+  std::vector<MapPoint> map(points.size());
+  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
+    const std::vector<double> value = clamped_at(a, j, r.radius, points);
+    for (std::size_t i = 0; i < points.size(); ++i) map[i] = {.at = points[i], .value = value[i], .masked = masked[i]};
+    return map;
+  }
   const Needs need = needs(a, j, r.perturbation);
   const std::vector<Index> where = locate(m.mesh, points);
-  const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
   const std::shared_ptr<const MapFields> fields = fields_of(a);
-  std::vector<MapPoint> map(points.size());
   std::vector<bool> closed = no_row_closed(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
     map[i] = {.at = points[i], .value = nan, .masked = masked[i]};
@@ -99,9 +106,31 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
 
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
   const Model& m = *a.model;
-  const Needs need = needs(a, j, r.perturbation);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()),
               count = static_cast<Index>(corners.vertex.size());
+  std::vector<Vec2> at_centroids, at_vertices;
+  for (Index t = 0; t < triangles; ++t) at_centroids.push_back(centroid(m.mesh, t));
+  for (const Index v : corners.vertex) at_vertices.push_back(m.mesh.points[v]);
+  std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
+  for (Index t = 0; t < triangles; ++t)
+    for (const Index c : corners.of[t]) beside[c] = t;
+  FullMap map;
+  map.masked_centroid = too_close(m, j, at_centroids, clear_radii * r.radius, r.radius);
+  map.masked_corner = too_close(m, j, at_vertices, clear_radii * r.radius, r.radius);
+  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
+    std::vector<Vec2> points = at_centroids;
+    points.insert(points.end(), at_vertices.begin(), at_vertices.end());
+    std::vector<Index> in(static_cast<std::size_t>(triangles));
+    std::iota(in.begin(), in.end(), Index{0});
+    in.insert(in.end(), beside.begin(), beside.end());
+    std::vector<bool> skip = map.masked_centroid;
+    skip.insert(skip.end(), map.masked_corner.begin(), map.masked_corner.end());
+    const ClampedMap clamped = clamped_everywhere(a, j, r.radius, points, in, skip);
+    map.at_centroids = clamped.value.head(triangles);
+    map.at_corners = clamped.value.tail(count);
+    return map;
+  }
+  const Needs need = needs(a, j, r.perturbation);
   const std::shared_ptr<const MapFields> fields = fields_of(a);
   const MapFields& f = *fields;
   std::vector<Displacements> u;  // state, dual, measured, openings
@@ -127,14 +156,6 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
     centroids.opening_u.push_back(nullptr), vertices.opening_u.push_back(nullptr);
     displaced(m, a.biactive->response[k], true, centroids.opening_u.back(), vertices.opening_u.back());
   }
-  std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
-  for (Index t = 0; t < triangles; ++t)
-    for (const Index c : corners.of[t]) beside[c] = t;
-  std::vector<Vec2> at_centroids, at_vertices;
-  for (Index t = 0; t < triangles; ++t) at_centroids.push_back(centroid(m.mesh, t));
-  for (const Index v : corners.vertex) at_vertices.push_back(m.mesh.points[v]);
-
-  FullMap map;
   const bool turned =
       r.perturbation.kind == Perturbation::Kind::Ellipse || r.perturbation.kind == Perturbation::Kind::Crack;
   if (turned) map.angle.resize(triangles);
@@ -155,8 +176,6 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   };
   fill(triangles, centroids, at_centroids, nullptr, map.at_centroids, turned ? &map.angle : nullptr);
   fill(count, vertices, at_vertices, &beside, map.at_corners, nullptr);
-  map.masked_centroid = too_close(m, j, at_centroids, clear_radii * r.radius, r.radius);
-  map.masked_corner = too_close(m, j, at_vertices, clear_radii * r.radius, r.radius);
   return map;
 }
 

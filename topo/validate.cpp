@@ -2,6 +2,7 @@
 
 #include "topo/condense.hpp"
 #include "topo/differences.hpp"
+#include "topo/green.hpp"
 #include "topo/point.hpp"
 #include "topo/sites.hpp"
 #include "topo/verdict.hpp"
@@ -147,7 +148,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
   const State state = solve(model);
   if (!certified(state)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
   const bool clamped = r.perturbation.kind == Perturbation::Kind::ClampedHole;
-  const Analysis a = analyse(j, model, state, clamped);
+  const Analysis a = analyse(j, model, state);
   const std::vector<std::vector<Difference>> differences = Differences(a, j, r.perturbation, f, how).all(batch.balls);
   for (std::size_t s = 0; s < sites.size(); ++s) {
     const Site& site = sites[s];
@@ -170,6 +171,9 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
       to.same_contact = found[k].same_contact;
       to.predicted = clamped ? nan : scales[row] * v.coefficient;
     }
+    if (clamped)
+      for (ValidationRow& row : v.rows)
+        if (std::isfinite(row.difference)) row.predicted = clamped_at(a, j, row.radius, std::span(&site.at, 1))[0];
     v.plateau = plateau;
     judge(v, r.perturbation, scales, site.clear);
   }

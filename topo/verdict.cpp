@@ -67,7 +67,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   std::size_t computed = 0, settled = 0;
   bool moved = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!std::isfinite(rows[i].difference)) continue;
+    if (!std::isfinite(rows[i].remainder)) continue;
     ++computed;
     moved = moved || !rows[i].same_contact;
     if (relative(i) < 3 * v.plateau) ++settled;
@@ -91,7 +91,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
     return;
   }
   std::size_t last = rows.size() - 1;
-  while (!std::isfinite(rows[last].difference)) --last;
+  while (!std::isfinite(rows[last].remainder)) --last;
   const double expected = clamped ? 1.7 : 3.3, most = clamped ? 2.6 : 4.7;
   const bool slope = v.order > expected && v.order < most;
   const double error = clamped ? relative(last) : std::abs(v.intercept / v.coefficient - 1);
