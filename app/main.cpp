@@ -2,6 +2,7 @@
 
 #include "app/progress.hpp"
 #include "app/run.hpp"
+#include "bench/map.hpp"
 #include "bench/state.hpp"
 #include "cases/words.hpp"
 
@@ -40,9 +41,10 @@ struct Arguments {
   std::vector<std::string> overrides;
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
   bool quiet = false, force = false;
-  std::string log_level;  // empty: info, or warn when quiet
-  std::string bench;      // its name
-  StateBenchOptions state_bench;
+  std::string log_level;          // empty: info, or warn when quiet
+  std::string bench;              // its name
+  StateBenchOptions state_bench;  // what it shares with MapBenchOptions goes to both
+  bool large = false;
   bool list = false;
 };
 
@@ -64,10 +66,17 @@ const std::vector<Command>& commands() {
   return all;
 }
 
-const std::vector<std::pair<std::string, std::string>>& benches() {
-  static const std::vector<std::pair<std::string, std::string>> all = {
-      {"state",
-       "time and memory against the error of the stress: every element on smooth, singular and contact cases"}};
+struct Bench {
+  std::string name, description;
+  std::vector<std::string> cases;
+};
+
+const std::vector<Bench>& benches() {
+  static const std::vector<Bench> all = {
+      {"state", "time and memory against the error of the stress: every element on smooth, singular and contact cases",
+       bench_case_names()},
+      {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
+       map_case_names()}};
   return all;
 }
 
@@ -95,6 +104,7 @@ void declare_bench(CLI::App* sub, Arguments& arguments) {
   several("--case", options.cases, "Only this case (may be repeated)");
   several("--element", options.elements, "Only this element (may be repeated)");
   sub->add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  sub->add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
   sub->add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   declare_common(sub, arguments);
 }
@@ -176,9 +186,9 @@ void print(const std::string& text) {
 
 std::string list_benches() {
   std::string out;
-  for (const auto& [name, description] : benches()) out += fmt::format("{:<10}{}\n", name, description);
-  return out + fmt::format("cases:    {}\nelements: {}\n", fmt::join(bench_case_names(), ", "),
-                           fmt::join(bench_element_names(), ", "));
+  for (const Bench& b : benches())
+    out += fmt::format("{:<10}{}\n  cases:  {}\n", b.name, b.description, fmt::join(b.cases, ", "));
+  return out + fmt::format("elements: {}\n", fmt::join(bench_element_names(), ", "));
 }
 
 void require_known(const char* what, const std::string& name, const std::vector<std::string>& known) {
@@ -192,23 +202,41 @@ int perform_bench(const Arguments& arguments) {
     return 0;
   }
   std::vector<std::string> names;
-  for (const auto& [name, description] : benches()) names.push_back(name);
+  for (const Bench& b : benches()) names.push_back(b.name);
   if (arguments.bench.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.bench, names);
+  const bool maps = arguments.bench == "map";
+  if (arguments.large && !maps) throw Error(Fault::Usage, "--large belongs to kerf bench map");
   StateBenchOptions options = arguments.state_bench;
-  for (const std::string& name : options.cases) require_known("case", name, bench_case_names());
+  const auto chosen =
+      std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.bench; });
+  for (const std::string& name : options.cases) require_known("case", name, chosen->cases);
   for (const std::string& name : options.elements) require_known("element", name, bench_element_names());
   options.folder = arguments.folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments.bench)
                                             : std::filesystem::path(arguments.folder);
-  make_ready(options.folder, arguments.force, "state.json");
+  make_ready(options.folder, arguments.force, maps ? "map.json" : "state.json");
   catch_signals();
   Progress progress(log_level(arguments));
   options.stop_asked = [] { return stop_requested != 0; };
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
-  const StateBench bench = run_state_bench(options);
-  progress.finish();
-  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
-  if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
+  const auto finish = [&](const auto& bench) {
+    progress.finish();
+    if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
+    if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
+  };
+  if (maps)
+    finish(run_map_bench({.folder = options.folder,
+                          .cases = options.cases,
+                          .elements = options.elements,
+                          .seconds = options.seconds,
+                          .peer_seconds = options.peer_seconds,
+                          .quick = options.quick,
+                          .large = arguments.large,
+                          .peers = options.peers,
+                          .stop_asked = options.stop_asked,
+                          .on_phase = options.on_phase}));
+  else
+    finish(run_state_bench(options));
   return 0;
 }
 

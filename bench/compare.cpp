@@ -53,4 +53,42 @@ std::string text(const std::optional<TimeTo>& time) {
   return fmt::format(">{:.2g} ({:.0e})", time->seconds, time->error);
 }
 
+void Sequences::add(const std::string& problem, double poisson, const std::string& name, const WorkPoint& run) {
+  auto race = std::find_if(races_.begin(), races_.end(),
+                           [&](const Race& r) { return r.problem == problem && r.poisson == poisson; });
+  if (race == races_.end()) race = races_.insert(races_.end(), {problem, poisson, {}});
+  auto& all = race->sequences;
+  auto sequence = std::find_if(all.begin(), all.end(), [&](const Sequence& s) { return s.name == name; });
+  if (sequence == all.end()) sequence = all.insert(all.end(), {name, {}});
+  sequence->runs.push_back(run);
+}
+
+std::vector<Fastest> Sequences::fastest(std::span<const double> errors) const {
+  std::vector<Fastest> all;
+  for (const Race& race : races_)
+    for (const double error : errors) {
+      std::optional<Fastest> best;
+      for (const Sequence& s : race.sequences)
+        if (const auto time = time_to(s.runs, error); time && (!best || faster(*time, best->time)))
+          best = Fastest{race.problem, race.poisson, error, s.name, *time};
+      if (best) all.push_back(*best);
+    }
+  return all;
+}
+
+const Fastest* find(const std::vector<Fastest>& all, const Fastest& like) {
+  const auto at = std::find_if(all.begin(), all.end(), [&](const Fastest& f) {
+    return f.problem == like.problem && f.poisson == like.poisson && f.error == like.error;
+  });
+  return at == all.end() ? nullptr : &*at;
+}
+
+std::string ratio(const TimeTo& peer, const TimeTo& own) {
+  if (peer.kind == TimeTo::Kind::Missed || own.kind == TimeTo::Kind::Missed) return "-";
+  const bool guessed = peer.kind == TimeTo::Kind::Extrapolated || own.kind == TimeTo::Kind::Extrapolated;
+  const bool most = peer.kind == TimeTo::Kind::AtMost, least = own.kind == TimeTo::Kind::AtMost;
+  const char* bound = guessed || (most && least) ? "~" : most ? "<=" : least ? ">=" : "";
+  return fmt::format("{}{:.2g}", bound, peer.seconds / own.seconds);
+}
+
 }  // namespace kerf

@@ -2,6 +2,7 @@
 // How long it takes to reach an error, read off a sequence of runs.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,40 @@ std::optional<TimeTo> time_to(std::vector<WorkPoint> points, double error);
 
 /// Reached beats extrapolated beats missed; then the shorter time.
 bool faster(const TimeTo& a, const TimeTo& b);
+
+/// The fastest sequence to an error.
+struct Fastest {
+  std::string problem;
+  double poisson = 0, error = 0;
+  std::string name;  // "bdms 3, graded"; a peer's name
+  TimeTo time;
+};
+
+/// Runs of named sequences, per problem and Poisson's ratio, in the order in which they come.
+class Sequences {
+ public:
+  void add(const std::string& problem, double poisson, const std::string& name, const WorkPoint& run);
+  /// Per problem and error to reach.
+  std::vector<Fastest> fastest(std::span<const double> errors) const;
+
+ private:
+  struct Sequence {
+    std::string name;
+    std::vector<WorkPoint> runs;
+  };
+  struct Race {
+    std::string problem;
+    double poisson;
+    std::vector<Sequence> sequences;
+  };
+  std::vector<Race> races_;
+};
+
+/// The one for the same problem, Poisson's ratio and error; null without one.
+const Fastest* find(const std::vector<Fastest>& all, const Fastest& like);
+
+/// Time of `peer` over that of `own`: "12", "<=12", "~12", "-".
+std::string ratio(const TimeTo& peer, const TimeTo& own);
 
 /// "0.012", "<=0.06", "~5.8", ">1.8 (1e-03)", "-".
 std::string text(const std::optional<TimeTo>& time);

@@ -16,33 +16,6 @@ namespace kerf {
 
 namespace {
 
-class ProcessorWatch {
- public:
-  double lap() {
-    const double now = processor_seconds(), lap = now - start_;
-    start_ = now;
-    return lap;
-  }
-
- private:
-  double start_ = processor_seconds();
-};
-
-/// Linux keeps the peak of the resident memory and forgets it on request.
-void forget_peak_memory() {
-  malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5";
-}
-
-double peak_memory_mb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (double kilobytes = 0; word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
 /// u* at the vertices of every triangle.
 void recover_displacement(const Model& model, const State& state) {
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
@@ -76,17 +49,11 @@ Measurement once(const Problem& problem, const Element& e, Grading grading, doub
     }
     const double share = wall.work() > 0 ? whole / wall.work() : 0;
     m.seconds = {wall.mesh * share, wall.assemble * share, wall.factor * share, wall.solve * share};
+    m.seconds.contact = adapted->state.seconds.contact;
   } else {
-    Mesh mesh = bench_mesh(problem, grading, e.degree, level);
-    m.seconds.mesh = watch.lap();
-    Model model = prepare(std::move(mesh), e, problem.scene, 1);
-    const double prepared = watch.lap();
-    State state = solve(model);
-    m.seconds.solve = watch.lap();
-    const double wall = model.seconds.assemble + model.seconds.factor;
-    m.seconds.factor = wall > 0 ? prepared * model.seconds.factor / wall : 0;
-    m.seconds.assemble = prepared - m.seconds.factor;
-    adapted = Adapted{std::move(model), std::move(state), {}, {}, {}};
+    TimedState timed = timed_state(bench_plan(problem, grading, e.degree, level), e, problem.scene);
+    m.seconds = timed.seconds;
+    adapted = Adapted{std::move(timed.model), std::move(timed.state), {}, {}, {}};
   }
   const Model& model = adapted->model;
   const State& state = adapted->state;
@@ -94,7 +61,6 @@ Measurement once(const Problem& problem, const Element& e, Grading grading, doub
   watch.lap();
   recover_displacement(model, state);
   m.seconds.recover = watch.lap();
-  m.seconds.contact = state.seconds.contact;
   m.h = quality(model.mesh).h_max;
   m.triangles = static_cast<Index>(model.mesh.triangles.size());
   m.condensed_unknowns = model.ordering.size;
@@ -111,6 +77,38 @@ double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Linux keeps the peak of the resident memory and forgets it on request.
+void forget_peak_memory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+double peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kilobytes = 0; word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+TimedState timed_state(const MeshPlan& plan, const Element& e, const Scene& scene) {
+  PhaseSeconds seconds;
+  ProcessorWatch watch;
+  Mesh mesh = triangulate(plan.shape, plan.sizing);
+  seconds.mesh = watch.lap();
+  Model model = prepare(std::move(mesh), e, scene, 1);
+  const double prepared = watch.lap();
+  State state = solve(model);
+  seconds.solve = watch.lap();
+  seconds.contact = state.seconds.contact;
+  // Wall clocks: their shares of the processor time.
+  const double wall = model.seconds.assemble + model.seconds.factor;
+  seconds.factor = wall > 0 ? prepared * model.seconds.factor / wall : 0;
+  seconds.assemble = prepared - seconds.factor;
+  return {std::move(model), std::move(state), seconds};
 }
 
 std::string_view name_of(Grading grading) {

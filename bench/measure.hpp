@@ -8,6 +8,22 @@ namespace kerf {
 /// Processor seconds of this process: what other processes do to the machine does not count.
 double processor_seconds();
 
+class ProcessorWatch {
+ public:
+  double lap() {
+    const double now = processor_seconds(), lap = now - start_;
+    start_ = now;
+    return lap;
+  }
+
+ private:
+  double start_ = processor_seconds();
+};
+
+/// Peak of the resident memory since `forget_peak_memory`, which also hands freed memory back.
+double peak_memory_mb();
+void forget_peak_memory();
+
 struct PhaseSeconds {
   double mesh = 0, assemble = 0, factor = 0;  // assemble: numbering, ordering, condensation and assembly
   double solve = 0;                           // both substitutions, contact, and the stress in every triangle
@@ -33,6 +49,14 @@ struct Measurement {
   int contact_iterations = 0;
   bool certified = true;
 };
+
+/// On one thread, as far as the stress.
+struct TimedState {
+  Model model;
+  State state;
+  PhaseSeconds seconds;
+};
+TimedState timed_state(const MeshPlan& plan, const Element& e, const Scene& scene);
 
 /// On one thread. Runs below a second are made `repeat` times and the one of median work is returned. Throws what the
 /// solver throws.

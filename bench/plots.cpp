@@ -78,7 +78,7 @@ void draw_peers(const std::filesystem::path& folder, const StateBench& bench, co
     if (p.problem != problem || p.poisson != poisson) continue;
     auto series = std::find_if(peers.begin(), peers.end(), [&](const Series& s) { return s.name == p.name; });
     if (series == peers.end()) series = peers.insert(peers.end(), {p.name, {}, true, 0});
-    series->points.push_back({p.work, p.stress_error});
+    series->points.push_back({p.work, p.error});
   }
   if (peers.empty()) return;
   Chart chart = chart_of(problem, poisson);
@@ -121,6 +121,32 @@ void draw_state_plots(const std::filesystem::path& folder, const StateBench& ben
     if (m.problem == "closing-crack") draw_contact(folder, bench, m.problem, m.poisson);
     draw_peers(folder, bench, m.problem, m.poisson);
   }
+}
+
+void draw_map_plots(const std::filesystem::path& folder, const MapBench& bench) {
+  for (const ProblemKind& kind : map_problem_kinds())
+    for (const double poisson : kind.poisson) {
+      Chart chart{.title = "Map, " + kind.title,
+                  .subtitle = fmt::format("Poisson's ratio {:.6g}; one thread", poisson),
+                  .x_label = "processor seconds: state and evaluation of the map",
+                  .y_label = "relative L1 error of the map",
+                  .slopes = {{-1, "slope −1"}, {-2, "slope −2"}}};
+      const auto add = [&](const std::string& name, bool other, const Vec2& at) {
+        auto series =
+            std::find_if(chart.series.begin(), chart.series.end(), [&](const Series& s) { return s.name == name; });
+        if (series == chart.series.end())
+          series = chart.series.insert(chart.series.end(), {name, {}, other, false, chart.series.size()});
+        series->points.push_back(at);
+      };
+      for (const MapMeasurement& m : bench.sequences)
+        if (m.problem == kind.name && m.poisson == poisson) add("kerf " + sequence_name(m), false, {m.work(), m.error});
+      if (chart.series.empty()) continue;
+      for (const PeerRun& p : bench.peers)
+        if (p.problem == kind.name && p.poisson == poisson && p.error > 0) add(p.name, true, {p.work, p.error});
+      for (Series& s : chart.series)
+        std::stable_sort(s.points.begin(), s.points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
+      draw(folder / fmt::format("map_error_time_{}.png", problem_tag(kind.name, poisson)), chart);
+    }
 }
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 #pragma once
-// The pictures of `kerf bench state`.
+// The pictures of `kerf bench`.
 
+#include "bench/map.hpp"
 #include "bench/state.hpp"
 
 namespace kerf {
@@ -8,5 +9,7 @@ namespace kerf {
 /// error_time_<case>_nu<poisson>.png per problem; where there is contact, too, the stress error against the mesh step
 /// and both errors against the number of unknowns; peers_<case>_nu<poisson>.png where other programs ran.
 void draw_state_plots(const std::filesystem::path& folder, const StateBench& bench);
+/// map_error_time_<case>_nu<poisson>.png per problem with an exact map, other programs dashed.
+void draw_map_plots(const std::filesystem::path& folder, const MapBench& bench);
 
 }  // namespace kerf

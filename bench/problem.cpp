@@ -94,7 +94,7 @@ Loop with_short_sides(const Loop& outline, const std::vector<SharpCorner>& corne
   return loop;
 }
 
-Mesh graded_mesh(const Problem& problem, double size, int degree, double growth) {
+MeshPlan graded_plan(const Problem& problem, double size, int degree, double growth) {
   // The stress errs by h^(degree + 1) where it is smooth, by d^(1/2) at a crack tip, by d^exponent at a corner; the
   // mesher refuses sides shorter than 1e-9 of the body.
   const double share = 2 * size / longest_side(problem.shape), whole = extent(problem.shape);
@@ -104,7 +104,7 @@ Mesh graded_mesh(const Problem& problem, double size, int degree, double growth)
   Shape shape = problem.shape;
   shape.outline = with_short_sides(shape.outline, problem.corners,
                                    [&](const SharpCorner& c) { return balanced(c.exponent, 1e-8); });
-  return triangulate(shape, {.size = size, .crack_tip_size = balanced(0.5, 1e-10), .grading = growth});
+  return {shape, {.size = size, .crack_tip_size = balanced(0.5, 1e-10), .grading = growth}};
 }
 
 /// Points of a triangle with the stress and displacement that are true there.
@@ -240,20 +240,26 @@ Adapted adapt(const Problem& problem, const Element& e, double level) {
                           {.error = 0.1 * std::pow(2, -level), .max_triangles = 1000000});
 }
 
-Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level) {
+MeshPlan bench_plan(const Problem& problem, Grading grading, int degree, double level) {
   const double size = problem.coarsest * std::pow(2, -level / 2);
-  if (grading == Grading::Uniform) return triangulate(problem.shape, {.size = size, .crack_tip_size = size});
+  if (grading == Grading::Uniform) return {problem.shape, {.size = size, .crack_tip_size = size}};
   // 0.45 took the least time to errors down to 1e-4 (0.25, 0.35, 0.6: up to twice as long); about corners no error
   // falls below what the growth leaves, so that it has to shrink with the size.
   const double share = 2 * size / longest_side(problem.shape);
-  return graded_mesh(problem, size, degree, 0.45 * std::min(1.0, std::sqrt(10 * share)));
+  return graded_plan(problem, size, degree, 0.45 * std::min(1.0, std::sqrt(10 * share)));
+}
+
+Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level) {
+  const MeshPlan plan = bench_plan(problem, grading, degree, level);
+  return triangulate(plan.shape, plan.sizing);
 }
 
 Reference overkill(const Problem& problem, double level) {
   const Element& e = element("bdms", 3);
   const auto solved = [&](double at, const auto& use) {
     const double size = problem.coarsest * std::pow(2, -at / 2);
-    const Model model = prepare(graded_mesh(problem, size, e.degree, 0.25), e, problem.scene, 1);
+    const MeshPlan plan = graded_plan(problem, size, e.degree, 0.25);
+    const Model model = prepare(triangulate(plan.shape, plan.sizing), e, problem.scene, 1);
     use(model, solve(model));
   };
   Reference fine;

@@ -52,6 +52,11 @@ Problem problem(const std::string& name, double poisson);  // throws std::invali
 enum class Grading { Uniform, Graded, Adaptive };
 /// Level l has edges 2^(l/2) times shorter than level 0. Graded: towards crack tips and sharp corners, so that an
 /// element of the given degree (stress errors h^(degree + 1)) is as accurate there as elsewhere.
+struct MeshPlan {
+  Shape shape;
+  Sizing sizing;
+};
+MeshPlan bench_plan(const Problem& problem, Grading grading, int degree, double level);
 Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level);
 /// Adaptive level l asks for an estimated error of 0.1 / 2^l.
 Adapted adapt(const Problem& problem, const Element& e, double level);

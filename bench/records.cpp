@@ -44,6 +44,63 @@ Json run_section(const Measurement& m) {
           {"certified", m.certified}};
 }
 
+Json map_section(const MapMeasurement& m) {
+  return {{"case", m.problem},
+          {"poisson", m.poisson},
+          {"element", m.element},
+          {"degree", m.degree},
+          {"mesh", m.mesh},
+          {"level", m.level},
+          {"triangles", m.triangles},
+          {"mesh_s", number(m.state.mesh)},
+          {"assemble_s", number(m.state.assemble)},
+          {"factor_s", number(m.state.factor)},
+          {"solve_s", number(m.state.solve)},
+          {"contact_s", number(m.state.contact)},
+          {"value_s", number(m.value_s)},
+          {"evaluate_s", number(m.evaluate_s)},
+          {"evaluation_share", number(m.evaluation_share())},
+          {"adjoint_s", number(m.adjoint_s)},
+          {"evaluate_dual_s", number(m.evaluate_dual_s)},
+          {"work_s", number(m.work())},
+          {"memory_mb", number(m.memory_mb)},
+          {"value", number(m.value)},
+          {"map_error", number(m.error)},
+          {"certified", m.certified}};
+}
+
+Json validation_section(const ValidationMeasurement& v) {
+  return {{"case", v.problem},
+          {"poisson", v.poisson},
+          {"functional", v.functional},
+          {"triangles", v.triangles},
+          {"points", v.points},
+          {"radii", v.radii},
+          {"state_s", number(v.state.work())},
+          {"validate_s", number(v.validate_s)},
+          {"validate_over_state", number(v.ratio())},
+          {"memory_mb", number(v.memory_mb)},
+          {"holds", v.holds},
+          {"fails", v.fails},
+          {"out_of_range", v.out_of_range}};
+}
+
+/// Columns as in `empty`, one row each.
+std::string csv(const Json& empty, const std::vector<Json>& rows) {
+  std::string out;
+  for (const auto& [name, value] : empty.items()) out += (out.empty() ? "" : ",") + name;
+  out += '\n';
+  for (const Json& cells : rows) {
+    std::string row;
+    for (const auto& [name, value] : cells.items()) {
+      if (!row.empty()) row += ',';
+      row += value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump();
+    }
+    out += row + '\n';
+  }
+  return out;
+}
+
 const char* word(TimeTo::Kind kind) {
   switch (kind) {
     case TimeTo::Kind::Interpolated:
@@ -70,10 +127,10 @@ Json fastest_section(const std::vector<Fastest>& all) {
   return out;
 }
 
-Json ratio_section(const StateBench& bench) {
+Json ratio_section(const std::vector<Fastest>& best, const std::vector<Fastest>& best_peers) {
   Json out = Json::array();
-  for (const Fastest& f : bench.best)
-    for (const Fastest& p : bench.best_peers)
+  for (const Fastest& f : best)
+    for (const Fastest& p : best_peers)
       if (p.problem == f.problem && p.poisson == f.poisson && p.error == f.error &&
           p.time.kind != TimeTo::Kind::Missed && f.time.kind != TimeTo::Kind::Missed)
         out.push_back({{"case", f.problem},
@@ -90,20 +147,9 @@ Json ratio_section(const StateBench& bench) {
 }  // namespace
 
 void write_state_csv(const std::filesystem::path& path, const StateBench& bench) {
-  std::string out;
-  const Json columns = run_section({});
-  for (const auto& [name, value] : columns.items()) out += (out.empty() ? "" : ",") + name;
-  out += '\n';
-  for (const Measurement& m : bench.runs) {
-    std::string row;
-    const Json cells = run_section(m);
-    for (const auto& [name, value] : cells.items()) {
-      if (!row.empty()) row += ',';
-      row += value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump();
-    }
-    out += row + '\n';
-  }
-  write_file(path, out);
+  std::vector<Json> rows;
+  for (const Measurement& m : bench.runs) rows.push_back(run_section(m));
+  write_file(path, csv(run_section({}), rows));
 }
 
 void write_state_json(const std::filesystem::path& path, const StateBench& bench) {
@@ -127,9 +173,51 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
                             {"triangles", p.triangles},
                             {"unknowns", p.unknowns},
                             {"work_s", number(p.work)},
-                            {"stress_error", number(p.stress_error)}});
+                            {"stress_error", number(p.error)}});
   out["fastest_peers"] = fastest_section(bench.best_peers);
-  out["ratios"] = ratio_section(bench);
+  out["ratios"] = ratio_section(bench.best, bench.best_peers);
+  out["notes"] = bench.notes;
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+void write_map_csv(const std::filesystem::path& path, const MapBench& bench) {
+  std::vector<Json> rows;
+  for (const auto* runs : {&bench.sequences, &bench.sizes})
+    for (const MapMeasurement& m : *runs) rows.push_back(map_section(m));
+  write_file(path, csv(map_section({}), rows));
+}
+
+void write_validation_csv(const std::filesystem::path& path, const MapBench& bench) {
+  std::vector<Json> rows;
+  for (const ValidationMeasurement& v : bench.validations) rows.push_back(validation_section(v));
+  write_file(path, csv(validation_section({}), rows));
+}
+
+void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
+  Json out = {{"schema", 1}, {"bench", "map"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  const auto list = [&](const char* name, const std::vector<MapMeasurement>& runs) {
+    out[name] = Json::array();
+    for (const MapMeasurement& m : runs) out[name].push_back(map_section(m));
+  };
+  list("sequences", bench.sequences);
+  list("sizes", bench.sizes);
+  out["validations"] = Json::array();
+  for (const ValidationMeasurement& v : bench.validations) out["validations"].push_back(validation_section(v));
+  out["fastest"] = fastest_section(bench.best);
+  out["peers"] = Json::array();
+  for (const PeerRun& p : bench.peers)
+    out["peers"].push_back({{"case", p.problem},
+                            {"poisson", p.poisson},
+                            {"name", p.name},
+                            {"triangles", p.triangles},
+                            {"unknowns", p.unknowns},
+                            {"work_s", number(p.work)},
+                            {"evaluate_s", number(p.post)},
+                            {"memory_mb", number(p.memory_mb)},
+                            {"value", p.value == 0 ? Json(nullptr) : number(p.value)},
+                            {"map_error", p.error > 0 ? number(p.error) : Json(nullptr)}});
+  out["fastest_peers"] = fastest_section(bench.best_peers);
+  out["ratios"] = ratio_section(bench.best, bench.best_peers);
   out["notes"] = bench.notes;
   write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
@@ -152,11 +240,14 @@ std::optional<PeerRun> read_peer_line(const std::string& output) {
       const auto at = json.find(key);
       return at != json.end() && at->is_number() ? at->get<double>() : 0.0;
     };
-    if (!(value("err_s") > 0)) continue;
+    const double error = std::max(value("err_s"), value("err_map"));
+    if (!(error > 0) && !(std::abs(value("J")) > 0)) continue;
     found = PeerRun{.triangles = static_cast<long>(value("nt")),
                     .unknowns = static_cast<long>(value("ndof")),
                     .work = value("t_mesh") + value("t_asm") + value("t_solve") + value("t_post"),
-                    .stress_error = value("err_s")};
+                    .post = value("t_post"),
+                    .error = error,
+                    .value = value("J")};
   }
   return found;
 }

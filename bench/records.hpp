@@ -1,15 +1,19 @@
 #pragma once
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
+#include "bench/map.hpp"
 #include "bench/state.hpp"
 
 namespace kerf {
 
 void write_state_csv(const std::filesystem::path& path, const StateBench& bench);
 void write_state_json(const std::filesystem::path& path, const StateBench& bench);
+void write_map_csv(const std::filesystem::path& path, const MapBench& bench);
+void write_validation_csv(const std::filesystem::path& path, const MapBench& bench);
+void write_map_json(const std::filesystem::path& path, const MapBench& bench);
 
-/// The last JSON object among the lines: nt, ndof, err_s, and the sum of t_mesh, t_asm, t_solve and t_post. Nothing
-/// when there is none or err_s is no positive number.
+/// The last JSON object among the lines: nt, ndof, err_s or err_map, J, t_post, and the sum of t_mesh, t_asm, t_solve
+/// and t_post. Nothing when there is none, or neither a positive error nor J in it.
 std::optional<PeerRun> read_peer_line(const std::string& output);
 std::string last_line(const std::string& output);
 

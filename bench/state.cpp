@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace kerf {
 
@@ -96,40 +95,6 @@ class Runner {
   std::optional<Problem> problem_;
 };
 
-using Key = std::pair<std::string, double>;  // problem, Poisson's ratio
-
-/// The fastest of several named sequences, per problem and error to reach.
-std::vector<Fastest> fastest(const std::map<Key, std::map<std::string, std::vector<WorkPoint>>>& sequences) {
-  std::vector<Fastest> all;
-  for (const ProblemKind& kind : problem_kinds())
-    for (const double poisson : kind.poisson) {
-      const auto found = sequences.find({kind.name, poisson});
-      if (found == sequences.end()) continue;
-      for (const double error : errors_to_reach) {
-        std::optional<Fastest> best;
-        for (const auto& [name, points] : found->second)
-          if (const auto time = time_to(points, error); time && (!best || faster(*time, best->time)))
-            best = Fastest{kind.name, poisson, error, name, *time};
-        if (best) all.push_back(*best);
-      }
-    }
-  return all;
-}
-
-const Fastest* find(const std::vector<Fastest>& all, const Fastest& like) {
-  const auto at = std::find_if(all.begin(), all.end(), [&](const Fastest& f) {
-    return f.problem == like.problem && f.poisson == like.poisson && f.error == like.error;
-  });
-  return at == all.end() ? nullptr : &*at;
-}
-
-std::string ratio(const TimeTo& peer, const TimeTo& own) {
-  if (peer.kind == TimeTo::Kind::Missed || own.kind == TimeTo::Kind::Missed) return "-";
-  const bool guessed = peer.kind == TimeTo::Kind::Extrapolated || own.kind == TimeTo::Kind::Extrapolated;
-  const char* bound = guessed ? "~" : peer.kind == TimeTo::Kind::AtMost ? "<=" : "";
-  return fmt::format("{}{:.2g}", bound, peer.seconds / own.seconds);
-}
-
 }  // namespace
 
 StateBench run_state_bench(const StateBenchOptions& options) {
@@ -160,12 +125,12 @@ StateBench run_state_bench(const StateBenchOptions& options) {
     bench.notes.insert(bench.notes.end(), peers.notes.begin(), peers.notes.end());
   }
   bench.stopped = runner.stopped();
-  std::map<Key, std::map<std::string, std::vector<WorkPoint>>> own, others;
+  Sequences own, others;
   for (const Measurement& m : bench.runs)
-    own[{m.problem, m.poisson}][sequence_name(m)].push_back({m.error.stress, m.seconds.work()});
-  for (const PeerRun& p : bench.peers) others[{p.problem, p.poisson}][p.name].push_back({p.stress_error, p.work});
-  bench.best = fastest(own);
-  bench.best_peers = fastest(others);
+    own.add(m.problem, m.poisson, sequence_name(m), {m.error.stress, m.seconds.work()});
+  for (const PeerRun& p : bench.peers) others.add(p.problem, p.poisson, p.name, {p.error, p.work});
+  bench.best = own.fastest(errors_to_reach);
+  bench.best_peers = others.fastest(errors_to_reach);
   write_state_csv(options.folder / "state.csv", bench);
   draw_state_plots(options.folder, bench);
   write_state_json(options.folder / "state.json", bench);

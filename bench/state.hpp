@@ -29,14 +29,6 @@ struct ReferenceUsed {
   double error = 0;                            // estimated, of the stress
 };
 
-/// The fastest sequence to an error.
-struct Fastest {
-  std::string problem;
-  double poisson = 0, error = 0;
-  std::string name;  // "bdms 3, graded"; a peer's name
-  TimeTo time;
-};
-
 struct StateBench {
   std::vector<Measurement> runs;
   std::vector<ReferenceUsed> references;

@@ -133,14 +133,19 @@ TEST_F(Cli, LaterCommands) {
 TEST_F(Cli, BenchListsItsNames) {
   const Outcome o = kerf("bench --list");
   EXPECT_EQ(o.code, 0);
-  for (const char* word : {"state", "closing-crack", "bdms"}) EXPECT_NE(o.out.find(word), std::string::npos) << word;
+  for (const char* word : {"state", "map", "closing-crack", "cantilever", "bdms"})
+    EXPECT_NE(o.out.find(word), std::string::npos) << word;
 }
 
 TEST_F(Cli, BenchNamesWhatWasMeant) {
-  expect_failure("bench", 2, "which bench? known: state");
+  expect_failure("bench", 2, "which bench? known: state, map");
   expect_failure("bench sttae", 2, "unknown bench \"sttae\"; did you mean \"state\"?");
   expect_failure("bench state --case opencrack", 2, "unknown case \"opencrack\"; did you mean \"open-crack\"?");
   expect_failure("bench state --element bdsm", 2, "unknown element \"bdsm\"; did you mean \"bdms\"?");
+  expect_failure("bench state --case cantilever", 2, "unknown case \"cantilever\"");
+  expect_failure("bench state --large", 2, "--large belongs to kerf bench map");
+  expect_failure("bench map --case cook-stress", 2, "unknown case \"cook-stress\"");
+  expect_failure("bench map --quick --peers nowhere", 5, "nowhere holds no peer scripts (slit.idp");
   expect_failure("bench state --seconds 0", 2, "--seconds");
   expect_failure("bench state --quick --case smooth --peers nowhere", 5, "nowhere holds no peer scripts");
   EXPECT_FALSE(fs::exists(folder / "out" / "bench_state" / "state.json"));

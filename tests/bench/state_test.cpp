@@ -119,7 +119,7 @@ TEST(PeerLine, IsTheLastObjectThatHasAnError) {
   ASSERT_TRUE(run);
   EXPECT_EQ(run->triangles, 512);
   EXPECT_EQ(run->unknowns, 2178);
-  EXPECT_DOUBLE_EQ(run->stress_error, 0.02);
+  EXPECT_DOUBLE_EQ(run->error, 0.02);
   EXPECT_DOUBLE_EQ(run->work, 0.031);
   EXPECT_FALSE(read_peer_line(""));
   EXPECT_FALSE(read_peer_line("{\"err_s\":-1}\n{broken\n[1]\n"));
