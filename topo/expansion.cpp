@@ -163,10 +163,11 @@ Transmission inside(const Perturbation& p, const Material& m) {
 }
 
 Oriented oriented(const Perturbation& p, const Material& m, std::span<const Product> products) {
-  if (p.kind == Perturbation::Kind::Ellipse) return best_ellipse(p, m, products);
-  if (p.kind == Perturbation::Kind::Crack) return worst_crack(m, products);
-  Oriented result;
-  for (const Product& q : products) result.value += q.factor * form(p, m, 0, q.s, q.t);
+  const bool turned = p.kind == Perturbation::Kind::Ellipse || p.kind == Perturbation::Kind::Crack;
+  if (turned && !p.angle)
+    return p.kind == Perturbation::Kind::Ellipse ? best_ellipse(p, m, products) : worst_crack(m, products);
+  Oriented result{0, turned ? *p.angle : 0};
+  for (const Product& q : products) result.value += q.factor * form(p, m, result.angle, q.s, q.t);
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include "solver/scene.hpp"
 
+#include <optional>
 #include <span>
 
 namespace kerf {
@@ -18,7 +19,8 @@ struct Perturbation {
     Crack,        // frictionless crack of length 2 eps, faces in unilateral contact
   } kind = Kind::Hole;
   Material inclusion = {};
-  double aspect = 1;  // at least 1
+  double aspect = 1;                 // at least 1
+  std::optional<double> angle = {};  // radians, of an ellipse or a crack; empty: the one that `oriented` finds
 };
 
 /// f(eps): pi eps^2 for all kinds but the clamped hole (NaN).
@@ -61,10 +63,10 @@ struct Product {
 struct Oriented {
   double value = 0, angle = 0;  // radians in [0, pi); 0 for what has no orientation
 };
-/// The least value over the orientations for an ellipse (the best hole for a J that is minimised), the largest in
-/// magnitude for a crack (the worst). Closed form: a crack's extremes are those of the open and of the closed form, or
-/// lie where it closes. The first product's s decides where all of them open; with more products the value may jump
-/// there, and the larger side counts.
+/// At the angle that the perturbation has; without one the least value over the orientations for an ellipse (the best
+/// hole for a J that is minimised), the largest in magnitude for a crack (the worst). Closed form: a crack's extremes
+/// are those of the open and of the closed form, or lie where it closes. The first product's s decides where all of
+/// them open; with more products the value may jump there, and the larger side counts.
 Oriented oriented(const Perturbation& p, const Material& m, std::span<const Product> products);
 
 }  // namespace kerf
