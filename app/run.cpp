@@ -5,6 +5,7 @@
 #include "solver/adaptive.hpp"
 #include "solver/bounds.hpp"
 #include "solver/extended.hpp"
+#include "solver/spread.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -94,6 +95,19 @@ void refuse_friction(const Case& c, const char* job, const char* table) {
                       job, c.shape.cracks[k].name, table));
 }
 
+/// What the element cannot do is refused before anything is solved.
+void refuse_element(const Case& c, bool with_map, bool with_validation) {
+  const Element& e = element(c.element, c.degree);
+  if (with_map && c.map_request.bounds && c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
+    better_element(e);
+  if (with_validation && (!is_mixed(e) || per_vertex(e) > 0))
+    throw Error(
+        Fault::Usage,
+        fmt::format("validation condenses the body onto edges, and element \"{}\" has unknowns at vertices; use "
+                    "\"bdms\" (any degree), \"afw\", \"arnold-winther\" or \"arnold-winther-nc\"",
+                    c.element));
+}
+
 void describe_failure(const Model& model, const State& state, Result& r) {
   r.status = "not converged";
   r.reason = !state.converged
@@ -136,6 +150,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
   if (with_map) refuse_friction(c, "map", "map");
   if (with_validation) refuse_friction(c, "validation", "validate");
+  refuse_element(c, with_map, with_validation);
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)

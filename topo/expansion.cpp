@@ -63,9 +63,33 @@ Oriented best_ellipse(const Perturbation& p, const Material& m, std::span<const 
   return best;
 }
 
+// Bodies whose stresses open the crack in different directions: searched.
+Oriented searched_crack(const Material& m, std::span<const Product> products) {
+  const auto value = [&](double angle) {
+    double sum = 0;
+    for (const Product& q : products) sum += q.factor * crack_form(m, angle, q.s, q.t);
+    return sum;
+  };
+  constexpr int steps = 180;
+  double best = 0;
+  for (int i = 1; i < steps; ++i)
+    if (std::abs(value(i * pi / steps)) > std::abs(value(best))) best = i * pi / steps;
+  double low = best - pi / steps, high = best + pi / steps;
+  constexpr double golden = 0.6180339887498949;
+  for (int i = 0; i < 50; ++i) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    (std::abs(value(a)) > std::abs(value(b)) ? high : low) = std::abs(value(a)) > std::abs(value(b)) ? b : a;
+  }
+  const double refined = 0.5 * (low + high);
+  if (std::abs(value(refined)) > std::abs(value(best))) best = refined;
+  return {value(best), in_half_turn(best)};
+}
+
 Oriented worst_crack(const Material& m, std::span<const Product> products) {
   Oriented worst;
   if (products.empty()) return worst;
+  for (const Product& q : products)
+    if (q.s != products[0].s) return searched_crack(m, products);
   const auto take = [&](double angle, bool open) {
     double value = 0;
     for (const Product& q : products) value += q.factor * crack_part(m, angle, q.s, q.t, open);

@@ -65,8 +65,8 @@ struct Oriented {
 };
 /// At the angle that the perturbation has; without one the least value over the orientations for an ellipse (the best
 /// hole for a J that is minimised), the largest in magnitude for a crack (the worst). Closed form: a crack's extremes
-/// are those of the open and of the closed form, or lie where it closes. The first product's s decides where all of
-/// them open; with more products the value may jump there, and the larger side counts.
+/// are those of the open and of the closed form, or lie where it closes, where with several products the value may
+/// jump and the larger side counts. Products of different s (misfits) open by themselves: searched.
 Oriented oriented(const Perturbation& p, const Material& m, std::span<const Product> products);
 
 }  // namespace kerf
