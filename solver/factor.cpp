@@ -7,6 +7,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 
 namespace kerf {
@@ -62,6 +63,9 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
   const Index n = static_cast<Index>(start.size()) - 1;
   std::vector<Index> order(n);
   if (n == 0) return order;
+  // METIS seeds and draws from the C library's generator: two orderings at once would disturb each other.
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
   Session session;
   // An unsymmetric pattern stands for A A' in CHOLMOD; stype 1 with both triangles stored reads the upper one.
   std::vector<Index> upper_start(n + 1, 0), upper;
