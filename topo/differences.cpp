@@ -30,9 +30,9 @@ struct Differences::Solved {
   std::vector<Change> changes;  // per body
   std::vector<double> energy;
   bool same_contact = true;
-  Eigen::VectorXd others;  // on the boundaries of the other balls
-  Eigen::VectorXd far_skeleton, far_force;
-  Eigen::VectorXd far;  // per term: change of its domain integral outside the ball
+  Eigen::VectorXd others;   // on the boundaries of the other balls
+  Eigen::Index column = 0;  // in Differences::far_
+  Eigen::VectorXd far;      // per term: change of its domain integral outside the ball
 };
 
 // One body and the operator of its difference problem.
@@ -120,19 +120,9 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
           c.of->changes[0].contact;
     }
     y.bottomRows(tail.rows()) = o.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * tail;
-    const Eigen::MatrixXd x = o.factor.backward(y);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      Solved& of = *columns[static_cast<std::size_t>(k)].of;
-      of.far_skeleton.setZero(o.skeleton.total);
-      of.far_force.setZero(o.skeleton.total);
-      for (Index u = 0; u < o.skeleton.total; ++u) {
-        const Index row = o.ordering.row[u], trailing = row - (o.ordering.size - o.ordering.trailing);
-        if (row == none) continue;
-        of.far_skeleton[u] = x(row, k);
-        if (trailing >= 0) of.far_force[u] = of.changes[0].push[trailing];
-      }
-    }
+    far_ = o.factor.backward(y);
   }
+  for (Eigen::Index k = 0; k < count; ++k) columns[static_cast<std::size_t>(k)].of->column = k;
   for (const Term& term : j_.terms)
     derivatives_.push_back(term.energy || term.measured ? Sensitivity{} : derivative(term, m, *a_.state));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -140,8 +130,11 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
   parallel_for(triangles, m.threads, [&](Index from, Index to) {
     Eigen::MatrixXd traces(skeleton_count(m.kernel.element), count);
     for (Index t = from; t < to; ++t) {
-      for (Eigen::Index k = 0; k < count; ++k)
-        traces.col(k) = trace_seen(o.mesh, o.skeleton, columns[static_cast<std::size_t>(k)].of->far_skeleton, t);
+      const Seen view = seen(o.mesh, o.skeleton, t);
+      traces.setZero();
+      for (int i = 0; i < view.count; ++i)
+        for (const Index unknown : {view.base[i], view.jump[i]})
+          if (unknown != none && o.ordering.row[unknown] != none) traces.row(i) += far_.row(o.ordering.row[unknown]);
       const Eigen::MatrixXd w = interiors(o.kernel, triangle(o, t), material_of(o.mesh, o.scene, t), traces);
       for (Eigen::Index i = 0; i < terms; ++i) {
         const Sensitivity& d = derivatives_[static_cast<std::size_t>(i)];
@@ -338,8 +331,14 @@ Difference Differences::finish(std::size_t ball, Solved& of, State& near) const 
     const Change& c = of.changes[0];
     Eigen::VectorXd edges(c.ball.size() + c.contour.size());
     edges << c.ball, c.contour;
-    near.skeleton = of.far_skeleton;
-    near.force = of.far_force;
+    const Ordering& o = bodies_[0]->operators().ordering;
+    near.skeleton.setZero(m.skeleton.total);
+    near.force.setZero(m.skeleton.total);
+    for (Index u = 0; u < m.skeleton.total; ++u) {
+      if (o.row[u] == none) continue;
+      near.skeleton[u] = far_(o.row[u], of.column);
+      if (const Index trailing = o.row[u] - (o.size - o.trailing); trailing >= 0) near.force[u] = c.push[trailing];
+    }
     const Scene scene = floored(m.scene);
     add_fields(near, *of.annulus, complete(*of.annulus, edges, false), m.kernel, scene);
     if (of.inner)

@@ -38,6 +38,7 @@ class Differences {
   const Filled& filled_;
   std::vector<std::unique_ptr<Body>> bodies_;  // the body, and that of a misfit
   std::vector<Sensitivity> derivatives_;       // of the terms, where fields are asked for
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> far_;  // changes outside: a column per radius
   bool fields_ = false, self_adjoint_ = true;  // whether J asks for the fields themselves; homogeneous supports
 };
 
