@@ -64,12 +64,13 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
                                         : nan;
   const auto relative = [&](std::size_t i) { return std::abs(rows[i].remainder / rows[i].predicted); };
   std::vector<double> orders;
-  std::size_t computed = 0, settled = 0;
+  std::size_t computed = 0, settled = 0, comparable = 0;  // comparable: of the unperturbed contact set
   bool moved = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!std::isfinite(rows[i].remainder)) continue;
     ++computed;
     moved = moved || !rows[i].same_contact;
+    if (rows[i].same_contact) ++comparable;
     if (relative(i) < 3 * v.plateau) ++settled;
     if (std::isfinite(rows[i].order) && rows[i].same_contact && relative(i + 1) > v.plateau)
       orders.push_back(rows[i].order);
@@ -109,9 +110,16 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
     v.verdict = Verdict::OutOfRange;
     v.reason = fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear,
                            0.25 * clear);
-  } else if (moved && !rows[last].same_contact) {
+  } else if (moved && (comparable < 2 || !rows[last].same_contact)) {
     v.verdict = Verdict::OutOfRange;
-    v.reason = "the contact set changes even at the smallest radius; use smaller radii";
+    v.reason = rows[last].same_contact ? "the contact set changes at all radii but the smallest; use smaller radii"
+                                       : "the contact set changes even at the smallest radius; use smaller radii";
+  } else if (!clamped && slope && comparable < 4 && error < relative(last)) {
+    v.verdict = Verdict::OutOfRange;
+    v.reason = fmt::format(
+        "the remainder falls like eps^{:.2f}, but fewer than four radii do not tell eps^4 ln eps from an error of the "
+        "coefficient; use four and smaller ones",
+        v.order);
   } else if (relative(last) > 0.05 && relative(last) < 0.6 * relative(last > 0 ? last - 1 : 0)) {
     v.verdict = Verdict::OutOfRange;
     v.reason = fmt::format(
