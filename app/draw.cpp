@@ -120,10 +120,12 @@ Picture map_picture(const Case& c, const Model& model, const PlotData& data, con
   p.points = data.points;
   p.triangles = data.corners.of;
   p.values = spread(data, map.at_corners);
+  p.margin = spread(data, map.margin);
   bool grey = false, negative = false, positive = false;
-  for (std::size_t t = 0; t < map.masked_centroid.size(); ++t) {
-    auto values = p.values.col(static_cast<Eigen::Index>(t));
-    if (map.masked_centroid[t]) {
+  for (Eigen::Index t = 0; t < p.values.cols(); ++t) {
+    auto values = p.values.col(t);
+    grey = grey || p.margin.col(t).minCoeff() < 0;
+    if (p.margin.col(t).maxCoeff() < 0 || !values.allFinite()) {
       values.setConstant(std::numeric_limits<double>::quiet_NaN());
       grey = true;
     } else {

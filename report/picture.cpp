@@ -49,6 +49,7 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   painting.points = pixels;
   painting.triangles = picture.triangles;
   painting.values = &picture.values;
+  painting.margin = &picture.margin;
   painting.limits = limits;
   painting.scale = picture.scale;
   if (picture.edges || picture.values.cols() == 0) painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;

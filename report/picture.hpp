@@ -21,6 +21,7 @@ struct Picture {
   std::vector<Vec2> points;                     // where to draw (displaced already, if at all)
   std::vector<std::array<Index, 3>> triangles;  // into `points`
   Eigen::Matrix3Xd values;                      // per triangle its three corner values; no columns: mesh only
+  Eigen::Matrix3Xd margin;                      // like `values`: grey where it is negative; no columns: nowhere
   std::string value_label;                      // beside the colour bar
   Scale scale = Scale::Linear;
   double clip = 0.005;                      // share of the area whose values may lie beyond each end of the colour bar

@@ -138,8 +138,15 @@ Image paint(int width, int height, const Painting& painting) {
     const double origin = c[0].step - gx * c[0].x.x() - gy * c[0].x.y();
     const auto [least, most] = std::minmax({c[0].step, c[1].step, c[2].step});
     const double floor = std::clamp(least, 0.0, 255.0), ceiling = std::clamp(most, 0.0, 255.0);
+    double mx = 0, my = 0, margin = 1;
+    if (painting.margin && painting.margin->cols() > 0) {
+      const Eigen::Vector3d at = painting.margin->col(static_cast<Eigen::Index>(t));
+      mx = sliver ? 0 : ((at[1] - at[0]) * e2.y() - (at[2] - at[0]) * e1.y()) / area;
+      my = sliver ? 0 : ((at[2] - at[0]) * e1.x() - (at[1] - at[0]) * e2.x()) / area;
+      margin = at[0] - mx * c[0].x.x() - my * c[0].x.y();
+    }
     const auto value_colour = [&](double x, double y) {
-      if (!finite) return not_finite_colour;
+      if (!finite || margin + mx * x + my * y < 0) return not_finite_colour;
       if (!valued) return painting.plain;
       return table[static_cast<std::size_t>(std::clamp(origin + gx * x + gy * y, floor, ceiling))];
     };

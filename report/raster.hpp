@@ -14,6 +14,7 @@ struct Painting {
   std::span<const Vec2> points;  // in pixels, y downwards, pixel (0, 0) covers [0, 1] x [0, 1]
   std::span<const std::array<Index, 3>> triangles;
   const Eigen::Matrix3Xd* values = nullptr;  // absent or without columns: `plain`
+  const Eigen::Matrix3Xd* margin = nullptr;  // grey where it is negative
   Limits limits;
   Scale scale = Scale::Linear;
   std::uint32_t plain = 0xffe9eef5;

@@ -116,7 +116,11 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
     for (const Index c : corners.of[t]) beside[c] = t;
   FullMap map;
   map.masked_centroid = too_close(m, j, at_centroids, clear_radii * r.radius, r.radius);
-  map.masked_corner = too_close(m, j, at_vertices, clear_radii * r.radius, r.radius);
+  // True distances as far as a triangle reaches, so that the mask's edge can be drawn inside triangles.
+  const double clear = clear_radii * r.radius, reach = clear + 1.01 * quality(m.mesh).h_max;
+  const std::vector<double> margin = margins(m, j, at_vertices, clear, r.radius, reach);
+  map.margin = Eigen::Map<const Eigen::VectorXd>(margin.data(), count);
+  for (const double v : margin) map.masked_corner.push_back(v < 0);
   if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
     std::vector<Vec2> points = at_centroids;
     points.insert(points.end(), at_vertices.begin(), at_vertices.end());

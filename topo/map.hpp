@@ -35,6 +35,7 @@ struct FullMap {
   Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
   Eigen::VectorXd lower, upper;                     // at corners, or empty
   std::vector<bool> masked_centroid, masked_corner;
+  Eigen::VectorXd margin;  // at corners: distance to the nearest feature less what the mask asks for
 };
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners);
 

@@ -10,6 +10,10 @@ namespace kerf {
 std::vector<bool> too_close(const Model& model, const Functional& j, std::span<const Vec2> points, double clear,
                             double radius);
 
+/// The same in numbers: distance less `clear`, negative for what is too close; at most `reach` - `clear`.
+std::vector<double> margins(const Model& model, const Functional& j, std::span<const Vec2> points, double clear,
+                            double radius, double reach);
+
 /// Distance to the nearest of these (of rings: to their outer circle).
 double distance_to_features(const Model& model, const Functional& j, const Vec2& x);
 
