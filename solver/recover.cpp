@@ -60,9 +60,9 @@ struct Projection {
 };
 
 template <int D>
-Points recovered(const Model& model, const State& state, Index t, const Points& x) {
+Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x) {
   const Projection<D> p(model, t);
-  const Fields f = evaluate(model.kernel, p.shape, state.interior.col(t), p.q);
+  const Fields f = evaluate(model.kernel, p.shape, interior, p.q);
   Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
   Vec2 mean_displacement = Vec2::Zero();
   const Material& material = material_of(model.mesh, model.scene, t);
@@ -115,14 +115,19 @@ Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& 
 }
 
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x) {
-  if (!is_mixed(model.kernel.element)) return evaluate(model, state, t, x).displacement;
+  return recovered_displacement(model, Eigen::Ref<const Eigen::VectorXd>(state.interior.col(t)), t, x);
+}
+
+Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
+                              const Points& x) {
+  if (!is_mixed(model.kernel.element)) return evaluate(model.kernel, triangle(model, t), interior, x).displacement;
   switch (model.kernel.element.stress) {
     case 1:
-      return recovered<2>(model, state, t, x);
+      return recovered<2>(model, interior, t, x);
     case 2:
-      return recovered<3>(model, state, t, x);
+      return recovered<3>(model, interior, t, x);
     default:
-      return recovered<4>(model, state, t, x);
+      return recovered<4>(model, interior, t, x);
   }
 }
 

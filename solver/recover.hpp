@@ -8,6 +8,9 @@ namespace kerf {
 /// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with
 /// the mean of u_h [Stenberg 1991; rates: elements.md section 7].
 Points recovered_displacement(const Model& model, const State& state, Index t, const Points& x);
+/// The same from the interior coefficients of t.
+Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
+                              const Points& x);
 
 /// Its transpose: the derivative by the interior coefficients of t of sum_q weights_q . u*(x_q).
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
@@ -102,12 +103,24 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
     Solved* of;
     Index first, end;  // triangles of its ball
     Eigen::Index begin;
+    std::size_t number;  // of the radius
+    Vec2 center;         // of the ball
+    double radius;
+    Eigen::Index at, count;  // columns of the ball
   };
+  constexpr double near_balls = 2.5;
   std::vector<Column> columns;
-  for (std::size_t b = 0; b < solved.size(); ++b)
-    for (Solved& of : solved[b])
-      columns.push_back({&of, filled_.first_triangle[b], filled_.first_triangle[b + 1],
-                         static_cast<Eigen::Index>(b) * of.changes[0].ball.size()});
+  for (std::size_t b = 0; b < solved.size(); ++b) {
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Index e : filled_.contour[b][0])
+      for (const Index v : m.mesh.edges[e])
+        low = low.cwiseMin(m.mesh.points[v]), high = high.cwiseMax(m.mesh.points[v]);
+    const auto at = static_cast<Eigen::Index>(columns.size());
+    for (std::size_t k = 0; k < solved[b].size(); ++k)
+      columns.push_back({&solved[b][k], filled_.first_triangle[b], filled_.first_triangle[b + 1],
+                         static_cast<Eigen::Index>(b) * solved[b][k].changes[0].ball.size(), k, 0.5 * (low + high),
+                         0.5 * (high - low).maxCoeff(), at, static_cast<Eigen::Index>(solved[b].size())});
+  }
   if (columns.empty()) return;
   const Eigen::Index count = static_cast<Eigen::Index>(columns.size()), kept = o.ordering.kept,
                      contact = o.ordering.trailing, terms = static_cast<Eigen::Index>(j_.terms.size());
@@ -143,6 +156,10 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
         auto sum = part.col(t).segment(i * count, count);
         sum = w.transpose() * d.interior.col(t);
         if (!term.work) sum += second_order(term, m, *a_.state, t, w);
+        if (term.work) continue;
+        for (const Column& c : columns)  // close to a ball the change is not small
+          if (c.number == 0 && (centroid(m.mesh, t) - c.center).norm() < near_balls * c.radius)
+            sum.segment(c.at, c.count) = changes_on(term, m, *a_.state, t, w.middleCols(c.at, c.count));
       }
     }
   });

@@ -70,7 +70,7 @@ Oriented searched_crack(const Material& m, std::span<const Product> products) {
     for (const Product& q : products) sum += q.factor * crack_form(m, angle, q.s, q.t);
     return sum;
   };
-  constexpr int steps = 180;
+  constexpr int steps = 720;
   double best = 0;
   for (int i = 1; i < steps; ++i)
     if (std::abs(value(i * pi / steps)) > std::abs(value(best))) best = i * pi / steps;

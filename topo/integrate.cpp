@@ -29,10 +29,11 @@ struct Sampled {
   const Material& material;
   Fields fields = {};  // displacement: u*
 };
-Sampled sample(const Term& term, const Model& m, const State& s, const Triangle& shape, Index t, const Points& x) {
+Sampled sample(const Term& term, const Model& m, const Eigen::Ref<const Eigen::VectorXd>& interior,
+               const Triangle& shape, Index t, const Points& x) {
   Sampled p{x, material_of(m.mesh, m.scene, t)};
-  if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.kernel, shape, s.interior.col(t), p.x);
-  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, s, t, p.x);
+  if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.kernel, shape, interior, p.x);
+  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, interior, t, p.x);
   return p;
 }
 
@@ -120,7 +121,7 @@ double over_body(const Term& term, const Model& m, const State& s, const std::ve
   return sum_over(m, use, [&](Index t) {
     const Triangle shape = triangle(m, t);
     if (!wanted(term, shape)) return 0.0;
-    const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape));
+    const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape));
     double value = 0;
     for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
@@ -212,7 +213,7 @@ Sensitivity derivative(const Term& term, const Model& m, const State& s) {
       for (Index t = begin; t < end; ++t) {
         const Triangle shape = triangle(m, t);
         if (!wanted(term, shape)) continue;
-        const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape));
+        const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape));
         const Eigen::Index n = rule.w.size();
         Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
         for (Eigen::Index q = 0; q < n; ++q) {
@@ -269,6 +270,27 @@ double surface_difference(const Term& term, const Model& m, const State& s, cons
   return total;
 }
 
+Eigen::VectorXd changes_on(const Term& term, const Model& m, const State& s, Index t, const Eigen::MatrixXd& changes) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(changes.cols());
+  const Triangle shape = triangle(m, t);
+  if (!term.density || !wanted(term, shape)) return sum;
+  const TriangleRule rule = triangle_rule(5);
+  const Points x = rule_points(rule, shape);
+  const Sampled p = sample(term, m, s.interior.col(t), shape, t, x);
+  for (Eigen::Index k = 0; k < changes.cols(); ++k) {
+    const Sampled d = sample(term, m, changes.col(k), shape, t, x);
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
+      const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
+      FieldPoint after = before;
+      after.stress += by.stress;
+      after.displacement += by.displacement;
+      after.rotation += by.rotation;
+      sum[k] += area(shape) * rule.w[q] * (term.density(after).value - term.density(before).value);
+    }
+  }
+  return sum;
+}
+
 Eigen::VectorXd second_order(const Term& term, const Model& m, const State& s, Index t,
                              const Eigen::MatrixXd& changes) {
   Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
@@ -305,8 +327,8 @@ double domain_difference(const Term& term, const Model& m, const State& s, const
     total += sum_over(m, use, [&](Index t) {
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
-      const Sampled p = sample(term, m, s, shape, t, rule_points(rule, shape)),
-                    d = sample(term, m, change, shape, t, rule_points(rule, shape));
+      const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape)),
+                    d = sample(term, m, change.interior.col(t), shape, t, rule_points(rule, shape));
       double value = 0;
       for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
         const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
@@ -334,7 +356,8 @@ double difference(const Term& term, const Model& m, const State& s, const State&
       const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());
       Points x(2, n);
       for (Eigen::Index q = 0; q < n; ++q) x.col(q) = points.x[static_cast<std::size_t>(q)];
-      const Sampled p = sample(term, m, s, shape, t, x), d = sample(term, m, change, shape, t, x);
+      const Sampled p = sample(term, m, s.interior.col(t), shape, t, x),
+                    d = sample(term, m, change.interior.col(t), shape, t, x);
       double value = 0;
       for (Eigen::Index q = 0; q < n; ++q) {
         const FieldPoint before = field_point(term, p, q);

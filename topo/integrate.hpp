@@ -21,6 +21,10 @@ double domain_difference(const Term& term, const Model& model, const State& stat
 Eigen::VectorXd second_order(const Term& term, const Model& model, const State& state, Index t,
                              const Eigen::MatrixXd& changes);
 
+/// The change of the domain integral over t itself, exact for quintics.
+Eigen::VectorXd changes_on(const Term& term, const Model& model, const State& state, Index t,
+                           const Eigen::MatrixXd& changes);
+
 /// Change of the integrals over boundary and crack.
 double surface_difference(const Term& term, const Model& model, const State& state, const State& change);
 

@@ -1,5 +1,8 @@
 #include "topo/point.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace kerf {
 
 namespace {
@@ -39,6 +42,21 @@ Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
 
 std::vector<bool> no_row_closed(const Analysis& a) {
   return std::vector<bool>(a.biactive ? a.biactive->response.size() : 0, false);
+}
+
+double size_of(const Analysis& a, const Perturbation& p, const PointValues& v) {
+  if (p.kind == Perturbation::Kind::ClampedHole) return 0;
+  // The largest value of the form on unit stresses, times the norms.
+  double unit = 0;
+  const Mat2 pressure = Mat2::Identity() / std::sqrt(2.0), shear = (Mat2() << 0, 1, 1, 0).finished() / std::sqrt(2.0);
+  for (const Mat2& s : {pressure, shear})
+    unit =
+        std::max(unit, std::abs(p.kind == Perturbation::Kind::Inclusion ? inclusion_form(v.material, p.inclusion, s, s)
+                                                                        : hole_form(v.material, s, s)));
+  const double stress = symmetric(v.stress).norm(), measured = a.measured ? symmetric(v.measured).norm() : 0;
+  return unit *
+         (0.5 * std::abs(a.energy_share) * stress * stress + 0.5 * std::abs(a.measured_share) * measured * measured +
+          (a.adjoint ? stress * symmetric(v.dual).norm() : 0));
 }
 
 Oriented expand(const Analysis& a, const Functional& j, const Perturbation& p, const PointValues& v,

@@ -34,5 +34,7 @@ struct PointValues {
 Oriented expand(const Analysis& a, const Functional& j, const Perturbation& p, const PointValues& v,
                 std::vector<bool>& closed);
 std::vector<bool> no_row_closed(const Analysis& a);
+/// What |T| could be for stresses of this size in other directions.
+double size_of(const Analysis& a, const Perturbation& p, const PointValues& v);
 
 }  // namespace kerf

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 namespace kerf {
 
@@ -73,8 +74,9 @@ class Centre {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit_;
 };
 
-Oriented coefficient(const Analysis& a, const Functional& j, const Perturbation& p, const Vec2& at, const Centre& c,
-                     Index inside_triangle) {
+// T and what |T| could be (size_of).
+std::pair<double, double> coefficient(const Analysis& a, const Functional& j, const Perturbation& p, const Vec2& at,
+                                      const Centre& c, Index inside_triangle) {
   const Needs need = needs(a, j, p);
   PointValues v{
       .x = at, .material = material_of(a.model->mesh, a.model->scene, inside_triangle), .stress = c.stress(*a.state)};
@@ -96,7 +98,7 @@ Oriented coefficient(const Analysis& a, const Functional& j, const Perturbation&
     }
   }
   std::vector<bool> closed = no_row_closed(a);
-  return expand(a, j, p, v, closed);
+  return {expand(a, j, p, v, closed).value, size_of(a, p, v)};
 }
 
 struct Batch {
@@ -157,9 +159,8 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
     constexpr double share = 0.5;
     v.coefficient = nan;
     if (!clamped)
-      v.coefficient =
-          coefficient(a, j, r.perturbation, site.at, Centre(model, first, end, site.at, share * site.ball), end - 1)
-              .value;
+      std::tie(v.coefficient, v.size) =
+          coefficient(a, j, r.perturbation, site.at, Centre(model, first, end, site.at, share * site.ball), end - 1);
     const std::vector<Difference>& found = differences[s];
     std::vector<double> scales(v.rows.size(), nan);
     for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
@@ -205,10 +206,9 @@ void validate_crack(const Shape& shape, const Sizing& sizing, const Element& e, 
     const State before = solved(whole), after = solved(broken);
     const Analysis a = analyse(j, whole, before);
     constexpr double share = 0.5;
-    v.coefficient = coefficient(a, j, r.perturbation, site.at,
-                                Centre(whole, f.first_triangle[0], f.first_triangle[1], site.at, share * site.ball),
-                                f.first_triangle[0])
-                        .value;
+    std::tie(v.coefficient, v.size) = coefficient(
+        a, j, r.perturbation, site.at,
+        Centre(whole, f.first_triangle[0], f.first_triangle[1], site.at, share * site.ball), f.first_triangle[0]);
     to.J = analyse(j, broken, after, true).value;
     to.difference = to.J - a.value;
     scales[row] = scale(r.perturbation, to.radius);

@@ -20,6 +20,7 @@ enum class Verdict { Holds, Fails, OutOfRange };
 struct Validation {
   Vec2 at = Vec2::Zero();
   double coefficient = 0;  // T; of a clamped hole NaN
+  double size = 0;         // what |T| could be for stresses of this size in other directions
   double order = 0;        // observed, median over the rows above the plateau
   double intercept = 0;    // of the least squares fit D = T + c2 eps^2 + c3 eps^2 ln eps, D = difference / f(eps)
   double c2 = 0, c3 = 0;   // of that fit: the series to order eps^4

@@ -106,6 +106,11 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
     v.reason = slope ? fmt::format("the remainder falls like eps^{:.2f}", v.order)
                      : "the remainder has fallen to what the mesh leaves";
     if (moved) v.reason += "; the contact set changes at the larger radii";
+  } else if (!clamped && std::abs(v.intercept - v.coefficient) <= allowed * v.size) {
+    v.verdict = Verdict::OutOfRange;
+    v.reason = fmt::format(
+        "the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; try a point beside",
+        std::abs(v.coefficient) / v.size);
   } else if (smallest > 0.25 * clear) {
     v.verdict = Verdict::OutOfRange;
     v.reason = fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear,

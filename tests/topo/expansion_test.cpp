@@ -187,14 +187,7 @@ TEST(Expansion, KindsWithoutSuchAFormulaSaySo) {
 
 double total(const Perturbation& p, const Material& m, double angle, std::span<const Product> products) {
   double sum = 0;
-  for (const Product& q : products)
-    if (p.kind == Kind::Crack && &q != &products[0]) {  // opens where the first one does
-      const Vec2 e(std::cos(angle), std::sin(angle)), n(-e.y(), e.x());
-      const double normal = n.dot(products[0].s * n) > 0 ? n.dot(q.s * n) * n.dot(q.t * n) : 0;
-      sum += q.factor * 2 / plane_modulus(m) * (e.dot(q.s * n) * e.dot(q.t * n) + normal);
-    } else {
-      sum += q.factor * form(p, m, angle, q.s, q.t);
-    }
+  for (const Product& q : products) sum += q.factor * form(p, m, angle, q.s, q.t);
   return sum;
 }
 
@@ -222,7 +215,9 @@ TEST(Expansion, OrientationsAgainstBruteForce) {
       }
       const double value = ellipse ? found.value : std::abs(found.value);
       // Never beaten; no better than brute force but by its step: squared in the smooth parts, first order at a switch.
-      EXPECT_LE(ellipse ? value - best : best - value, 1e-14 * largest) << load;
+      // Cracks that two bodies open by themselves are searched for.
+      const bool searched = !ellipse && products.size() > 1;
+      EXPECT_LE(ellipse ? value - best : best - value, (searched ? 1e-9 : 1e-14) * largest) << load;
       EXPECT_NEAR(value, best, 2e-3 * largest) << load;
       if (std::abs(value - best) > 1e-6 * largest) ++switched;
       // The angle belongs to the value, on one side of the switch at least.

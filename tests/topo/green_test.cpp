@@ -73,9 +73,9 @@ struct Reference {
   Vec2 u0;
   double energy[3], track[3];  // at radius 0.08, 0.01, 0.001
 };
-class Cantilever : public testing::TestWithParam<Reference> {};
+class ClampedCantilever : public testing::TestWithParam<Reference> {};
 
-TEST_P(Cantilever, AgreesWithFiniteElements) {
+TEST_P(ClampedCantilever, AgreesWithFiniteElements) {
   const Reference& r = GetParam();
   Shape shape;
   shape.labels = {"side", "held", "pulled"};
@@ -109,7 +109,7 @@ TEST_P(Cantilever, AgreesWithFiniteElements) {
     EXPECT_NEAR(t / r.track[i], 1, error);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Materials, Cantilever,
+INSTANTIATE_TEST_SUITE_P(Materials, ClampedCantilever,
                          testing::Values(Reference{plane_stress(1, 0.3),
                                                    0.4467818740835017,
                                                    0.5404228613540413,

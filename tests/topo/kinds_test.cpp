@@ -61,7 +61,7 @@ TEST_P(Incompressible, EveryFunctionalHolds) {
 INSTANTIATE_TEST_SUITE_P(Poisson, Incompressible, testing::Values(0.3, 0.49, 0.4999999, 0.5),
                          [](const auto& info) { return "case" + std::to_string(info.index); });
 
-TEST(Kinds, BodyForcesLeaveWithTheHole) {
+TEST(BodyForce, LeavesWithTheHole) {
   for (const Named& n : terms(pull)) {
     if (std::string(n.name) == "crack_pressure") continue;
     Body b = partly_closed(plane_strain(1, 0.3));
