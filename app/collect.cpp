@@ -23,11 +23,7 @@ double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s)
 
 PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   PlotData d;
-  // The stress jumps between materials.
-  std::vector<bool> cut(model.mesh.edges.size());
-  for (std::size_t e = 0; e < cut.size(); ++e)
-    cut[e] = model.mesh.crack[e] != none || is_interface(model.mesh, static_cast<Index>(e));
-  d.corners = split_at(model.mesh, cut);
+  d.corners = split_for_stress(model.mesh);
   const std::vector<Material> materials = corner_materials(model, d.corners);
   for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
   d.values = corner_values(model, state, d.corners);

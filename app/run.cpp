@@ -100,11 +100,12 @@ void refuse_element(const Case& c, bool with_map, bool with_validation) {
   const Element& e = element(c.element, c.degree);
   if (with_map && c.map_request.bounds && c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
     better_element(e);
-  if (with_validation && (!is_mixed(e) || per_vertex(e) > 0))
+  const bool unseen = e.cut == Cut::LinearDivergence;  // some traces of its cubic edges are seen by no triangle
+  if (with_validation && (!is_mixed(e) || per_vertex(e) > 0 || unseen))
     throw Error(
         Fault::Usage,
-        fmt::format("validation condenses the body onto edges, and element \"{}\" has unknowns at vertices; use "
-                    "\"bdms\" (any degree), \"afw\", \"arnold-winther\" or \"arnold-winther-nc\"",
+        fmt::format("validation condenses the body onto edges, which element \"{}\" does not allow; use \"bdms\" "
+                    "(any degree), \"afw\" or \"arnold-winther-nc\"",
                     c.element));
 }
 
@@ -119,6 +120,30 @@ void describe_failure(const Model& model, const State& state, Result& r) {
     *r.reason +=
         "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
         "one symmetric stress there: use \"bdms\" with degree = 3";
+}
+
+// What a reader of the functional's value should know.
+void note_on_functional(const Case& c, const Analysis& a, Result& r) {
+  for (std::size_t i = 0; i < c.functional.terms.size(); ++i) {
+    const Term& term = c.functional.terms[i];
+    constexpr double integrable = 4;
+    if (term.stress_power >= integrable && !c.shape.cracks.empty())
+      r.state->notes.push_back(
+          fmt::format("the stress to the power {:g} is not integrable at crack tips: unless its weight vanishes there, "
+                      "the value of {} is that of this mesh",
+                      term.stress_power, term.kind));
+    if (term.kind != "energy_release_rate") continue;
+    for (const CrackResult& crack : r.cracks)
+      for (const TipResult& tip : crack.tips) {
+        constexpr double same = 0.03;
+        if (!tip.G || (tip.at - term.feature).norm() > 1e-9 * extent(c.shape)) continue;
+        if (std::abs(a.term_value[i] - *tip.G) > same * std::abs(*tip.G))
+          r.state->notes.push_back(fmt::format(
+              "energy_release_rate is {:.4g}, the interaction integrals at that tip say {:.4g}: the ring has "
+              "too few triangles (mesh.size), or holds more than the tip",
+              a.term_value[i], *tip.G));
+      }
+  }
 }
 
 void describe_state(const Case& c, const Model& model, const State& state, const Indicator& indicator, Result& r) {
@@ -207,8 +232,10 @@ Result run(const Case& c, Job job, const RunOptions& options) {
   std::optional<Analysis> analysis;
   try {
     begin(with_map ? "map" : "functional");
+    if (with_map) require_supports(c.functional, model);
     analysis = analyse(c.functional, model, state, !with_map);
     r.functional = functional_result(c.functional, *analysis);
+    note_on_functional(c, *analysis, r);
     if (with_map) {
       if (c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
         analysis->fields = recover_fields(*analysis);

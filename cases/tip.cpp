@@ -65,6 +65,10 @@ CrackTip crack_tip(const Shape& shape, Index crack, bool at_start) {
   consider(distance(tip.at, shape.outline, 1e-7 * size, size), "the outline");
   for (const Loop& hole : shape.holes)
     consider(distance(tip.at, hole, 1e-7 * size, size), "hole \"" + hole.name + "\"");
+  for (const Loop& region : shape.regions)
+    consider(distance(tip.at, region, 1e-7 * size, size), "region \"" + region.name + "\"");
+  const Vec2 other = at_start ? own.points.back() : own.points.front();
+  consider((tip.at - other).norm(), "its other end");
   for (std::size_t k = 0; k < shape.cracks.size(); ++k)
     if (k != number)
       consider(distance(tip.at, shape.cracks[k], 0, shape.cracks[k].points.size() - 1),

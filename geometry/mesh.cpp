@@ -188,6 +188,12 @@ Quality quality(const Mesh& mesh) {
           sum / double(mesh.triangles.size())};
 }
 
+Corners split_for_stress(const Mesh& mesh) {
+  std::vector<bool> cut(mesh.edges.size());
+  for (std::size_t e = 0; e < cut.size(); ++e) cut[e] = mesh.crack[e] != none || is_interface(mesh, Index(e));
+  return split_at(mesh, cut);
+}
+
 Corners split_at_cracks(const Mesh& mesh) {
   std::vector<bool> cut(mesh.edges.size());
   for (std::size_t e = 0; e < cut.size(); ++e) cut[e] = mesh.crack[e] != none;

@@ -66,6 +66,8 @@ struct Corners {
   std::vector<Index> vertex;             // per corner number, its vertex
 };
 Corners split_at_cracks(const Mesh& mesh);
+/// The same at cracks and where two regions meet: what a stress needs.
+Corners split_for_stress(const Mesh& mesh);
 /// The same with the edges in `cut` instead of all cracks.
 Corners split_at(const Mesh& mesh, const std::vector<bool>& cut);
 

@@ -3,6 +3,8 @@
 #include "solver/recover.hpp"
 #include "topo/integrate.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -100,6 +102,18 @@ Scene measured_scene(const Scene& scene, const Support& measured) {
   return other;
 }
 
+void require_supports(const Functional& j, const Model& model) {
+  if (model.floating.empty()) return;
+  for (const Term& term : j.terms)
+    if (term.uses_displacement || term.on_boundary)
+      throw Error(
+          Fault::Usage,
+          fmt::format("functional \"{}\" sees rigid motions, and the supports leave the body free to make some: "
+                      "what a change of the body does to J is not defined; add supports, or use a functional "
+                      "of stresses, energies or cracks",
+                      term.kind));
+}
+
 Analysis analyse(const Functional& j, const Model& model, const State& state, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   if (!value_only && std::any_of(model.scene.laws.begin(), model.scene.laws.end(), has_friction))
@@ -128,6 +142,8 @@ Analysis analyse(const Functional& j, const Model& model, const State& state, bo
     } else {
       value = integral(term, model, state);
     }
+    if (term.power != 1 && value < 0)
+      throw Error(Fault::Usage, fmt::format("the integral of \"{}\" is negative: its weight must not be", term.kind));
     const double result = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power);
     a.term_value.push_back(result);
     a.slope.push_back(slope(term, value));
@@ -140,6 +156,7 @@ Analysis analyse(const Functional& j, const Model& model, const State& state, bo
     else
       a.derivative += scaled(a.slope.back(), derivative(term, model, state));
   }
+  if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;
   const std::vector<ContactStatus> status = contact_status(model, state);
   a.adjoint = solve_adjoint(model, a.derivative, tied(status));

@@ -44,6 +44,10 @@ Analysis analyse(const Functional& j, const Model& model, const State& state, bo
 /// The recovered stresses of the state, the adjoint and the others: once for several maps.
 std::shared_ptr<const MapFields> recover_fields(const Analysis& a);
 
+/// Throws Error(Usage) where J sees rigid motions that the supports leave free: the solver takes them out of the mean,
+/// which a change of the body moves.
+void require_supports(const Functional& j, const Model& model);
+
 /// The scene with the measured displacements instead of the tractions on their label.
 Scene measured_scene(const Scene& scene, const Support& measured);
 

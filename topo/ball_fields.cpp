@@ -1,5 +1,7 @@
 #include "topo/ball_fields.hpp"
 
+#include <Eigen/QR>
+
 #include <algorithm>
 
 namespace kerf {
@@ -21,6 +23,24 @@ Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, con
     x.segment(static_cast<Eigen::Index>(i) * s.per_edge, s.per_edge) =
         values.segment(edge_unknown(s, edges[i]), s.per_edge);
   return x;
+}
+
+Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
+  const Vec2 center = m.mesh.points[m.mesh.edges[edges[0]][0]];
+  Eigen::MatrixXd rigid(values.size(), 3);
+  Eigen::Index row = 0;
+  for (const Index e : edges) {
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    for (Eigen::Index g = 0; g < m.kernel.trace.s.size(); ++g, row += 2) {
+      const Vec2 d = a + m.kernel.trace.s[g] * side - center;
+      const Mat2 frame = frame_at(m.skeleton, e, static_cast<int>(g)).transpose();
+      rigid.block<2, 2>(row, 0) = frame;
+      rigid.block<2, 1>(row, 2) = frame * Vec2(-d.y(), d.x());
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rigid);
+  return values - rigid * qr.solve(values);
 }
 
 Eigen::VectorXd forces_from(const Model& m, const State& s, const std::vector<Index>& edges,

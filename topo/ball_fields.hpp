@@ -13,6 +13,9 @@ Scene floored(Scene scene);
 /// Values of a skeleton vector on edges.
 Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, const Eigen::VectorXd& values);
 
+/// Such values less the rigid motion nearest to them.
+Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const Eigen::VectorXd& values);
+
 /// Moments of the tractions that the triangles of `inside` exert through the edges.
 Eigen::VectorXd forces_from(const Model& m, const State& s, const std::vector<Index>& edges,
                             const std::vector<bool>& inside);

@@ -255,7 +255,8 @@ std::vector<Differences::Solved> Differences::solve(std::size_t ball, const Ball
         r0 = -A0k * c.contour;
       } else {
         c.load = pull;
-        if (inner) c.load -= inner->K * before - inner->load;
+        // A stiff disc must not feel the rounding of its rigid motion.
+        if (inner) c.load -= inner->K * strained(m, contours[k], before) - inner->load;
         r0 = -A0k * middle.solve(c.load);
       }
       Eigen::MatrixXd S = b->S;
@@ -308,9 +309,13 @@ std::vector<Differences::Solved> Differences::solve(std::size_t ball, const Ball
       double change = 0;
       for (Index t = first; t < end; ++t)
         if (disc[t]) change -= energy_of(m, b->state->interior, t, material_of(m.mesh, m.scene, t));
-      if (inner) change += energy_inside(inner_state(*inner, kernel, star, before, body));
-      const double first_order = p_.kind == Kind::ClampedHole ? -pull.dot(c.contour) : -c.load.dot(c.contour);
-      change += first_order + b->force.dot(c.contact) + 0.5 * (c.load.dot(c.contour) + c.push.dot(c.contact));
+      if (inner) {
+        const Eigen::VectorXd after = before + c.contour;
+        change +=
+            energy_inside(inner_state(*inner, kernel, star, body ? after : strained(m, contours[k], after), body));
+      }
+      const Eigen::VectorXd outside = inner ? Eigen::VectorXd(A0k.transpose() * c.ball + Akk * c.contour) : c.load;
+      change += b->force.dot(c.contact) - pull.dot(c.contour) + 0.5 * (outside.dot(c.contour) + c.push.dot(c.contact));
       of.energy.push_back(change);
       if (of.changes.empty()) {
         Eigen::VectorXd mine(S.rows());
@@ -393,7 +398,10 @@ Difference Differences::finish(std::size_t ball, Solved& of, State& near) const 
       result.value += term.factor * d;
     } else {  // (I + d)^power - I^power
       const double before = std::pow(a_.term_value[i], 1 / term.power);
-      result.value += term.factor * a_.term_value[i] * std::expm1(term.power * std::log1p(d / before));
+      if (before == 0)
+        result.value += term.factor * std::pow(std::max(d, 0.0), term.power);
+      else
+        result.value += term.factor * a_.term_value[i] * std::expm1(term.power * std::log1p(d / before));
     }
   }
   return result;

@@ -7,7 +7,7 @@
 namespace kerf {
 
 struct MapFields {
-  Corners corners;             // of split_at_cracks
+  Corners corners;             // of split_for_stress
   std::vector<bool> singular;  // per corner
   RecoveredStress state;
   std::optional<RecoveredStress> dual, measured;

@@ -53,6 +53,7 @@ struct Term {
 
   // Integral over the body.
   std::function<Density(const FieldPoint&)> density = {};
+  double stress_power = 0;  // of stress_power and stress_pnorm: not integrable at crack tips from 4 on
   bool uses_stress = false, uses_displacement = false, uses_rotation = false;
   std::function<bool(const Vec2& center, double radius)> somewhere = {};  // false: the density vanishes on that disc
 

@@ -27,6 +27,7 @@ struct Displacements {
 };
 Displacements displacements(const Model& m, const State& s, const Corners& corners, bool recovered) {
   const Index n = static_cast<Index>(m.mesh.triangles.size());
+  const bool linear = m.kernel.element.displacement == 0 && is_mixed(m.kernel.element);
   Points local(2, Eigen::Index{3} * n);
   Displacements d{Points(2, n), Points::Zero(2, static_cast<Eigen::Index>(corners.vertex.size()))};
   parallel_for(n, m.threads, [&](Index begin, Index end) {
@@ -34,7 +35,17 @@ Displacements displacements(const Model& m, const State& s, const Corners& corne
       const Triangle shape = triangle(m, t);
       Points x(2, 4);
       x << shape.x[0], shape.x[1], shape.x[2], centroid(shape);
-      const Points u = recovered ? recovered_displacement(m, s, t, x) : evaluate(m, s, t, x).displacement;
+      Points u(2, 4);
+      if (recovered && linear) {
+        // The mean of the displacement and its gradient at the centroid: as exact as u* where the mean is all there is.
+        const Fields f = evaluate(m.kernel, shape, s.interior.col(t), x.rightCols<1>());
+        const Eigen::Vector4d d =
+            displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(0), f.rotation[0]);
+        const Mat2 gradient = (Mat2() << d[0], d[1], d[2], d[3]).finished();
+        for (int i = 0; i < 4; ++i) u.col(i) = f.displacement.col(0) + gradient * (x.col(i) - x.col(3));
+      } else {
+        u = recovered ? recovered_displacement(m, s, t, x) : evaluate(m, s, t, x).displacement;
+      }
       local.middleCols<3>(Eigen::Index{3} * t) = u.leftCols<3>();
       d.at_centroids.col(t) = u.col(3);
     }
@@ -137,6 +148,8 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   const Needs need = needs(a, j, r.perturbation);
   const std::shared_ptr<const MapFields> fields = fields_of(a);
   const MapFields& f = *fields;
+  if (f.state.at_corners.cols() != count)
+    throw std::invalid_argument("map_everywhere: the corners are those of split_for_stress");
   std::vector<Displacements> u;  // state, dual, measured, openings
   u.reserve(3 + f.openings.size());
   Sample centroids{.stress = &f.state.at_centroids}, vertices{.stress = &f.state.at_corners};

@@ -30,7 +30,7 @@ struct MapRequest {
 
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r, std::span<const Vec2> points);
 
-/// The same everywhere: at the centroid of every triangle and at every corner of split_at_cracks.
+/// The same everywhere: at the centroid of every triangle and at every corner of split_for_stress.
 struct FullMap {
   Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
   Eigen::VectorXd lower, upper;                     // at corners, or empty

@@ -57,7 +57,7 @@ std::vector<double> margins(const Model& m, const Functional& j, std::span<const
   Vec2 low = m.mesh.points[0], high = low;
   for (const Vec2& p : m.mesh.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double width = (high - low).maxCoeff();
-  constexpr double finest = 512;
+  const double finest = std::clamp(std::sqrt(static_cast<double>(points.size())), 1.0, 512.0);
   const double cell = std::max(reach, width / finest);
   const auto column = [&](double x, int d) { return static_cast<Index>(std::floor((x - low[d]) / cell)); };
   const Index across = column(high.x(), 0) + 1, up = column(high.y(), 1) + 1;

@@ -27,10 +27,10 @@ bool inside(const Polygon& p, const Vec2& x) {
 }
 
 // Negative outside the body.
-double clearance(const Shape& shape, const Functional& j, const Vec2& x) {
+double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& in_body) {
   const double size = extent(shape);
   double least = std::numeric_limits<double>::infinity();
-  bool in_body = true;
+  in_body = true;
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
     const Polygon p = flatten(l, 1e-4 * size, size);
     for (std::size_t i = 0; i < p.points.size(); ++i)
@@ -55,7 +55,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x) {
   }
   for (const Term& term : j.terms)
     if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
-  return in_body ? least : -least;
+  return in_body || least == 0 ? least : -least;
 }
 
 }  // namespace
@@ -67,7 +67,9 @@ std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, co
   constexpr double fullest = 0.6, widest = 0.88, roomy = 2, apart = 1.1;
   std::vector<std::vector<Site>> batches;
   for (std::size_t i = 0; i < r.points.size(); ++i) {
-    Site s{.number = i, .at = r.points[i], .clear = clearance(shape, j, r.points[i])};
+    Site s{.number = i, .at = r.points[i]};
+    s.clear = clearance(shape, j, r.points[i], s.inside);
+    s.inside = s.inside || s.clear == 0;
     for (const double radius : r.radii)
       if (reach * radius <= fullest * s.clear) s.radii.push_back(radius);
     if (!s.radii.empty()) s.ball = std::min(widest * s.clear, roomy * reach * s.radii.front());

@@ -8,7 +8,8 @@ namespace kerf {
 struct Site {
   std::size_t number;  // of the point
   Vec2 at;
-  double clear = 0;                // distance to the next feature; not positive outside the body
+  double clear = 0;  // distance to the next feature; not positive outside the body, on features and in rings
+  bool inside = true;
   double ball = 0;                 // radius; 0: no radius fits
   std::vector<double> radii = {};  // those that fit, decreasing
 };

@@ -38,6 +38,7 @@ class Tables {
 Term stress_power(double p, ScalarField weight, bool plane_strain) {
   Term term{.kind = "stress_power"};
   term.uses_stress = true;
+  term.stress_power = p;
   const auto weigh = [weight = std::move(weight)](const Vec2& x) { return weight ? weight(x) : 1; };
   const auto law = [plane_strain](const Material& m) { return plane_strain ? von_mises_plane_strain(m) : VonMises{}; };
   term.density = [=](const FieldPoint& at) {
@@ -52,6 +53,9 @@ Term stress_power(double p, ScalarField weight, bool plane_strain) {
           Fault::Usage,
           "functionals of the stress have expansions for circular holes and inclusions only; use perturbation = "
           "\"hole\" or { young, poisson }");
+    if (change.kind == Perturbation::Kind::Inclusion && change.inclusion.mu == at.material.mu &&
+        change.inclusion.c == at.material.c)
+      return 0.0;
     return local_term((*tables)(change, at.material), at.stress, weigh(at.x));
   };
   return term;

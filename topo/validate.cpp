@@ -23,8 +23,11 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int around = 64;  // edges around a ball and a hole
-// Relative error of D that the polygon and the mesh around it leave, whatever the radius.
-constexpr double plateau = 3e-4;
+// Relative error of D that the polygon and the mesh around it leave, whatever the radius; measured.
+double plateau_of(const Element& e, const Perturbation& p) {
+  const double round = e.order == 1 ? 4e-3 : 3e-4;
+  return p.kind == Perturbation::Kind::Ellipse ? round * p.aspect : round;
+}
 
 // Stress and displacement of a state at the centre of a ball: polynomials of degree 4 in the mean of squares over its
 // inner half, which keep the order of the element and average its noise.
@@ -147,6 +150,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
   const Filled& f = batch.filled;
   const Preparation how{.kept_edges = kept_edges(f)};
   const Model model = prepare(f.mesh, e, scene, r.threads, how);
+  require_supports(j, model);
   const State state = solve(model);
   if (!certified(state)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
   const bool clamped = r.perturbation.kind == Perturbation::Kind::ClampedHole;
@@ -175,7 +179,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
     if (clamped)
       for (ValidationRow& row : v.rows)
         if (std::isfinite(row.difference)) row.predicted = clamped_at(a, j, row.radius, std::span(&site.at, 1))[0];
-    v.plateau = plateau;
+    v.plateau = plateau_of(e, r.perturbation);
     judge(v, r.perturbation, scales, site.clear);
   }
 }
@@ -228,6 +232,23 @@ std::vector<Validation> validate(const Shape& shape, const Sizing& sizing, const
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
   if (r.radii.empty() || !(r.radii.back() > 0))
     throw Error(Fault::Usage, "validation needs positive radii; give radii in [validate]");
+  const double size = extent(shape);
+  constexpr double least = 1e-6, apart = 1.05;
+  if (r.radii.back() < least * size)
+    throw Error(Fault::Usage, fmt::format("radius {:.3g} of the validation is too small for a mesh: use {:.2g} or more",
+                                          r.radii.back(), least * size));
+  for (std::size_t i = 0; i + 1 < r.radii.size(); ++i)
+    if (r.radii[i] < apart * r.radii[i + 1])
+      throw Error(
+          Fault::Usage,
+          fmt::format("radii {:.6g} and {:.6g} of the validation lie too close together: each should be {} times "
+                      "the next or more",
+                      r.radii[i], r.radii[i + 1], apart));
+  constexpr double longest = 10;
+  if (r.perturbation.kind == Perturbation::Kind::Ellipse && r.perturbation.aspect > longest)
+    throw Error(Fault::Usage,
+                fmt::format("validation resolves ellipses of aspect {} at most, not {:g}; the map goes further",
+                            longest, r.perturbation.aspect));
   std::vector<Validation> results(r.points.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
     results[i].at = r.points[i];
@@ -250,7 +271,8 @@ std::vector<Validation> validate(const Shape& shape, const Sizing& sizing, const
                                    "no radius fits: the nearest boundary, crack or other feature is {:.3g} away; use "
                                    "radii below {:.3g}",
                                    s.clear, 0.25 * s.clear)
-                             : "the point lies outside the body";
+                 : s.inside ? "the point lies on a boundary or a crack, or in the ring of the functional"
+                            : "the point lies outside the body";
     }
     if (usable.empty()) continue;
     if (r.perturbation.kind == Perturbation::Kind::Crack)

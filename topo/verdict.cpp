@@ -98,10 +98,11 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   const double error = clamped ? relative(last) : std::abs(v.intercept / v.coefficient - 1);
   const double allowed = clamped ? 0.02 : std::max(2e-3, 3 * v.plateau);
   const double smallest = rows[last].radius;
+  const double reach = p.kind == Perturbation::Kind::Ellipse ? std::sqrt(p.aspect) : 1;  // of a radius
   if (!clamped && !(std::abs(v.coefficient) > 0)) {
     v.verdict = Verdict::OutOfRange;
     v.reason = "the coefficient vanishes here: the leading term says nothing";
-  } else if (error <= allowed && (slope || settled >= 2)) {
+  } else if (error <= allowed && (slope || settled >= 1)) {
     v.verdict = Verdict::Holds;
     v.reason = slope ? fmt::format("the remainder falls like eps^{:.2f}", v.order)
                      : "the remainder has fallen to what the mesh leaves";
@@ -111,7 +112,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
     v.reason = fmt::format(
         "the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; try a point beside",
         std::abs(v.coefficient) / v.size);
-  } else if (smallest > 0.25 * clear) {
+  } else if (reach * smallest > 0.25 * clear) {
     v.verdict = Verdict::OutOfRange;
     v.reason = fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear,
                            0.25 * clear);
@@ -119,11 +120,12 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
     v.verdict = Verdict::OutOfRange;
     v.reason = rows[last].same_contact ? "the contact set changes at all radii but the smallest; use smaller radii"
                                        : "the contact set changes even at the smallest radius; use smaller radii";
-  } else if (!clamped && slope && comparable < 4 && error < relative(last)) {
+  } else if (!clamped && slope && error < relative(last)) {
     v.verdict = Verdict::OutOfRange;
     v.reason = fmt::format(
-        "the remainder falls like eps^{:.2f}, but fewer than four radii do not tell eps^4 ln eps from an error of the "
-        "coefficient; use four and smaller ones",
+        "the remainder falls like eps^{:.2f}, but these radii do not tell eps^4 ln eps from an error of the "
+        "coefficient; "
+        "use four, and smaller ones",
         v.order);
   } else if (relative(last) > 0.05 && relative(last) < 0.6 * relative(last > 0 ? last - 1 : 0)) {
     v.verdict = Verdict::OutOfRange;
