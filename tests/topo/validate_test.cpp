@@ -49,7 +49,7 @@ void compare(const Validation& v, const json& expected, double of_t, double of_d
   SCOPED_TRACE(text(v));
   EXPECT_EQ(v.verdict, Verdict::Holds);
   EXPECT_NEAR(v.coefficient / expected.at("T").get<double>(), 1, of_t);
-  EXPECT_NEAR((v.rows[0].J - v.rows[0].difference) / expected.at("J0").get<double>(), 1, of_t);
+  EXPECT_NEAR((v.rows[0].J - v.rows[0].difference) / expected.at("J0").get<double>(), 1, 2 * of_t);
   const std::vector<double> eps = expected.at("eps"), D = expected.at("D");
   std::size_t compared = 0;
   for (std::size_t i = 0; i < eps.size(); ++i)
