@@ -78,7 +78,8 @@ TEST_P(PartlyClosed, TheOpenAdjointIsWrong) {
   Analysis open = analyse(j, b.model, b.state);
   open.fields = {};
   open.adjoint = solve_adjoint(b.model, open.derivative, std::vector<bool>(status.size(), false));
-  EXPECT_NEAR(map_there(right, j) / v.intercept, 1, 2e-3);
+  // Another mesh, on which the contact ends elsewhere by up to an edge.
+  EXPECT_NEAR(map_there(right, j) / v.intercept, 1, 0.01);
   EXPECT_GT(std::abs(map_there(open, j) / v.intercept - 1), 0.05);
 }
 
