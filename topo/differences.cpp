@@ -57,8 +57,7 @@ struct Differences::Body {
 Differences::Differences(const Analysis& a, const Functional& j, const Perturbation& p, const Filled& filled,
                          const Preparation& how)
     : a_(a), j_(j), p_(p), filled_(filled) {
-  // The displacements of the body lie in the inclusion's stiffness: what cancels there is 1/c* times as large.
-  if (p.kind == Kind::Inclusion) p_.inclusion.c = std::max(p.inclusion.c, 1e-5 / p.inclusion.mu);
+  if (p.kind == Kind::Inclusion) p_.inclusion = floored(p.inclusion);
   self_adjoint_ = std::all_of(a.model->skeleton.prescribed.begin(), a.model->skeleton.prescribed.end(),
                               [](double v) { return v == 0; });
   for (const Term& term : j.terms) {

@@ -296,32 +296,25 @@ Eigen::VectorXd second_order(const Term& term, const Model& m, const State& s, I
   Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
   const Triangle shape = triangle(m, t);
   if (!term.density || !wanted(term, shape)) return rest;
-  const TriangleRule& rule = m.kernel.rule;
-  const Points x = rule_points(rule, shape);
-  const Material material = material_of(m.mesh, m.scene, t);
-  const auto at = [&](const Fields& f, Eigen::Index q) {
-    return FieldPoint{.x = x.col(q),
-                      .stress = tensor(f.stress.col(q)),
-                      .displacement = f.displacement.col(q),
-                      .rotation = f.rotation[q],
-                      .material = material};
+  const Points x = centroid(shape);
+  const auto at = [&](const auto& interior) {
+    const Fields f = evaluate(m.kernel, shape, interior, x);
+    return FieldPoint{.x = x.col(0),
+                      .stress = tensor(f.stress.col(0)),
+                      .displacement = f.displacement.col(0),
+                      .rotation = f.rotation[0],
+                      .material = material_of(m.mesh, m.scene, t)};
   };
-  const Fields before = evaluate(m.kernel, shape, s.interior.col(t), x);
-  std::vector<Density> first;
-  for (Eigen::Index q = 0; q < x.cols(); ++q) first.push_back(term.density(at(before, q)));
+  const FieldPoint before = at(s.interior.col(t));
+  const Density first = term.density(before);
   for (Eigen::Index k = 0; k < changes.cols(); ++k) {
-    const Fields change = evaluate(m.kernel, shape, changes.col(k), x);
-    for (Eigen::Index q = 0; q < x.cols(); ++q) {
-      const Density& d = first[static_cast<std::size_t>(q)];
-      const FieldPoint by = at(change, q);
-      FieldPoint after = at(before, q);
-      after.stress += by.stress;
-      after.displacement += by.displacement;
-      after.rotation += by.rotation;
-      rest[k] += area(shape) * rule.w[q] *
-                 (term.density(after).value - d.value - d.by_stress.cwiseProduct(by.stress).sum() -
-                  d.by_displacement.dot(by.displacement) - d.by_rotation * by.rotation);
-    }
+    const FieldPoint by = at(changes.col(k));
+    FieldPoint after = before;
+    after.stress += by.stress;
+    after.displacement += by.displacement;
+    after.rotation += by.rotation;
+    rest[k] = area(shape) * (term.density(after).value - first.value - first.by_stress.cwiseProduct(by.stress).sum() -
+                             first.by_displacement.dot(by.displacement) - first.by_rotation * by.rotation);
   }
   return rest;
 }

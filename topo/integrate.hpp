@@ -16,8 +16,8 @@ Sensitivity derivative(const Term& term, const Model& model, const State& state)
 double domain_difference(const Term& term, const Model& model, const State& state, const State& change,
                          const std::vector<bool>& use);
 
-/// The integral over t of phi(z + w) - phi(z) - phi'(z) w for changes w (interior coefficients, a column each): what is
-/// left of the domain integral after its derivative. With the rule of the element: one point would cost 1 % of D.
+/// phi(z + w) - phi(z) - phi'(z) w at the centroid of t times its area, for changes w (interior coefficients, a column
+/// each): what is left of the domain integral after its derivative, for changes that are small and smooth.
 Eigen::VectorXd second_order(const Term& term, const Model& model, const State& state, Index t,
                              const Eigen::MatrixXd& changes);
 
