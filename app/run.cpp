@@ -238,7 +238,7 @@ Result run(const Case& c, Job job, const RunOptions& options) {
     note_on_functional(c, *analysis, r);
     if (with_map) {
       if (c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
-        analysis->fields = recover_fields(*analysis);
+        analysis->fields = recover_fields(*analysis, data.corners);
       FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
       r.map = map_result(c, *analysis, full);
       if (c.map_request.bounds) {

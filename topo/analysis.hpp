@@ -42,7 +42,8 @@ struct Analysis {
 Analysis analyse(const Functional& j, const Model& model, const State& state, bool value_only = false);
 
 /// The recovered stresses of the state, the adjoint and the others: once for several maps.
-std::shared_ptr<const MapFields> recover_fields(const Analysis& a);
+/// `corners`: those of split_for_stress, where they are known already.
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners = {});
 
 /// Throws Error(Usage) where J sees rigid motions that the supports leave free: the solver takes them out of the mean,
 /// which a change of the body moves.

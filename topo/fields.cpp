@@ -4,10 +4,10 @@
 
 namespace kerf {
 
-std::shared_ptr<const MapFields> recover_fields(const Analysis& a) {
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners) {
   const Model& m = *a.model;
   auto f = std::make_shared<MapFields>();
-  f->corners = split_for_stress(m.mesh);
+  f->corners = corners.vertex.empty() ? split_for_stress(m.mesh) : std::move(corners);
   f->singular = singular_corners(m, *a.state, f->corners);
   f->state = recover_stress(m, *a.state, f->corners, f->singular, m.scene.body);
   if (a.adjoint) f->dual = recover_stress(m, *a.adjoint, f->corners, f->singular);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-std::shared_ptr<const MapFields> fields_of(const Analysis& a) {
-  return a.fields ? a.fields : recover_fields(a);
+std::shared_ptr<const MapFields> fields_of(const Analysis& a, const Corners& corners = {}) {
+  return a.fields ? a.fields : recover_fields(a, corners);
 }
 
 // Displacements at centroids and corners (there the average weighted by area).
@@ -146,7 +146,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
     return map;
   }
   const Needs need = needs(a, j, r.perturbation);
-  const std::shared_ptr<const MapFields> fields = fields_of(a);
+  const std::shared_ptr<const MapFields> fields = fields_of(a, corners);
   const MapFields& f = *fields;
   if (f.state.at_corners.cols() != count)
     throw std::invalid_argument("map_everywhere: the corners are those of split_for_stress");
