@@ -48,7 +48,7 @@ bool is_interface(const Mesh& mesh, Index edge);
 
 double area(const Mesh& mesh, Index triangle);
 double length(const Mesh& mesh, Index edge);
-Vec2 normal(const Mesh& mesh, Index edge);   // unit, from left to right of the edge
+Vec2 normal(const Mesh& mesh, Index edge);  // unit, from left to right of the edge
 Vec2 outward_normal(const Mesh& mesh, Index boundary_edge);
 Vec2 tangent(const Mesh& mesh, Index edge);  // unit, from edges[e][0] to edges[e][1]
 Vec2 centroid(const Mesh& mesh, Index triangle);

@@ -243,7 +243,8 @@ TEST(Extended, RefusesWhatItCannotDo) {
 
   Scene swollen = scene_of(exact::wave_field(0.5), {0, 1, 2, 3});
   swollen.supports[1].value = [](const Vec2&, const Vec2&) { return Vec2(0.1, 0); };
-  expect_refusal(prepare(mesh, element("bdms"), swollen, 1, {.factorise = false}), Fault::Numerics, "change its area by");
+  expect_refusal(prepare(mesh, element("bdms"), swollen, 1, {.factorise = false}), Fault::Numerics,
+                 "change its area by");
 
   Scene enclosed = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   enclosed.material.c = 0;

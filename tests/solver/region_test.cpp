@@ -113,7 +113,8 @@ TEST(Regions, EnclosedIncompressibleRegionInACompressibleBodyHasALevelOfPressure
     s.supports.push_back({label, false, true, true, [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x); }});
   const Model m = prepare(layers(), element("bdms"), s, 1);
   EXPECT_FALSE(has_free_pressure(m.mesh, m.scene, m.skeleton));
-  const State found = solve(m), reference = solve_extended(prepare(layers(), element("bdms"), s, 1, {.factorise = false}));
+  const State found = solve(m),
+              reference = solve_extended(prepare(layers(), element("bdms"), s, 1, {.factorise = false}));
   EXPECT_TRUE(certified(found));
   EXPECT_LT((found.interior - reference.interior).cwiseAbs().maxCoeff(),
             1e-8 * reference.interior.cwiseAbs().maxCoeff());
