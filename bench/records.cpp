@@ -144,6 +144,12 @@ Json ratio_section(const std::vector<Fastest>& best, const std::vector<Fastest>&
   return out;
 }
 
+// What every bench says of another program's run.
+Json peer_section(const PeerRun& p) {
+  return {{"case", p.problem},        {"poisson", p.poisson},   {"name", p.name},
+          {"triangles", p.triangles}, {"unknowns", p.unknowns}, {"work_s", number(p.work)}};
+}
+
 }  // namespace
 
 void write_state_csv(const std::filesystem::path& path, const StateBench& bench) {
@@ -166,14 +172,11 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
   for (const Measurement& m : bench.runs) out["runs"].push_back(run_section(m));
   out["fastest"] = fastest_section(bench.best);
   out["peers"] = Json::array();
-  for (const PeerRun& p : bench.peers)
-    out["peers"].push_back({{"case", p.problem},
-                            {"poisson", p.poisson},
-                            {"name", p.name},
-                            {"triangles", p.triangles},
-                            {"unknowns", p.unknowns},
-                            {"work_s", number(p.work)},
-                            {"stress_error", number(p.error)}});
+  for (const PeerRun& p : bench.peers) {
+    Json section = peer_section(p);
+    section["stress_error"] = number(p.error);
+    out["peers"].push_back(std::move(section));
+  }
   out["fastest_peers"] = fastest_section(bench.best_peers);
   out["ratios"] = ratio_section(bench.best, bench.best_peers);
   out["notes"] = bench.notes;
@@ -205,17 +208,14 @@ void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
   for (const ValidationMeasurement& v : bench.validations) out["validations"].push_back(validation_section(v));
   out["fastest"] = fastest_section(bench.best);
   out["peers"] = Json::array();
-  for (const PeerRun& p : bench.peers)
-    out["peers"].push_back({{"case", p.problem},
-                            {"poisson", p.poisson},
-                            {"name", p.name},
-                            {"triangles", p.triangles},
-                            {"unknowns", p.unknowns},
-                            {"work_s", number(p.work)},
-                            {"evaluate_s", number(p.post)},
-                            {"memory_mb", number(p.memory_mb)},
-                            {"value", p.value == 0 ? Json(nullptr) : number(p.value)},
-                            {"map_error", p.error > 0 ? number(p.error) : Json(nullptr)}});
+  for (const PeerRun& p : bench.peers) {
+    Json section = peer_section(p);
+    section["evaluate_s"] = number(p.post);
+    section["memory_mb"] = number(p.memory_mb);
+    section["value"] = p.value == 0 ? Json(nullptr) : number(p.value);
+    section["map_error"] = p.error > 0 ? number(p.error) : Json(nullptr);
+    out["peers"].push_back(std::move(section));
+  }
   out["fastest_peers"] = fastest_section(bench.best_peers);
   out["ratios"] = ratio_section(bench.best, bench.best_peers);
   out["notes"] = bench.notes;
