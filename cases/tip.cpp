@@ -1,5 +1,7 @@
 #include "cases/tip.hpp"
 
+#include "geometry/segment.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,18 +11,11 @@ namespace kerf {
 
 namespace {
 
-double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double square = along.squaredNorm();
-  const double t = square > 0 ? std::clamp(along.dot(x - a) / square, 0.0, 1.0) : 0.0;
-  return (x - a - t * along).norm();
-}
-
 double distance(const Vec2& x, const Loop& loop, double chord, double longest) {
   const Polygon p = flatten(loop, chord, longest);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < p.points.size(); ++i)
-    least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
+    least = std::min(least, kerf::distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
   return least;
 }
 
@@ -29,7 +24,7 @@ double distance(const Vec2& x, const Crack& crack, std::size_t first, std::size_
   double least = std::numeric_limits<double>::infinity();
   if (!crack.arc) {
     for (std::size_t i = first; i < last; ++i)
-      least = std::min(least, distance(x, crack.points[i], crack.points[i + 1]));
+      least = std::min(least, kerf::distance(x, crack.points[i], crack.points[i + 1]));
     return least;
   }
   const Arc& arc = *crack.arc;

@@ -2,6 +2,7 @@
 // The shape as corners and smooth strands between them, crack ends joined to the sides on which they end. What
 // find_problem looks at and the mesher splits; internal to this room.
 
+#include "geometry/segment.hpp"
 #include "geometry/shape.hpp"
 
 namespace kerf {
@@ -48,7 +49,6 @@ Vec2 point(const Drawing& drawing, const Strand& strand, double s);
 
 Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
 double length(const Drawing& drawing, const Strand& strand);            // of an arc: at most that, a circle's exactly
-double distance(const Vec2& x, const Vec2& a, const Vec2& b);           // to the segment
 
 /// Nearest point of the strand.
 struct Foot {

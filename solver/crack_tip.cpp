@@ -1,5 +1,7 @@
 #include "solver/crack_tip.hpp"
 
+#include "geometry/segment.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -83,11 +85,6 @@ void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
          std::abs(std::atan2(cross(slope[0], slope[last + 1]), slope[0].dot(slope[last + 1]))) < most_turn)
     ++last;
   x.resize(last + 1);
-}
-
-double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const double along = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  return (x - a - along * (b - a)).norm();
 }
 
 CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w) {

@@ -1,5 +1,7 @@
 #include "topo/green.hpp"
 
+#include "topo/fields.hpp"
+
 #include "solver/parallel.hpp"
 #include "solver/recover.hpp"
 #include "topo/green_samples.hpp"
@@ -39,10 +41,6 @@ std::vector<bool> held_rows(const Model& m, const State& s) {
     refuse(
         "cracks with neither gap nor pressure respond to it one-sidedly; give them contact = \"open\" or \"bonded\"");
   return tied(contact_status(m, s));
-}
-
-Vec2 displacement_at(const Model& m, const State& s, Index t, const Vec2& x) {
-  return recovered_displacement(m, s, t, x).col(0);
 }
 
 // Kelvin's field under a force F, with the opposite sign: what the clamp takes away.
@@ -117,7 +115,7 @@ Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
     constexpr double solved = 1e-4;
     if (!(w.certificate.residual < solved))
       throw Error(Fault::Numerics, "a clamped hole: Green's tensor could not be solved for: its residual stays large");
-    green.regular.col(j) = displacement_at(m, w, t, x0);
+    green.regular.col(j) = displacement_at(m, w, t, x0, true);
     if (fields) green.field.push_back(std::move(w));
   }
   return green;
@@ -185,14 +183,15 @@ class Clamped {
   double operator()(const Vec2& x, Index t, const Green& green, const Mat2* measured) const {
     const Material& material = material_of(a_.model->mesh, a_.model->scene, t);
     if (!admits_clamp(clamped_matrix(material, eps_, green.regular))) return nan;
-    const Vec2 u = displacement_at(*a_.model, *a_.state, t, x), F = clamped_force(material, eps_, green.regular, u);
+    const Vec2 u = displacement_at(*a_.model, *a_.state, t, x, true),
+               F = clamped_force(material, eps_, green.regular, u);
     double value = 0.5 * a_.energy_share * u.dot(F);
     if (measured) {
       if (!admits_clamp(clamped_matrix(material, eps_, *measured))) return nan;
-      const Vec2 um = displacement_at(*a_.measured_model, *a_.measured, t, x);
+      const Vec2 um = displacement_at(*a_.measured_model, *a_.measured, t, x, true);
       value += 0.5 * a_.measured_share * um.dot(clamped_force(material, eps_, *measured, um));
     }
-    if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x));
+    if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
     for (const Term& term : j_.terms)
       if (term.linear && term.density)
         value -= std::numbers::pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;

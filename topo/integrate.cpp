@@ -270,6 +270,27 @@ double surface_difference(const Term& term, const Model& m, const State& s, cons
   return total;
 }
 
+namespace {
+
+FieldPoint operator+(FieldPoint before, const FieldPoint& by) {
+  before.stress += by.stress;
+  before.displacement += by.displacement;
+  before.rotation += by.rotation;
+  return before;
+}
+
+// Mean change of the density over the points of a rule.
+double mean_change(const Term& term, const Sampled& state, const Sampled& change, const Eigen::VectorXd& weights) {
+  double mean = 0;
+  for (Eigen::Index q = 0; q < weights.size(); ++q) {
+    const FieldPoint before = field_point(term, state, q), by = field_point(term, change, q);
+    mean += weights[q] * (term.density(before + by).value - term.density(before).value);
+  }
+  return mean;
+}
+
+}  // namespace
+
 Eigen::VectorXd changes_on(const Term& term, const Model& m, const State& s, Index t, const Eigen::MatrixXd& changes) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(changes.cols());
   const Triangle shape = triangle(m, t);
@@ -279,14 +300,7 @@ Eigen::VectorXd changes_on(const Term& term, const Model& m, const State& s, Ind
   const Sampled p = sample(term, m, s.interior.col(t), shape, t, x);
   for (Eigen::Index k = 0; k < changes.cols(); ++k) {
     const Sampled d = sample(term, m, changes.col(k), shape, t, x);
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
-      const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
-      FieldPoint after = before;
-      after.stress += by.stress;
-      after.displacement += by.displacement;
-      after.rotation += by.rotation;
-      sum[k] += area(shape) * rule.w[q] * (term.density(after).value - term.density(before).value);
-    }
+    sum[k] = area(shape) * mean_change(term, p, d, rule.w);
   }
   return sum;
 }
@@ -309,12 +323,9 @@ Eigen::VectorXd second_order(const Term& term, const Model& m, const State& s, I
   const Density first = term.density(before);
   for (Eigen::Index k = 0; k < changes.cols(); ++k) {
     const FieldPoint by = at(changes.col(k));
-    FieldPoint after = before;
-    after.stress += by.stress;
-    after.displacement += by.displacement;
-    after.rotation += by.rotation;
-    rest[k] = area(shape) * (term.density(after).value - first.value - first.by_stress.cwiseProduct(by.stress).sum() -
-                             first.by_displacement.dot(by.displacement) - first.by_rotation * by.rotation);
+    rest[k] =
+        area(shape) * (term.density(before + by).value - first.value - first.by_stress.cwiseProduct(by.stress).sum() -
+                       first.by_displacement.dot(by.displacement) - first.by_rotation * by.rotation);
   }
   return rest;
 }
@@ -329,16 +340,7 @@ double domain_difference(const Term& term, const Model& m, const State& s, const
       if (!wanted(term, shape)) return 0.0;
       const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape)),
                     d = sample(term, m, change.interior.col(t), shape, t, rule_points(rule, shape));
-      double value = 0;
-      for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
-        const FieldPoint before = field_point(term, p, q), by = field_point(term, d, q);
-        FieldPoint after = before;
-        after.stress += by.stress;
-        after.displacement += by.displacement;
-        after.rotation += by.rotation;
-        value += rule.w[q] * (term.density(after).value - term.density(before).value);
-      }
-      return area(shape) * value;
+      return area(shape) * mean_change(term, p, d, rule.w);
     });
   }
   return total;

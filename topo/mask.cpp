@@ -1,5 +1,6 @@
 #include "topo/mask.hpp"
 
+#include "geometry/segment.hpp"
 #include "solver/parallel.hpp"
 
 #include <algorithm>
@@ -13,12 +14,6 @@ namespace {
 struct Segment {
   Vec2 a, b;
 };
-
-double distance(const Vec2& x, const Segment& s) {
-  const Vec2 d = s.b - s.a;
-  const double t = std::clamp((x - s.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (x - s.a - t * d).norm();
-}
 
 std::vector<Segment> features(const Model& m) {
   std::vector<Segment> all;
@@ -41,12 +36,6 @@ double to_rings(const Functional& j, const Vec2& x) {
 }
 
 }  // namespace
-
-double distance_to_features(const Model& m, const Functional& j, const Vec2& x) {
-  double least = to_rings(j, x);
-  for (const Segment& s : features(m)) least = std::min(least, distance(x, s));
-  return least;
-}
 
 // Segments in square cells of side `reach` (few enough of them): a point looks into its own, where every segment that
 // comes near enough is listed.
@@ -74,7 +63,7 @@ std::vector<double> margins(const Model& m, const Functional& j, std::span<const
       if (!x.allFinite() || (x - low).minCoeff() < 0 || (high - x).minCoeff() < 0) continue;
       double least = std::min(reach, to_rings(j, x) - radius + clear);
       for (const Segment& s : cells[static_cast<std::size_t>(column(x.y(), 1)) * across + column(x.x(), 0)])
-        least = std::min(least, distance(x, s));
+        least = std::min(least, distance(x, s.a, s.b));
       margin[p] = least - clear;
     }
   });

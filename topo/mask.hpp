@@ -14,7 +14,4 @@ std::vector<bool> too_close(const Model& model, const Functional& j, std::span<c
 std::vector<double> margins(const Model& model, const Functional& j, std::span<const Vec2> points, double clear,
                             double radius, double reach);
 
-/// Distance to the nearest of these (of rings: to their outer circle).
-double distance_to_features(const Model& model, const Functional& j, const Vec2& x);
-
 }  // namespace kerf

@@ -1,5 +1,7 @@
 #include "topo/sites.hpp"
 
+#include "geometry/segment.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,12 +10,6 @@
 namespace kerf {
 
 namespace {
-
-double to_segment(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double t = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (x - a - t * d).norm();
-}
 
 // Even-odd rule.
 bool inside(const Polygon& p, const Vec2& x) {
@@ -34,7 +30,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
     const Polygon p = flatten(l, 1e-4 * size, size);
     for (std::size_t i = 0; i < p.points.size(); ++i)
-      least = std::min(least, to_segment(x, p.points[i], p.points[(i + 1) % p.points.size()]));
+      least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
     if (counts && inside(p, x) != body_inside) in_body = false;
   };
   loop(shape.outline, true, true);
@@ -50,8 +46,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
         points.push_back(crack.arc->center + crack.arc->axes * Vec2(std::cos(t), std::sin(t)));
       }
     }
-    for (std::size_t i = 0; i + 1 < points.size(); ++i)
-      least = std::min(least, to_segment(x, points[i], points[i + 1]));
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) least = std::min(least, distance(x, points[i], points[i + 1]));
   }
   for (const Term& term : j.terms)
     if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
