@@ -4,9 +4,9 @@ set -u
 cd "${1:-.}"
 status=0
 declare -A below=(
-  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [cases]="cases topo solver geometry"
-  [report]="report topo solver geometry" [bench]="bench report topo solver geometry"
-  [app]="app bench cases report topo solver geometry"
+  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry" [cases]="cases optimize topo solver geometry"
+  [report]="report optimize topo solver geometry" [bench]="bench report optimize topo solver geometry"
+  [app]="app bench cases report optimize topo solver geometry"
 )
 for room in "${!below[@]}"; do
   while IFS=: read -r file line; do
@@ -23,11 +23,12 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
       *" $file "*) ;;
       *) echo "$file includes $1, which belongs in ${*:2}"; status=1 ;;
     esac
-  done < <(grep -lE "^#include <$1" {geometry,solver,topo,cases,report,bench,app}/*.[ch]pp 2>/dev/null)
+  done < <(grep -lE "^#include <$1" {geometry,solver,topo,optimize,cases,report,bench,app}/*.[ch]pp 2>/dev/null)
 }
 only CGAL/ geometry/mesher.cpp
 only cholmod solver/factor.cpp
 only umfpack solver/lu.cpp
+only nlopt optimize/minimise.cpp
 only 'toml\+\+' cases/reader.cpp
 only muParser cases/expression.cpp
 only vtk report/vtk_module.cpp

@@ -1,0 +1,26 @@
+#pragma once
+// Everything a loop needs to go on as if it had never stopped.
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace kerf {
+
+/// Named numbers and texts. `fingerprint` says which case they belong to.
+struct Checkpoint {
+  std::string fingerprint;
+  std::map<std::string, Eigen::VectorXd> numbers;
+  std::map<std::string, std::string> texts;
+};
+
+/// Binary, with a checksum; written to a temporary file beside it, flushed to disk and renamed: after a kill at any
+/// moment the file is the old or the new one. Throws Error(Files).
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+
+/// Nothing when there is no file. Throws Error(Files) when it cannot be read or its checksum is wrong.
+std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path);
+
+}  // namespace kerf
