@@ -21,6 +21,7 @@ double negative_area(const Mesh& background, const Eigen::VectorXd& phi);
 
 struct Carving {
   double tolerance = 0;     // a length: how far the boundary drawn may lie from the zero line
+  double spacing = 0;        // a length: of the segments where the boundary is smooth
   double least_area = 0;    // smaller holes are filled, smaller pieces of material dropped
   std::vector<Index> keep;  // labels of the frame (supports, loads): a piece of material that touches none is dropped
   std::vector<Index> holding;  // labels of supports: a piece that touches none is dropped even if it bears loads
