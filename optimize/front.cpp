@@ -1,0 +1,220 @@
+#include "optimize/front.hpp"
+
+#include "geometry/segment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace kerf {
+
+namespace {
+
+constexpr double far = std::numeric_limits<double>::infinity();
+
+/// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
+/// vertex v to source i.
+struct Carried {
+  Eigen::VectorXd distance;
+  std::vector<Index> source;
+};
+template <typename DistanceTo>
+Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, const DistanceTo& distance_to) {
+  const std::size_t n = b.mesh.points.size();
+  Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), far), std::vector<Index>(n, none)};
+  struct Candidate {
+    double distance;
+    Index vertex, source;
+    bool operator>(const Candidate& o) const {
+      return std::tie(distance, vertex, source) > std::tie(o.distance, o.vertex, o.source);
+    }
+  };
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> front;
+  for (const auto& [v, i] : seeds) front.push({distance_to(v, i), v, i});
+  while (!front.empty()) {
+    const Candidate at = front.top();
+    front.pop();
+    if (!(at.distance < c.distance[at.vertex])) continue;
+    c.distance[at.vertex] = at.distance;
+    c.source[static_cast<std::size_t>(at.vertex)] = at.source;
+    for (Index k = b.start[static_cast<std::size_t>(at.vertex)]; k < b.start[static_cast<std::size_t>(at.vertex) + 1];
+         ++k) {
+      const Index v = b.around[static_cast<std::size_t>(k)];
+      const double d = distance_to(v, at.source);
+      if (d < c.distance[v]) front.push({d, v, at.source});
+    }
+  }
+  return c;
+}
+
+bool inside(const Polygon& p, const Vec2& x) {
+  bool odd = false;
+  for (std::size_t i = 0, k = p.points.size() - 1; i < p.points.size(); k = i++) {
+    const Vec2 &a = p.points[i], &c = p.points[k];
+    if ((a.y() > x.y()) != (c.y() > x.y()) && x.x() < (c.x() - a.x()) * (x.y() - a.y()) / (c.y() - a.y()) + a.x())
+      odd = !odd;
+  }
+  return odd;
+}
+
+double to_polygon(const Polygon& p, const Vec2& x) {
+  double least = far;
+  for (std::size_t i = 0; i < p.points.size(); ++i)
+    least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
+  return inside(p, x) ? -least : least;
+}
+
+Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
+  if (solid.loops.empty() && solid.labels.empty()) return {};
+  Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), far);
+  std::vector<Polygon> polygons;
+  for (const Loop& loop : solid.loops) polygons.push_back(flatten(loop, chord, extent({.outline = loop}) / 20));
+  std::vector<Index> strip;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (std::find(solid.labels.begin(), solid.labels.end(), mesh.label[static_cast<std::size_t>(e)]) !=
+            solid.labels.end() &&
+        mesh.label[static_cast<std::size_t>(e)] != none)
+      strip.push_back(e);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    double& least = d[static_cast<Eigen::Index>(v)];
+    for (const Polygon& p : polygons) least = std::min(least, to_polygon(p, mesh.points[v]));
+    for (const Index e : strip)
+      least = std::min(least, distance(mesh.points[v], mesh.points[static_cast<std::size_t>(mesh.edges[e][0])],
+                                       mesh.points[static_cast<std::size_t>(mesh.edges[e][1])]) -
+                                  solid.width);
+  }
+  return d;
+}
+
+Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& x) {
+  const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
+  const Vec2 &a = mesh.points[v[0]], &b = mesh.points[v[1]], &c = mesh.points[v[2]];
+  const double whole = cross(b - a, c - a);
+  return Eigen::Vector3d(cross(b - x, c - x), cross(c - x, a - x), cross(a - x, b - x)) / whole;
+}
+
+}  // namespace
+
+Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
+  Canvas b{.mesh = std::move(mesh)};
+  const std::size_t n = b.mesh.points.size();
+  b.lumped.setZero(static_cast<Eigen::Index>(n));
+  double lengths = 0;
+  for (Index t = 0; t < static_cast<Index>(b.mesh.triangles.size()); ++t)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(t)]) b.lumped[v] += area(b.mesh, t) / 3;
+  std::vector<Index> count(n + 1, 0);
+  for (const auto& [v, w] : b.mesh.edges) ++count[static_cast<std::size_t>(v)], ++count[static_cast<std::size_t>(w)];
+  b.start.assign(n + 1, 0);
+  for (std::size_t v = 0; v < n; ++v) b.start[v + 1] = b.start[v] + count[v];
+  b.around.resize(static_cast<std::size_t>(b.start[n]));
+  std::vector<Index> next(b.start.begin(), b.start.end() - 1);
+  for (Index e = 0; e < static_cast<Index>(b.mesh.edges.size()); ++e) {
+    const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
+    b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = w;
+    b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(w)]++)] = v;
+    lengths += length(b.mesh, e);
+  }
+  b.size = lengths / static_cast<double>(b.mesh.edges.size());
+  b.frozen = distance_to_solid(b.mesh, solid, 0.01 * b.size);
+  if (mirror) {
+    const Locator locator = make_locator(b.mesh);
+    const Vec2 along = mirror->direction.normalized();
+    for (const Vec2& x : b.mesh.points) {
+      const Vec2 d = x - mirror->point, y = mirror->point + 2 * along.dot(d) * along - d;
+      // A point next to the boundary may have its image a rounding outside.
+      Canvas::Image image{nearest_triangle(b.mesh, locator, y)};
+      image.weight = barycentric(b.mesh, image.triangle, y);
+      if (image.weight.minCoeff() < -1e-3) image.triangle = none;
+      b.image.push_back(image);
+    }
+  }
+  return b;
+}
+
+Distance signed_distance(const Canvas& b, const Eigen::VectorXd& phi) {
+  Distance d{.pieces = zero_line(b.mesh, phi)};
+  std::vector<std::pair<Index, Index>> seeds;
+  for (Index i = 0; i < static_cast<Index>(d.pieces.size()); ++i)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(d.pieces[static_cast<std::size_t>(i)].triangle)])
+      seeds.emplace_back(v, i);
+  Carried c = carry(b, seeds, [&](Index v, Index i) {
+    const ZeroPiece& p = d.pieces[static_cast<std::size_t>(i)];
+    return distance(b.mesh.points[static_cast<std::size_t>(v)], p.a, p.b);
+  });
+  const double none_near = 1e3 * b.size * std::sqrt(static_cast<double>(b.mesh.points.size()));
+  d.phi = c.distance.cwiseMin(none_near);
+  for (Eigen::Index v = 0; v < phi.size(); ++v)
+    if (phi[v] < 0) d.phi[v] = -d.phi[v];
+  d.piece = std::move(c.source);
+  return d;
+}
+
+Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi) {
+  if (!b.image.empty()) {
+    const Eigen::VectorXd given = phi;
+    for (Eigen::Index v = 0; v < phi.size(); ++v) {
+      const Canvas::Image& image = b.image[static_cast<std::size_t>(v)];
+      if (image.triangle == none) continue;
+      const auto& corner = b.mesh.triangles[static_cast<std::size_t>(image.triangle)];
+      phi[v] =
+          0.5 * (given[v] + image.weight.dot(Eigen::Vector3d(given[corner[0]], given[corner[1]], given[corner[2]])));
+    }
+  }
+  if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
+  return phi;
+}
+
+Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area) {
+  const auto shifted = [&](double c) {
+    Eigen::VectorXd s = phi.array() + c;
+    if (b.frozen.size() > 0) s = s.cwiseMin(b.frozen);
+    return s;
+  };
+  const double whole = b.lumped.sum(), enough = 1e-9 * whole;
+  double low = -phi.maxCoeff() - b.size, high = -phi.minCoeff() + b.size;  // all material, none
+  double at = 0, excess = negative_area(b.mesh, shifted(at)) - area;
+  // Secants while they stay in the bracket: the derivative by c is minus the length of the zero line.
+  double before = 0, excess_before = 0;
+  for (int i = 0; i < 60 && std::abs(excess) > enough; ++i) {
+    (excess > 0 ? low : high) = at;
+    double next = 0.5 * (low + high);
+    if (i > 0 && excess != excess_before) {
+      const double secant = at - excess * (at - before) / (excess - excess_before);
+      if (secant > low && secant < high) next = secant;
+    } else if (i == 0) {
+      const double guess = at + std::copysign(0.1 * b.size, excess);
+      if (guess > low && guess < high) next = guess;
+    }
+    before = at, excess_before = excess;
+    at = next;
+    excess = negative_area(b.mesh, shifted(at)) - area;
+  }
+  return shifted(at);
+}
+
+void cut_discs(const Canvas& b, std::span<const Disc> discs, Eigen::VectorXd& phi) {
+  for (const Disc& disc : discs)
+    for (Eigen::Index v = 0; v < phi.size(); ++v)
+      phi[v] = std::max(phi[v], disc.radius - (b.mesh.points[static_cast<std::size_t>(v)] - disc.center).norm());
+  if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
+}
+
+Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
+  // Points and the three corners of the triangle around (or next to) each.
+  const Locator locator = make_locator(b.mesh);
+  std::vector<std::pair<Index, Index>> seeds;
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(
+             nearest_triangle(b.mesh, locator, points[static_cast<std::size_t>(i)]))])
+      seeds.emplace_back(v, i);
+  const Carried c = carry(b, seeds, [&](Index v, Index i) {
+    return (b.mesh.points[static_cast<std::size_t>(v)] - points[static_cast<std::size_t>(i)]).norm();
+  });
+  Eigen::VectorXd extended = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
+  for (Eigen::Index v = 0; v < extended.size(); ++v)
+    if (const Index i = c.source[static_cast<std::size_t>(v)]; i != none) extended[v] = values[i];
+  return extended;
+}
+
+}  // namespace kerf

@@ -1,0 +1,55 @@
+#pragma once
+// The moving boundary: a function that is linear on a mesh of the frame, negative in the material, kept near the signed
+// distance to its own zero line. Internal to this room.
+
+#include "geometry/carve.hpp"
+#include "optimize/request.hpp"
+#include "optimize/start.hpp"
+
+namespace kerf {
+
+/// What never changes while the boundary moves.
+struct Canvas {
+  Mesh mesh;
+  double size = 0;                   // edge length of the mesh
+  Eigen::VectorXd lumped;            // per vertex: a third of the triangles around
+  Eigen::VectorXd frozen;            // per vertex: signed distance to what stays solid, negative inside; or empty
+  std::vector<Index> start, around;  // neighbours of each vertex
+  struct Image {                     // of a vertex in the mirror, inside a triangle; none: there is no body
+    Index triangle = none;
+    Eigen::Vector3d weight = Eigen::Vector3d::Zero();
+  };
+  std::vector<Image> image;  // or empty
+};
+
+struct Solid {                // what stays solid
+  std::vector<Loop> loops;    // closed areas of the frame's plane
+  std::vector<Index> labels;  // strips along these labels
+  double width = 0;           // of the strips
+};
+
+Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror);
+
+/// The signed distance to the zero line of phi, its sign kept; `far` where there is no zero line. Next to the line
+/// exact, elsewhere to the nearest piece that a front from there carries.
+struct Distance {
+  Eigen::VectorXd phi;
+  std::vector<Index> piece;  // per vertex: the nearest of `pieces`, none without a zero line
+  std::vector<ZeroPiece> pieces;
+};
+Distance signed_distance(const Canvas& b, const Eigen::VectorXd& phi);
+
+/// phi with what must stay solid made so, mirrored where asked.
+Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi);
+
+/// phi + c, made solid where it must be, with |{phi < 0}| = area to 1e-9 of the frame where that is possible.
+Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area);
+
+/// Without the discs: the largest of phi and radius - |x - center|.
+void cut_discs(const Canvas& b, std::span<const Disc> discs, Eigen::VectorXd& phi);
+
+/// Values given at points along the boundary, at every vertex of the background: of the nearest point, so that they are
+/// constant along normals.
+Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& values);
+
+}  // namespace kerf
