@@ -22,6 +22,10 @@ namespace kerf {
 
 namespace {
 
+double knob(const char* name, double value) {
+  const char* s = std::getenv(name);
+  return s ? std::atof(s) : value;
+}
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Lengths relative to the mesh size, shares of the area of the frame.
@@ -86,6 +90,7 @@ class Mover {
   Problem fitted_;  // the problem, meshes with one edge across thin members
   Canvas canvas_;
   Carving carving_;
+  std::vector<Index> loaded_;  // labels of loads and of what functionals look at
   std::unique_ptr<Helmholtz> filter_;
   double whole_ = 0, target_ = 0, size_ = 0;
   bool penalised_ = false;
@@ -139,6 +144,7 @@ Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, co
   target_ = r.volume_at_most.value_or(1) * whole_;
   penalised_ = !r.volume_at_most || *r.volume_at_most >= 1;
   carving_ = {.spacing = size_, .least_area = even.size * even.size, .keep = solid.labels};
+  loaded_ = solid.labels;
   for (const Index label : solid.held) carving_.keep.push_back(label), carving_.holding.push_back(label);
   if (how.move == LevelSetRequest::Move::FixedPoint)
     filter_ = std::make_unique<Helmholtz>(canvas_, how.smoothing > 0 ? how.smoothing : 1.5 * canvas_.size);
@@ -259,6 +265,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
     if (weight[k] > 0) add(rate, weight[k], boundary_rate(e, analyse_bound(e, k)));
   const Eigen::VectorXd distance = signed_distance(canvas_, s_.phi);
   const SpeedLimits limits{.most = s_.step,
+                           .share = std::min(knob("SHARE", 1) * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature,
                            .product = how.product};
@@ -267,7 +274,8 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   s_.multiplier = speed.multiplier;
   optimality_ = speed.optimality;
   Eigen::VectorXd next = distance - speed.on_canvas;
-  if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
+  if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 &&
+      s_.iteration < knob("NLAST", r_.max_iterations / 2)) {
     const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
                                                        {.multiplier = s_.multiplier,
                                                         .area = how.nucleate_fraction * whole_,
@@ -313,7 +321,7 @@ OptimizeResult Mover::run() {
   if (!restore()) {
     const Eigen::Index n = static_cast<Eigen::Index>(canvas_.mesh.points.size());
     s_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(r_.bounds.size()));
-    s_.step = largest_step * size_;
+    s_.step = knob("STEP", largest_step) * size_;
     Eigen::VectorXd phi = Eigen::VectorXd::Constant(n, -1e3 * size_);
     if (r_.level_set.start) {
       Vec2 low = canvas_.mesh.points[0], high = low;
@@ -335,7 +343,7 @@ OptimizeResult Mover::run() {
     }
     ++s_.iteration;
     const bool was_settled = settled();
-    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - drop * whole_);
+    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - knob("DROP", drop) * whole_);
     std::vector<std::string> notes;
     const bool fixed = r_.level_set.move == LevelSetRequest::Move::FixedPoint;
     Design tried;
@@ -344,7 +352,8 @@ OptimizeResult Mover::run() {
     try {
       next = fixed ? fixed_point_step(*design_) : shape_step(*design_, notes);
       if (!fixed) {
-        next = signed_distance(canvas_, constrained(canvas_, next));
+        next = constrained(canvas_, next);
+        drop_islands(canvas_, loaded_, next);
         if (!penalised_) next = with_area(canvas_, next, s_.wanted);
       }
       tried = trial(next, notes);
@@ -356,8 +365,8 @@ OptimizeResult Mover::run() {
     const double value = tried ? merit(*tried) : infinite;
     const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinite;
     const bool better = settled() && value < best;
-    const bool lost =
-        settled() && s_.best.size() > 0 && !better && (value > best + rise * std::abs(best) || s_.since + 1 > patience);
+    const bool lost = settled() && s_.best.size() > 0 && !better &&
+                      (value > best + rise * std::abs(best) || s_.since + 1 > knob("WATCH", patience));
     if (!tried && s_.best.size() == 0) {
       // There is nothing to go back to but the present design: smaller steps from it.
       s_.step *= 0.5;

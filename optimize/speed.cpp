@@ -93,7 +93,7 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
     Eigen::VectorXd v(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       if (price > 0)
-        v[i] = half[i] * (std::sqrt(std::max(gain[i], 0.0) / price) - 1);
+        v[i] = limits.share * half[i] * (std::sqrt(std::max(gain[i], 0.0) / price) - 1);
       else
         v[i] = scale > 0 ? limits.most * (gain[i] - price) / scale : 0;
       constexpr double idle = 0.25;  // of the multiplier: such a member may go

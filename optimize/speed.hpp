@@ -19,6 +19,7 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b);
 /// How far an edge may move: `most`, less where the member is thin.
 struct SpeedLimits {
   double most = 0;         // a length
+  double share = 1;        // of the way to where a thin member would be best
   double smoothing = 0;    // of the H1 product along the boundary
   double min_feature = 0;  // members thinner than this shrink only where they carry nearly nothing; 0: none
   LevelSetRequest::Product product = LevelSetRequest::Product::H1;
