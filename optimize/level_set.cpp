@@ -22,16 +22,13 @@ namespace kerf {
 
 namespace {
 
-double knob(const char* name, double value) {
-  const char* s = std::getenv(name);
-  return s ? std::atof(s) : value;
-}
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Lengths relative to the mesh size, shares of the area of the frame.
 constexpr double fine = 0.5;          // the canvas against the mesh of the body
 constexpr double strip = 1.5;         // of canvas edges beside loads that stay solid
 constexpr double drop = 0.02;         // of the area that is taken away in one step
+constexpr double early = 1.4;         // the mesh of the body while its area still falls
 constexpr double largest_step = 1.0;  // of the boundary
 constexpr double smallest_step = 0.03;
 constexpr double area_error = 2e-5;  // of the shape that is drawn against the area wanted
@@ -162,6 +159,9 @@ Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes
     ++s_.solves;
     return evaluate(phi);
   }
+  // What is far from its area needs no fine mesh.
+  fitted_.sizing.size = settled() ? size_ : early * size_;
+  carving_.spacing = fitted_.sizing.size;
   Carved carved = carve(p_.frame, canvas_.mesh, phi, carving_);
   if (!penalised_)
     for (int i = 0; i < 3 && std::abs(carved.area - s_.wanted) > area_error * whole_; ++i) {
@@ -265,7 +265,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
     if (weight[k] > 0) add(rate, weight[k], boundary_rate(e, analyse_bound(e, k)));
   const Eigen::VectorXd distance = signed_distance(canvas_, s_.phi);
   const SpeedLimits limits{.most = s_.step,
-                           .share = std::min(knob("SHARE", 1) * s_.step / size_, 1.0),
+                           .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature,
                            .product = how.product};
@@ -275,7 +275,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   optimality_ = speed.optimality;
   Eigen::VectorXd next = distance - speed.on_canvas;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 &&
-      s_.iteration < knob("NLAST", r_.max_iterations / 2)) {
+      s_.iteration < r_.max_iterations / 2) {
     const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
                                                        {.multiplier = s_.multiplier,
                                                         .area = how.nucleate_fraction * whole_,
@@ -321,7 +321,7 @@ OptimizeResult Mover::run() {
   if (!restore()) {
     const Eigen::Index n = static_cast<Eigen::Index>(canvas_.mesh.points.size());
     s_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(r_.bounds.size()));
-    s_.step = knob("STEP", largest_step) * size_;
+    s_.step = largest_step * size_;
     Eigen::VectorXd phi = Eigen::VectorXd::Constant(n, -1e3 * size_);
     if (r_.level_set.start) {
       Vec2 low = canvas_.mesh.points[0], high = low;
@@ -331,6 +331,7 @@ OptimizeResult Mover::run() {
     }
     s_.phi = signed_distance(canvas_, constrained(canvas_, phi));
     s_.wanted = std::max(target_, negative_area(canvas_.mesh, s_.phi));
+    if (!settled()) fitted_.sizing.size = carving_.spacing = early * size_;
     ++s_.solves;
     go_on = accept(evaluate(s_.phi), {});
     save();
@@ -343,7 +344,7 @@ OptimizeResult Mover::run() {
     }
     ++s_.iteration;
     const bool was_settled = settled();
-    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - knob("DROP", drop) * whole_);
+    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - drop * whole_);
     std::vector<std::string> notes;
     const bool fixed = r_.level_set.move == LevelSetRequest::Move::FixedPoint;
     Design tried;
@@ -366,7 +367,7 @@ OptimizeResult Mover::run() {
     const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinite;
     const bool better = settled() && value < best;
     const bool lost = settled() && s_.best.size() > 0 && !better &&
-                      (value > best + rise * std::abs(best) || s_.since + 1 > knob("WATCH", patience));
+                      (value > best + rise * std::abs(best) || s_.since + 1 > patience);
     if (!tried && s_.best.size() == 0) {
       // There is nothing to go back to but the present design: smaller steps from it.
       s_.step *= 0.5;
@@ -454,8 +455,8 @@ void Mover::save() const {
   c.numbers["best"] = s_.best;
   c.numbers["track"] = vector_of(s_.track);
   c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] = (Eigen::VectorXd(10) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
-                          s_.best_J, s_.best_area, s_.best_iteration, s_.since)
+  c.numbers["scalars"] = (Eigen::VectorXd(11) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
+                          s_.best_J, s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size)
                              .finished();
   write_rows(c, s_.rows);
   write_checkpoint(place_.path, c);
@@ -483,6 +484,7 @@ bool Mover::restore() {
   s_.track.assign(track.begin(), track.end());
   s_.rows = read_rows(*c);
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
+  fitted_.sizing.size = carving_.spacing = x[10];
   design_ = evaluate(s_.phi);
   if (s_.best.size() > 0) best_ = s_.best == s_.phi ? design_ : evaluate(s_.best);
   return true;
