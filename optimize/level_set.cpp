@@ -89,6 +89,7 @@ class Mover {
   Carving carving_;
   std::vector<Index> loaded_;  // labels of loads and of what functionals look at
   std::unique_ptr<Helmholtz> filter_;
+  std::unique_ptr<ElasticProduct> elastic_;
   double whole_ = 0, target_ = 0, size_ = 0;
   bool penalised_ = false;
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
@@ -143,6 +144,9 @@ Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, co
   carving_ = {.spacing = size_, .least_area = even.size * even.size, .keep = solid.labels};
   loaded_ = solid.labels;
   for (const Index label : solid.held) carving_.keep.push_back(label), carving_.holding.push_back(label);
+  const double smoothing = how.smoothing > 0 ? how.smoothing : size_;
+  if (how.move == LevelSetRequest::Move::ShapeGradient && how.product == LevelSetRequest::Product::Elasticity)
+    elastic_ = std::make_unique<ElasticProduct>(canvas_, smoothing);
   if (how.move == LevelSetRequest::Move::FixedPoint)
     filter_ = std::make_unique<Helmholtz>(canvas_, how.smoothing > 0 ? how.smoothing : 1.5 * canvas_.size);
 }
@@ -240,7 +244,7 @@ Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
                                 : Perturbation{};
   const Perturbation filled{.kind = Perturbation::Kind::Inclusion, .inclusion = p_.scene.material};
   const auto change = [&](Index t) -> const Perturbation& {
-    return r_.level_set.ersatz > 0 && region_of(mesh, t) != none ? filled : hole;
+    return r_.level_set.ersatz > 0 && strong_share(region_of(mesh, t)) < 0.5 ? filled : hole;
   };
   Eigen::VectorXd T = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mesh.triangles.size()));
   const auto add = [&](const std::vector<WeightedAnalysis>& all, double factor) {
@@ -252,7 +256,7 @@ Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
     if (weight[k] > 0) add(analyse_bound(e, k), weight[k]);
   if (r_.level_set.ersatz > 0)
     for (Index t = 0; t < T.size(); ++t)
-      if (region_of(mesh, t) != none) T[t] = -T[t];
+      if (strong_share(region_of(mesh, t)) < 0.5) T[t] = -T[t];
   return T;
 }
 
@@ -267,8 +271,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   const SpeedLimits limits{.most = s_.step,
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
-                           .min_feature = how.min_feature,
-                           .product = how.product};
+                           .min_feature = how.min_feature};
   const Speed speed =
       boundary_speed(canvas_, distance, rate, limits, penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
   s_.multiplier = speed.multiplier;
@@ -294,7 +297,9 @@ Eigen::VectorXd Mover::fixed_point_step(const Evaluated& e) {
   s_.multiplier = f.multiplier;
   optimality_ = f.angle;
   s_.psi = f.psi;
-  return f.psi;
+  Eigen::VectorXd next = s_.psi;
+  drop_islands(canvas_, loaded_, next);
+  return penalised_ ? next : with_area(canvas_, next, s_.wanted);
 }
 
 bool Mover::accept(Design e, std::vector<std::string> notes) {
