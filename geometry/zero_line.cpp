@@ -68,6 +68,7 @@ Signs signs_of(const Mesh& mesh, const Eigen::VectorXd& phi) {
   check(mesh, phi);
   Signs signs;
   signs.inside.resize(mesh.points.size());
+  signs.clear.assign(mesh.points.size(), 0);
   signs.magnitude.resize(mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     signs.inside[v] = phi[Index(v)] < 0;
@@ -76,11 +77,19 @@ Signs signs_of(const Mesh& mesh, const Eigen::VectorXd& phi) {
   return signs;
 }
 
-double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
+double exact_crossing(const Mesh& mesh, const Signs& signs, Index edge) {
   const auto& [a, b] = mesh.edges[std::size_t(edge)];
   const double p = signs.magnitude[std::size_t(a)], q = signs.magnitude[std::size_t(b)];
-  const double least = std::min(0.45, signs.clear / length(mesh, edge));
-  return std::clamp(p + q > 0 ? p / (p + q) : 0.5, least, 1 - least);
+  if (p <= 0 || q <= 0) return p <= q ? 0 : 1;
+  return p / (p + q);
+}
+
+double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
+  const auto& [a, b] = mesh.edges[std::size_t(edge)];
+  const double whole = length(mesh, edge);
+  double low = signs.clear[std::size_t(a)] / whole, high = signs.clear[std::size_t(b)] / whole;
+  if (const double sum = low + high; sum > 0.9) low *= 0.9 / sum, high *= 0.9 / sum;
+  return std::clamp(exact_crossing(mesh, signs, edge), low, 1 - high);
 }
 
 double inside_area(const Mesh& mesh, const Signs& signs, Index triangle) {
