@@ -16,7 +16,8 @@ void check(const Mesh& mesh, const Eigen::VectorXd& phi) {
   if (!phi.allFinite()) throw std::invalid_argument("a function to carve with has a value that is no finite number");
 }
 
-/// Area of the part of a triangle where f < 0, from its area and the values at its corners.
+}  // namespace
+
 double negative_part(double area, const std::array<double, 3>& f) {
   const int count = (f[0] < 0) + (f[1] < 0) + (f[2] < 0);
   if (count == 0) return 0;
@@ -29,8 +30,6 @@ double negative_part(double area, const std::array<double, 3>& f) {
   }
   return 0;
 }
-
-}  // namespace
 
 std::vector<ZeroPiece> zero_line(const Mesh& mesh, const Eigen::VectorXd& phi) {
   check(mesh, phi);

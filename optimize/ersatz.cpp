@@ -21,7 +21,7 @@ Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const Canv
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
-    const double share = negative_share({phi[v[0]], phi[v[1]], phi[v[2]]});
+    const double share = negative_part(1, {phi[v[0]], phi[v[1]], phi[v[2]]});
     const Index level = static_cast<Index>(std::lround(share * mixed_phases));
     if (level < mixed_phases) mesh.region[t] = level;
   }

@@ -30,6 +30,7 @@ constexpr double strip = 1.5;         // of canvas edges beside loads that stay 
 constexpr double drop = 0.02;         // of the area that is taken away in one step
 constexpr double early = 1.4;         // the mesh of the body while its area still falls
 constexpr double largest_step = 1.0;  // of the boundary
+constexpr double largest_turn = 0.5;  // of the fixed point: share of the angle
 constexpr double smallest_step = 0.03;
 constexpr double area_error = 2e-5;  // of the shape that is drawn against the area wanted
 constexpr double rise = 0.02;        // of the merit over the best one that is followed for a while
@@ -40,11 +41,11 @@ constexpr std::size_t window = 8;    // iterations over which a small change mea
 /// All that an iteration leaves to the next one.
 struct Progress {
   int iteration = 0, solves = 0;
-  double wanted = 0;       // area
-  double step = 0;         // largest move of the boundary, a length
-  Eigen::VectorXd phi;     // of the present design, as it was carved
-  Eigen::VectorXd psi;     // of the fixed point: on the unit sphere of L2
-  double turn = 0.5;       // its share of the angle
+  double wanted = 0;    // area
+  double step = 0;      // largest move of the boundary, a length
+  Eigen::VectorXd phi;  // of the present design, as it was carved
+  Eigen::VectorXd psi;  // of the fixed point: on the unit sphere of L2
+  double turn = largest_turn;
   Eigen::VectorXd lambda;  // multipliers of the bounds
   double multiplier = 0;   // of the area
   Eigen::VectorXd best;    // phi of the best design at the final area; empty before
@@ -272,13 +273,12 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature};
-  const Speed speed =
-      boundary_speed(canvas_, distance, rate, limits, penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
+  const Speed speed = boundary_speed(canvas_, distance, rate, limits, elastic_.get(),
+                                     penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
   s_.multiplier = speed.multiplier;
   optimality_ = speed.optimality;
   Eigen::VectorXd next = distance - speed.on_canvas;
-  if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 &&
-      s_.iteration < r_.max_iterations / 2) {
+  if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
     const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
                                                        {.multiplier = s_.multiplier,
                                                         .area = how.nucleate_fraction * whole_,
@@ -371,8 +371,8 @@ OptimizeResult Mover::run() {
     const double value = tried ? merit(*tried) : infinite;
     const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinite;
     const bool better = settled() && value < best;
-    const bool lost = settled() && s_.best.size() > 0 && !better &&
-                      (value > best + rise * std::abs(best) || s_.since + 1 > patience);
+    const bool lost =
+        settled() && s_.best.size() > 0 && !better && (value > best + rise * std::abs(best) || s_.since + 1 > patience);
     if (!tried && s_.best.size() == 0) {
       // There is nothing to go back to but the present design: smaller steps from it.
       s_.step *= 0.5;
@@ -398,6 +398,7 @@ OptimizeResult Mover::run() {
       if (better) {
         s_.since = 0;
         s_.step = std::min(1.2 * s_.step, largest_step * size_);
+        s_.turn = std::min(1.2 * s_.turn, largest_turn);
       } else if (settled()) {
         ++s_.since;
         notes.push_back(fmt::format("merit above the best by {:.2g} %, followed for at most {} iterations",

@@ -122,7 +122,8 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
   }
   s.optimality /= rate.length.sum();
   const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
-  s.on_canvas = elastic ? elastic->extend(canvas, rate.curve, moved, distance) : extend(canvas, rate.curve.points, moved);
+  s.on_canvas =
+      elastic ? elastic->extend(canvas, rate.curve, moved, distance) : extend(canvas, rate.curve.points, moved);
   return s;
 }
 

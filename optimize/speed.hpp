@@ -35,7 +35,8 @@ struct Speed {
   Eigen::VectorXd on_curve;   // per edge, before it is made smooth
   Eigen::VectorXd on_canvas;  // per vertex, smooth, constant along normals
 };
-/// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such that the area does not change to first order.
+/// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such
+/// that the area does not change to first order.
 Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
                      const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier);
 
