@@ -352,6 +352,8 @@ OptimizeResult Mover::run() {
     if (!penalised_) s_.wanted = std::max(target_, s_.wanted - drop * whole_);
     std::vector<std::string> notes;
     const bool fixed = r_.level_set.move == LevelSetRequest::Move::FixedPoint;
+    if (s_.psi.size() == 0) s_.psi = s_.phi;
+    const Eigen::VectorXd psi = s_.psi;
     Design tried;
     Eigen::VectorXd next;
     std::string failure;
@@ -375,6 +377,7 @@ OptimizeResult Mover::run() {
         settled() && s_.best.size() > 0 && !better && (value > best + rise * std::abs(best) || s_.since + 1 > patience);
     if (!tried && s_.best.size() == 0) {
       // There is nothing to go back to but the present design: smaller steps from it.
+      s_.psi = psi;
       s_.step *= 0.5;
       s_.turn *= 0.5;
       if (!penalised_) s_.wanted = std::min(s_.wanted + drop * whole_, design_->area);
