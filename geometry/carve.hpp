@@ -16,6 +16,9 @@ struct ZeroPiece {
 };
 std::vector<ZeroPiece> zero_line(const Mesh& background, const Eigen::VectorXd& phi);
 
+/// Area of the part of a triangle where a linear function is negative, from the area and the values at its corners.
+double negative_part(double area, const std::array<double, 3>& f);
+
 /// Area where phi < 0.
 double negative_area(const Mesh& background, const Eigen::VectorXd& phi);
 

@@ -74,10 +74,8 @@ Ring ring(const Mesh& mesh, const Stars& stars, Index v) {
 
 /// How far along the edge from v its crossing lies.
 double reach(const Mesh& mesh, const Signs& signs, Index edge, Index v) {
-  const Index other =
-      mesh.edges[std::size_t(edge)][0] == v ? mesh.edges[std::size_t(edge)][1] : mesh.edges[std::size_t(edge)][0];
-  const double p = signs.magnitude[std::size_t(v)], q = signs.magnitude[std::size_t(other)];
-  return length(mesh, edge) * (p + q > 0 ? p / (p + q) : 0.5);
+  const double t = exact_crossing(mesh, signs, edge);
+  return length(mesh, edge) * (mesh.edges[std::size_t(edge)][0] == v ? t : 1 - t);
 }
 
 /// What the other sign does around a vertex.
@@ -188,7 +186,7 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
     bool changed = false;
     const auto turn = [&](Index v) {
       signs.inside[std::size_t(v)] = !signs.inside[std::size_t(v)];
-      signs.magnitude[std::size_t(v)] = 0;
+      signs.magnitude[std::size_t(v)] = -1;
       turned[std::size_t(v)] = changed = true;
     };
     for (const Index v : candidates) {
@@ -198,7 +196,7 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
       if (around.runs == 0) continue;  // its neighbours have turned
       const Vec2& x = mesh.points[i];
       const bool inside = signs.inside[i];
-      if (inside && crack_of[i] != none && around.nearest < near) {
+      if (inside && crack_of[i] != none && around.nearest < near && (around.runs == 1 || around.thickness < near)) {
         (tip[i] ? tips : swallowed)[std::size_t(crack_of[i])].add(x);
         turn(v);
       } else if (around.runs > 1 && around.thickness < near && (inside || crack_of[i] == none)) {
@@ -215,6 +213,19 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
       }
     }
     if (!changed) break;
+  }
+  // What stays keeps clear: cracks more than the rest, and sides of arcs by more than the arc lies off its chords.
+  std::fill(signs.clear.begin(), signs.clear.end(), near / 4);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v)
+    if (signs.inside[v] && crack_of[v] != none) signs.clear[v] = tip[v] ? near : near / 2;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (rim.strand[e] == none) continue;
+    const Strand& strand = rim.drawing.strands[std::size_t(rim.strand[e])];
+    if (!strand.arc) continue;
+    const auto& [a, b] = mesh.edges[e];
+    const Vec2 middle = (mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2;
+    const double off = (onto(*strand.arc, middle) - middle).norm();
+    for (const Index v : mesh.edges[e]) signs.clear[std::size_t(v)] = std::max(signs.clear[std::size_t(v)], 2 * off);
   }
   if (opened.times > 0)
     notes.push_back(fmt::format("opened necks of material thinner than {:.3g} {}", near, opened.where()));

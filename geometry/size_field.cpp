@@ -251,7 +251,7 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
       const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
       if (before.smooth && strand.smooth) continue;
       reentrant[std::size_t(strand.from)] =
-          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -135 * degree;
+          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
     }
   return reentrant;
 }

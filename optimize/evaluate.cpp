@@ -53,13 +53,21 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of) {
 }
 
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of) {
+  Stopwatch watch;
+  Mesh mesh = triangulate(shape, p.sizing);
+  const double seconds = watch.lap();
+  Evaluated e = evaluate_mesh(p, r, std::move(shape), std::move(mesh), crack_of);
+  e.seconds_mesh = seconds;
+  return e;
+}
+
+Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
+                        const std::vector<Index>& crack_of) {
+  Stopwatch watch;
   Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
   e.bounds.assign(r.bounds.size(), -std::numeric_limits<double>::infinity());
   e.worst.assign(r.bounds.size(), 0);
-  Stopwatch watch;
-  const Mesh mesh = triangulate(e.shape, p.sizing);
-  e.seconds_mesh = watch.lap();
   const std::vector<Scene> scenes = scenes_of(p, r);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     Model model = prepare(mesh, element(p.element, p.degree), with_cracks(scenes[i], crack_of), p.threads);

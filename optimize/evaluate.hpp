@@ -41,6 +41,10 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of);
 /// Meshes and solves. Throws Error(Geometry | Numerics); a state that is not certified is Error(Numerics).
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of);
 
+/// The same on a mesh that is there.
+Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
+                        const std::vector<Index>& crack_of);
+
 /// Per load case the analysis of a functional, and its share in a sum: weights of the cases, or 1 for the worst.
 struct WeightedAnalysis {
   const Functional* functional;

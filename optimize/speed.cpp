@@ -77,7 +77,7 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b) {
 }
 
 Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                     const SpeedLimits& limits, std::optional<double> multiplier) {
+                     const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier) {
   const Eigen::Index n = rate.density.size();
   Speed s;
   s.on_canvas = Eigen::VectorXd::Zero(distance.size());
@@ -93,7 +93,7 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
     Eigen::VectorXd v(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       if (price > 0)
-        v[i] = half[i] * (std::sqrt(std::max(gain[i], 0.0) / price) - 1);
+        v[i] = limits.share * half[i] * (std::sqrt(std::max(gain[i], 0.0) / price) - 1);
       else
         v[i] = scale > 0 ? limits.most * (gain[i] - price) / scale : 0;
       constexpr double idle = 0.25;  // of the multiplier: such a member may go
@@ -122,9 +122,8 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
   }
   s.optimality /= rate.length.sum();
   const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
-  s.on_canvas = limits.product == LevelSetRequest::Product::H1
-                    ? extend(canvas, rate.curve.points, moved)
-                    : elastic_extension(canvas, rate.curve, moved, distance, limits.smoothing);
+  s.on_canvas =
+      elastic ? elastic->extend(canvas, rate.curve, moved, distance) : extend(canvas, rate.curve.points, moved);
   return s;
 }
 

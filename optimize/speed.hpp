@@ -19,9 +19,9 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b);
 /// How far an edge may move: `most`, less where the member is thin.
 struct SpeedLimits {
   double most = 0;         // a length
+  double share = 1;        // of the way to where a thin member would be best
   double smoothing = 0;    // of the H1 product along the boundary
   double min_feature = 0;  // members thinner than this shrink only where they carry nearly nothing; 0: none
-  LevelSetRequest::Product product = LevelSetRequest::Product::H1;
 };
 
 /// Motion of the boundary along its normal, outwards positive. Without constraint on the area, -density alone, what
@@ -35,8 +35,9 @@ struct Speed {
   Eigen::VectorXd on_curve;   // per edge, before it is made smooth
   Eigen::VectorXd on_canvas;  // per vertex, smooth, constant along normals
 };
-/// `multiplier` given: as it is. Otherwise such that the area does not change to first order.
+/// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such
+/// that the area does not change to first order.
 Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                     const SpeedLimits& limits, std::optional<double> multiplier);
+                     const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier);
 
 }  // namespace kerf

@@ -7,7 +7,6 @@
 #include "topo/green.hpp"
 #include "topo/mask.hpp"
 
-
 #include <cmath>
 #include <limits>
 #include <numeric>
