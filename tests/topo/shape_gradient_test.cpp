@@ -178,6 +178,43 @@ std::string name_of(const testing::TestParamInfo<ShapeGradient::ParamType>& info
   return functionals(s)[static_cast<std::size_t>(number)].name + "_" + s.name;
 }
 
+// Loads in equilibrium hold the body: what they lose of it on moved edges is balanced by a body force.
+TEST(ShapeGradientOf, AFloatingBody) {
+  Shape shape = rectangle({-1, -1}, {1, 1});
+  shape.labels.push_back("hole");
+  shape.holes = {circle("hole", hole_center, hole_radius, 4)};
+  const Mesh mesh = triangulate(shape, {.size = 0.4});
+  Scene scene;
+  scene.material = plane_stress(1, 0.3);
+  const Mat2 stress = (Mat2() << 1, 0.4, 0.4, 0.7).finished();
+  for (Index label = 0; label < 4; ++label)
+    scene.tractions.push_back(
+        {label, [=](const Vec2& x, const Vec2& n) -> Vec2 { return (1 + 0.3 * x.squaredNorm()) * (stress * n); }});
+  const auto model_at = [&](const Points& theta, double t) {
+    Mesh moved = mesh;
+    for (std::size_t i = 0; i < moved.points.size(); ++i)
+      moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
+    return prepare(std::move(moved), element("bdms", 1), scene, 1);
+  };
+  Points theta(2, static_cast<Eigen::Index>(mesh.points.size()));
+  unsigned seed = 3;
+  for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = 0.05 * Vec2(noise(seed), noise(seed));
+  for (const Functional& j :
+       {Functional{"", {energy()}}, Functional{"", {compliance()}}, Functional{"", {stress_pnorm(4, {}, false)}}}) {
+    const Model model = model_at(theta, 0);
+    EXPECT_FALSE(model.floating.empty());
+    const State state = solve(model);
+    const Analysis a = analyse(j, model, state);
+    const auto value = [&](double t) {
+      const Model m = model_at(theta, t);
+      return analyse(j, m, solve(m), true).value;
+    };
+    const double step = 2e-3,
+                 expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
+    EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-7) << j.terms[0].kind;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Of, ShapeGradient,
     testing::Combine(
