@@ -36,7 +36,7 @@ TEST(Design, DrawsBehindWhatTheFrameHas) {
   const Problem p = everything();
   const Design d = everything_drawn();
   check_design(d, p);
-  const Body body = draw(d, start_of(d), p);
+  const kerf::Body body = draw(d, start_of(d), p);
   ASSERT_EQ(body.shape.holes.size(), 3u);
   ASSERT_EQ(body.shape.cracks.size(), 2u);
   ASSERT_EQ(body.shape.regions.size(), 1u);
@@ -67,8 +67,12 @@ TEST(Design, MeshVerticesFollowTheVariables) {
   const Points to = positions(d, f, y);
   for (std::size_t i = 0; i < f.all.size(); ++i) {
     const Vec2 v = to.col(static_cast<Eigen::Index>(i));
-    if (f.all[i].drawn == 0) EXPECT_NEAR((v - y.head<2>()).norm() / y[2], 1, 0.02);
-    if (f.all[i].drawn == 4) EXPECT_NEAR((v - y.segment<2>(26)).norm() / y[28], 1, 0.02);
+    if (f.all[i].drawn == 0) {
+      EXPECT_NEAR((v - y.head<2>()).norm() / y[2], 1, 0.02);
+    }
+    if (f.all[i].drawn == 4) {
+      EXPECT_NEAR((v - y.segment<2>(26)).norm() / y[28], 1, 0.02);
+    }
   }
   // The pull is the derivative of force . position.
   Points force(2, at.cols());
