@@ -335,7 +335,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
   for (std::size_t v = 0; v < reentrant.size(); ++v)
     if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
-  add_gaps(shape, drawing, size, sources);
+  add_gaps(shape, drawing, size, sizing.across, sources);
   return sources;
 }
 
