@@ -84,6 +84,10 @@ Eigen::VectorXd above_loads(const OptimizeProblem& p, const Mesh& mesh, double t
 
 }  // namespace
 
+double frame_area(const OptimizeProblem& p) {
+  return polygon_area(p.problem.frame);
+}
+
 double volume_fraction(const OptimizeProblem& p, const Shape& shape) {
   return polygon_area(shape) / polygon_area(p.problem.frame);
 }

@@ -16,6 +16,7 @@ struct GridField {
 /// there is always some. `background` is a mesh of the frame. Throws Error(Geometry) for a field that makes no body.
 Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background);
 
+double frame_area(const OptimizeProblem& p);
 /// Area of a shape relative to the frame.
 double volume_fraction(const OptimizeProblem& p, const Shape& shape);
 

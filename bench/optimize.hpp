@@ -2,6 +2,7 @@
 // `kerf bench optimize`: kerf's level set beside other programs, every design judged the same way.
 
 #include "bench/judge.hpp"
+#include "bench/remesh.hpp"
 
 #include <filesystem>
 
@@ -28,42 +29,23 @@ struct DesignRun {
   std::string problem, tool, start;  // start: of kerf's runs
   bool own = true;
   int iterations = 0, state_solves = 0;
-  double seconds = 0;             // processor seconds
-  double own_compliance = 0;      // as the program sees it itself
-  std::string stopped;            // why
-  Shape shape;                    // the last one
-  Judged last;                    // on a fine mesh
+  double seconds = 0;         // processor seconds
+  double own_compliance = 0;  // as the program sees it itself
+  std::string stopped;        // why
+  Shape shape;                // the last one
+  Judged last;                // on a fine mesh
   std::vector<DesignPoint> curve;
-  DesignPoint near;               // from which on the compliance stays within 1 % of the last
+  DesignPoint near;  // from which on the compliance stays within 1 % of the last
 };
 
-/// Compliance + 100 * area with a weak phase, as published.
+/// Compliance + 100 * area, as published.
 struct PublishedRun {
-  std::string start;
+  std::string method, start;
   int iterations = 0, state_solves = 0;
-  double seconds = 0;
-  double objective = 0;    // J, with the weak phase
-  double compliance = 0, volume = 0;  // of it
-  double body_fitted = 0;  // J without a weak phase, judged
+  double seconds = 0;                                // processor seconds
+  double objective = 0, compliance = 0, volume = 0;  // as the run sees it itself; volume: fraction
+  double judged = 0;                                 // J on a fine body-fitted mesh; not a number with a weak phase
   std::string stopped;
-};
-
-/// What a new mesh takes of an iteration.
-struct Remeshing {
-  Index triangles = 0;
-  int iterations = 0;
-  double iteration_s = 0;  // processor seconds, line search included
-  double carve_s = 0, mesh_s = 0;
-  double share() const {
-    return (carve_s + mesh_s) / iteration_s;
-  }
-};
-
-/// Seeded designs through carving and meshing.
-struct RandomDesigns {
-  int count = 0, meshed = 0, refused = 0;  // refused: with a named reason
-  std::vector<std::string> failures;       // anything else
-  double seconds = 0;                      // processor seconds of all
 };
 
 struct OptimizeBench {

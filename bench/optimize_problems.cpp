@@ -86,7 +86,8 @@ OptimizeProblem lbracket() {
                             {{0, 1}, "left"}});
   hold(p, "top", true, true);
   load(p, "load", 0.1);
-  p.problem.sizing.size = 0.0125;
+  p.length = 0.5;
+  p.problem.sizing.size *= p.length;
   return p;
 }
 
@@ -102,7 +103,6 @@ OptimizeProblem bridge() {
   hold(p, "right foot", true, true);
   load(p, "deck", 1.8);
   p.frozen = {polygon("deck", {{0, 0}, {2, 0}, {2, 0.05}, {0, 0.05}}, none)};
-  p.scripted = false;
   return p;
 }
 
@@ -142,15 +142,12 @@ OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& s
   r.level_set.frozen = p.frozen;
   r.level_set.ersatz = p.ersatz;
   if (p.ersatz > 0) r.level_set.move = LevelSetRequest::Move::FixedPoint;
-  const bool square = p.name == "lbracket";
+  const double radius = 0.1 * p.length;
+  const int columns = p.name == "lbracket" ? 6 : p.name == "mbb" ? 11 : 7;
   if (start == "holes")
-    r.level_set.start = StartHoles{.columns = square            ? 6
-                                              : p.name == "mbb" ? 11
-                                                                : 7,
-                                   .rows = square ? 6 : 3,
-                                   .radius = square ? 0.05 : 0.1};
+    r.level_set.start = StartHoles{.columns = columns, .rows = p.name == "lbracket" ? 6 : 3, .radius = radius};
   else if (start == "random")
-    r.level_set.start = StartHoles{.random = 24, .seed = 7, .radius = square ? 0.05 : 0.1};
+    r.level_set.start = StartHoles{.random = 24, .seed = 7, .radius = radius};
   else if (start != "full")
     throw std::invalid_argument("unknown start " + start);
   return r;

@@ -10,9 +10,9 @@ namespace kerf {
 struct OptimizeProblem {
   std::string name, title;
   Problem problem;            // its sizing: that of kerf's runs
+  double length = 1;          // of members and meshes, relative to the other bodies
   double volume = 0.4;        // fraction of the frame
   std::vector<Loop> frozen;   // stays solid
-  bool scripted = true;       // the peers' scripts know it; otherwise only our own additions do
   double volume_penalty = 0;  // instead of a volume: J + penalty * area
   double ersatz = 0;          // weak phase of the published comparison
 };
@@ -27,7 +27,7 @@ const std::vector<OptimizeProblem>& optimize_problems();
 /// algorithms [Blauth, Sturm 2023; the peers' results.md].
 const OptimizeProblem& published_problem();
 struct Published {
-  double least, most;              // J
+  double least_value, most_value;  // J
   int fewest_solves, most_solves;  // states
 };
 inline constexpr Published published{153.47, 154.63, 31, 116};
