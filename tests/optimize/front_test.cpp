@@ -43,8 +43,8 @@ TEST(Front, DistancesToACircleAreThoseOfTheCircle) {
   double worst = 0;
   for (Eigen::Index v = 0; v < d.size(); ++v)
     worst = std::max(worst, std::abs(d[v] - circle_distance(c.mesh.points[static_cast<std::size_t>(v)])));
-  // Chords, 0.05^2 / (8 * 0.3), and the kink: between slopes 1 and 1.5 the crossing is off by a tenth of an edge.
-  EXPECT_LT(worst, 0.0062);
+  // Chords, 0.06^2 / (8 * 0.3), and the kink: between slopes 1 and 1.5 the crossing is off by a tenth of an edge.
+  EXPECT_LT(worst, 0.0085);
 }
 
 TEST(Front, TheFreeRimIsABoundaryToo) {
