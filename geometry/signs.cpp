@@ -175,7 +175,7 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
   }
 
   Count opened, closed;
-  std::vector<Count> swallowed(frame.cracks.size()), tips(frame.cracks.size());
+  std::vector<Count> swallowed(frame.cracks.size());
   for (int pass = 0; pass < 6; ++pass) {
     std::vector<Index> candidates;  // everything below asks for a crossing that is near
     for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -198,7 +198,7 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
       const Vec2& x = mesh.points[i];
       const bool inside = signs.inside[i];
       if (inside && crack_of[i] != none && around.nearest < near && (around.runs == 1 || around.thickness < narrow)) {
-        (tip[i] ? tips : swallowed)[std::size_t(crack_of[i])].add(x);
+        swallowed[std::size_t(crack_of[i])].add(x);
         turn(v);
       } else if (around.runs > 1 && around.thickness < narrow && (inside || crack_of[i] == none)) {
         (inside ? opened : closed).add(x);
@@ -232,16 +232,10 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
   if (opened.times > 0)
     notes.push_back(fmt::format("opened necks of material thinner than {:.3g} {}", narrow, opened.where()));
   if (closed.times > 0) notes.push_back(fmt::format("closed gaps narrower than {:.3g} {}", narrow, closed.where()));
-  for (std::size_t c = 0; c < frame.cracks.size(); ++c) {
-    if (tips[c].times > 0)
-      notes.push_back(
-          fmt::format("the zero line passes the end of crack '{}' at {} within {:.3g}: the end lies in the "
-                      "void",
-                      frame.cracks[c].name, text(tips[c].first), near));
+  for (std::size_t c = 0; c < frame.cracks.size(); ++c)
     if (swallowed[c].times > 2)
       notes.push_back(fmt::format("the zero line runs along crack '{}' {}: that part lies in the void",
                                   frame.cracks[c].name, swallowed[c].where()));
-  }
 }
 
 }  // namespace kerf

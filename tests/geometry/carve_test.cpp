@@ -194,11 +194,10 @@ TEST(Carve, nothing_to_carve_is_the_frame) {
 TEST(Carve, zeros_at_vertices) {
   const Mesh mesh = uniform(plate(), h);
   const Field f = void_circle({1, 0.5}, 0.3);
-  const Made made = make(
-      plate(), mesh, [&](const Vec2& x) { return std::abs(f(x)) < 0.3 * h ? 0.0 : f(x); }, usual);
+  const Field zeros = [&](const Vec2& x) { return std::abs(f(x)) < 0.3 * h ? 0.0 : f(x); };
+  const Made made = make(plate(), mesh, zeros, usual);
   EXPECT_EQ(made.carved.shape.holes.size(), 1u);
-  EXPECT_NEAR(made.carved.area, 2 - pi * 0.09, 0.3 * h * 2 * pi * 0.3);  // zeros are void
-  EXPECT_LT(made.carved.area, 2 - pi * 0.09);
+  EXPECT_NEAR(made.carved.area, negative_area(mesh, values(mesh, zeros)), 1e-4);
 }
 
 TEST(Carve, plateau_of_zeros_is_void) {
@@ -215,28 +214,32 @@ TEST(Carve, touching_holes_are_merged) {
   const auto two = [](double gap) {
     return both(void_circle({0.7 - gap / 2, 0.5}, 0.3), void_circle({1.3 + gap / 2, 0.5}, 0.3));
   };
-  const Made touching = make(plate(), mesh, two(0), {.tolerance = tolerance, .spacing = h, .least_width = h / 2});
+  const Made touching = make(plate(), mesh, two(0), usual);
   EXPECT_EQ(touching.carved.shape.holes.size(), 1u);
-  EXPECT_TRUE(says(touching.carved, "opened necks of material"));
   const Made apart = make(plate(), mesh, two(1.2 * h), {.tolerance = tolerance, .spacing = h, .least_width = h / 2});
   EXPECT_EQ(apart.carved.shape.holes.size(), 2u);
   EXPECT_NEAR(apart.carved.area, 2 - 2 * pi * 0.09, 4e-3);
   // Whatever the distance, the two are apart or one.
-  for (double gap = -0.5 * h; gap < 0.5 * h; gap += 0.07 * h) {
-    const Made made = make(plate(), mesh, two(gap), usual);
+  for (double gap = -0.5 * h; gap < 0.7 * h; gap += 0.07 * h) {
+    const Made made = make(plate(), mesh, two(gap), {.tolerance = tolerance, .spacing = h, .least_width = h / 2});
     EXPECT_NEAR(made.carved.area, 2 - 2 * pi * 0.09, 8e-3) << gap;
   }
 }
 
 TEST(Carve, thin_strip_is_opened_and_thin_slit_closed) {
   const Mesh mesh = uniform(plate(), h);
-  const Field member = [](const Vec2& x) {  // of the width 0.1 tolerance, along y = 0.5, in a void box
-    const double box = std::min(0.3 - std::abs(x.x() - 1), 0.3 - std::abs(x.y() - 0.5));
-    return std::min(box, std::abs(x.y() - 0.5) - 0.05 * tolerance);
-  };
-  const Made opened = make(plate(), mesh, member, usual);
-  EXPECT_EQ(opened.carved.shape.holes.size(), 1u);
-  EXPECT_NEAR(opened.carved.area, 2 - 0.36, 0.01);
+  int notes = 0;
+  for (double y = 0.48; y < 0.52; y += 0.003) {  // a member of 0.3 h in a void box
+    const Field member = [y](const Vec2& x) {
+      const double box = std::min(0.3 - std::abs(x.x() - 1), 0.3 - std::abs(x.y() - 0.5));
+      return std::min(box, std::abs(x.y() - y) - 0.15 * h);
+    };
+    const Made opened = make(plate(), mesh, member, {.tolerance = tolerance, .spacing = h, .least_width = h / 2});
+    EXPECT_EQ(opened.carved.shape.holes.size(), 1u) << y;
+    EXPECT_NEAR(opened.carved.area, 2 - 0.36, 0.04) << y;  // stubs of the member may stay
+    notes += says(opened.carved, "opened necks of material");
+  }
+  EXPECT_GT(notes, 0);
   const Made closed = make(
       plate(), mesh,
       [](const Vec2& x) { return 0.05 * tolerance - std::max(std::abs(x.x() - 1) - 0.3, std::abs(x.y() - 0.5)); },
@@ -389,8 +392,9 @@ TEST(Carve, along_a_crack) {
     const Field line = [off](const Vec2& x) { return x.y() - 0.5 - (x.x() - 0.4) / 60 - off; };
     const Made made = make(frame, mesh, line, usual);
     EXPECT_NEAR(made.carved.area, 2 * (0.51 + off), 2 * 2 * tolerance) << off;
-    if (off < tolerance) EXPECT_TRUE(made.carved.shape.cracks.empty()) << off;
-    if (off >= 0.02) EXPECT_EQ(made.carved.shape.cracks.size(), 1u);
+    if (off < tolerance || off >= 0.02) {
+      EXPECT_EQ(made.carved.shape.cracks.size(), off < tolerance ? 0u : 1u) << off;
+    }
     EXPECT_EQ(says(made.carved, "crack 'c' lies in the void"), made.carved.shape.cracks.empty());
   }
 }
