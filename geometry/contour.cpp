@@ -29,14 +29,13 @@ bool on_boundary(const Mesh& mesh, Index edge) {
                   loop == 0 ? "the outline" : fmt::format("hole '{}'", frame.holes[loop - 1].name)));
 }
 
-/// The place on the circle or ellipse in the direction of x.
+}  // namespace
+
 Vec2 onto(const Arc& arc, const Vec2& x) {
   const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
   const double whole = cross(p, q);
   return at(arc, std::atan2(cross(p, d) / whole, cross(d, q) / whole));
 }
-
-}  // namespace
 
 Rim find_rim(const Shape& frame, const Mesh& mesh) {
   Rim rim;

@@ -9,8 +9,8 @@ namespace kerf {
 /// What a function says at the vertices of a mesh. An edge whose ends have two signs is crossed.
 struct Signs {
   std::vector<char> inside;
-  std::vector<double> magnitude;  // of the function; 0 where the sign was turned
-  double clear = 0;               // crossings keep this distance from vertices (of short edges less)
+  std::vector<double> magnitude;  // of the function; -1 where the sign was turned: crossed as near as can be
+  std::vector<double> clear;      // per vertex, how far crossings keep away from it (on short edges less)
 };
 Signs signs_of(const Mesh& mesh, const Eigen::VectorXd& phi);
 
@@ -19,11 +19,15 @@ inline bool crossed(const Mesh& mesh, const Signs& signs, Index edge) {
   return signs.inside[std::size_t(a)] != signs.inside[std::size_t(b)];
 }
 
-/// Where a crossed edge is crossed: the part of its length from edges[e][0].
+/// Where a crossed edge is crossed: the part of its length from edges[e][0]. With and without keeping clear.
+double exact_crossing(const Mesh& mesh, const Signs& signs, Index edge);
 double crossing(const Mesh& mesh, const Signs& signs, Index edge);
 
 /// Area inside, with crossings where crossing() says.
 double inside_area(const Mesh& mesh, const Signs& signs, Index triangle);
+
+/// The place on the circle or ellipse in the direction of x.
+Vec2 onto(const Arc& arc, const Vec2& x);
 
 /// Which strand of the frame's loops an edge of the mesh lies on. Strands are those of `drawing`, the body on their
 /// left; strand k is side `side[k]` of its loop, run backwards when the loop is `reversed`.
@@ -58,6 +62,9 @@ struct Contour {
 };
 std::vector<Contour> contours(const Mesh& mesh, const Signs& signs, const Rim& rim);
 
+/// The place of a crossing. On curved strands and cracks it lies on the curve.
+Vec2 place(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim, Index edge);
+
 /// Part of a crack between two places on its path.
 struct CrackPart {
   Index crack;
@@ -65,11 +72,8 @@ struct CrackPart {
   Crack shape;    // without a name
 };
 /// What lies inside, in the order of the cracks and along their paths; what is shorter than `least` is left out.
-std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, double least,
-                                  std::vector<std::string>& notes);
-
-/// The place of a crossing. On curved strands and cracks it lies on the curve.
-Vec2 place(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim, Index edge);
+std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim,
+                                  double least, std::vector<std::string>& notes);
 
 /// A piece of zero line: points, those that must stay; a closed one does not repeat its first point.
 struct Chain {
@@ -77,14 +81,25 @@ struct Chain {
   std::vector<bool> fixed;
   bool closed = false;
 };
+
 struct Simplifying {
   double spacing;
   double move;        // how far smoothing may move the line
   double chord;       // how far it may lie from the chords that replace it
   double offset = 0;  // area to gain on the left, per length
 };
-/// Fewer points, about `spacing` apart, that enclose the same area and what the offset adds. Fixed points stay as they
-/// are, among them the ends of an open chain.
-Chain simplify(const Chain& chain, const Simplifying& how);
+
+/// Points at even steps, several per spacing, the fixed ones among them.
+Chain sample(const Chain& chain, double spacing);
+
+/// For every point of the chains the distance to what it must not meet: other chains, its own beyond its
+/// neighbourhood, and `obstacles`, segments; `far` where nothing is nearer than that.
+std::vector<std::vector<double>> room(const std::vector<Chain>& chains,
+                                      const std::vector<std::array<Vec2, 2>>& obstacles, double far);
+
+/// Fewer points than the fine chain has, about `spacing` apart, that enclose the area that `chain` does and what the
+/// offset adds, by moves that are small against the room of its points. Fixed points stay as they are, among them the
+/// ends of an open chain.
+Chain simplify(const Chain& chain, const Chain& fine, const std::vector<double>& room, const Simplifying& how);
 
 }  // namespace kerf

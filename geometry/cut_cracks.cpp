@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace kerf {
 
@@ -69,8 +70,8 @@ Crack between(const Crack& crack, double from, double to, const Vec2& start, con
 
 }  // namespace
 
-std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, double least,
-                                  std::vector<std::string>& notes) {
+std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim,
+                                  double least, std::vector<std::string>& notes) {
   if (mesh.cracks.size() != frame.cracks.size())
     throw std::invalid_argument(
         fmt::format("a background with {} cracks for a frame with {}", mesh.cracks.size(), frame.cracks.size()));
@@ -84,17 +85,11 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
     // Where edge i of the path is crossed.
     const auto cut = [&](std::size_t i, Node& node, double& s, Vec2& x) {
       node.edge = path.edges[i];
+      x = place(frame, mesh, signs, rim, node.edge);
       const bool forward = mesh.edges[std::size_t(node.edge)][0] == path.vertices[i];
       const double t = crossing(mesh, signs, node.edge);
-      s = path.s[i] + (forward ? t : 1 - t) * (path.s[i + 1] - path.s[i]);
-      if (crack.arc) {
-        const double turn = s / largest_radius(*crack.arc);
-        x = at(*crack.arc, crack.arc->from + (crack.arc->to < crack.arc->from ? -turn : turn));
-      } else {
-        const Vec2 &a = mesh.points[std::size_t(mesh.edges[std::size_t(node.edge)][0])],
-                   &b = mesh.points[std::size_t(mesh.edges[std::size_t(node.edge)][1])];
-        x = a + t * (b - a);
-      }
+      s = crack.arc ? turned(*crack.arc, x) * largest_radius(*crack.arc)
+                    : path.s[i] + (forward ? t : 1 - t) * (path.s[i + 1] - path.s[i]);
     };
     bool stub = false;
     for (std::size_t i = 0; i <= last;) {
@@ -116,6 +111,13 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
         stub = true;
         continue;
       } else {
+        for (const auto& [edge, gone, tip] : {std::tuple(part.from.edge, from, crack.points.front()),
+                                              std::tuple(part.to.edge, whole - to, crack.points.back())})
+          if (edge != none && gone < least / 2)
+            notes.push_back(
+                fmt::format("the zero line passes the end of crack '{}' at ({:.4g}, {:.4g}) within {:.3g}: "
+                            "the crack ends on it",
+                            crack.name, tip.x(), tip.y(), least / 2));
         part.shape = between(crack, from, to, start, end, least / 8);
       }
       parts.push_back(std::move(part));

@@ -19,8 +19,10 @@ Vec2 right(const Vec2& d) {
   return {d.y(), -d.x()};
 }
 
-/// Points at even steps of about `step`, the fixed ones among them.
-Chain sample(const Chain& chain, double step) {
+}  // namespace
+
+Chain sample(const Chain& chain, double spacing) {
+  const double step = spacing / fineness;
   const std::size_t n = chain.points.size();
   const std::size_t legs = chain.closed ? n : n - 1;
   Chain fine{{}, {}, chain.closed};
@@ -60,9 +62,13 @@ Chain sample(const Chain& chain, double step) {
   return fine;
 }
 
+namespace {
+
+constexpr double of_room = 0.2;  // that smoothing may use, and chords
+
 /// Short waves go, long ones stay; no point moves further than `move`.
-void relax(Chain& chain, double move) {
-  if (!(move > 0)) return;
+void relax(Chain& chain, const std::vector<double>& room, double most) {
+  if (!(most > 0)) return;
   const std::vector<Vec2> origin = chain.points;
   const std::size_t n = origin.size();
   std::vector<Vec2> next = origin;
@@ -73,6 +79,7 @@ void relax(Chain& chain, double move) {
       const Vec2 &a = chain.points[i == 0 ? n - 1 : i - 1], &b = chain.points[i + 1 == n ? 0 : i + 1];
       next[i] = chain.points[i] + factor * ((a + b) / 2 - chain.points[i]);
       const Vec2 moved = next[i] - origin[i];
+      const double move = std::min(most, of_room * room[i]);
       if (moved.norm() > move) next[i] = origin[i] + move / moved.norm() * moved;
     }
     chain.points.swap(next);
@@ -81,20 +88,22 @@ void relax(Chain& chain, double move) {
 
 /// The cheapest way from the first to the last point of x by chords of about the wanted length, none further than
 /// `chord` from the points between: numbers of the points that stay.
-std::vector<std::size_t> cheapest(const std::vector<Vec2>& x, std::size_t most, double spacing, double chord) {
+std::vector<std::size_t> cheapest(const std::vector<Vec2>& x, const std::vector<double>& room, std::size_t most,
+                                  double spacing, double chord) {
   const std::size_t n = x.size() - 1;
   std::vector<double> cost(n + 1, std::numeric_limits<double>::infinity());
   std::vector<std::size_t> from(n + 1, 0);
   cost[0] = 0;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j <= std::min(n, i + most); ++j) {
-      double off = 0;
-      for (std::size_t k = i + 1; k < j; ++k) off = std::max(off, distance(x[k], x[i], x[j]));
-      if (off > chord && j > i + 1) continue;
+      double off = 0;  // relative to what is allowed
+      for (std::size_t k = i + 1; k < j; ++k)
+        off = std::max(off, distance(x[k], x[i], x[j]) / std::min(chord, of_room * room[k]));
+      if (off > 1 && j > i + 1) continue;
       const double length = (x[j] - x[i]).norm();
       if (!(length > 0)) continue;
-      const double ratio = std::log(length / spacing), error = chord > 0 ? off / chord : 0;
-      const double total = cost[i] + ratio * ratio + 0.5 * error * error + 1e-3;
+      const double ratio = std::log(length / spacing);
+      const double total = cost[i] + ratio * ratio + 0.5 * off * off + 1e-3;
       if (total >= cost[j]) continue;
       cost[j] = total;
       from[j] = i;
@@ -114,8 +123,9 @@ double twice_area(const std::vector<Vec2>& x, bool closed) {
 }
 
 /// Moves what is not fixed along its normals until twice the area on the left is as wanted.
-void restore_area(Chain& chain, double wanted, double most) {
+void restore_area(Chain& chain, const std::vector<double>& room, double wanted, double most) {
   const std::size_t n = chain.points.size();
+  double rest = most;
   for (int round = 0; round < 3; ++round) {
     const double missing = wanted - twice_area(chain.points, chain.closed);
     std::vector<Vec2> way(n, Vec2::Zero());
@@ -124,24 +134,26 @@ void restore_area(Chain& chain, double wanted, double most) {
       if (chain.fixed[i] || (!chain.closed && (i == 0 || i + 1 == n))) continue;
       const Vec2 along = chain.points[(i + 1) % n] - chain.points[(i + n - 1) % n];
       if (!(along.norm() > 0)) continue;
-      way[i] = right(along).normalized();
-      gain += along.norm();
+      const double part = std::min(1.0, of_room * room[i] / most);
+      way[i] = part * right(along).normalized();
+      gain += part * along.norm();
     }
     if (!(gain > 0)) return;
-    const double step = std::clamp(missing / gain, -most, most);
+    const double step = std::clamp(missing / gain, -rest, rest);
     for (std::size_t i = 0; i < n; ++i) chain.points[i] += step * way[i];
-    most -= std::abs(step);
+    rest -= std::abs(step);
   }
 }
 
 }  // namespace
 
-Chain simplify(const Chain& chain, const Simplifying& how) {
-  Chain fine = sample(chain, how.spacing / fineness);
-  relax(fine, how.move);
+Chain simplify(const Chain& chain, const Chain& given, const std::vector<double>& given_room, const Simplifying& how) {
+  Chain fine = given;
+  std::vector<double> room = given_room;
+  relax(fine, room, how.move);
   const std::size_t n = fine.points.size();
-  // A closed line without fixed points may start anywhere: where it turns most.
-  if (fine.closed && std::none_of(fine.fixed.begin(), fine.fixed.end(), [](bool f) { return f; })) {
+  const bool loose = fine.closed && !fine.fixed.front();
+  if (loose) {  // it may start anywhere: where it turns most
     std::size_t sharpest = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < n; ++i) {
@@ -149,31 +161,36 @@ Chain simplify(const Chain& chain, const Simplifying& how) {
       if (wide < least * (1 - 1e-9)) sharpest = i, least = wide;
     }
     std::rotate(fine.points.begin(), fine.points.begin() + Index(sharpest), fine.points.end());
+    std::rotate(room.begin(), room.begin() + Index(sharpest), room.end());
   }
-  const bool loose = fine.closed && !fine.fixed.front();
   Chain result{{}, {}, chain.closed};
+  std::vector<double> kept;
   for (std::size_t start = 0; start < (fine.closed ? n : n - 1);) {
     std::vector<Vec2> x{fine.points[start]};
+    std::vector<double> r{room[start]};
     std::size_t end = start;
     do {
       ++end;
       x.push_back(fine.points[end % n]);
+      r.push_back(room[end % n]);
     } while (end < n - (fine.closed ? 0 : 1) && !fine.fixed[end % n]);
     const std::size_t most = loose ? std::min<std::size_t>(longest, (x.size() - 1) / 4) : longest;
-    const std::vector<std::size_t> path = cheapest(x, std::max<std::size_t>(1, most), how.spacing, how.chord);
+    const std::vector<std::size_t> path = cheapest(x, r, std::max<std::size_t>(1, most), how.spacing, how.chord);
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
       result.points.push_back(x[path[i]]);
       result.fixed.push_back(i == 0 && !loose);
+      kept.push_back(r[path[i]]);
     }
     start = end;
   }
   if (!fine.closed) {
     result.points.push_back(fine.points.back());
     result.fixed.push_back(true);
+    kept.push_back(room.back());
   }
   double length = chain.closed ? (chain.points.front() - chain.points.back()).norm() : 0;
   for (std::size_t i = 0; i + 1 < chain.points.size(); ++i) length += (chain.points[i + 1] - chain.points[i]).norm();
-  restore_area(result, twice_area(chain.points, chain.closed) + 2 * how.offset * length, how.chord);
+  restore_area(result, kept, twice_area(chain.points, chain.closed) + 2 * how.offset * length, how.chord);
   return result;
 }
 

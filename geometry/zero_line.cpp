@@ -16,7 +16,8 @@ void check(const Mesh& mesh, const Eigen::VectorXd& phi) {
   if (!phi.allFinite()) throw std::invalid_argument("a function to carve with has a value that is no finite number");
 }
 
-/// Area of the part of a triangle where f < 0, from its area and the values at its corners.
+}  // namespace
+
 double negative_part(double area, const std::array<double, 3>& f) {
   const int count = (f[0] < 0) + (f[1] < 0) + (f[2] < 0);
   if (count == 0) return 0;
@@ -29,8 +30,6 @@ double negative_part(double area, const std::array<double, 3>& f) {
   }
   return 0;
 }
-
-}  // namespace
 
 std::vector<ZeroPiece> zero_line(const Mesh& mesh, const Eigen::VectorXd& phi) {
   check(mesh, phi);
@@ -68,6 +67,7 @@ Signs signs_of(const Mesh& mesh, const Eigen::VectorXd& phi) {
   check(mesh, phi);
   Signs signs;
   signs.inside.resize(mesh.points.size());
+  signs.clear.assign(mesh.points.size(), 0);
   signs.magnitude.resize(mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     signs.inside[v] = phi[Index(v)] < 0;
@@ -76,11 +76,19 @@ Signs signs_of(const Mesh& mesh, const Eigen::VectorXd& phi) {
   return signs;
 }
 
-double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
+double exact_crossing(const Mesh& mesh, const Signs& signs, Index edge) {
   const auto& [a, b] = mesh.edges[std::size_t(edge)];
   const double p = signs.magnitude[std::size_t(a)], q = signs.magnitude[std::size_t(b)];
-  const double least = std::min(0.45, signs.clear / length(mesh, edge));
-  return std::clamp(p + q > 0 ? p / (p + q) : 0.5, least, 1 - least);
+  if (p <= 0 || q <= 0) return p <= q ? 0 : 1;
+  return p / (p + q);
+}
+
+double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
+  const auto& [a, b] = mesh.edges[std::size_t(edge)];
+  const double whole = length(mesh, edge);
+  double low = signs.clear[std::size_t(a)] / whole, high = signs.clear[std::size_t(b)] / whole;
+  if (const double sum = low + high; sum > 0.9) low *= 0.9 / sum, high *= 0.9 / sum;
+  return std::clamp(exact_crossing(mesh, signs, edge), low, 1 - high);
 }
 
 double inside_area(const Mesh& mesh, const Signs& signs, Index triangle) {

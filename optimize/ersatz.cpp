@@ -1,8 +1,13 @@
 #include "optimize/ersatz.hpp"
 
+#include <cmath>
 #include <numeric>
 
 namespace kerf {
+
+double strong_share(Index region) {
+  return region == none ? 1 : static_cast<double>(region) / mixed_phases;
+}
 
 Material weak_material(const Material& solid, double share) {
   return {solid.mu * share, solid.c / share};
@@ -16,17 +21,18 @@ Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const Canv
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
-    if (phi[v[0]] + phi[v[1]] + phi[v[2]] >= 0) mesh.region[t] = 0;
+    const double share = negative_part(1, {phi[v[0]], phi[v[1]], phi[v[2]]});
+    const Index level = static_cast<Index>(std::lround(share * mixed_phases));
+    if (level < mixed_phases) mesh.region[t] = level;
   }
   Problem weak = p;
-  weak.scene.regions = {weak_material(p.scene.material, r.level_set.ersatz)};
+  for (Index k = 0; k < mixed_phases; ++k)
+    weak.scene.regions.push_back(
+        weak_material(p.scene.material, r.level_set.ersatz + (1 - r.level_set.ersatz) * strong_share(k)));
   std::vector<Index> cracks(p.frame.cracks.size());
   std::iota(cracks.begin(), cracks.end(), Index{0});
   Evaluated e = evaluate_mesh(weak, r, p.frame, std::move(mesh), cracks);
-  e.area = 0;
-  const Mesh& solved = e.cases.front().model.mesh;
-  for (Index t = 0; t < static_cast<Index>(solved.triangles.size()); ++t)
-    if (region_of(solved, t) == none) e.area += area(solved, t);
+  e.area = negative_area(canvas.mesh, phi);
   return e;
 }
 

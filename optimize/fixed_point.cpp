@@ -29,7 +29,7 @@ FixedPoint fixed_point(const Canvas& canvas, const Helmholtz& filter, const Mesh
   // What is frozen has no say in the angle: its values are distances.
   const Eigen::VectorXd target = (f.multiplier - gain.array()).matrix();
   const Eigen::VectorXd unit = target / norm(target);
-  f.psi = psi.size() == 0 ? unit : psi;
+  f.psi = psi / norm(psi);
   f.angle = std::acos(std::clamp(canvas.lumped.dot(unit.cwiseProduct(f.psi)), -1.0, 1.0));
   if (const double s = std::sin(f.angle); s > 1e-9)
     f.psi = (std::sin((1 - turn) * f.angle) * f.psi + std::sin(turn * f.angle) * unit) / s;

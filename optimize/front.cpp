@@ -12,6 +12,7 @@ namespace kerf {
 namespace {
 
 constexpr double far = std::numeric_limits<double>::infinity();
+constexpr double band = 20;  // edges of the canvas; farther from the boundary nothing needs to be exact
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
 /// vertex v to source i.
@@ -20,7 +21,8 @@ struct Carried {
   std::vector<Index> source;
 };
 template <typename DistanceTo>
-Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, const DistanceTo& distance_to) {
+Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, double reach,
+              const DistanceTo& distance_to) {
   const std::size_t n = b.mesh.points.size();
   Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), far), std::vector<Index>(n, none)};
   struct Candidate {
@@ -35,6 +37,7 @@ Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, c
   while (!front.empty()) {
     const Candidate at = front.top();
     front.pop();
+    if (at.distance > reach) break;
     if (!(at.distance < c.distance[at.vertex])) continue;
     c.distance[at.vertex] = at.distance;
     c.source[static_cast<std::size_t>(at.vertex)] = at.source;
@@ -155,12 +158,12 @@ Eigen::VectorXd signed_distance(const Canvas& b, const Eigen::VectorXd& phi) {
   for (Index i = 0; i < static_cast<Index>(pieces.size()); ++i)
     for (const Index v : b.mesh.triangles[static_cast<std::size_t>(pieces[static_cast<std::size_t>(i)].triangle)])
       seeds.emplace_back(v, i);
-  const Carried c = carry(b, seeds, [&](Index v, Index i) {
+  const Carried c = carry(b, seeds, band * b.size, [&](Index v, Index i) {
     const ZeroPiece& p = pieces[static_cast<std::size_t>(i)];
     return distance(b.mesh.points[static_cast<std::size_t>(v)], p.a, p.b);
   });
   // On the rim the distance is 0, and must not lose its sign.
-  const double least = 1e-3 * b.size, most = 1e3 * b.size * std::sqrt(static_cast<double>(b.mesh.points.size()));
+  const double least = 1e-3 * b.size, most = band * b.size;
   Eigen::VectorXd d = c.distance.cwiseMin(most);
   for (Eigen::Index v = 0; v < phi.size(); ++v)
     if (phi[v] < 0) d[v] = -std::max(d[v], least);
@@ -198,6 +201,47 @@ Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi) {
   }
   if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
   return phi;
+}
+
+void drop_islands(const Canvas& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
+  const std::size_t n = b.mesh.points.size();
+  std::vector<Index> piece(n, none), open;
+  std::vector<double> weight;
+  for (std::size_t v = 0; v < n; ++v) {
+    if (!(phi[static_cast<Eigen::Index>(v)] < 0) || piece[v] != none) continue;
+    const Index number = static_cast<Index>(weight.size());
+    weight.push_back(0);
+    piece[v] = number;
+    open.push_back(static_cast<Index>(v));
+    while (!open.empty()) {
+      const Index at = open.back();
+      open.pop_back();
+      weight.back() += b.lumped[at];
+      for (Index k = b.start[static_cast<std::size_t>(at)]; k < b.start[static_cast<std::size_t>(at) + 1]; ++k) {
+        const Index w = b.around[static_cast<std::size_t>(k)];
+        if (!(phi[w] < 0) || piece[static_cast<std::size_t>(w)] != none) continue;
+        piece[static_cast<std::size_t>(w)] = number;
+        open.push_back(w);
+      }
+    }
+  }
+  if (weight.size() < 2) return;
+  std::vector<bool> wanted(weight.size(), false);
+  if (labels.empty()) {
+    wanted[static_cast<std::size_t>(std::max_element(weight.begin(), weight.end()) - weight.begin())] = true;
+  } else {
+    for (std::size_t e = 0; e < b.mesh.edges.size(); ++e)
+      if (b.mesh.label[e] != none && std::find(labels.begin(), labels.end(), b.mesh.label[e]) != labels.end())
+        for (const Index v : b.mesh.edges[e])
+          if (piece[static_cast<std::size_t>(v)] != none)
+            wanted[static_cast<std::size_t>(piece[static_cast<std::size_t>(v)])] = true;
+    if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) return;
+  }
+  for (std::size_t v = 0; v < n; ++v)
+    if (piece[v] != none && !wanted[static_cast<std::size_t>(piece[v])]) {
+      double& value = phi[static_cast<Eigen::Index>(v)];
+      value = std::max(-value, 0.1 * b.size);
+    }
 }
 
 Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area) {
@@ -242,7 +286,7 @@ Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eige
     for (const Index v : b.mesh.triangles[static_cast<std::size_t>(
              nearest_triangle(b.mesh, b.locator, points[static_cast<std::size_t>(i)]))])
       seeds.emplace_back(v, i);
-  const Carried c = carry(b, seeds, [&](Index v, Index i) {
+  const Carried c = carry(b, seeds, band * b.size, [&](Index v, Index i) {
     return (b.mesh.points[static_cast<std::size_t>(v)] - points[static_cast<std::size_t>(i)]).norm();
   });
   Eigen::VectorXd extended = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));

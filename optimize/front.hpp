@@ -35,7 +35,8 @@ struct Solid {                // what stays solid
 Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror);
 
 /// The signed distance to the boundary that can move: the zero line of phi and the rim with material on it. Its sign is
-/// that of phi. Next to the boundary exact, elsewhere to the nearest piece that a front from there carries.
+/// that of phi. Next to the boundary exact, elsewhere to the nearest piece that a front from there carries, and no
+/// larger than 20 edges.
 Eigen::VectorXd signed_distance(const Canvas& b, const Eigen::VectorXd& phi);
 
 /// A function that is linear on triangles, at a point; where the point lies outside, continued from the nearest one.
@@ -43,6 +44,10 @@ double value_at(const Canvas& b, const Eigen::VectorXd& f, const Vec2& x);
 
 /// phi with what must stay solid made so, mirrored where asked.
 Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi);
+
+/// Pieces of material that touch none of the labels turned into void, so that they do not count as area; without labels
+/// all but the largest piece.
+void drop_islands(const Canvas& b, std::span<const Index> labels, Eigen::VectorXd& phi);
 
 /// phi + c, made solid where it must be, with |{phi < 0}| = area to 1e-9 of the frame where that is possible.
 Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area);
@@ -53,7 +58,7 @@ void cut_discs(const Canvas& b, std::span<const Disc> discs, Eigen::VectorXd& ph
 /// sum_i amount_i N_v(x_i) with the linear basis functions N_v.
 Eigen::VectorXd spread_onto(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts);
 
-/// Values given at points along the boundary, at every vertex of the background: of the nearest point, so that they are
+/// Values given at points along the boundary, at every vertex that is near: of the nearest point, so that they are
 /// constant along normals.
 Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& values);
 

@@ -28,7 +28,9 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double fine = 0.5;          // the canvas against the mesh of the body
 constexpr double strip = 1.5;         // of canvas edges beside loads that stay solid
 constexpr double drop = 0.02;         // of the area that is taken away in one step
+constexpr double early = 1.4;         // the mesh of the body while its area still falls
 constexpr double largest_step = 1.0;  // of the boundary
+constexpr double largest_turn = 0.5;  // of the fixed point: share of the angle
 constexpr double smallest_step = 0.03;
 constexpr double area_error = 2e-5;  // of the shape that is drawn against the area wanted
 constexpr double rise = 0.02;        // of the merit over the best one that is followed for a while
@@ -39,11 +41,11 @@ constexpr std::size_t window = 8;    // iterations over which a small change mea
 /// All that an iteration leaves to the next one.
 struct Progress {
   int iteration = 0, solves = 0;
-  double wanted = 0;       // area
-  double step = 0;         // largest move of the boundary, a length
-  Eigen::VectorXd phi;     // of the present design, as it was carved
-  Eigen::VectorXd psi;     // of the fixed point: on the unit sphere of L2
-  double turn = 0.5;       // its share of the angle
+  double wanted = 0;    // area
+  double step = 0;      // largest move of the boundary, a length
+  Eigen::VectorXd phi;  // of the present design, as it was carved
+  Eigen::VectorXd psi;  // of the fixed point: on the unit sphere of L2
+  double turn = largest_turn;
   Eigen::VectorXd lambda;  // multipliers of the bounds
   double multiplier = 0;   // of the area
   Eigen::VectorXd best;    // phi of the best design at the final area; empty before
@@ -51,6 +53,7 @@ struct Progress {
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
   std::vector<double> track;          // merit of the best after every iteration at the final area
+  std::vector<std::string> drawn;     // what carving the present design said
   std::vector<Iteration> rows;
 };
 
@@ -63,7 +66,7 @@ class Mover {
   using Design = std::shared_ptr<const Evaluated>;
 
   Design evaluate(const Eigen::VectorXd& phi) const;
-  Design trial(Eigen::VectorXd& phi, std::vector<std::string>& notes);
+  Design trial(Eigen::VectorXd& phi, std::vector<std::string>& notes, std::vector<std::string>& drawn);
   double merit(double J, double area, const Eigen::VectorXd& bounds) const;
   double merit(const Evaluated& e) const;
   double violation(const Evaluated& e) const;
@@ -86,7 +89,9 @@ class Mover {
   Problem fitted_;  // the problem, meshes with one edge across thin members
   Canvas canvas_;
   Carving carving_;
+  std::vector<Index> loaded_;  // labels of loads and of what functionals look at
   std::unique_ptr<Helmholtz> filter_;
+  std::unique_ptr<ElasticProduct> elastic_;
   double whole_ = 0, target_ = 0, size_ = 0;
   bool penalised_ = false;
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
@@ -139,7 +144,11 @@ Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, co
   target_ = r.volume_at_most.value_or(1) * whole_;
   penalised_ = !r.volume_at_most || *r.volume_at_most >= 1;
   carving_ = {.spacing = size_, .least_area = even.size * even.size, .keep = solid.labels};
+  loaded_ = solid.labels;
   for (const Index label : solid.held) carving_.keep.push_back(label), carving_.holding.push_back(label);
+  const double smoothing = how.smoothing > 0 ? how.smoothing : size_;
+  if (how.move == LevelSetRequest::Move::ShapeGradient && how.product == LevelSetRequest::Product::Elasticity)
+    elastic_ = std::make_unique<ElasticProduct>(canvas_, smoothing);
   if (how.move == LevelSetRequest::Move::FixedPoint)
     filter_ = std::make_unique<Helmholtz>(canvas_, how.smoothing > 0 ? how.smoothing : 1.5 * canvas_.size);
 }
@@ -151,11 +160,14 @@ Mover::Design Mover::evaluate(const Eigen::VectorXd& phi) const {
 }
 
 /// Shifts phi until the shape drawn has the wanted area, meshes and solves.
-Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes) {
+Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes, std::vector<std::string>& drawn) {
   if (r_.level_set.ersatz > 0) {
     ++s_.solves;
     return evaluate(phi);
   }
+  // What is far from its area needs no fine mesh.
+  fitted_.sizing.size = settled() ? size_ : early * size_;
+  carving_.spacing = fitted_.sizing.size;
   Carved carved = carve(p_.frame, canvas_.mesh, phi, carving_);
   if (!penalised_)
     for (int i = 0; i < 3 && std::abs(carved.area - s_.wanted) > area_error * whole_; ++i) {
@@ -170,7 +182,18 @@ Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes
     }
   ++s_.solves;
   auto e = std::make_shared<Evaluated>(evaluate_design(fitted_, r_, std::move(carved.shape), carved.crack_of));
-  notes.insert(notes.end(), carved.notes.begin(), carved.notes.end());
+  // What the rows before have said already, and more than a few, says nothing new.
+  constexpr std::size_t most = 3;
+  std::size_t left_out = 0, told = 0;
+  for (const std::string& note : carved.notes) {
+    if (std::find(s_.drawn.begin(), s_.drawn.end(), note) != s_.drawn.end()) continue;
+    if (told++ < most)
+      notes.push_back(note);
+    else
+      ++left_out;
+  }
+  if (left_out > 0) notes.push_back(fmt::format("{} more of the kind", left_out));
+  drawn = std::move(carved.notes);
   return e;
 }
 
@@ -234,7 +257,7 @@ Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
                                 : Perturbation{};
   const Perturbation filled{.kind = Perturbation::Kind::Inclusion, .inclusion = p_.scene.material};
   const auto change = [&](Index t) -> const Perturbation& {
-    return r_.level_set.ersatz > 0 && region_of(mesh, t) != none ? filled : hole;
+    return r_.level_set.ersatz > 0 && strong_share(region_of(mesh, t)) < 0.5 ? filled : hole;
   };
   Eigen::VectorXd T = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mesh.triangles.size()));
   const auto add = [&](const std::vector<WeightedAnalysis>& all, double factor) {
@@ -246,7 +269,7 @@ Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
     if (weight[k] > 0) add(analyse_bound(e, k), weight[k]);
   if (r_.level_set.ersatz > 0)
     for (Index t = 0; t < T.size(); ++t)
-      if (region_of(mesh, t) != none) T[t] = -T[t];
+      if (strong_share(region_of(mesh, t)) < 0.5) T[t] = -T[t];
   return T;
 }
 
@@ -259,11 +282,11 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
     if (weight[k] > 0) add(rate, weight[k], boundary_rate(e, analyse_bound(e, k)));
   const Eigen::VectorXd distance = signed_distance(canvas_, s_.phi);
   const SpeedLimits limits{.most = s_.step,
+                           .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
-                           .min_feature = how.min_feature,
-                           .product = how.product};
-  const Speed speed =
-      boundary_speed(canvas_, distance, rate, limits, penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
+                           .min_feature = how.min_feature};
+  const Speed speed = boundary_speed(canvas_, distance, rate, limits, elastic_.get(),
+                                     penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
   s_.multiplier = speed.multiplier;
   optimality_ = speed.optimality;
   Eigen::VectorXd next = distance - speed.on_canvas;
@@ -286,7 +309,9 @@ Eigen::VectorXd Mover::fixed_point_step(const Evaluated& e) {
   s_.multiplier = f.multiplier;
   optimality_ = f.angle;
   s_.psi = f.psi;
-  return f.psi;
+  Eigen::VectorXd next = s_.psi;
+  drop_islands(canvas_, loaded_, next);
+  return penalised_ ? next : with_area(canvas_, next, s_.wanted);
 }
 
 bool Mover::accept(Design e, std::vector<std::string> notes) {
@@ -323,6 +348,7 @@ OptimizeResult Mover::run() {
     }
     s_.phi = signed_distance(canvas_, constrained(canvas_, phi));
     s_.wanted = std::max(target_, negative_area(canvas_.mesh, s_.phi));
+    if (!settled()) fitted_.sizing.size = carving_.spacing = early * size_;
     ++s_.solves;
     go_on = accept(evaluate(s_.phi), {});
     save();
@@ -338,16 +364,20 @@ OptimizeResult Mover::run() {
     if (!penalised_) s_.wanted = std::max(target_, s_.wanted - drop * whole_);
     std::vector<std::string> notes;
     const bool fixed = r_.level_set.move == LevelSetRequest::Move::FixedPoint;
+    if (s_.psi.size() == 0) s_.psi = s_.phi;
+    const Eigen::VectorXd psi = s_.psi;
     Design tried;
     Eigen::VectorXd next;
     std::string failure;
+    std::vector<std::string> drawn = s_.drawn;
     try {
       next = fixed ? fixed_point_step(*design_) : shape_step(*design_, notes);
       if (!fixed) {
-        next = signed_distance(canvas_, constrained(canvas_, next));
+        next = constrained(canvas_, next);
+        drop_islands(canvas_, loaded_, next);
         if (!penalised_) next = with_area(canvas_, next, s_.wanted);
       }
-      tried = trial(next, notes);
+      tried = trial(next, notes, drawn);
     } catch (const Error& error) {
       if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
       failure = error.what();
@@ -360,6 +390,7 @@ OptimizeResult Mover::run() {
         settled() && s_.best.size() > 0 && !better && (value > best + rise * std::abs(best) || s_.since + 1 > patience);
     if (!tried && s_.best.size() == 0) {
       // There is nothing to go back to but the present design: smaller steps from it.
+      s_.psi = psi;
       s_.step *= 0.5;
       s_.turn *= 0.5;
       if (!penalised_) s_.wanted = std::min(s_.wanted + drop * whole_, design_->area);
@@ -383,6 +414,7 @@ OptimizeResult Mover::run() {
       if (better) {
         s_.since = 0;
         s_.step = std::min(1.2 * s_.step, largest_step * size_);
+        s_.turn = std::min(1.2 * s_.turn, largest_turn);
       } else if (settled()) {
         ++s_.since;
         notes.push_back(fmt::format("merit above the best by {:.2g} %, followed for at most {} iterations",
@@ -391,6 +423,7 @@ OptimizeResult Mover::run() {
         notes.push_back("J rises while the area falls");
       }
       s_.phi = next;
+      s_.drawn = std::move(drawn);
       go_on = accept(tried, notes);
       if (better || (settled() && s_.best.size() == 0)) {
         s_.best = next;
@@ -445,9 +478,10 @@ void Mover::save() const {
   c.numbers["best"] = s_.best;
   c.numbers["track"] = vector_of(s_.track);
   c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] = (Eigen::VectorXd(10) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
-                          s_.best_J, s_.best_area, s_.best_iteration, s_.since)
+  c.numbers["scalars"] = (Eigen::VectorXd(11) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
+                          s_.best_J, s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size)
                              .finished();
+  c.texts["drawn"] = join(s_.drawn, "\n");
   write_rows(c, s_.rows);
   write_checkpoint(place_.path, c);
 }
@@ -472,8 +506,10 @@ bool Mover::restore() {
   s_.since = static_cast<int>(x[9]);
   const Eigen::VectorXd& track = c->numbers.at("track");
   s_.track.assign(track.begin(), track.end());
+  s_.drawn = split_lines(c->texts.at("drawn"));
   s_.rows = read_rows(*c);
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
+  fitted_.sizing.size = carving_.spacing = x[10];
   design_ = evaluate(s_.phi);
   if (s_.best.size() > 0) best_ = s_.best == s_.phi ? design_ : evaluate(s_.best);
   return true;

@@ -8,6 +8,19 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
+/// Gradients of the barycentric coordinates.
+struct Slopes {
+  double area;
+  std::array<Vec2, 3> slope;
+};
+Slopes slopes(const Mesh& mesh, const std::array<Index, 3>& t) {
+  const Vec2 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+  Slopes s{.area = 0.5 * cross(b - a, c - a)};
+  const std::array<Vec2, 3> side = {c - b, a - c, b - a};
+  for (std::size_t i = 0; i < 3; ++i) s.slope[i] = Vec2(-side[i].y(), side[i].x()) / (2 * s.area);
+  return s;
+}
+
 }  // namespace
 
 struct Helmholtz::Impl {
@@ -19,12 +32,10 @@ Helmholtz::Helmholtz(const Canvas& canvas, double r) : impl_(std::make_unique<Im
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(9 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const Vec2 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
-    const double area = 0.5 * cross(b - a, c - a);
-    const std::array<Vec2, 3> side = {c - b, a - c, b - a};  // the gradients, turned, times twice the area
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        entries.emplace_back(t[i], t[k], r * r * side[i].dot(side[k]) / (4 * area) + area / (i == k ? 6 : 12));
+    const Slopes s = slopes(mesh, t);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        entries.emplace_back(t[i], t[k], s.area * (r * r * s.slope[i].dot(s.slope[k]) + (i == k ? 1.0 / 6 : 1.0 / 12)));
   }
   const Eigen::Index n = static_cast<Eigen::Index>(mesh.points.size());
   Sparse matrix(n, n);
@@ -62,38 +73,48 @@ Eigen::VectorXd smooth_along(const Curve& curve, const Eigen::VectorXd& length, 
   return factor.solve(load);
 }
 
-Eigen::VectorXd elastic_extension(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
-                                  const Eigen::VectorXd& distance, double r) {
+struct ElasticProduct::Impl {
+  Eigen::SimplicialLDLT<Sparse> factor;
+};
+
+ElasticProduct::ElasticProduct(const Canvas& canvas, double r) : impl_(std::make_unique<Impl>()) {
   const Mesh& mesh = canvas.mesh;
-  const Eigen::Index n = static_cast<Eigen::Index>(mesh.points.size());
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(36 * mesh.triangles.size());
-  Eigen::MatrixX2d gradient = Eigen::MatrixX2d::Zero(n, 2);  // of the distance, at vertices
   for (const auto& t : mesh.triangles) {
-    const Vec2 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
-    const double area = 0.5 * cross(b - a, c - a);
-    const std::array<Vec2, 3> side = {c - b, a - c, b - a};
-    std::array<Vec2, 3> slope;
-    for (std::size_t i = 0; i < 3; ++i) slope[i] = Vec2(-side[i].y(), side[i].x()) / (2 * area);
-    Vec2 g = Vec2::Zero();
-    for (std::size_t i = 0; i < 3; ++i) g += distance[t[i]] * slope[i];
-    for (std::size_t i = 0; i < 3; ++i) {
-      gradient.row(t[i]) += area * g.transpose();
+    const Slopes s = slopes(mesh, t);
+    for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         // eps(N_i e_p) : eps(N_k e_q) = 1/2 (slope_i . slope_k delta_pq + slope_i,q slope_k,p)
-        const double mass = area / (i == k ? 6 : 12), product = slope[i].dot(slope[k]);
+        const double mass = s.area / (i == k ? 6 : 12), product = s.slope[i].dot(s.slope[k]);
         for (int p = 0; p < 2; ++p)
           for (int q = 0; q < 2; ++q)
             entries.emplace_back(
                 2 * t[i] + p, 2 * t[k] + q,
-                0.5 * r * r * area * ((p == q ? product : 0) + slope[i][q] * slope[k][p]) + (p == q ? mass : 0));
+                0.5 * r * r * s.area * ((p == q ? product : 0) + s.slope[i][q] * s.slope[k][p]) + (p == q ? mass : 0));
       }
-    }
+  }
+  const Eigen::Index n = 2 * static_cast<Eigen::Index>(mesh.points.size());
+  Sparse matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  impl_->factor.compute(matrix);
+}
+
+ElasticProduct::~ElasticProduct() = default;
+ElasticProduct::ElasticProduct(ElasticProduct&&) noexcept = default;
+
+Eigen::VectorXd ElasticProduct::extend(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
+                                       const Eigen::VectorXd& distance) const {
+  const Eigen::Index n = distance.size();
+  Eigen::Matrix2Xd gradient = Eigen::Matrix2Xd::Zero(2, n);  // of the distance, at vertices
+  for (const auto& t : canvas.mesh.triangles) {
+    const Slopes s = slopes(canvas.mesh, t);
+    Vec2 g = Vec2::Zero();
+    for (std::size_t i = 0; i < 3; ++i) g += distance[t[i]] * s.slope[i];
+    for (const Index v : t) gradient.col(v) += s.area * g;
   }
   for (Eigen::Index v = 0; v < n; ++v)
-    if (const double norm = gradient.row(v).norm(); norm > 0) gradient.row(v) /= norm;
-  Sparse matrix(2 * n, 2 * n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+    if (const double norm = gradient.col(v).norm(); norm > 0) gradient.col(v) /= norm;
   std::vector<Vec2> points;
   Eigen::VectorXd amount(static_cast<Eigen::Index>(curve.edges.size()));
   for (std::size_t e = 0; e < curve.edges.size(); ++e) {
@@ -103,14 +124,14 @@ Eigen::VectorXd elastic_extension(const Canvas& canvas, const Curve& curve, cons
   }
   const Eigen::VectorXd normal_load = spread_onto(canvas, points, amount);
   Eigen::VectorXd load(2 * n);
-  for (Eigen::Index v = 0; v < n; ++v) load.segment<2>(2 * v) = normal_load[v] * gradient.row(v).transpose();
-  const Eigen::SimplicialLDLT<Sparse> factor(matrix);
-  const Eigen::VectorXd field = factor.solve(load);
+  for (Eigen::Index v = 0; v < n; ++v) load.segment<2>(2 * v) = normal_load[v] * gradient.col(v);
+  const Eigen::VectorXd field = impl_->factor.solve(load);
   Eigen::VectorXd along(n);
-  for (Eigen::Index v = 0; v < n; ++v) along[v] = field.segment<2>(2 * v).dot(gradient.row(v).transpose());
+  for (Eigen::Index v = 0; v < n; ++v) along[v] = field.segment<2>(2 * v).dot(gradient.col(v));
   double fastest = 0;
   for (const Vec2& x : points) fastest = std::max(fastest, std::abs(value_at(canvas, along, x)));
-  return fastest > 0 ? Eigen::VectorXd(along * (speed.cwiseAbs().maxCoeff() / fastest)) : along;
+  if (fastest > 0) along *= speed.cwiseAbs().maxCoeff() / fastest;
+  return along;
 }
 
 }  // namespace kerf

@@ -32,10 +32,21 @@ struct Curve {
 /// the gradient of values per edge in the H1 product of the curve. Edges have the lengths given.
 Eigen::VectorXd smooth_along(const Curve& curve, const Eigen::VectorXd& length, double r, const Eigen::VectorXd& value);
 
-/// Speeds on the points of a curve as a vector field on the canvas, regularised by the product
-/// r^2 (eps(v), eps(w)) + (v, w) [elasticity: Schulz, Siebenborn, Welker 2016], along the gradient of `distance`; as
-/// fast as the given speeds where they are largest.
-Eigen::VectorXd elastic_extension(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
-                                  const Eigen::VectorXd& distance, double r);
+/// r^2 (eps(v), eps(w)) + (v, w) on the linear vector fields of a canvas, factorised once [Schulz, Siebenborn 2016].
+class ElasticProduct {
+ public:
+  ElasticProduct(const Canvas& canvas, double r);
+  ~ElasticProduct();
+  ElasticProduct(ElasticProduct&&) noexcept;
+
+  /// Speeds on the points of a curve as a vector field on the canvas: its component along the gradient of `distance`,
+  /// as fast as the given speeds where they are largest.
+  Eigen::VectorXd extend(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
+                         const Eigen::VectorXd& distance) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace kerf

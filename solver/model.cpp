@@ -117,7 +117,8 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
   Ordering ordering = order(mesh, skeleton, how.kept_edges);
-  return_freed_memory();
+  constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
+  if (mesh.triangles.size() > large) return_freed_memory();
   constexpr Index most_contact = 9000;  // half a minute and two gigabytes
   if (ordering.trailing > most_contact)
     throw Error(
