@@ -19,7 +19,7 @@ namespace {
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 // Lengths of the judge's meshes, and triangles of the last one.
 constexpr double fine_background = 0.005, background = 0.01, fine = 0.02, medium = 0.015;
-constexpr Index fine_triangles = 60000;
+constexpr Index fine_triangles = 100000;
 constexpr std::size_t most_points = 60;  // of a curve that are judged
 constexpr double near = 0.01;            // of the last compliance
 constexpr double at_volume = 0.005;      // relative: designs on their way to the volume are no part of a curve
