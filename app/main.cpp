@@ -4,6 +4,7 @@
 #include "app/progress.hpp"
 #include "app/run.hpp"
 #include "bench/map.hpp"
+#include "bench/optimize.hpp"
 #include "bench/state.hpp"
 #include "cases/words.hpp"
 
@@ -77,7 +78,9 @@ const std::vector<Bench>& benches() {
       {"state", "time and memory against the error of the stress: every element on smooth, singular and contact cases",
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
-       map_case_names()}};
+       map_case_names()},
+      {"optimize", "compliance, time and state solves of optimised designs beside those of other programs",
+       optimize_case_names()}};
   return all;
 }
 
@@ -93,7 +96,8 @@ void declare_bench(CLI::App* sub, Arguments& arguments) {
   sub->add_option("NAME", arguments.bench, "Which one; see --list");
   sub->add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
   sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
-  sub->add_option("--seconds", options.seconds, "Time for kerf's runs; default 300")->check(CLI::Range(1e-3, 1e6));
+  sub->add_option("--seconds", options.seconds, "state, map: time for kerf's runs; default 300")
+      ->check(CLI::Range(1e-3, 1e6));
   sub->add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
       ->check(CLI::Range(1e-3, 1e6));
   const auto several = [sub](const char* name, std::vector<std::string>& names, const char* words) {
@@ -208,16 +212,17 @@ int perform_bench(const Arguments& arguments) {
   for (const Bench& b : benches()) names.push_back(b.name);
   if (arguments.bench.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.bench, names);
-  const bool maps = arguments.bench == "map";
+  const bool maps = arguments.bench == "map", designs = arguments.bench == "optimize";
   if (arguments.large && !maps) throw Error(Fault::Usage, "--large belongs to kerf bench map");
   StateBenchOptions options = arguments.state_bench;
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.bench; });
   for (const std::string& name : options.cases) require_known("case", name, chosen->cases);
+  if (designs && !options.elements.empty()) throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
   for (const std::string& name : options.elements) require_known("element", name, bench_element_names());
   options.folder = arguments.folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments.bench)
                                             : std::filesystem::path(arguments.folder);
-  make_ready(options.folder, arguments.force, maps ? "map.json" : "state.json");
+  make_ready(options.folder, arguments.force, (arguments.bench + ".json").c_str());
   catch_signals();
   Progress progress(log_level(arguments));
   options.stop_asked = [] { return stop_requested != 0; };
@@ -227,7 +232,15 @@ int perform_bench(const Arguments& arguments) {
     if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
     if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
   };
-  if (maps)
+  if (designs)
+    finish(run_optimize_bench({.folder = options.folder,
+                               .cases = options.cases,
+                               .peer_seconds = options.peer_seconds,
+                               .quick = options.quick,
+                               .peers = options.peers,
+                               .stop_asked = options.stop_asked,
+                               .on_phase = options.on_phase}));
+  else if (maps)
     finish(run_map_bench({.folder = options.folder,
                           .cases = options.cases,
                           .elements = options.elements,

@@ -210,7 +210,7 @@ struct Solved {
   PlotData data;
 };
 
-/// The state of a body with its files. After an optimisation those of its design take the place of earlier ones.
+/// The state of a body with its files.
 Solved solve_state(const Case& c, Running& p) {
   const Begin begin = [&p](const std::string& phase) { p.begin(phase); };
   Adapted adapted = c.adapt ? solve_refined(c, p.options, begin, p.r) : solve_once(c, p.options, begin, p.r);
@@ -296,12 +296,22 @@ Case optimise_shape(const Case& c, Running& p) {
   return design;
 }
 
+/// After a state, a map or a validation of the given body the design is drawn alone: the last design_NNNN.vtu has its
+/// state.
+void draw_design(const Case& design, Running& p) {
+  p.r.optimize->notes.push_back("state, map and validation are of the body before the optimisation");
+  if (!design.output.png) return;
+  p.begin("draw the design");
+  const Model model =
+      prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree), design.scene,
+              p.options.threads, {.factorise = false});
+  p.picture("design.png", "The design", design_picture(design, model));
+  std::rotate(p.pictures.begin(), p.pictures.end() - 1, p.pictures.end());
+  p.r.seconds.output += p.watch.lap();
+}
+
 /// The state of the optimal design; J is what the optimisation says, over all load cases.
 Solved solve_design(const Case& design, Running& p) {
-  p.r.adapt.reset();
-  p.r.contact.reset();
-  if (p.r.map || p.r.validate)
-    p.r.optimize->notes.push_back("map and validation are of the body before the optimisation");
   Solved solved = solve_state(design, p);
   if (design.output.png) p.picture("design.png", "The design", design_picture(design, solved.adapted.model));
   std::rotate(p.pictures.begin(), p.pictures.end() - (design.output.png ? 1 : 0), p.pictures.end());
@@ -356,9 +366,12 @@ Result run(const Case& given, Job job, const RunOptions& options) {
     if (with_validation) validate_expansion(c, p);
     if (with_optimization) {
       Case design = optimise_shape(given, p);
-      analysis.reset();
-      solved.emplace(solve_design(design, p));
-      c = std::move(design);
+      if (before) {
+        draw_design(design, p);
+      } else {
+        solved.emplace(solve_design(design, p));
+        c = std::move(design);
+      }
     }
   } catch (const Error& e) {
     if (e.fault != Fault::Numerics || p.stop_asked()) throw;
