@@ -109,9 +109,7 @@ Sizing checked(const Shape& shape, Sizing sizing) {
   sizing.size = std::min(sizing.size, whole);
   if (sizing.crack_tip_size == 0) sizing.crack_tip_size = sizing.size / 100;
   sizing.crack_tip_size = std::min(sizing.crack_tip_size, sizing.size);
-  double area = std::abs(signed_area(shape.outline));
-  for (const Loop& hole : shape.holes) area -= std::abs(signed_area(hole));
-  const double predicted = area / (std::sqrt(3.0) / 4 * sizing.size * sizing.size);
+  const double predicted = area(shape) / (std::sqrt(3.0) / 4 * sizing.size * sizing.size);
   require(predicted <= max_triangles,
           fmt::format("mesh.size = {:.3g} would give about {:.2g} triangles; at most {:.0e} are allowed", sizing.size,
                       predicted, max_triangles));

@@ -56,6 +56,12 @@ double path_length(const Crack& crack) {
   return sum;
 }
 
+double area(const Shape& shape) {
+  double sum = std::abs(signed_area(shape.outline));
+  for (const Loop& hole : shape.holes) sum -= std::abs(signed_area(hole));
+  return sum;
+}
+
 Polygon flatten(const Loop& loop, double chord, double longest) {
   if (!(chord > 0) || !(longest > 0))
     throw Error(Fault::Geometry,

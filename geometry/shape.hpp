@@ -49,6 +49,8 @@ Loop polygon(std::string name, const std::vector<Vec2>& points, Index label);
 Crack arc_crack(std::string name, const Vec2& center, double radius, double from_rad, double to_rad);
 
 double path_length(const Crack& crack);
+/// Of the outline less that of the holes, which must lie inside and apart.
+double area(const Shape& shape);
 
 /// The loop as a counter-clockwise polygon whose vertices lie on it. No chord is further than `chord` from its arc, no
 /// piece of an arc longer than `longest`; `label` per piece. Straight sides are not split.

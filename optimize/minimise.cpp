@@ -76,8 +76,8 @@ std::vector<Eigen::Index> free_variables(const VectorXd& lower, const VectorXd& 
 /// One minimisation: everything that was evaluated, and what NLopt's callbacks need.
 class Run {
  public:
-  Run(const Program& program, const Stop& stop, std::span<const Evaluation> known, const VectorXd& start)
-      : program_(program), stop_(stop), known_(known), start_(start), width_(program.upper - program.lower) {
+  Run(const Program& program, const Stop& stop, const VectorXd& start)
+      : program_(program), stop_(stop), start_(start), width_(program.upper - program.lower) {
     free_ = free_variables(program.lower, program.upper);
   }
 
@@ -115,7 +115,6 @@ class Run {
 
   const Program& program_;
   const Stop& stop_;
-  std::span<const Evaluation> known_;
   VectorXd start_, width_;
   std::vector<Eigen::Index> free_;
   std::vector<std::unique_ptr<Evaluation>> seen_;  // addresses stay
@@ -202,10 +201,8 @@ void Run::weigh_up(const Evaluation& e) {
 
 const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
   if (const Evaluation* e = find(x, gradients)) return *e;
-  const auto known = std::find_if(known_.begin(), known_.end(), [&](const Evaluation& e) {
-    return same(e.x, x) && (!gradients || e.gradients.cols() > 0);
-  });
-  auto e = std::make_unique<Evaluation>(known != known_.end() ? *known : program_.evaluate(x, gradients));
+  auto e = std::make_unique<Evaluation>(program_.evaluate(x, gradients));
+  e->x = x;
   const bool first = seen_.empty();
   if (e->failure.empty()) {
     if (e->values.size() != 1 + program_.constraints || !e->values.allFinite() || !e->gradients.allFinite())
@@ -215,7 +212,6 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
     if (std::find(failures_.begin(), failures_.end(), e->failure) == failures_.end()) failures_.push_back(e->failure);
     answer(*e, gradients);
   }
-  e->x = x;
   if (first) {
     first_scale_ = scale_of(*e, program_.lower, program_.upper);
     nlopt_scale_ = first_scale_ > 0 ? first_scale_ : 1;
@@ -404,8 +400,7 @@ Minimum Run::minimise(const std::string& method) {
 
 }  // namespace
 
-Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop,
-                 std::span<const Evaluation> known) {
+Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop) {
   algorithm(method);
   if (!program.gradients && method != "cobyla")
     throw Error(Fault::Usage,
@@ -417,7 +412,7 @@ Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std
     if (!(start[i] >= program.lower[i] && start[i] <= program.upper[i]))
       throw Error(Fault::Usage, fmt::format("the start of variable {} is {:g}; it has to lie between {:g} and {:g}",
                                             i + 1, start[i], program.lower[i], program.upper[i]));
-  return Run(program, stop, known, start).minimise(method);
+  return Run(program, stop, start).minimise(method);
 }
 
 double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,12 +26,12 @@ struct Program {
   /// the constraints push back, by values that push towards it otherwise. It never is the result.
   std::function<Evaluation(const Eigen::VectorXd& x, bool gradients)> evaluate;
   bool gradients = true;  // false: `evaluate` has none (cobyla alone)
-  /// Called after every evaluation, the known ones too, with its KKT residual (NaN without gradients); false: stop.
+  /// Called after every evaluation with its KKT residual (NaN without gradients); false: stop.
   std::function<bool(const Evaluation& evaluation, double kkt)> see = {};
 };
 
 struct Stop {
-  int evaluations = 200;  // known ones included
+  int evaluations = 200;
   double kkt = 1e-3;
   double feasibility = 1e-6;  // violations up to here do not count
   double step = 1e-7;         // change of the variables, relative to their boxes; 1e-4 for cobyla
@@ -55,10 +54,9 @@ struct Minimum {
 /// Method: "mma" [Svanberg 2002], "ccsaq" (the same with quadratic models), "slsqp" [Kraft 1994], "cobyla" [Powell
 /// 1994] without gradients. NLopt calls it a success when steps get short, which happens at wrong points too: kerf ends
 /// at a small KKT residual, and goes on with MMA from a point where NLopt stopped and the residual is large.
-/// `known`: evaluations of an interrupted run of the same program, found by their x: the run repeats bit for bit.
+/// Deterministic: where `evaluate` repeats itself, so does the whole run.
 /// Throws Error(Usage) for an unknown method, bounds that cross, a start outside of them, gradients that it needs.
-Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop,
-                 std::span<const Evaluation> known = {});
+Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop);
 
 /// The size of the derivatives of the objective: max(|f|, |df/dx_i| (upper_i - lower_i)).
 double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);

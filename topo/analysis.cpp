@@ -19,10 +19,6 @@ Sensitivity scaled(double factor, Sensitivity s) {
   return s;
 }
 
-bool homogeneous(const Model& m) {
-  return std::all_of(m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), [](double v) { return v == 0; });
-}
-
 // Work of the tractions that the measured displacements replace, on them.
 double work_on_measured(const Model& m, const Support& measured) {
   const EdgeRule rule = gauss(8);
@@ -95,6 +91,10 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
 
 }  // namespace
 
+bool has_rigid_supports(const Model& m) {
+  return std::all_of(m.skeleton.prescribed.begin(), m.skeleton.prescribed.end(), [](double v) { return v == 0; });
+}
+
 Scene measured_scene(const Scene& scene, const Support& measured) {
   Scene other = scene;
   std::erase_if(other.tractions, [&](const Traction& t) { return t.label == measured.label; });
@@ -123,7 +123,7 @@ Analysis analyse(const Functional& j, const Model& model, const State& state, bo
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
                   [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
     a.biactive_length = length_of(model, state);
-  const bool self_adjoint_work = homogeneous(model);
+  const bool self_adjoint_work = has_rigid_supports(model);
   for (const Term& term : j.terms) {
     double value = 0;
     if (term.measured) {

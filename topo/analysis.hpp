@@ -49,6 +49,9 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
 /// which a change of the body moves.
 void require_supports(const Functional& j, const Model& model);
 
+/// No prescribed displacement but 0: then the compliance is -2 times the potential energy.
+bool has_rigid_supports(const Model& model);
+
 /// The scene with the measured displacements instead of the tractions on their label.
 Scene measured_scene(const Scene& scene, const Support& measured);
 

@@ -9,9 +9,6 @@
 
 namespace kerf {
 
-namespace {
-
-// Where a domain integral looks: data and powers of stresses are no polynomials of low degree.
 TriangleRule domain_rule(const Model& m) {
   return triangle_rule(8 + m.kernel.element.displacement);
 }
@@ -23,6 +20,8 @@ bool wanted(const Term& term, const Triangle& t) {
   for (const Vec2& x : t.x) radius = std::max(radius, (x - center).norm());
   return term.somewhere(center, radius);
 }
+
+namespace {
 
 struct Sampled {
   Points x;

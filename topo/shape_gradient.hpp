@@ -6,12 +6,20 @@
 namespace kerf {
 
 /// Distributed form: dJ(theta) = sum_v column(v) . theta(x_v) for every theta that is linear on the triangles of the
-/// model's mesh; 2 x vertices. Mixed fields sigma, D = A sigma + Gamma(omega) in place of grad u, and the same of the
-/// adjoint (mixed sign):
-///   dJ(theta) = int D:(zeta grad theta') + (A zeta + Gamma(rho)):(sigma grad theta') - (A sigma:zeta) div theta + ...
-/// It is the exact derivative of the discrete J when the vertices of the mesh move, for elements whose spaces the Piola
-/// transformation maps onto themselves (peers, bdms, afw), and finite at nu = 1/2. Loads, supports and cracks move with
-/// the body.
+/// model's mesh; 2 x vertices. With the mixed fields sigma, D_u = A sigma + Gamma(omega) in place of grad u, the same
+/// of the adjoint (zeta, p, rho; mixed sign), G = grad theta and a density j:
+///   dJ(theta) = int j div theta + d_x j.theta + j_sigma:(sigma G' - sigma div theta)
+///             + int D_u:(zeta G') + (A zeta + Gamma(rho)):(sigma G') - (A sigma:zeta) div theta + p.f div theta + ...
+///   dPi(theta) = - int D_u:(sigma G') - 1/2 (A sigma:sigma) div theta + u.f div theta + u.(grad f theta)
+/// It is the derivative of the discrete J when the vertices of the mesh move (to rounding), because the Piola
+/// transformation maps the spaces of these elements onto themselves; finite at nu = 1/2. Regions, labels and cracks
+/// move with their vertices. Data are functions of the place and stay where they are: a moved edge meets the traction,
+/// the displacement, the target that stand at its new place, and its own new normal. So do the normal of a curved crack
+/// (CrackLaw::normal), the body force, weights, and the ring and tip of an energy release rate: to move a tip together
+/// with its ring, add -dJ/d(ring), or think of G at the ring's place.
+/// Where contact is about to change (Analysis::biactive) J has one-sided derivatives only; this is the one of a crack
+/// that opens there.
+/// Throws Error(Usage) for elements other than bdms, bdms-c, peers, afw, and as require_supports.
 Points shape_gradient(const Analysis& a, const Functional& j);
 
 /// Boundary form on free boundaries: dJ(theta) = int g theta.n, g = density + b.p - sigma:eps(p) from the recovered
