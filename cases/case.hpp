@@ -1,6 +1,7 @@
 #pragma once
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
+#include "optimize/request.hpp"
 #include "topo/validate.hpp"
 
 #include <filesystem>
@@ -33,6 +34,19 @@ struct Elastic {
   double young = 1, poisson = 0.3;
 };
 
+/// The body that measurements are made up from: an inverse problem whose answer is known. Another mesh and another
+/// element than those of the search: no inverse crime.
+struct Synthetic {
+  Shape true_shape;  // what the case draws, and what it looks for
+  Scene true_scene;  // of it
+  std::string element = "afw";
+  int degree = 1;
+  Sizing sizing;
+  double noise = 0;  // standard deviation, relative to the root mean square of the displacements
+  unsigned seed = 1;
+  Index label = none;  // where they are measured
+};
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -53,7 +67,13 @@ struct Case {
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;
   OutputRequest output;
+  std::optional<OptimizeRequest> optimize;
+  std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
+  std::string fingerprint;             // of all that an optimisation depends on, but for how long it may go on
 };
+
+/// The scene with the loads of the first load case, if there are load cases.
+Scene loaded_scene(const Case& c);
 
 /// Strict: an unknown, duplicated or ill-typed key, an unknown label, an unused definition is an Error(Usage) that
 /// reads `file:line:column: what is wrong; what would be right`. An unreadable file is an Error(Files). `overrides` are
