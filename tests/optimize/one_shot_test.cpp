@@ -54,10 +54,8 @@ TEST(OneShot, FindsAHole) {
   d.drawn = {plate.circle("h")};
   const OneShot found = one_shot(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 1u);
-  std::printf("%g %g %g  %g %d\n", found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size,
-              found.explained, found.solves);
   EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.01);
-  EXPECT_NEAR(found.guesses[0].size, 0.08, 0.008);
+  EXPECT_NEAR(found.guesses[0].size, 0.08, 0.004);
   EXPECT_EQ(found.design.drawn[0].start,
             Eigen::Vector3d(found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size));
   EXPECT_GT(found.explained, 0.99);
@@ -71,13 +69,12 @@ TEST(OneShot, FindsTwoHoles) {
   d.drawn = {plate.circle("a"), plate.circle("b")};
   const OneShot found = one_shot(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 2u);
-  for (const Guess& g : found.guesses) std::printf("%g %g %g  %g\n", g.at.x(), g.at.y(), g.size, found.explained);
   const bool swapped = found.guesses[0].at.x() > 0.5;
   const Guess &a = found.guesses[swapped ? 1 : 0], &b = found.guesses[swapped ? 0 : 1];
-  EXPECT_LT((a.at - Vec2(0.3, 0.65)).norm(), 0.03);
-  EXPECT_LT((b.at - Vec2(0.7, 0.4)).norm(), 0.03);
-  EXPECT_NEAR(a.size, 0.07, 0.015);
-  EXPECT_NEAR(b.size, 0.09, 0.015);
+  EXPECT_LT((a.at - Vec2(0.3, 0.65)).norm(), 0.01);
+  EXPECT_LT((b.at - Vec2(0.7, 0.4)).norm(), 0.01);
+  EXPECT_NEAR(a.size, 0.07, 0.005);
+  EXPECT_NEAR(b.size, 0.09, 0.006);
 }
 
 TEST(OneShot, FindsAnInclusionAndItsContrast) {
@@ -88,11 +85,9 @@ TEST(OneShot, FindsAnInclusionAndItsContrast) {
   Design d;
   d.drawn = {plate.region("r", 0.2, 5)};
   const OneShot found = one_shot(p, d, 0.02);
-  std::printf("%g %g %g %g %g\n", found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size,
-              found.guesses[0].young, found.explained);
   EXPECT_LT((found.guesses[0].at - Vec2(0.4, 0.6)).norm(), 0.02);
   EXPECT_EQ(found.guesses[0].young, 5);
-  EXPECT_NEAR(found.guesses[0].size, 0.1, 0.015);
+  EXPECT_NEAR(found.guesses[0].size, 0.1, 0.005);
 }
 
 TEST(OneShot, FindsACrackThatOpens) {
@@ -103,8 +98,7 @@ TEST(OneShot, FindsACrackThatOpens) {
   d.drawn = {plate.crack("c")};
   const OneShot found = one_shot(p, d, 0.02);
   const Eigen::Vector4d start = found.design.drawn[0].start;
-  std::printf("%g %g %g %g  %g\n", start[0], start[1], start[2], start[3], found.explained);
-  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.05);
+  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.01);
 }
 
 // Noise of 1 %.
@@ -115,9 +109,7 @@ TEST(OneShot, StandsNoise) {
   Design d;
   d.drawn = {plate.circle("h")};
   const OneShot found = one_shot(plate.problem(), d, 0.02);
-  std::printf("%g %g %g  %g\n", found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size,
-              found.explained);
-  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.06);
+  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.02);
 }
 
 TEST(OneShot, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
