@@ -1,0 +1,243 @@
+#include "optimize/conditions.hpp"
+#include "optimize/extend.hpp"
+#include "tests/optimize/designs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace kerf {
+namespace {
+
+using namespace scenes;
+using Eigen::VectorXd;
+
+VectorXd random_in(const Design& d, unsigned seed) {
+  std::mt19937 bits(seed);
+  const VectorXd l = lower_bounds(d), u = upper_bounds(d);
+  VectorXd x(l.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x[i] = l[i] + (u[i] - l[i]) * (static_cast<double>(bits()) / 4294967296.0);
+  return x;
+}
+
+VectorXd differences(const std::function<double(const VectorXd&)>& f, const VectorXd& x, double step) {
+  VectorXd g(x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    VectorXd a = x, b = x;
+    a[i] += step;
+    b[i] -= step;
+    g[i] = (f(a) - f(b)) / (2 * step);
+  }
+  return g;
+}
+
+TEST(Design, DrawsBehindWhatTheFrameHas) {
+  const Problem p = everything();
+  const Design d = everything_drawn();
+  check_design(d, p);
+  const Body body = draw(d, start_of(d), p);
+  ASSERT_EQ(body.shape.holes.size(), 3u);
+  ASSERT_EQ(body.shape.cracks.size(), 2u);
+  ASSERT_EQ(body.shape.regions.size(), 1u);
+  EXPECT_EQ(body.shape.labels,
+            (std::vector<std::string>{"bottom", "right", "top", "left", "hole:circle", "hole:ellipse", "hole:spline"}));
+  EXPECT_EQ(body.scene.laws.size(), 2u);
+  ASSERT_EQ(body.scene.regions.size(), 1u);
+  EXPECT_DOUBLE_EQ(body.scene.regions[0].mu, 3 / 2.6);
+  EXPECT_EQ(find_problem(body.shape), std::nullopt);
+}
+
+TEST(Design, MeshVerticesFollowTheVariables) {
+  const Problem p = everything();
+  const Design d = everything_drawn();
+  const VectorXd x = start_of(d);
+  const Mesh mesh = triangulate(draw(d, x, p).shape, p.sizing);
+  const Followers f = followers(d, x, p, mesh);
+  std::vector<int> count(5, 0);
+  const Points at = positions(d, f, x);
+  for (std::size_t i = 0; i < f.all.size(); ++i) {
+    ++count[static_cast<std::size_t>(f.all[i].drawn)];
+    EXPECT_LT((at.col(static_cast<Eigen::Index>(i)) - mesh.points[static_cast<std::size_t>(f.all[i].vertex)]).norm(),
+              1e-12);
+  }
+  for (const int n : count) EXPECT_GE(n, 8);
+  // Where they go lies on what is drawn there.
+  const VectorXd y = random_in(d, 3);
+  const Points to = positions(d, f, y);
+  for (std::size_t i = 0; i < f.all.size(); ++i) {
+    const Vec2 v = to.col(static_cast<Eigen::Index>(i));
+    if (f.all[i].drawn == 0) EXPECT_NEAR((v - y.head<2>()).norm() / y[2], 1, 0.02);
+    if (f.all[i].drawn == 4) EXPECT_NEAR((v - y.segment<2>(26)).norm() / y[28], 1, 0.02);
+  }
+  // The pull is the derivative of force . position.
+  Points force(2, at.cols());
+  for (Eigen::Index i = 0; i < force.size(); ++i) force.data()[i] = std::sin(1.0 + static_cast<double>(i));
+  const VectorXd g = pull_back(d, f, y, force);
+  const VectorXd expected =
+      differences([&](const VectorXd& z) { return positions(d, f, z).cwiseProduct(force).sum(); }, y, 1e-5);
+  EXPECT_LT((g - expected).norm(), 1e-8 * expected.norm());
+}
+
+TEST(Design, AreaOfHolesAndItsDerivative) {
+  const Design d = everything_drawn();
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    const VectorXd x = random_in(d, seed);
+    VectorXd g;
+    const double area = area_of_holes(d, x, &g);
+    const VectorXd expected = differences([&](const VectorXd& z) { return area_of_holes(d, z, nullptr); }, x, 1e-5);
+    EXPECT_LT((g - expected).norm(), 1e-9);
+    // Against the polygons that are meshed.
+    const Problem p = everything();
+    Shape shape = draw(d, x, p).shape;
+    EXPECT_NEAR(kerf::area(p.frame) - kerf::area(shape), area, 2e-3 * area);
+  }
+}
+
+TEST(Design, ASplineOfPointsOnACircleIsNearlyACircle) {
+  VectorXd v(24);
+  for (int i = 0; i < 12; ++i) v.segment<2>(2 * i) = Vec2(std::cos(M_PI * i / 6), std::sin(M_PI * i / 6));
+  const Design d{{drawn(Drawn::Kind::Spline, "s", v, 0.1)}};
+  // The spline averages its control points: radius (4 + 2 cos 30)/6 at the knots.
+  const double r = (4 + 2 * std::cos(M_PI / 6)) / 6;
+  EXPECT_NEAR(area_of_holes(d, v, nullptr), M_PI * r * r, 1e-4 * r);
+}
+
+TEST(Design, SaysWhatIsDrawnWrong) {
+  const Problem p = everything();
+  const auto complaint = [&](const std::function<void(Design&)>& spoil) {
+    Design d = everything_drawn();
+    spoil(d);
+    try {
+      check_design(d, p);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Usage);
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_NE(complaint([](Design& d) { d.drawn.clear(); }).find("draws nothing"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[0].lower[2] = 0; }).find("hole 'circle'"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[1].start[0] = 7; }).find("has to lie between"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[3].name = "fixed"; }).find("taken"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[4].poisson = 0.7; }).find("Poisson"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[4].lower[3] = 0; }).find("Young"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[2].lower.conservativeResize(6); }).find("spline"), std::string::npos);
+  EXPECT_NE(complaint([](Design& d) { d.drawn[0].upper[0] = std::nan(""); }).find("finite"), std::string::npos);
+}
+
+TEST(Extension, IsTheTransposeOfItsGathering) {
+  const Problem p = everything();
+  const Design d = everything_drawn();
+  const Mesh mesh = triangulate(draw(d, start_of(d), p).shape, p.sizing);
+  const std::vector<bool> given = vertices_that_mean_something(mesh);
+  const Extension e = make_extension(mesh, given);
+  const auto n = static_cast<Eigen::Index>(mesh.points.size());
+  Points motion(2, n), force(2, n);
+  for (Eigen::Index i = 0; i < 2 * n; ++i) {
+    motion.data()[i] = std::sin(static_cast<double>(3 * i));
+    force.data()[i] = std::cos(static_cast<double>(5 * i));
+  }
+  const Points all = extend(e, motion), on = gather(e, force);
+  double inner = 0;
+  for (Eigen::Index v = 0; v < n; ++v)
+    if (given[static_cast<std::size_t>(v)])
+      inner += on.col(v).dot(motion.col(v));
+    else
+      EXPECT_EQ(on.col(v), Vec2::Zero());
+  EXPECT_NEAR(force.cwiseProduct(all).sum(), inner, 1e-11 * force.norm() * all.norm());
+  // Affine motions of a mesh are harmonic with any weight only if they are rigid shifts; those come through.
+  for (Eigen::Index v = 0; v < n; ++v) motion.col(v) = Vec2(1, -2);
+  EXPECT_LT((extend(e, motion) - motion).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+std::vector<Condition> close_conditions(const Design& d, const Problem& p) {
+  return conditions(d, p, 0.6, {{"a ring", {0, 0.9}, 0.3}});
+}
+
+TEST(Conditions, HaveTheirDerivatives) {
+  const Problem p = everything();
+  Design d = everything_drawn();
+  for (Drawn& one : d.drawn) {  // so that none is left out
+    one.lower.array() -= 2;
+    one.upper.array() += 2;
+  }
+  const std::vector<Condition> all = close_conditions(d, p);
+  EXPECT_GE(all.size(), 5u * 3 + 10);
+  const Design narrow = everything_drawn();
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    const VectorXd x = random_in(narrow, seed);
+    for (const Condition& c : all) {
+      VectorXd g;
+      c.value(x, &g);
+      const VectorXd expected = differences([&](const VectorXd& z) { return c.value(z, nullptr); }, x, 1e-6);
+      EXPECT_LT((g - expected).norm(), 1e-5 * std::max(1.0, expected.norm())) << c.name << " seed " << seed;
+    }
+  }
+}
+
+TEST(Conditions, CirclesAreExact) {
+  Problem p = everything();
+  p.frame.cracks.clear();
+  p.scene.laws.clear();
+  p.frame.holes = {circle("there", {1, 0}, 0.5, 0)};
+  Design d{{drawn(Drawn::Kind::Circle, "a", Eigen::Vector3d(-1, 0, 0.3), 0.25),
+            drawn(Drawn::Kind::Circle, "b", Eigen::Vector3d(-1, 1, 0.4), 0.25)}};
+  const std::vector<Condition> all = conditions(d, p, 0.1, {});
+  const VectorXd x = start_of(d);
+  std::map<std::string, double> distance;
+  for (const Condition& c : all) distance[c.name] = (1 - c.value(x, nullptr)) * 0.1;
+  EXPECT_NEAR(distance.at("hole 'a' and hole 'b' are less than 0.1 apart"), 0.3, 1e-12);
+  EXPECT_NEAR(distance.at("hole 'b' and the outline are less than 0.1 apart"), 0.6, 2e-3);  // two sides
+  EXPECT_EQ(distance.count("hole 'a' and hole 'there' are less than 0.1 apart"), 0u);       // their bounds keep them
+  d.drawn[0].upper[0] = 1;
+  bool seen = false;
+  for (const Condition& c : conditions(d, p, 0.1, {}))
+    if (c.name == "hole 'a' and hole 'there' are less than 0.1 apart") {
+      seen = true;
+      EXPECT_NEAR((1 - c.value(x, nullptr)) * 0.1, 2 - 0.8, 1e-12);
+    }
+  EXPECT_TRUE(seen);
+}
+
+TEST(Conditions, KnowOverlapCrossingAndLeaving) {
+  const Problem p = everything();
+  Design d = everything_drawn();
+  for (Drawn& one : d.drawn) {
+    one.lower.array() -= 2;
+    one.upper.array() += 2;
+  }
+  const std::vector<Condition> all = conditions(d, p, 0.1, {});
+  const auto value = [&](const std::string& name, const VectorXd& x) {
+    for (const Condition& c : all)
+      if (c.name.rfind(name, 0) == 0) return c.value(x, nullptr);
+    ADD_FAILURE() << name;
+    return 0.0;
+  };
+  const VectorXd good = start_of(d);
+  for (const Condition& c : all) EXPECT_LT(c.value(good, nullptr), 0) << c.name;
+  VectorXd x = good;
+  x.head<2>() = Vec2(0, 0);  // the circle over the crack
+  EXPECT_GT(value("hole 'circle' and crack 'fixed'", x), 1);
+  x = good;
+  x.segment<2>(3) = Vec2(0, 0.05);  // the ellipse too
+  EXPECT_GT(value("hole 'ellipse' and crack 'fixed'", x), 1);
+  x = good;
+  x[0] = -3;  // the circle has left
+  EXPECT_GT(value("hole 'circle' and the outline", x), 5);
+  x = good;
+  x.segment<2>(0) = x.segment<2>(3);  // the circle in the ellipse
+  EXPECT_GT(value("hole 'circle' and hole 'ellipse'", x), 2);
+  x = good;
+  for (int i = 0; i < 6; ++i) x.segment<2>(8 + 2 * i) = good.segment<2>(8 + 2 * (5 - i));  // clockwise
+  EXPECT_GT(value("hole 'spline' is smaller", x), 1);
+  x = good;
+  x.segment<2>(8) = good.segment<2>(14) + Vec2(-0.3, 0);  // pulled through the other side
+  EXPECT_GT(std::max({value("hole 'spline' is thinner", x), value("hole 'spline' turns", x)}), 0.1);
+  x = good;
+  x.segment<2>(24) = good.segment<2>(20) + Vec2(0.1, 0.15);  // the crack folds
+  EXPECT_GT(value("crack 'crack' folds", x), 0);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,355 @@
+#include "optimize/parameters.hpp"
+
+#include "optimize/trials.hpp"
+#include "tests/optimize/designs.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/core.h>
+
+#include <csignal>
+#include <filesystem>
+
+namespace kerf {
+namespace {
+
+using namespace scenes;
+using Eigen::VectorXd;
+
+/// Every functional that a design may minimise, on the body of `everything`.
+std::vector<Functional> functionals() {
+  const auto target = [](const Vec2& x) { return Vec2(0.3 * x.y(), std::sin(x.x())); };
+  return {{"compliance", {compliance()}},
+          {"energy", {energy()}},
+          {"displacement", {displacement_tracking(target, {})}},
+          {"norm",
+           {stress_pnorm(
+               6, [](const Vec2& x) { return 1 + 0.3 * std::sin(x.x()); }, true)}},
+          {"boundary", {boundary_tracking(1, {}, {})}},
+          {"misfit", {misfit(2, [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x.x(), 0.8); })}},
+          {"rate", {energy_release_rate({-0.3, 0.1}, {-1, 0.1}, {0.1, 0.3}, everything().scene.body)}},
+          {"opening", {crack_opening(0, {})}}};
+}
+
+class Derivatives : public testing::TestWithParam<int> {};
+
+TEST_P(Derivatives, ByEveryVariableAgreeWithCentralDifferencesOnTheMovedMesh) {
+  Problem p = everything();
+  p.objective = functionals()[static_cast<std::size_t>(GetParam())];
+  OptimizeRequest request{.method = "mma"};
+  request.design = everything_drawn();
+  const VectorXd x = start_of(request.design);
+  Trials trials(p, request);
+  trials.begin_round();
+  const Trial trial = trials.evaluate(x, true);
+  ASSERT_EQ(trial.evaluation.failure, "");
+  EXPECT_TRUE(trial.fresh);
+  const VectorXd width = upper_bounds(request.design) - lower_bounds(request.design);
+  const VectorXd g = trial.evaluation.gradients.col(0).cwiseProduct(width);
+  const double scale = g.cwiseAbs().maxCoeff();
+  constexpr double step = 1e-3;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const auto at = [&](double t) {
+      VectorXd y = x;
+      y[i] += t * width[i];
+      const Trial other = trials.evaluate(y, false);
+      EXPECT_EQ(other.evaluation.failure, "");
+      EXPECT_FALSE(other.fresh);
+      return other.evaluation.values[0];
+    };
+    const double expected = (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step);
+    EXPECT_NEAR(g[i], expected, 1e-5 * scale) << "variable " << i << " of " << p.objective.kind;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Derivatives, testing::Range(0, 8),
+                         [](const auto& info) { return functionals()[static_cast<std::size_t>(info.param)].kind; });
+
+/// A plate pulled at the top and the bottom, held in the middle of its sides; one hole drawn, and perhaps a crack.
+Problem plate() {
+  Problem p;
+  p.frame = rectangle({-1, -1}, {1, 1});
+  p.scene.material = plane_stress(1, 0.3);
+  p.plane_strain = false;
+  p.scene.supports = {{3, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }},
+                      {1, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }},
+                      {0, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+  p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, 1 + 0.5 * std::cos(M_PI * x.x())); }}};
+  p.sizing = {.size = 0.15, .crack_tip_size = 0.05};
+  p.objective = {"compliance", {compliance()}};
+  return p;
+}
+
+OptimizeRequest hole(const Eigen::Vector3d& start, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  OptimizeRequest r{.method = "mma", .max_iterations = 60};
+  r.design.drawn = {{Drawn::Kind::Circle, "h", low, high, start}};
+  return r;
+}
+
+OptimizeResult quietly(const Problem& p, const OptimizeRequest& r) {
+  return optimise_parameters(p, r, {}, {});
+}
+
+TEST(Parameters, AHoleFindsTheMiddleOfASymmetricPlate) {
+  // The load is symmetric about x = 0, strongest there: away from it a hole of fixed size costs least. A hole that must
+  // stay in the upper middle goes to one side; one that minimises minus the compliance goes to the middle.
+  Problem p = plate();
+  p.objective.terms[0].factor = -1;
+  OptimizeRequest r = hole({0.25, 0, 0.2}, {-0.4, 0, 0.2}, {0.4, 0, 0.2});
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    r.method = method;
+    const OptimizeResult found = quietly(p, r);
+    EXPECT_TRUE(found.converged) << method << ": " << found.stopped;
+    EXPECT_NEAR(found.variables[0], 0, 0.02) << method << ": " << found.stopped;
+    EXPECT_EQ(found.variables[1], 0);
+    EXPECT_GT(found.state_solves, 3);
+    EXPECT_LT(found.objective, found.history.front().objective);
+  }
+}
+
+TEST(Parameters, TheVolumeConstraintIsActiveAndExact) {
+  OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
+  r.volume_at_most = 0.92;
+  for (const char* method : {"mma", "slsqp"}) {
+    r.method = method;
+    const OptimizeResult found = quietly(plate(), r);
+    EXPECT_TRUE(found.feasible) << method << ": " << found.stopped;
+    EXPECT_TRUE(found.converged) << method << ": " << found.stopped;
+    EXPECT_NEAR(found.variables[2], std::sqrt(0.08 * 4 / M_PI), 1e-4) << method;
+    EXPECT_NEAR(found.volume_fraction, 0.92, 1e-5);
+  }
+}
+
+TEST(Parameters, TwoHolesKeepTheirDistanceAndTheLigament) {
+  // Both want to where the load is weakest, the right side: they touch it and each other as near as they may.
+  Problem p = plate();
+  p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, 1.2 - x.x()); }}};
+  OptimizeRequest r = hole({0.2, 0.35, 0.2}, {-0.7, -0.7, 0.2}, {0.7, 0.7, 0.2});
+  r.design.drawn.push_back(r.design.drawn[0]);
+  r.design.drawn[1].name = "g";
+  r.design.drawn[1].start[1] = -0.35;
+  r.min_distance = 0.15;
+  r.max_iterations = 80;
+  const OptimizeResult found = quietly(p, r);
+  EXPECT_TRUE(found.feasible) << found.stopped;
+  const Vec2 a = found.variables.head<2>(), b = found.variables.segment<2>(3);
+  EXPECT_GE((a - b).norm(), 0.4 + 0.15 - 1e-6);
+  for (const Vec2& x : {a, b}) EXPECT_GE(1 - x.cwiseAbs().maxCoeff() - 0.2, 0.15 - 1e-6);
+  EXPECT_NEAR(1 - std::max(a.x(), b.x()) - 0.2, 0.15, 2e-3) << found.stopped;  // active
+  EXPECT_LT(found.objective, found.history.front().objective);
+}
+
+TEST(Parameters, AClosedCrackIsKeptAwayFromAndItsContactRespected) {
+  Problem p = plate();
+  p.frame.cracks = {{"c", {Vec2(-0.5, -0.3), Vec2(0.4, -0.1)}}};
+  p.scene.laws.resize(1);
+  p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.3, -1 + 1.2 * x.x()); }}};
+  p.sizing = {.size = 0.2, .crack_tip_size = 0.05};
+  OptimizeRequest r = hole({0.1, 0.45, 0.15}, {-0.6, -0.6, 0.1}, {0.6, 0.6, 0.3});
+  r.volume_at_most = 0.97;
+  r.min_distance = 0.1;
+  const OptimizeResult found = quietly(p, r);
+  EXPECT_TRUE(found.feasible) << found.stopped;
+  EXPECT_LT(found.objective, found.history.front().objective + 1e-12);
+  EXPECT_GE(found.variables[2], std::sqrt(0.03 * 4 / M_PI) - 1e-4);
+  const std::string& check = found.notes.front();
+  EXPECT_EQ(check.rfind("derivative check", 0), 0u) << check;
+}
+
+TEST(Parameters, BoundsOnOtherFunctionalsHold) {
+  // The smallest body whose compliance does not exceed a value.
+  Problem p = plate();
+  p.objective = {"volume", {volume()}};
+  OptimizeRequest r = hole({0.0, 0.0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.5});
+  Trials trials(p, r);
+  trials.begin_round();
+  const Trial start = trials.evaluate(start_of(r.design), true);
+  r.bounds = {{"compliance", {"compliance", {compliance()}}, 4.2}};
+  const OptimizeResult found = quietly(p, r);
+  EXPECT_TRUE(found.feasible) << found.stopped;
+  ASSERT_EQ(found.history.back().bounds.size(), 1u);
+  EXPECT_LT(found.objective, start.objective);
+  EXPECT_LE(found.history.back().bounds[0], 4.2 * (1 + 1e-6));
+  EXPECT_GE(found.history.back().bounds[0], 4.2 * (1 - 5e-3));
+}
+
+TEST(Parameters, LoadCasesAddUp) {
+  Problem p = plate();
+  OptimizeRequest r = hole({0.1, 0.05, 0.2}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
+  const auto objective = [&](const Problem& problem, const OptimizeRequest& request) {
+    Trials trials(problem, request);
+    trials.begin_round();
+    return trials.evaluate(start_of(request.design), true);
+  };
+  const Trial first = objective(p, r);
+  Problem q = p;
+  q.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, x.x()); }}};
+  const Trial second = objective(q, r);
+  r.load_cases = {{"pull", 2, p.scene.tractions, {}}, {"bend", 0.5, q.scene.tractions, {}}};
+  const Trial both = objective(p, r);
+  EXPECT_NEAR(both.objective, 2 * first.objective + 0.5 * second.objective, 1e-12 * both.objective);
+  EXPECT_EQ(both.state_solves, 2);
+  EXPECT_LT((both.evaluation.gradients.col(0) - 2 * first.evaluation.gradients.col(0) -
+             0.5 * second.evaluation.gradients.col(0))
+                .norm(),
+            1e-10 * both.evaluation.gradients.col(0).norm());
+}
+
+TEST(Parameters, ImpossibleConstraintsEndInfeasible) {
+  OptimizeRequest r = hole({0, 0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
+  r.volume_at_most = 0.5;  // a hole of radius 0.3 leaves 0.93
+  r.max_iterations = 25;
+  const OptimizeResult found = quietly(plate(), r);
+  EXPECT_FALSE(found.feasible);
+  EXPECT_FALSE(found.converged);
+  EXPECT_EQ(found.stopped.rfind("infeasible", 0), 0u) << found.stopped;
+}
+
+TEST(Parameters, DesignsThatOverlapDoNotAbortTheRun) {
+  // Bounds that let the hole leave the plate, swallow the crack and meet the other hole.
+  Problem p = plate();
+  p.frame.cracks = {{"c", {Vec2(-0.2, 0.2), Vec2(0.2, 0.2)}}};
+  p.scene.laws.resize(1);
+  OptimizeRequest r = hole({-0.5, -0.5, 0.2}, {-1.5, -1.5, 0.05}, {1.5, 1.5, 0.8});
+  r.design.drawn.push_back({Drawn::Kind::Circle, "g", Eigen::Vector3d(-1.5, -1.5, 0.05), Eigen::Vector3d(1.5, 1.5, 0.8),
+                            Eigen::Vector3d(0.5, -0.5, 0.2)});
+  r.volume_at_most = 0.9;
+  r.max_iterations = 40;
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    r.method = method;
+    const OptimizeResult found = quietly(p, r);
+    EXPECT_TRUE(found.feasible) << method << ": " << found.stopped;
+    EXPECT_EQ(find_problem(found.shape), std::nullopt);
+    EXPECT_FALSE(found.stopped.empty());
+  }
+}
+
+TEST(Parameters, WhatDoesNotFitIsRefused) {
+  const Problem p = plate();
+  OptimizeRequest r = hole({0, 0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
+  r.method = "newton";
+  EXPECT_THROW(quietly(p, r), Error);
+  r.method = "mma";
+  Problem q = p;
+  q.element = "arnold-winther";
+  EXPECT_THROW(quietly(q, r), Error);
+  q = p;
+  q.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
+  q.scene.laws = {{.friction = 0.3}};
+  EXPECT_THROW(quietly(q, r), Error);
+  r.design.drawn[0].start[2] = 0.05;
+  EXPECT_THROW(quietly(p, r), Error);
+  r = hole({0.95, 0, 0.15}, {-0.3, -0.3, 0.1}, {1, 0.3, 0.3});  // crosses the outline
+  try {
+    quietly(p, r);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Geometry);
+    EXPECT_NE(std::string(e.what()).find("start of the design"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Parameters, CobylaDoesWithoutDerivatives) {
+  Problem p = plate();
+  p.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
+  p.scene.laws = {{.friction = 0.3}};
+  p.objective.terms[0].factor = -1;
+  OptimizeRequest r = hole({0.25, -0.2, 0.2}, {-0.4, -0.2, 0.2}, {0.4, -0.2, 0.2});
+  r.method = "cobyla";
+  const OptimizeResult found = quietly(p, r);
+  EXPECT_TRUE(found.converged) << found.stopped;
+  EXPECT_NEAR(found.variables[0], 0, 0.02) << found.stopped;
+  EXPECT_TRUE(std::isnan(found.optimality));
+}
+
+struct Folder {
+  std::filesystem::path path;
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "kerf-parameters-XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+void expect_same(const OptimizeResult& a, const OptimizeResult& b) {
+  EXPECT_EQ(a.variables, b.variables);
+  EXPECT_EQ(a.objective, b.objective);
+  EXPECT_EQ(a.stopped, b.stopped);
+  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.state_solves, b.state_solves);
+  ASSERT_EQ(a.history.size(), b.history.size());
+  for (std::size_t i = 0; i < a.history.size(); ++i) {
+    EXPECT_EQ(a.history[i].variables, b.history[i].variables) << i;
+    EXPECT_EQ(a.history[i].merit, b.history[i].merit) << i;
+    EXPECT_EQ(a.history[i].optimality, b.history[i].optimality) << i;
+    EXPECT_EQ(a.history[i].step, b.history[i].step) << i;
+    EXPECT_EQ(a.history[i].note, b.history[i].note) << i;
+    EXPECT_EQ(a.history[i].state_solves, b.history[i].state_solves) << i;
+  }
+}
+
+TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
+  const Folder folder;
+  const Problem p = plate();
+  OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
+  r.volume_at_most = 0.92;
+  r.max_iterations = 25;
+  const OptimizeResult whole = quietly(p, r);
+  ASSERT_GT(whole.history.size(), 3u);
+  for (const int survive : {1, 3}) {
+    CheckpointPlace place{folder.path / fmt::format("checkpoint{}", survive), "case", true};
+    const pid_t child = fork();
+    if (child == 0) {
+      int shown = 0;
+      optimise_parameters(
+          p, r,
+          [&](const Iterate&) {
+            if (shown++ == survive) kill(getpid(), SIGKILL);
+            return true;
+          },
+          place);
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    ASSERT_TRUE(std::filesystem::exists(place.path));
+    int shown = 0;
+    const OptimizeResult resumed = optimise_parameters(
+        p, r,
+        [&](const Iterate& it) {
+          ++shown;
+          EXPECT_EQ(it.model.mesh.triangles.size(), static_cast<std::size_t>(it.row.triangles));
+          return true;
+        },
+        place);
+    expect_same(resumed, whole);
+    EXPECT_EQ(shown, static_cast<int>(whole.history.size()) - survive + 1);
+    // Again, from the end: nothing is left to do but to show the best.
+    shown = 0;
+    expect_same(optimise_parameters(
+                    p, r, [&](const Iterate&) { return ++shown > 0; }, place),
+                whole);
+    EXPECT_EQ(shown, 1);
+    place.fingerprint = "another";
+    EXPECT_THROW(optimise_parameters(p, r, {}, place), Error);
+  }
+}
+
+TEST(Parameters, TheObserverStopsIt) {
+  OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
+  r.volume_at_most = 0.92;
+  int shown = 0;
+  const OptimizeResult found = optimise_parameters(plate(), r, [&](const Iterate&) { return ++shown < 2; }, {});
+  EXPECT_EQ(found.history.size(), 2u);
+  EXPECT_FALSE(found.converged);
+  EXPECT_NE(found.stopped.find("told to stop"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf
