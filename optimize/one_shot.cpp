@@ -530,8 +530,7 @@ OneShot one_shot(const Problem& p, const Design& design, double clear) {
       given.drawn.push_back(design.drawn[k]);
   }
   if (wanted.empty()) return out;
-  Body body{p.frame, p.scene};
-  if (!given.drawn.empty()) body = draw(given, start_of(given), p);
+  auto body = draw(given, start_of(given), p);
   const Model m =
       prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
