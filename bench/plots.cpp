@@ -205,7 +205,7 @@ void draw_optimize_plots(const std::filesystem::path& folder, const OptimizeBenc
                 .x_label = "processor seconds",
                 .y_label = "compliance",
                 .linear_y = true};
-    GalleryRow row{.title = p.title};
+    GalleryRow row{.title = p.title, .scale = 1 / p.length};
     BarGroup group{.title = p.title};
     std::size_t style = 0;
     for (const DesignRun& run : bench.runs) {
