@@ -49,11 +49,11 @@ void check_design(const Design& d, const Problem& p);
 /// The frame with everything drawn into it: holes, cracks and regions after those of the frame, the boundaries of holes
 /// labelled "hole:<name>" (the label of the frame, if it has that one). Splines become polygons fine enough for their
 /// corners not to count as such. Nothing is checked: find_problem and triangulate do.
-struct Body {
+struct DrawnBody {
   Shape shape;
   Scene scene;
 };
-Body draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
+DrawnBody draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
 
 /// Material of a drawn inclusion.
 Material material_of(const Drawn& inclusion, double young, const Problem& p);

@@ -337,7 +337,7 @@ OptimizeResult Rounds::run() {
   result_.converged = found.converged;
   result_.stopped = found.reason;
   result_.variables = row.variables;
-  Body body = draw(request_.design, row.variables, problem_);
+  DrawnBody body = draw(request_.design, row.variables, problem_);
   result_.shape = std::move(body.shape);
   result_.scene = std::move(body.scene);
   return std::move(result_);

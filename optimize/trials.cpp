@@ -248,7 +248,7 @@ struct Trials::Impl {
   /// Everything that needs the state, on a mesh that fits x. Throws Error(Numerics) when it cannot be solved.
   void solve_on(const Mesh& mesh, const Base::Built& base, const VectorXd& x, bool gradients, Trial& trial) {
     Evaluation& e = trial.evaluation;
-    Body body = draw(design, x, problem);
+    DrawnBody body = draw(design, x, problem);
     trial.triangles = static_cast<Index>(mesh.triangles.size());
     trial.holes = static_cast<int>(body.shape.holes.size());
     double merit = 0;
