@@ -91,7 +91,8 @@ OptimizeProblem lbracket() {
                             {{0, 1}, "left"}});
   hold(p, "top", true, true);
   load(p, "load", 0.1);
-  p.problem.sizing.size = 0.015;
+  p.length = 0.5;
+  p.problem.sizing.size *= p.length;
   p.holes = {.columns = 7, .rows = 7, .radius = 0.04};
   p.random = {.random = 40, .seed = 1, .radius = 0.04};
   return p;

@@ -10,6 +10,7 @@ namespace kerf {
 struct OptimizeProblem {
   std::string name, title;
   Problem problem;           // its sizing: that of kerf's runs
+  double length = 1;         // of members and meshes, relative to the other bodies
   StartHoles holes, random;  // the starts of these names
   std::optional<Mirror> mirror;
   double volume = 0.4;        // fraction of the frame
