@@ -50,7 +50,7 @@ class Runner {
   Runner(const StateBenchOptions& options, StateBench& bench) : options_(options), bench_(bench) {}
 
   void run(const Sequence& s, double seconds) {
-    const Problem& p = ready(s);
+    const BenchProblem& p = ready(s);
     const std::string name = fmt::format("{} nu {:.6g} {} {} {}", s.problem, s.poisson, s.element.name,
                                          s.element.degree, name_of(s.grading));
     if (options_.on_phase) options_.on_phase(name);
@@ -75,12 +75,12 @@ class Runner {
   }
 
  private:
-  static double reference_error(const Problem& p) {
+  static double reference_error(const BenchProblem& p) {
     return p.reference ? p.reference->error : 0;
   }
 
   /// The problem, with the reference that it needs; kept while the sequences stay with it.
-  const Problem& ready(const Sequence& s) {
+  const BenchProblem& ready(const Sequence& s) {
     if (problem_ && problem_->name == s.problem && problem_->poisson == s.poisson) return *problem_;
     problem_ = problem(s.problem, s.poisson);
     if (problem_->exact) return *problem_;
@@ -92,7 +92,7 @@ class Runner {
 
   const StateBenchOptions& options_;
   StateBench& bench_;
-  std::optional<Problem> problem_;
+  std::optional<BenchProblem> problem_;
 };
 
 }  // namespace
@@ -126,7 +126,7 @@ StateBench run_state_bench(const StateBenchOptions& options) {
   }
   bench.stopped = runner.stopped();
   Sequences own, others;
-  for (const Measurement& m : bench.runs)
+  for (const StateMeasurement& m : bench.runs)
     own.add(m.problem, m.poisson, sequence_name(m), {m.error.stress, m.seconds.work()});
   for (const PeerRun& p : bench.peers) others.add(p.problem, p.poisson, p.name, {p.error, p.work});
   bench.best = own.fastest(errors_to_reach);
@@ -160,7 +160,7 @@ std::string summary(const StateBench& bench) {
   return out;
 }
 
-std::string sequence_name(const Measurement& m) {
+std::string sequence_name(const StateMeasurement& m) {
   return fmt::format("{} {}, {}", m.element, m.degree, m.mesh);
 }
 

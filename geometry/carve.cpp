@@ -99,6 +99,10 @@ Lines lines_of(const Sources& from, const std::vector<Contour>& contours, const 
       }
     }
   }
+  for (std::size_t e = 0; e < from.mesh.edges.size() && !from.frame.regions.empty(); ++e)
+    if (is_interface(from.mesh, Index(e)))
+      obstacles.push_back(
+          {from.mesh.points[std::size_t(from.mesh.edges[e][0])], from.mesh.points[std::size_t(from.mesh.edges[e][1])]});
   for (const Chain& chain : lines.chains) lines.fine.push_back(sample(chain, how.spacing));
   lines.room = room(lines.fine, obstacles, 2 * how.tolerance);
   return lines;
@@ -248,10 +252,43 @@ double shape_area(const Shape& shape) {
   return sum;
 }
 
-Carving checked(const Mesh& mesh, Carving how) {
+/// How much of the frame's boundary is left, where that is not all of it.
+void note_labels(const Shape& frame, const Shape& shape, const Carving& how, std::vector<std::string>& notes) {
+  const auto lengths = [&](const Shape& s) {
+    std::vector<double> length(frame.labels.size() + 1, 0);
+    const auto add = [&](const Loop& loop) {
+      for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+        const Side& side = loop.sides[i];
+        if (side.label == none) continue;
+        length[std::size_t(side.label)] += side.arc
+                                               ? largest_radius(*side.arc) * std::abs(side.arc->to - side.arc->from)
+                                               : (loop.sides[(i + 1) % loop.sides.size()].start - side.start).norm();
+      }
+    };
+    add(s.outline);
+    for (const Loop& hole : s.holes) add(hole);
+    return length;
+  };
+  const std::vector<double> before = lengths(frame), after = lengths(shape);
+  for (std::size_t l = 0; l < frame.labels.size(); ++l) {
+    if (!(before[l] > 0) || after[l] >= before[l] * (1 - 1e-3)) continue;
+    const bool kept = std::ranges::find(how.keep, Index(l)) != how.keep.end();
+    if (after[l] == 0)
+      notes.push_back(fmt::format("nothing is left of the boundary '{}'", frame.labels[l]));
+    else if (kept)
+      notes.push_back(
+          fmt::format("{:.3g} of {:.3g} is left of the boundary '{}'", after[l], before[l], frame.labels[l]));
+  }
+}
+
+Carving checked(const Shape& frame, const Mesh& mesh, Carving how) {
   const auto usable = [](double x) { return std::isfinite(x) && x >= 0; };
-  if (!usable(how.tolerance) || !usable(how.spacing) || !usable(how.least_area))
-    throw std::invalid_argument("tolerance, spacing and least area of a carving must be 0 or positive");
+  if (!usable(how.tolerance) || !usable(how.spacing) || !usable(how.least_area) || !usable(how.least_width))
+    throw std::invalid_argument("tolerance, spacing, least area and width of a carving must be 0 or positive");
+  for (const std::vector<Index>* labels : {&how.keep, &how.holding})
+    for (const Index l : *labels)
+      if (l < 0 || l >= Index(frame.labels.size()))
+        throw std::invalid_argument(fmt::format("label {} to keep of a frame with {}", l, frame.labels.size()));
   if (mesh.triangles.empty()) throw std::invalid_argument("an empty background");
   if (how.spacing == 0) {
     double sum = 0;
@@ -259,15 +296,21 @@ Carving checked(const Mesh& mesh, Carving how) {
     how.spacing = sum / double(mesh.edges.size());
   }
   if (how.tolerance == 0) how.tolerance = how.spacing / 10;
+  how.tolerance = std::max(how.tolerance, 32 * join_tolerance * extent(frame));  // cracks join what is nearer
+  how.least_width = std::clamp(how.least_width, how.tolerance, std::max(how.tolerance, how.spacing / 2));
   return how;
 }
 
-}  // namespace
-
-Carved carve(const Shape& frame, const Mesh& mesh, const Eigen::VectorXd& phi, const Carving& given) {
-  const Carving how = checked(mesh, given);
-  const Rim rim = find_rim(frame, mesh);
+/// The shape of a function as it is; or what keeps it from being one.
+struct Attempt {
   Carved carved;
+  std::string problem;  // of the smoothest shape; empty if that is good
+  bool good = false;
+};
+
+Attempt attempt(const Shape& frame, const Mesh& mesh, const Rim& rim, const Eigen::VectorXd& phi, const Carving& how) {
+  Attempt result;
+  Carved& carved = result.carved;
   Signs signs = signs_of(mesh, phi);
   clean(frame, mesh, rim, how, signs, carved.notes);
   choose_pieces(frame, mesh, how, signs, carved.notes);
@@ -278,26 +321,62 @@ Carved carve(const Shape& frame, const Mesh& mesh, const Eigen::VectorXd& phi, c
     for (const Index e : {part.from.edge, part.to.edge})
       if (e != none) mouths.insert(e);
   const Sources sources{frame, mesh, signs, rim, mouths};
-
   const double missing = offset(sources, loops);
   const Lines lines = lines_of(sources, loops, parts, how);
-  std::string problem;
   for (const Style style : {Style{1, true}, Style{1, false}, Style{0.25, true}, Style{0, true}, Style{0, false}}) {
     const double within = 0.4 * style.part * how.tolerance;
     carved.shape = assemble(sources, loops, lines, parts, {how.spacing, within, within, missing}, style);
     const auto found = find_problem(carved.shape);
-    if (!found) {
-      if (style.part < 1)
-        carved.notes.push_back(fmt::format("{} ({})", style.part > 0 ? "smoothed less" : "did not smooth", problem));
-      if (!style.arcs) carved.notes.push_back(fmt::format("drew curved sides as polygons ({})", problem));
-      carved.design_label = Index(frame.labels.size());
-      carved.area = shape_area(carved.shape);
-      for (const CrackPart& p : parts) carved.crack_of.push_back(p.crack);
-      return carved;
+    if (found) {
+      if (result.problem.empty()) result.problem = *found;
+      continue;
     }
-    if (problem.empty()) problem = *found;
+    result.good = true;
+    if (style.part < 1)
+      carved.notes.push_back(
+          fmt::format("{} ({})", style.part > 0 ? "smoothed less" : "did not smooth", result.problem));
+    if (!style.arcs) carved.notes.push_back(fmt::format("drew curved sides as polygons ({})", result.problem));
+    note_labels(frame, carved.shape, how, carved.notes);
+    carved.design_label = Index(frame.labels.size());
+    carved.area = shape_area(carved.shape);
+    for (const CrackPart& p : parts) carved.crack_of.push_back(p.crack);
+    return result;
   }
-  throw Error(Fault::Geometry, fmt::format("the zero line makes no shape that can be meshed: {}", problem));
+  return result;
+}
+
+/// How much phi changes over a length along its zero line, in the mean.
+double slope(const Mesh& mesh, const Eigen::VectorXd& phi) {
+  double sum = 0, length = 0;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [a, b] = mesh.edges[e];
+    if ((phi[a] < 0) == (phi[b] < 0)) continue;
+    sum += std::abs(phi[b] - phi[a]);
+    length += kerf::length(mesh, Index(e));
+  }
+  return length > 0 ? sum / length : 0;
+}
+
+}  // namespace
+
+Carved carve(const Shape& frame, const Mesh& mesh, const Eigen::VectorXd& phi, const Carving& given) {
+  const Carving how = checked(frame, mesh, given);
+  const Rim rim = find_rim(frame, mesh);
+  Attempt first = attempt(frame, mesh, rim, phi, how);
+  if (first.good) return std::move(first.carved);
+  const double unit = slope(mesh, phi) * how.tolerance;
+  for (const double part : {-0.25, 0.25, -0.75, 0.75}) {
+    try {
+      Attempt next = attempt(frame, mesh, rim, (phi.array() + part * unit).matrix(), how);
+      if (!next.good) continue;
+      next.carved.notes.push_back(fmt::format("shifted the function by {:.3g}, {} the body ({})", part * unit,
+                                              part < 0 ? "thickening" : "thinning", first.problem));
+      return std::move(next.carved);
+    } catch (const Error&) {
+      // The shift has cut something off: the next one.
+    }
+  }
+  throw Error(Fault::Geometry, fmt::format("the zero line makes no shape that can be meshed: {}", first.problem));
 }
 
 }  // namespace kerf

@@ -25,7 +25,9 @@ double negative_area(const Mesh& background, const Eigen::VectorXd& phi);
 struct Carving {
   double tolerance = 0;     // a length: how far the boundary drawn may lie from the zero line; 0: spacing / 10
   double spacing = 0;       // edges wanted along the zero line; 0: the mean edge of the background
-  double least_area = 0;    // smaller holes are filled, smaller pieces of material dropped
+  double least_area = 0;    // smaller holes are filled
+  double least_width = 0;   // narrower necks of material are opened, gaps closed; at least the tolerance, at most half
+                            // the spacing
   std::vector<Index> keep;  // labels of the frame (supports, loads): a piece of material that touches none is dropped
   std::vector<Index> holding;  // labels of supports: a piece that bears loads and touches none is cut off
 };
@@ -41,8 +43,9 @@ struct Carved {
 /// The negative set as a shape: pieces of the frame's boundary with their labels, and the zero line, simplified and
 /// smoothed within the tolerance without a change of area, labelled "design". `background` is a mesh of the frame.
 /// Cracks of the frame are cut to what lies inside; loops that the zero line does not touch are the frame's own.
-/// Vertices where phi is 0 lie in the void. Boundaries nearer to each other than the tolerance are joined: necks of
-/// material opened, slits of void closed.
+/// Vertices where phi is 0 lie in the void. What only a crack connects to the body, and no label is on, is dropped.
+/// Where the smoothed line meets something it is smoothed less, then drawn as it is, then phi is shifted by less than
+/// what the tolerance stands for; the notes say so.
 /// Throws Error(Geometry) naming what is lost: no material, a label of `keep` that has lost its material, pieces that
 /// the supports do not hold together with the loads, a region that the zero line reaches; std::invalid_argument when
 /// phi or the background do not fit.

@@ -39,7 +39,7 @@ std::string names(const Shape& frame, const std::vector<Index>& labels) {
 }
 
 struct Lump {
-  Index first;  // its smallest vertex
+  Vec2 at;  // a point of it
   double area = 0;
   std::set<Index> labels;  // of those to keep
 };
@@ -79,11 +79,58 @@ void fill_holes(const Mesh& mesh, const Carving& how, Signs& signs, std::vector<
   for (const Index v : filled) signs.inside[std::size_t(v)] = 1;
 }
 
-}  // namespace
+/// Material that is connected when cracks do not connect, per triangle; none where there is no material.
+std::vector<Index> apart_at_cracks(const Mesh& mesh, const Signs& signs) {
+  Sets sets(mesh.triangles.size());
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [left, right] = mesh.sides[e];
+    if (left == none || right == none || mesh.crack[e] != none) continue;
+    const auto& [a, b] = mesh.edges[e];
+    if (signs.inside[std::size_t(a)] || signs.inside[std::size_t(b)]) sets.join(left, right);
+  }
+  std::vector<Index> piece(mesh.triangles.size(), none);
+  for (std::size_t t = 0; t < piece.size(); ++t)
+    for (const Index v : mesh.triangles[t])
+      if (signs.inside[std::size_t(v)]) piece[t] = sets.of(Index(t));
+  return piece;
+}
 
-void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
-                   std::vector<std::string>& notes) {
-  fill_holes(mesh, how, signs, notes);
+/// Drops what only cracks connect with the rest and bears no label. Whether there was any.
+bool drop_behind_cracks(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
+                        std::vector<std::string>& notes) {
+  if (how.keep.empty() || mesh.cracks.empty()) return false;
+  const std::vector<Index> piece = apart_at_cracks(mesh, signs);
+  std::vector<bool> wanted(mesh.triangles.size(), false), behind(mesh.triangles.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (!has(how.keep, mesh.label[e]) && !has(how.holding, mesh.label[e])) continue;
+    const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+    const auto& [a, b] = mesh.edges[e];
+    if (signs.inside[std::size_t(a)] || signs.inside[std::size_t(b)]) wanted[std::size_t(piece[std::size_t(t)])] = true;
+  }
+  std::set<Index> dropped;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.crack[e] == none) continue;
+    for (const Index t : mesh.sides[e]) {
+      if (t == none || piece[std::size_t(t)] == none || wanted[std::size_t(piece[std::size_t(t)])]) continue;
+      behind[std::size_t(piece[std::size_t(t)])] = true;
+      if (dropped.insert(piece[std::size_t(t)]).second)
+        notes.push_back(fmt::format("dropped the piece of material at {} that only crack '{}' connects with the rest",
+                                    text(centroid(mesh, t)), frame.cracks[std::size_t(mesh.crack[e])].name));
+    }
+  }
+  if (dropped.empty()) return false;
+  for (std::size_t t = 0; t < piece.size(); ++t)
+    if (piece[t] != none && behind[std::size_t(piece[t])])
+      for (const Index v : mesh.triangles[t]) {
+        if (signs.inside[std::size_t(v)]) signs.magnitude[std::size_t(v)] = -1;
+        signs.inside[std::size_t(v)] = 0;
+      }
+  return true;
+}
+
+/// The one connected body; the rest is dropped.
+void choose_body(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
+                 std::vector<std::string>& notes) {
   Sets sets(mesh.points.size());
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto& [a, b] = mesh.edges[e];
@@ -96,7 +143,7 @@ void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Sig
     Index& n = number[std::size_t(sets.of(Index(v)))];
     if (n == none) {
       n = Index(pieces.size());
-      pieces.push_back({Index(v)});
+      pieces.push_back({mesh.points[v]});
     }
   }
   if (pieces.empty()) throw Error(Fault::Geometry, "no material is left: the function is negative nowhere");
@@ -135,13 +182,16 @@ void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Sig
       body = p;
   }
   const Lump& main = pieces[body];
+  if (!how.holding.empty() && !held(main))
+    throw Error(Fault::Geometry,
+                fmt::format("no support is left: the boundary {} has lost its material", names(frame, how.holding)));
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Lump& piece = pieces[p];
     if (p == body) continue;
     std::vector<Index> needed, supports;
     for (const Index l : piece.labels)
       if (!main.labels.contains(l)) (has(how.holding, l) ? supports : needed).push_back(l);
-    const std::string at = text(mesh.points[std::size_t(piece.first)]);
+    const std::string at = text(piece.at);
     if (!needed.empty() && !how.holding.empty() && !held(piece))
       throw Error(Fault::Geometry,
                   fmt::format("the load on {} is cut off from the supports: the piece of material at {} that bears it "
@@ -162,6 +212,15 @@ void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Sig
   }
   for (std::size_t v = 0; v < mesh.points.size(); ++v)
     if (signs.inside[v] && piece_of(Index(v)) != body) signs.inside[v] = 0;
+}
+
+}  // namespace
+
+void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
+                   std::vector<std::string>& notes) {
+  fill_holes(mesh, how, signs, notes);
+  do choose_body(frame, mesh, how, signs, notes);
+  while (drop_behind_cracks(frame, mesh, how, signs, notes));
 }
 
 }  // namespace kerf

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace kerf {
 
@@ -110,7 +111,14 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
         stub = true;
         continue;
       } else {
-        part.shape = between(crack, from, to, start, end, least / 8);
+        for (const auto& [edge, gone, tip] : {std::tuple(part.from.edge, from, crack.points.front()),
+                                              std::tuple(part.to.edge, whole - to, crack.points.back())})
+          if (edge != none && gone < least / 2)
+            notes.push_back(
+                fmt::format("the zero line passes the end of crack '{}' at ({:.4g}, {:.4g}) within {:.3g}: "
+                            "the crack ends on it",
+                            crack.name, tip.x(), tip.y(), least / 2));
+        part.shape = between(crack, from, to, start, end, least / 64);
       }
       parts.push_back(std::move(part));
     }

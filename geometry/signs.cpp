@@ -146,13 +146,13 @@ struct Count {
 
 void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& how, Signs& signs,
            std::vector<std::string>& notes) {
-  const double near = how.tolerance;
+  const double near = how.tolerance, narrow = how.least_width;
   const Stars star = stars(mesh);
-  std::vector<bool> solid(mesh.points.size(), false), turned(mesh.points.size(), false);
+  std::vector<bool> solid(mesh.points.size(), false), turned = solid, in_region = solid;
   for (std::size_t t = 0; t < mesh.region.size(); ++t)
     if (mesh.region[t] != none)
       for (const Index v : mesh.triangles[t]) {
-        solid[std::size_t(v)] = true;
+        solid[std::size_t(v)] = in_region[std::size_t(v)] = true;
         if (!signs.inside[std::size_t(v)])
           throw Error(Fault::Geometry,
                       fmt::format("the zero line reaches region '{}' at {}; keep it solid, or draw it "
@@ -175,12 +175,13 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
   }
 
   Count opened, closed;
-  std::vector<Count> swallowed(frame.cracks.size()), tips(frame.cracks.size());
+  std::vector<Count> swallowed(frame.cracks.size());
   for (int pass = 0; pass < 6; ++pass) {
-    std::vector<Index> candidates;
+    std::vector<Index> candidates;  // everything below asks for a crossing that is near
     for (std::size_t e = 0; e < mesh.edges.size(); ++e)
       if (crossed(mesh, signs, Index(e)))
-        for (const Index v : mesh.edges[e]) candidates.push_back(v);
+        for (const Index v : mesh.edges[e])
+          if (reach(mesh, signs, Index(e), v) < narrow) candidates.push_back(v);
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     bool changed = false;
@@ -196,15 +197,15 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
       if (around.runs == 0) continue;  // its neighbours have turned
       const Vec2& x = mesh.points[i];
       const bool inside = signs.inside[i];
-      if (inside && crack_of[i] != none && around.nearest < near && (around.runs == 1 || around.thickness < near)) {
-        (tip[i] ? tips : swallowed)[std::size_t(crack_of[i])].add(x);
+      if (inside && crack_of[i] != none && around.nearest < near && (around.runs == 1 || around.thickness < narrow)) {
+        swallowed[std::size_t(crack_of[i])].add(x);
         turn(v);
-      } else if (around.runs > 1 && around.thickness < near && (inside || crack_of[i] == none)) {
+      } else if (around.runs > 1 && around.thickness < narrow && (inside || crack_of[i] == none)) {
         (inside ? opened : closed).add(x);
         turn(v);
-      } else if (around.alone && around.farthest < near && (inside || crack_of[i] == none)) {
+      } else if (around.alone && around.farthest < narrow && (inside || crack_of[i] == none)) {
         turn(v);
-      } else if (around.at_first > 0 && around.at_last > 0 && around.at_first + around.at_last < near) {
+      } else if (around.at_first > 0 && around.at_last > 0 && around.at_first + around.at_last < narrow) {
         (inside ? opened : closed).add(x);  // contact with the frame's boundary, or a mouth in it
         turn(v);
       } else if (inside && rim.corner[i] && std::max(around.at_first, around.at_last) > 0 &&
@@ -217,7 +218,8 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
   // What stays keeps clear: cracks more than the rest, and sides of arcs by more than the arc lies off its chords.
   std::fill(signs.clear.begin(), signs.clear.end(), near / 4);
   for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    if (signs.inside[v] && crack_of[v] != none) signs.clear[v] = tip[v] ? near : near / 2;
+    if (signs.inside[v] && (crack_of[v] != none || in_region[v]))
+      signs.clear[v] = tip[v] || in_region[v] ? near : near / 2;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     if (rim.strand[e] == none) continue;
     const Strand& strand = rim.drawing.strands[std::size_t(rim.strand[e])];
@@ -228,18 +230,12 @@ void clean(const Shape& frame, const Mesh& mesh, const Rim& rim, const Carving& 
     for (const Index v : mesh.edges[e]) signs.clear[std::size_t(v)] = std::max(signs.clear[std::size_t(v)], 2 * off);
   }
   if (opened.times > 0)
-    notes.push_back(fmt::format("opened necks of material thinner than {:.3g} {}", near, opened.where()));
-  if (closed.times > 0) notes.push_back(fmt::format("closed gaps narrower than {:.3g} {}", near, closed.where()));
-  for (std::size_t c = 0; c < frame.cracks.size(); ++c) {
-    if (tips[c].times > 0)
-      notes.push_back(
-          fmt::format("the zero line passes the end of crack '{}' at {} within {:.3g}: the end lies in the "
-                      "void",
-                      frame.cracks[c].name, text(tips[c].first), near));
+    notes.push_back(fmt::format("opened necks of material thinner than {:.3g} {}", narrow, opened.where()));
+  if (closed.times > 0) notes.push_back(fmt::format("closed gaps narrower than {:.3g} {}", narrow, closed.where()));
+  for (std::size_t c = 0; c < frame.cracks.size(); ++c)
     if (swallowed[c].times > 2)
       notes.push_back(fmt::format("the zero line runs along crack '{}' {}: that part lies in the void",
                                   frame.cracks[c].name, swallowed[c].where()));
-  }
 }
 
 }  // namespace kerf

@@ -258,8 +258,8 @@ Material material_of(const Drawn& inclusion, double young, const Problem& p) {
   return p.plane_strain ? plane_strain(young, inclusion.poisson) : plane_stress(young, inclusion.poisson);
 }
 
-Body draw(const Design& d, const VectorXd& x, const Problem& p) {
-  Body body{p.frame, p.scene};
+DrawnBody draw(const Design& d, const VectorXd& x, const Problem& p) {
+  DrawnBody body{p.frame, p.scene};
   const std::vector<VectorXd> part = parts(d, x);
   for (std::size_t k = 0; k < d.drawn.size(); ++k) {
     const Drawn& one = d.drawn[k];

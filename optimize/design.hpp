@@ -22,6 +22,7 @@ struct Drawn {
   Eigen::VectorXd lower, upper, start;  // equally long
   CrackLaw law = {};                    // of a crack
   double poisson = 0.3;                 // of an inclusion
+  bool from_map = false;                // `start` is to be read off the map: see one_shot.hpp
 };
 
 /// The variables of all drawn things, one after the other.
@@ -48,11 +49,11 @@ void check_design(const Design& d, const Problem& p);
 /// The frame with everything drawn into it: holes, cracks and regions after those of the frame, the boundaries of holes
 /// labelled "hole:<name>" (the label of the frame, if it has that one). Splines become polygons fine enough for their
 /// corners not to count as such. Nothing is checked: find_problem and triangulate do.
-struct Body {
+struct DrawnBody {
   Shape shape;
   Scene scene;
 };
-Body draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
+DrawnBody draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
 
 /// Material of a drawn inclusion.
 Material material_of(const Drawn& inclusion, double young, const Problem& p);

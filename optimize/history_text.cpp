@@ -1,15 +1,27 @@
 #include "optimize/history_text.hpp"
 
+#include <algorithm>
+
 namespace kerf {
 
-std::string join(const std::vector<std::string>& parts) {
+std::string join(const std::vector<std::string>& parts, const std::string& separator) {
   std::string all;
   for (const std::string& part : parts) {
     if (part.empty()) continue;
-    if (!all.empty()) all += "; ";
+    if (!all.empty()) all += separator;
     all += part;
   }
   return all;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    lines.push_back(text.substr(from, end - from));
+    from = end + 1;
+  }
+  return lines;
 }
 
 void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {

@@ -6,8 +6,9 @@
 
 namespace kerf {
 
-/// With "; " between those that are not empty.
-std::string join(const std::vector<std::string>& parts);
+/// With the separator between those that are not empty.
+std::string join(const std::vector<std::string>& parts, const std::string& separator = "; ");
+std::vector<std::string> split_lines(const std::string& text);
 
 /// Under the keys "rows" and "notes", bit for bit.
 void write_rows(Checkpoint& c, const std::vector<Iteration>& rows);

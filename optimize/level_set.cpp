@@ -53,6 +53,7 @@ struct Progress {
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
   std::vector<double> track;          // merit of the best after every iteration at the final area
+  std::vector<std::string> drawn;     // what carving the present design said
   std::vector<Iteration> rows;
 };
 
@@ -65,7 +66,7 @@ class Mover {
   using Design = std::shared_ptr<const Evaluated>;
 
   Design evaluate(const Eigen::VectorXd& phi) const;
-  Design trial(Eigen::VectorXd& phi, std::vector<std::string>& notes);
+  Design trial(Eigen::VectorXd& phi, std::vector<std::string>& notes, std::vector<std::string>& drawn);
   double merit(double J, double area, const Eigen::VectorXd& bounds) const;
   double merit(const Evaluated& e) const;
   double violation(const Evaluated& e) const;
@@ -94,6 +95,7 @@ class Mover {
   double whole_ = 0, target_ = 0, size_ = 0;
   bool penalised_ = false;
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
+  bool worthless_ = false;  // less material is better everywhere: the area is not held
   Progress s_;
   Design design_, best_;
 };
@@ -159,7 +161,7 @@ Mover::Design Mover::evaluate(const Eigen::VectorXd& phi) const {
 }
 
 /// Shifts phi until the shape drawn has the wanted area, meshes and solves.
-Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes) {
+Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes, std::vector<std::string>& drawn) {
   if (r_.level_set.ersatz > 0) {
     ++s_.solves;
     return evaluate(phi);
@@ -181,7 +183,18 @@ Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes
     }
   ++s_.solves;
   auto e = std::make_shared<Evaluated>(evaluate_design(fitted_, r_, std::move(carved.shape), carved.crack_of));
-  notes.insert(notes.end(), carved.notes.begin(), carved.notes.end());
+  // What the rows before have said already, and more than a few, says nothing new.
+  constexpr std::size_t most = 3;
+  std::size_t left_out = 0, told = 0;
+  for (const std::string& note : carved.notes) {
+    if (std::find(s_.drawn.begin(), s_.drawn.end(), note) != s_.drawn.end()) continue;
+    if (told++ < most)
+      notes.push_back(note);
+    else
+      ++left_out;
+  }
+  if (left_out > 0) notes.push_back(fmt::format("{} more of the kind", left_out));
+  drawn = std::move(carved.notes);
   return e;
 }
 
@@ -277,6 +290,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
                                      penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
   s_.multiplier = speed.multiplier;
   optimality_ = speed.optimality;
+  worthless_ = !penalised_ && !(speed.multiplier > 0);
   Eigen::VectorXd next = distance - speed.on_canvas;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
     const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
@@ -357,14 +371,16 @@ OptimizeResult Mover::run() {
     Design tried;
     Eigen::VectorXd next;
     std::string failure;
+    std::vector<std::string> drawn = s_.drawn;
     try {
       next = fixed ? fixed_point_step(*design_) : shape_step(*design_, notes);
       if (!fixed) {
         next = constrained(canvas_, next);
         drop_islands(canvas_, loaded_, next);
+        if (worthless_) s_.wanted = std::min(s_.wanted, negative_area(canvas_.mesh, next));
         if (!penalised_) next = with_area(canvas_, next, s_.wanted);
       }
-      tried = trial(next, notes);
+      tried = trial(next, notes, drawn);
     } catch (const Error& error) {
       if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
       failure = error.what();
@@ -410,6 +426,7 @@ OptimizeResult Mover::run() {
         notes.push_back("J rises while the area falls");
       }
       s_.phi = next;
+      s_.drawn = std::move(drawn);
       go_on = accept(tried, notes);
       if (better || (settled() && s_.best.size() == 0)) {
         s_.best = next;
@@ -440,6 +457,11 @@ OptimizeResult Mover::run() {
     accept(best_, {fmt::format("the best design, of iteration {}", s_.best_iteration)});
     save();
   }
+  for (const Term& term : p_.objective.terms)
+    if (term.energy && term.factor > 0)
+      result.notes.push_back(
+          "the potential energy of a loaded body falls when material goes: for a stiff one minimise kind = "
+          "\"compliance\"");
   result.iterations = s_.iteration;
   result.state_solves = s_.solves;
   result.objective = design_->J;
@@ -467,6 +489,7 @@ void Mover::save() const {
   c.numbers["scalars"] = (Eigen::VectorXd(11) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
                           s_.best_J, s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size)
                              .finished();
+  c.texts["drawn"] = join(s_.drawn, "\n");
   write_rows(c, s_.rows);
   write_checkpoint(place_.path, c);
 }
@@ -491,6 +514,7 @@ bool Mover::restore() {
   s_.since = static_cast<int>(x[9]);
   const Eigen::VectorXd& track = c->numbers.at("track");
   s_.track.assign(track.begin(), track.end());
+  s_.drawn = split_lines(c->texts.at("drawn"));
   s_.rows = read_rows(*c);
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
   fitted_.sizing.size = carving_.spacing = x[10];

@@ -84,21 +84,36 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
   if (n == 0) return s;
   const Eigen::VectorXd gain = -rate.density;
   Eigen::VectorXd half(n);
-  const double reach = std::max(8 * canvas.size, limits.min_feature);
+  const double fast = limits.smoothing, slow = 4 * limits.smoothing;
+  const double reach = std::max(slow, limits.min_feature);
   for (Eigen::Index i = 0; i < n; ++i)
     half[i] = half_thickness(canvas, distance, rate.middle[static_cast<std::size_t>(i)],
                              rate.normal[static_cast<std::size_t>(i)], reach);
   const double scale = std::sqrt(gain.cwiseAbs2().dot(rate.length) / rate.length.sum());
+  // Short waves of a thick member's boundary change the stress there far more than its thickness does: they may go as
+  // far as the smoothing, only long ones as far as the thickness.
+  const Eigen::VectorXd root = gain.cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd calm_at = smooth_along(rate.curve, rate.length, slow, root);
+  Eigen::VectorXd calm(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
+    calm[i] = 0.5 * (calm_at[a] + calm_at[b]);
+  }
   const auto speed = [&](double price) {
     Eigen::VectorXd v(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       if (price > 0)
-        v[i] = limits.share * half[i] * (std::sqrt(std::max(gain[i], 0.0) / price) - 1);
+        v[i] = limits.share * (std::min(half[i], fast) * (root[i] / std::sqrt(price) - 1) +
+                               std::max(half[i] - fast, 0.0) * (calm[i] / std::sqrt(price) - 1));
       else
         v[i] = scale > 0 ? limits.most * (gain[i] - price) / scale : 0;
-      constexpr double idle = 0.25;  // of the multiplier: such a member may go
-      if (limits.min_feature > 0 && half[i] < 0.5 * limits.min_feature && gain[i] > idle * price)
-        v[i] = std::max(v[i], 0.5 * limits.min_feature - half[i]);
+      // A member that is too thin: what would it carry at the thickness wanted, for the same force?
+      const double least = 0.5 * limits.min_feature;
+      if (price > 0 && half[i] < least) {
+        constexpr double idle = 0.15;  // of the multiplier
+        const double thick = gain[i] * (half[i] / least) * (half[i] / least);
+        v[i] = thick > idle * price ? std::max(v[i], least - half[i]) : -limits.most;
+      }
       v[i] = std::clamp(v[i], -limits.most, limits.most);
     }
     return v;

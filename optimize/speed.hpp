@@ -21,14 +21,14 @@ struct SpeedLimits {
   double most = 0;         // a length
   double share = 1;        // of the way to where a thin member would be best
   double smoothing = 0;    // of the H1 product along the boundary
-  double min_feature = 0;  // members thinner than this shrink only where they carry nearly nothing; 0: none
+  double min_feature = 0;  // thinner members grow to it, or go where they would carry nearly nothing; 0: none
 };
 
 /// Motion of the boundary along its normal, outwards positive. Without constraint on the area, -density alone, what
 /// grows J less than `multiplier` per area grows. In a member of half thickness w that a given force stretches
 /// -density falls as 1/w^2: it is best for w sqrt(-density / multiplier), where it goes as far as the limits allow
-/// (the fully stressed design is a fixed point). Where there is no such law it is a descent direction: its sign is that
-/// of -density - multiplier everywhere.
+/// (the fully stressed design is a fixed point). In thick members only waves longer than these go that far: short ones
+/// would overshoot. Where J falls with less material everywhere, the speed is the gradient itself.
 struct Speed {
   double multiplier = 0;      // per area
   double optimality = 0;      // mean of |density + multiplier| / (|density| + |multiplier|) along the boundary

@@ -28,7 +28,7 @@ struct Trial {
 
 /// The body of a trial and its state under the first load case.
 struct Solved {
-  Body body;
+  DrawnBody body;
   Model model;
   State state;
 };

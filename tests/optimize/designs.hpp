@@ -29,7 +29,7 @@ inline Problem everything() {
   p.frame.cracks = {{"fixed", {Vec2(-0.3, 0.1), Vec2(0.4, 0)}}};
   p.scene = pulled(plane_strain(1, 0.3), [](const Vec2& x) { return Vec2(0.2 + 0.1 * x.x(), 1 + 0.2 * x.x()); });
   p.scene.body = [](const Vec2& x) { return Vec2(0.1 * x.y(), -0.2); };
-  p.sizing = {.size = 0.3, .crack_tip_size = 0.1};
+  p.sizing = {.size = 0.5, .crack_tip_size = 0.15};
   p.objective = {"compliance", {compliance()}};
   return p;
 }

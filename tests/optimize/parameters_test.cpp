@@ -18,28 +18,19 @@ namespace {
 using namespace scenes;
 using Eigen::VectorXd;
 
-/// Every functional that a design may minimise, on the body of `everything`.
-std::vector<Functional> functionals() {
-  const auto target = [](const Vec2& x) { return Vec2(0.3 * x.y(), std::sin(x.x())); };
-  return {{"compliance", {compliance()}},
-          {"energy", {energy()}},
-          {"displacement", {displacement_tracking(target, {})}},
-          {"norm",
-           {stress_pnorm(
-               6, [](const Vec2& x) { return 1 + 0.3 * std::sin(x.x()); }, true)}},
-          {"boundary", {boundary_tracking(1, {}, {})}},
-          {"misfit", {misfit(2, [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x.x(), 0.8); })}},
-          {"rate", {energy_release_rate({-0.3, 0.1}, {-1, 0.1}, {0.1, 0.3}, everything().scene.body)}},
-          {"opening", {crack_opening(0, {})}}};
-}
-
-class Derivatives : public testing::TestWithParam<int> {};
-
-TEST_P(Derivatives, ByEveryVariableAgreeWithCentralDifferencesOnTheMovedMesh) {
+TEST(Parameters, DerivativesByEveryVariableAgreeWithCentralDifferencesOnTheMovedMesh) {
   Problem p = everything();
-  p.objective = functionals()[static_cast<std::size_t>(GetParam())];
+  p.objective = {"compliance", {compliance()}};
   OptimizeRequest request{.method = "mma"};
   request.design = everything_drawn();
+  const auto target = [](const Vec2& x) { return Vec2(0.3 * x.y(), std::sin(x.x())); };
+  const auto weight = [](const Vec2& x) { return 1 + 0.3 * std::sin(x.x()); };
+  const auto measured = [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x.x(), 0.8); };
+  for (const Term& term :
+       {energy(), displacement_tracking(target, {}), stress_pnorm(6, weight, true), boundary_tracking(1, {}, {}),
+        misfit(2, measured), energy_release_rate({-0.3, 0.1}, {-1, 0.1}, {0.1, 0.3}, p.scene.body),
+        crack_opening(0, {}), volume()})
+    request.bounds.push_back({term.kind, {term.kind, {term}}, 1});
   const VectorXd x = start_of(request.design);
   Trials trials(p, request);
   trials.begin_round();
@@ -47,25 +38,25 @@ TEST_P(Derivatives, ByEveryVariableAgreeWithCentralDifferencesOnTheMovedMesh) {
   ASSERT_EQ(trial.evaluation.failure, "");
   EXPECT_TRUE(trial.fresh);
   const VectorXd width = upper_bounds(request.design) - lower_bounds(request.design);
-  const VectorXd g = trial.evaluation.gradients.col(0).cwiseProduct(width);
-  const double scale = g.cwiseAbs().maxCoeff();
-  constexpr double step = 1e-3;
+  const auto many = static_cast<Eigen::Index>(1 + request.bounds.size());
+  const Eigen::MatrixXd g = width.asDiagonal() * trial.evaluation.gradients.leftCols(many);
+  constexpr double step = 2e-4;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const auto at = [&](double t) {
+    const auto at = [&](double t) -> VectorXd {
       VectorXd y = x;
       y[i] += t * width[i];
       const Trial other = trials.evaluate(y, false);
       EXPECT_EQ(other.evaluation.failure, "");
       EXPECT_FALSE(other.fresh);
-      return other.evaluation.values[0];
+      return other.evaluation.values.head(many);
     };
-    const double expected = (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step);
-    EXPECT_NEAR(g[i], expected, 1e-5 * scale) << "variable " << i << " of " << p.objective.kind;
+    const VectorXd expected = (at(step) - at(-step)) / (2 * step);
+    for (Eigen::Index k = 0; k < many; ++k)
+      EXPECT_NEAR(g(i, k), expected[k], 2e-6 * g.col(k).cwiseAbs().maxCoeff())
+          << "variable " << i << " of "
+          << (k == 0 ? "compliance" : request.bounds[static_cast<std::size_t>(k - 1)].name);
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Of, Derivatives, testing::Range(0, 8),
-                         [](const auto& info) { return functionals()[static_cast<std::size_t>(info.param)].kind; });
 
 /// A plate pulled at the top and the bottom, held in the middle of its sides; one hole drawn, and perhaps a crack.
 Problem plate() {
@@ -83,7 +74,7 @@ Problem plate() {
 }
 
 OptimizeRequest hole(const Eigen::Vector3d& start, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  OptimizeRequest r{.method = "mma", .max_iterations = 60};
+  OptimizeRequest r{.method = "mma", .max_iterations = 60, .tolerance = 1e-4};
   r.design.drawn = {{Drawn::Kind::Circle, "h", low, high, start}};
   return r;
 }
@@ -93,8 +84,7 @@ OptimizeResult quietly(const Problem& p, const OptimizeRequest& r) {
 }
 
 TEST(Parameters, AHoleFindsTheMiddleOfASymmetricPlate) {
-  // The load is symmetric about x = 0, strongest there: away from it a hole of fixed size costs least. A hole that must
-  // stay in the upper middle goes to one side; one that minimises minus the compliance goes to the middle.
+  // Everything is symmetric about x = 0, where the load is strongest: a hole there makes the plate most compliant.
   Problem p = plate();
   p.objective.terms[0].factor = -1;
   OptimizeRequest r = hole({0.25, 0, 0.2}, {-0.4, 0, 0.2}, {0.4, 0, 0.2});
@@ -255,7 +245,6 @@ TEST(Parameters, CobylaDoesWithoutDerivatives) {
   Problem p = plate();
   p.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
   p.scene.laws = {{.friction = 0.3}};
-  p.objective.terms[0].factor = -1;
   OptimizeRequest r = hole({0.25, -0.2, 0.2}, {-0.4, -0.2, 0.2}, {0.4, -0.2, 0.2});
   r.method = "cobyla";
   const OptimizeResult found = quietly(p, r);
