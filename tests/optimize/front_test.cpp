@@ -57,7 +57,7 @@ TEST(Front, TheFreeRimIsABoundaryToo) {
 
 TEST(Front, AreasAreMetByShiftsAndFrozenPartsStay) {
   Solid solid;
-  solid.loops = {polygon("pad", {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}}, none)};
+  solid.loops = {{polygon("pad", {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}}, none), 0}};
   const Canvas c = canvas(solid);
   const Eigen::VectorXd phi = sample(c, [](const Vec2& x) { return std::sin(5 * x.x()) * std::cos(4 * x.y()); });
   for (const double area : {0.3, 0.9, 1.7}) {
