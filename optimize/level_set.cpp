@@ -141,10 +141,10 @@ Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, co
   for (const LoadCase& load : r.load_cases) cases += load.weight;
   price_ *= cases;
   if (!r.volume_at_most && !(r.volume_penalty > 0) && !(price_ > 0 && !r.bounds.empty()))
-    throw Error(Fault::Usage,
-                "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }, or kind = " volume
-                " to "
-                "minimise under an [[optimize.bound]]");
+    throw Error(
+        Fault::Usage,
+        "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
+        "[[optimize.bound]]");
   const Element& e = element(p.element, p.degree);
   if (!is_mixed(e) || e.cut == Cut::LinearDivergence || per_vertex(e) == 3)
     throw Error(Fault::Usage, fmt::format("element \"{}\" has no derivatives for an optimisation; use \"bdms\", "
@@ -343,11 +343,13 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   worthless_ = !penalised_ && !enclosed && !(speed.multiplier > 0);
   Eigen::VectorXd next = distance - speed.on_canvas;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
-    const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
-                                                       {.multiplier = s_.multiplier,
-                                                        .area = how.nucleate_fraction * whole_,
-                                                        .least = std::max(1.5 * canvas_.size, 0.5 * how.min_feature),
-                                                        .most = std::max(1.5 * size_, 0.5 * how.min_feature)});
+    const Eigen::VectorXd T = derivative(e);
+    const std::vector<Disc> discs =
+        places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, T,
+                           {.multiplier = enclosed && !penalised_ ? lower_third(T) : s_.multiplier,
+                            .area = how.nucleate_fraction * whole_,
+                            .least = std::max(1.5 * canvas_.size, 0.5 * how.min_feature),
+                            .most = std::max(1.5 * size_, 0.5 * how.min_feature)});
     if (!discs.empty()) notes.push_back(fmt::format("{} hole{} nucleated", discs.size(), discs.size() == 1 ? "" : "s"));
     cut_discs(canvas_, discs, next);
   }
