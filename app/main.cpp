@@ -1,8 +1,10 @@
 // kerf: arguments, exit codes, signals. CLI11 lives here and nowhere else.
 
+#include "app/optimize.hpp"
 #include "app/progress.hpp"
 #include "app/run.hpp"
 #include "bench/map.hpp"
+#include "bench/optimize.hpp"
 #include "bench/state.hpp"
 #include "cases/words.hpp"
 
@@ -40,7 +42,7 @@ struct Arguments {
   std::string command, case_file, folder;
   std::vector<std::string> overrides;
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
-  bool quiet = false, force = false;
+  bool quiet = false, force = false, resume = false;
   std::string log_level;          // empty: info, or warn when quiet
   std::string bench;              // its name
   StateBenchOptions state_bench;  // what it shares with MapBenchOptions goes to both
@@ -55,12 +57,12 @@ struct Command {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      {"run", "Every job that the case names: solve, map, validate, report", true},
+      {"run", "Every job that the case names: solve, map, validate, optimize, report", true},
       {"solve", "The state alone", true},
       {"map", "The state and the map of the topological derivative", true},
       {"check", "Read the case, mesh it, print what each label selected; solve nothing", true},
       {"validate", "The expansion against computations with changes of finite size", true},
-      {"optimize", "Improve the shape (not supported yet)", false},
+      {"optimize", "Nucleate, move and reshape holes until the design is best", true},
       {"init", "Write a template case (not supported yet)", false},
       {"bench", "Speed against error, with CSV, JSON and pictures", true}};
   return all;
@@ -76,7 +78,9 @@ const std::vector<Bench>& benches() {
       {"state", "time and memory against the error of the stress: every element on smooth, singular and contact cases",
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
-       map_case_names()}};
+       map_case_names()},
+      {"optimize", "compliance, time and state solves of optimised designs beside those of other programs",
+       optimize_case_names()}};
   return all;
 }
 
@@ -92,7 +96,8 @@ void declare_bench(CLI::App* sub, Arguments& arguments) {
   sub->add_option("NAME", arguments.bench, "Which one; see --list");
   sub->add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
   sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
-  sub->add_option("--seconds", options.seconds, "Time for kerf's runs; default 300")->check(CLI::Range(1e-3, 1e6));
+  sub->add_option("--seconds", options.seconds, "state, map: time for kerf's runs; default 300")
+      ->check(CLI::Range(1e-3, 1e6));
   sub->add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
       ->check(CLI::Range(1e-3, 1e6));
   const auto several = [sub](const char* name, std::vector<std::string>& names, const char* words) {
@@ -131,6 +136,8 @@ void declare(CLI::App& app, Arguments& arguments) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
+    if (command.name == "run" || command.name == "optimize")
+      sub->add_flag("--resume", arguments.resume, "Go on with the optimisation whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
     declare_common(sub, arguments);
   }
@@ -205,16 +212,17 @@ int perform_bench(const Arguments& arguments) {
   for (const Bench& b : benches()) names.push_back(b.name);
   if (arguments.bench.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.bench, names);
-  const bool maps = arguments.bench == "map";
+  const bool maps = arguments.bench == "map", designs = arguments.bench == "optimize";
   if (arguments.large && !maps) throw Error(Fault::Usage, "--large belongs to kerf bench map");
   StateBenchOptions options = arguments.state_bench;
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.bench; });
   for (const std::string& name : options.cases) require_known("case", name, chosen->cases);
+  if (designs && !options.elements.empty()) throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
   for (const std::string& name : options.elements) require_known("element", name, bench_element_names());
   options.folder = arguments.folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments.bench)
                                             : std::filesystem::path(arguments.folder);
-  make_ready(options.folder, arguments.force, maps ? "map.json" : "state.json");
+  make_ready(options.folder, arguments.force, (arguments.bench + ".json").c_str());
   catch_signals();
   Progress progress(log_level(arguments));
   options.stop_asked = [] { return stop_requested != 0; };
@@ -224,7 +232,15 @@ int perform_bench(const Arguments& arguments) {
     if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
     if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
   };
-  if (maps)
+  if (designs)
+    finish(run_optimize_bench({.folder = options.folder,
+                               .cases = options.cases,
+                               .peer_seconds = options.peer_seconds,
+                               .quick = options.quick,
+                               .peers = options.peers,
+                               .stop_asked = options.stop_asked,
+                               .on_phase = options.on_phase}));
+  else if (maps)
     finish(run_map_bench({.folder = options.folder,
                           .cases = options.cases,
                           .elements = options.elements,
@@ -244,7 +260,8 @@ int perform(const Arguments& arguments) {
   for (const Command& command : commands())
     if (command.name == arguments.command && !command.supported)
       throw Error(Fault::Usage,
-                  fmt::format("{} is not supported yet; use run, solve, map, validate, check or bench", command.name));
+                  fmt::format("{} is not supported yet; use run, solve, map, validate, optimize, check or bench",
+                              command.name));
   if (arguments.command == "bench") return perform_bench(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
@@ -254,7 +271,9 @@ int perform(const Arguments& arguments) {
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
-  make_ready(options.folder, arguments.force);
+  options.resume = arguments.resume;
+  if (options.resume) check_checkpoint(options.folder, c);
+  make_ready(options.folder, arguments.force || options.resume);
   catch_signals();
   Progress progress(log_level(arguments));
   options.threads = arguments.threads;
@@ -263,6 +282,7 @@ int perform(const Arguments& arguments) {
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate
+                  : arguments.command == "optimize" ? Job::Optimize
                                                     : Job::Run;
   const Result result = run(c, job, options);
   progress.finish();

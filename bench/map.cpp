@@ -22,12 +22,12 @@ bool wanted(const std::vector<std::string>& names, std::string_view name) {
   return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
-Grading grading_of(const Problem& problem) {
+Grading grading_of(const BenchProblem& problem) {
   return problem.shape.cracks.empty() ? Grading::Uniform : Grading::Graded;
 }
 
 struct Sequence {
-  Problem problem;
+  BenchProblem problem;
   const Element* element;
 };
 
@@ -37,7 +37,7 @@ class Runner {
 
   void sequences() {
     std::vector<Sequence> all;
-    for (const Problem& p : problems())
+    for (const BenchProblem& p : problems())
       for (const Element& e : elements)
         if (p.exact && (options_.elements.empty() ? e.name == "bdms" : wanted(options_.elements, e.name)))
           all.push_back({p, &e});
@@ -54,7 +54,7 @@ class Runner {
     std::vector<Index> counts{10000, 100000};
     if (options_.quick) counts = {1000};
     if (options_.large) counts.push_back(1000000);
-    for (const Problem& p : problems())
+    for (const BenchProblem& p : problems())
       for (const Index count : counts) {
         if (stopped()) return;
         // A million triangles once: the first and last Poisson's ratio differ by refinement steps alone.
@@ -79,12 +79,12 @@ class Runner {
   }
 
  private:
-  static std::string tag(const Problem& p) {
+  static std::string tag(const BenchProblem& p) {
     return problem_tag(p.name, p.poisson);
   }
 
-  std::vector<Problem> problems() const {
-    std::vector<Problem> all;
+  std::vector<BenchProblem> problems() const {
+    std::vector<BenchProblem> all;
     for (const ProblemKind& kind : map_problem_kinds())
       for (const double poisson : kind.poisson)
         if (wanted(options_.cases, kind.name) && !(options_.quick && poisson != kind.poisson.front()))

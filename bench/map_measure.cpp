@@ -11,10 +11,10 @@ namespace kerf {
 namespace {
 
 /// tdmap.edp: 2 x 1, plane stress, the left end held, a unit load on the middle tenth of the right one.
-Problem cantilever(double poisson) {
-  Problem p{.shape = {.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 0.45}, {2, 0.55}, {2, 1}, {0, 1}}, 0),
-                      .labels = {"free", "load", "held"}},
-            .coarsest = 0.2};
+BenchProblem cantilever(double poisson) {
+  BenchProblem p{.shape = {.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 0.45}, {2, 0.55}, {2, 1}, {0, 1}}, 0),
+                           .labels = {"free", "load", "held"}},
+                 .coarsest = 0.2};
   p.shape.outline.sides[2].label = 1;
   p.shape.outline.sides[5].label = 2;
   p.scene.material = plane_stress(1, poisson);
@@ -44,7 +44,7 @@ double map_error(const exact::ExactField& f, const Mesh& mesh, const Eigen::Vect
   return difference / sum;
 }
 
-Functional functional_of(const Problem& problem) {
+Functional functional_of(const BenchProblem& problem) {
   if (problem.exact) return {"energy", {energy()}};
   return {"compliance", {compliance()}};
 }
@@ -54,7 +54,7 @@ const Functional& tracking() {
   return j;
 }
 
-MapMeasurement once(const Problem& problem, const Element& e, Grading grading, double level, bool with_error) {
+MapMeasurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_error) {
   forget_peak_memory();
   MapMeasurement m{.problem = problem.name,
                    .poisson = problem.poisson,
@@ -104,8 +104,8 @@ PhaseSeconds median_state(const std::vector<Run>& runs) {
 }
 
 /// The partly closed crack, held by its displacements, so that displacements themselves have a meaning.
-Problem held_crack() {
-  Problem p = problem("closing-crack", 0.3);
+BenchProblem held_crack() {
+  BenchProblem p = problem("closing-crack", 0.3);
   p.scene.tractions.clear();
   p.scene.supports = {{.label = 0, .value = [f = *p.exact](const Vec2& x, const Vec2&) -> Vec2 {
                          return f.displacement(x, exact::side_of(f, x));
@@ -133,16 +133,16 @@ const std::vector<ProblemKind>& map_problem_kinds() {
   return kinds;
 }
 
-Problem map_problem(const std::string& name, double poisson) {
+BenchProblem map_problem(const std::string& name, double poisson) {
   if (name != "cantilever") return problem(name, poisson);
-  Problem p = cantilever(poisson);
+  BenchProblem p = cantilever(poisson);
   p.name = name;
   p.title = map_problem_kinds().back().title;
   p.poisson = poisson;
   return p;
 }
 
-MapMeasurement measure_map(const Problem& problem, const Element& e, Grading grading, double level, int repeat) {
+MapMeasurement measure_map(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
   std::vector<MapMeasurement> runs;
   for (int i = 0; i < std::max(1, repeat); ++i) runs.push_back(once(problem, e, grading, level, i == 0));
   MapMeasurement m = runs.front();
@@ -153,7 +153,7 @@ MapMeasurement measure_map(const Problem& problem, const Element& e, Grading gra
   return m;
 }
 
-double level_of(const Problem& problem, Grading grading, int degree, Index triangles) {
+double level_of(const BenchProblem& problem, Grading grading, int degree, Index triangles) {
   // An equilateral triangle of size h has the area 0.433 h^2; the bodies fill about their squared extent.
   double level = std::log2(0.433 * static_cast<double>(triangles) * problem.coarsest * problem.coarsest /
                            std::pow(extent(problem.shape), 2));
@@ -168,7 +168,7 @@ double level_of(const Problem& problem, Grading grading, int degree, Index trian
 
 std::vector<ValidationMeasurement> measure_validations(Index triangles, std::size_t points, std::size_t radii,
                                                        int repeat) {
-  const Problem problem = held_crack();
+  const BenchProblem problem = held_crack();
   const Element& e = element("bdms");
   const MeshPlan plan = bench_plan(problem, Grading::Graded, 1, level_of(problem, Grading::Graded, 1, triangles));
   const ValidationRequest request = request_of(points, radii);

@@ -9,7 +9,7 @@ namespace kerf {
 /// Those of problem_kinds with an exact solution, and "cantilever": the body of the peers' tdmap.edp, of which only
 /// times are measured; its functional is the compliance, that of the others the energy.
 const std::vector<ProblemKind>& map_problem_kinds();
-Problem map_problem(const std::string& name, double poisson);  // throws std::invalid_argument for an unknown name
+BenchProblem map_problem(const std::string& name, double poisson);  // throws std::invalid_argument for an unknown name
 
 struct MapMeasurement {
   std::string problem;
@@ -40,10 +40,11 @@ struct MapMeasurement {
 inline constexpr double tip_margin = 0.1;
 
 /// On one thread; every time is the median of `repeat` runs. Throws what the solver throws.
-MapMeasurement measure_map(const Problem& problem, const Element& e, Grading grading, double level, int repeat = 3);
+MapMeasurement measure_map(const BenchProblem& problem, const Element& e, Grading grading, double level,
+                           int repeat = 3);
 
 /// The level with about so many triangles, within 3 %.
-double level_of(const Problem& problem, Grading grading, int degree, Index triangles);
+double level_of(const BenchProblem& problem, Grading grading, int degree, Index triangles);
 
 struct ValidationMeasurement {
   std::string problem, functional;

@@ -26,7 +26,7 @@ void recover_displacement(const Model& model, const State& state) {
   }
 }
 
-Measurement once(const Problem& problem, const Element& e, Grading grading, double level, bool with_errors) {
+Measurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_errors) {
   forget_peak_memory();
   Measurement m{.problem = problem.name,
                 .poisson = problem.poisson,
@@ -115,7 +115,7 @@ std::string_view name_of(Grading grading) {
   return grading == Grading::Uniform ? "uniform" : grading == Grading::Graded ? "graded" : "adaptive";
 }
 
-Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat) {
+Measurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
   std::vector<Measurement> runs{once(problem, e, grading, level, true)};
   const Measurement first = runs.front();
   if (first.seconds.work() < 1)

@@ -60,7 +60,7 @@ TimedState timed_state(const MeshPlan& plan, const Element& e, const Scene& scen
 
 /// On one thread. Runs below a second are made `repeat` times and the one of median work is returned. Throws what the
 /// solver throws.
-Measurement measure(const Problem& problem, const Element& e, Grading grading, double level, int repeat = 3);
+Measurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat = 3);
 
 std::string_view name_of(Grading grading);
 

@@ -6,5 +6,6 @@
 namespace kerf {
 
 extern const std::string_view map_crack_script;
+extern const std::string_view simp_trace_script;
 
 }  // namespace kerf

@@ -3,17 +3,13 @@
 #include "bench/peer_scripts.hpp"
 #include "bench/problem.hpp"
 #include "bench/records.hpp"
+#include "bench/shell.hpp"
 #include "report/files.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
 
 namespace kerf {
 
@@ -27,9 +23,6 @@ struct Job {
   std::string name, command;
   int size;
 };
-
-constexpr const char* freefem = "FreeFem++";
-constexpr const char* python = "/usr/bin/python3";  // the packages belong to the system's interpreter
 
 /// Sizes of a sequence end where a run took more than about twenty seconds on a machine of 2025.
 std::vector<Job> freefem_jobs() {
@@ -110,72 +103,6 @@ std::vector<Job> map_jobs() {
   return jobs;
 }
 
-bool in_path(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::string folders = path ? path : "";
-  for (std::size_t at = 0; at <= folders.size();) {
-    const std::size_t end = std::min(folders.find(':', at), folders.size());
-    if (access((fs::path(folders.substr(at, end - at)) / program).c_str(), X_OK) == 0) return true;
-    at = end + 1;
-  }
-  return false;
-}
-
-std::string quoted(const std::string& text) {  // for the shell
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
-}
-
-struct Outcome {
-  int code = -1;
-  std::string output;
-  double memory_mb = 0;  // largest resident memory of one of its processes
-};
-
-Outcome shell(const std::string& command) {
-  Outcome out;
-  std::array<int, 2> ends;
-  if (pipe(ends.data()) != 0) return out;
-  const pid_t child = fork();
-  if (child == 0) {
-    dup2(ends[1], STDOUT_FILENO);
-    close(ends[0]);
-    close(ends[1]);
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    _exit(127);
-  }
-  close(ends[1]);
-  std::array<char, 4096> block;
-  if (child > 0)  // signals restart these calls
-    for (ssize_t n; (n = read(ends[0], block.data(), block.size())) > 0;)
-      out.output.append(block.data(), static_cast<std::size_t>(n));
-  close(ends[0]);
-  int status = 0;
-  rusage usage{};
-  if (child > 0 && wait4(child, &status, 0, &usage) == child) out.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  out.memory_mb = static_cast<double>(usage.ru_maxrss) / 1024;
-  return out;
-}
-
-/// The scripts write beside themselves: they run in a copy, with the reference data unpacked.
-void copy_scripts(const fs::path& from, const fs::path& to) {
-  std::error_code failed;
-  fs::create_directories(to, failed);
-  for (const auto& entry : fs::directory_iterator(from)) {
-    const std::string type = entry.path().extension().string();
-    if (type == ".edp" || type == ".idp" || type == ".py" || type == ".txt")
-      fs::copy_file(entry.path(), to / entry.path().filename(), fs::copy_options::overwrite_existing, failed);
-  }
-  if (failed)
-    throw Error(Fault::Files, fmt::format("cannot copy the scripts to {}: {}", to.string(), failed.message()));
-  if (!fs::exists(from / "data")) return;
-  for (const auto& entry : fs::directory_iterator(from / "data"))
-    if (entry.path().extension() == ".gz")
-      shell(
-          fmt::format("gzip -dc {} > {}", quoted(entry.path().string()), quoted((to / entry.path().stem()).string())));
-}
-
 }  // namespace
 
 void require_scripts(const fs::path& folder, PeerTask task) {
@@ -218,9 +145,6 @@ PeerRuns run_peers(const PeerOptions& options) {
   std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.size < b.size; });
   if (options.quick) std::erase_if(jobs, [](const Job& j) { return j.size > 8; });
 
-  const std::string environment =
-      "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 "
-      "FF_LOADPATH='/usr/lib/freefem++;;' FF_INCLUDEPATH='/usr/include/freefem++/idp;;'";
   Stopwatch watch;
   double spent = 0;
   std::size_t done = 0;
@@ -229,8 +153,7 @@ PeerRuns run_peers(const PeerOptions& options) {
     if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
     ++done;
     if (options.on_phase) options.on_phase(fmt::format("peers: {} {} n = {}", job.problem, job.name, job.size));
-    const Outcome o = shell(fmt::format("cd {} && {} timeout -k 5 {:.0f} {} 2>&1", quoted(options.work.string()),
-                                        environment, std::clamp(options.seconds - spent, 10.0, 300.0), job.command));
+    const Outcome o = run_script(options.work, job.command, std::clamp(options.seconds - spent, 10.0, 300.0));
     std::optional<PeerRun> run = read_peer_line(o.output);
     if (o.code != 0 || !run) {
       const bool late = o.code == 124 || o.code == 137;

@@ -1,6 +1,8 @@
 #include "bench/plots.hpp"
 
+#include "report/bars.hpp"
 #include "report/chart.hpp"
+#include "report/gallery.hpp"
 
 #include <fmt/format.h>
 
@@ -147,6 +149,85 @@ void draw_map_plots(const std::filesystem::path& folder, const MapBench& bench) 
         std::stable_sort(s.points.begin(), s.points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
       draw(folder / fmt::format("map_error_time_{}.png", problem_tag(kind.name, poisson)), chart);
     }
+}
+
+namespace {
+
+constexpr double shown = 1.25;  // of the best: what lies above is left out of the picture
+
+std::vector<Vec2> corners(const Loop& loop) {
+  std::vector<Vec2> points;
+  for (const Side& side : loop.sides) points.push_back(side.start);
+  return points;
+}
+
+/// Sides of the frame with one of these labels.
+std::vector<Polyline> sides_with(const Loop& outline, const std::vector<Index>& labels) {
+  std::vector<Polyline> all;
+  for (std::size_t i = 0; i < outline.sides.size(); ++i)
+    if (std::find(labels.begin(), labels.end(), outline.sides[i].label) != labels.end())
+      all.push_back({outline.sides[i].start, outline.sides[(i + 1) % outline.sides.size()].start});
+  return all;
+}
+
+Panel panel_of(const OptimizeProblem& p, const DesignRun& run) {
+  Panel panel{.title = run_name(run),
+              .caption = fmt::format("{:.2f}; {} solves, {:.1f} s", run.last.compliance, run.state_solves, run.seconds),
+              .body = {corners(run.shape.outline)},
+              .frame = {corners(p.problem.frame.outline)},
+              .accent = run.own};
+  for (const Loop& hole : run.shape.holes) panel.body.push_back(corners(hole));
+  std::vector<Index> held, loaded;
+  for (const Support& s : p.problem.scene.supports) held.push_back(s.label);
+  for (const Traction& t : p.problem.scene.tractions) loaded.push_back(t.label);
+  panel.supports = sides_with(p.problem.frame.outline, held);
+  panel.loads = sides_with(p.problem.frame.outline, loaded);
+  return panel;
+}
+
+}  // namespace
+
+void draw_optimize_plots(const std::filesystem::path& folder, const OptimizeBench& bench) {
+  Gallery gallery{
+      .title = "Least compliance at a volume fraction of 0.4",
+      .subtitle = "compliance on a fine body-fitted mesh, the same way for every program; processor seconds"};
+  BarChart bars{.title = "Compliance above the best design of each case",
+                .subtitle = "all designs at the same volume, on fine body-fitted meshes",
+                .x_label = "per cent above the best"};
+  for (const OptimizeProblem& p : optimize_problems()) {
+    double best = 0;
+    for (const DesignRun& run : bench.runs)
+      if (run.problem == p.name && (best == 0 || run.last.compliance < best)) best = run.last.compliance;
+    if (best == 0) continue;
+    Chart chart{.title = p.title,
+                .subtitle = fmt::format("designs judged on body-fitted meshes at a volume fraction of {}; one thread",
+                                        p.volume),
+                .x_label = "processor seconds",
+                .y_label = "compliance",
+                .linear_y = true};
+    GalleryRow row{.title = p.title};
+    BarGroup group{.title = p.title};
+    std::size_t style = 0;
+    for (const DesignRun& run : bench.runs) {
+      if (run.problem != p.name) continue;
+      Series series{.name = run_name(run), .dashed = !run.own, .style = style++, .marked_at_end = true};
+      for (const DesignPoint& at : run.curve)
+        if (at.compliance <= shown * best) series.points.emplace_back(at.seconds, at.compliance);
+      chart.series.push_back(std::move(series));
+      row.panels.push_back(panel_of(p, run));
+      const double above = 100 * (run.last.compliance / best - 1);
+      group.bars.push_back({.name = run_name(run),
+                            .value = above,
+                            .text = fmt::format("{:.2f} (+{:.2f} %)", run.last.compliance, above),
+                            .style = run.own ? 0u : 2u});
+    }
+    draw(folder / fmt::format("optimize_{}.png", p.name), chart);
+    gallery.rows.push_back(std::move(row));
+    bars.groups.push_back(std::move(group));
+  }
+  if (gallery.rows.empty()) return;
+  draw(folder / "optimize_designs.png", gallery);
+  draw(folder / "optimize_compliance.png", bars);
 }
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 // The pictures of `kerf bench`.
 
 #include "bench/map.hpp"
+#include "bench/optimize.hpp"
 #include "bench/state.hpp"
 
 namespace kerf {
@@ -11,5 +12,7 @@ namespace kerf {
 void draw_state_plots(const std::filesystem::path& folder, const StateBench& bench);
 /// map_error_time_<case>_nu<poisson>.png per problem with an exact map, other programs dashed.
 void draw_map_plots(const std::filesystem::path& folder, const MapBench& bench);
+/// optimize_<case>.png: compliance against time; optimize_compliance.png: the last ones; optimize_designs.png.
+void draw_optimize_plots(const std::filesystem::path& folder, const OptimizeBench& bench);
 
 }  // namespace kerf

@@ -20,8 +20,8 @@ BoundaryField displacement_of(const exact::ExactField& f) {
   return [f](const Vec2& x, const Vec2&) -> Vec2 { return f.displacement(x, exact::side_of(f, x)); };
 }
 
-Problem smooth(double poisson) {
-  Problem p{.shape = {.outline = square(0, 1), .labels = {"side"}}, .coarsest = 0.35};
+BenchProblem smooth(double poisson) {
+  BenchProblem p{.shape = {.outline = square(0, 1), .labels = {"side"}}, .coarsest = 0.35};
   p.exact = exact::vortex_field(poisson);
   p.scene.material = p.exact->material;
   p.scene.body = p.exact->body;
@@ -29,10 +29,10 @@ Problem smooth(double poisson) {
   return p;
 }
 
-Problem cook(const Material& material) {
-  Problem p{.shape = {.outline = polygon("outline", {{0, 0}, {48, 44}, {48, 60}, {0, 44}}, 0),
-                      .labels = {"free", "right", "left"}},
-            .coarsest = 16};
+BenchProblem cook(const Material& material) {
+  BenchProblem p{.shape = {.outline = polygon("outline", {{0, 0}, {48, 44}, {48, 60}, {0, 44}}, 0),
+                           .labels = {"free", "right", "left"}},
+                 .coarsest = 16};
   p.shape.outline.sides[1].label = 1;
   p.shape.outline.sides[3].label = 2;
   p.scene.material = material;
@@ -44,23 +44,23 @@ Problem cook(const Material& material) {
   return p;
 }
 
-Problem crack(const exact::LineCrack& c, double poisson) {
-  Problem p{.shape = {.outline = square(-2, 2), .cracks = {{"c", {{-1, 0}, {1, 0}}}}, .labels = {"side"}},
-            .coarsest = 0.8};
+BenchProblem crack(const exact::LineCrack& c, double poisson) {
+  BenchProblem p{.shape = {.outline = square(-2, 2), .cracks = {{"c", {{-1, 0}, {1, 0}}}}, .labels = {"side"}},
+                 .coarsest = 0.8};
   p.exact = exact::line_crack("crack", plane_strain(1, poisson), c);
   p.scene.material = p.exact->material;
   return p;
 }
 
-Problem open_crack(double poisson) {
-  Problem p = crack({.p0 = 1, .westergaard = true}, poisson);
+BenchProblem open_crack(double poisson) {
+  BenchProblem p = crack({.p0 = 1, .westergaard = true}, poisson);
   p.scene.supports = {{.label = 0, .value = displacement_of(*p.exact)}};
   p.scene.laws = {{.kind = CrackLaw::Kind::Open}};
   return p;
 }
 
-Problem closing_crack(double poisson) {
-  Problem p = crack({.p1 = 1, .westergaard = true}, poisson);
+BenchProblem closing_crack(double poisson) {
+  BenchProblem p = crack({.p1 = 1, .westergaard = true}, poisson);
   p.scene.tractions = {{0, [f = *p.exact](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, 0) * n; }}};
   p.scene.laws.resize(1);
   return p;
@@ -94,7 +94,7 @@ Loop with_short_sides(const Loop& outline, const std::vector<SharpCorner>& corne
   return loop;
 }
 
-MeshPlan graded_plan(const Problem& problem, double size, int degree, double growth) {
+MeshPlan graded_plan(const BenchProblem& problem, double size, int degree, double growth) {
   // The stress errs by h^(degree + 1) where it is smooth, by d^(1/2) at a crack tip, by d^exponent at a corner; the
   // mesher refuses sides shorter than 1e-9 of the body.
   const double share = 2 * size / longest_side(problem.shape), whole = extent(problem.shape);
@@ -216,15 +216,15 @@ const std::vector<ProblemKind>& problem_kinds() {
   return kinds;
 }
 
-Problem problem(const std::string& name, double poisson) {
+BenchProblem problem(const std::string& name, double poisson) {
   const auto& kinds = problem_kinds();
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const ProblemKind& k) { return k.name == name; });
   if (kind == kinds.end()) throw std::invalid_argument("no bench problem is called " + name);
-  Problem p = name == "smooth"        ? smooth(poisson)
-              : name == "cook-stress" ? cook(plane_stress(1, poisson))
-              : name == "cook-strain" ? cook(plane_strain(1, poisson))
-              : name == "open-crack"  ? open_crack(poisson)
-                                      : closing_crack(poisson);
+  BenchProblem p = name == "smooth"        ? smooth(poisson)
+                   : name == "cook-stress" ? cook(plane_stress(1, poisson))
+                   : name == "cook-strain" ? cook(plane_strain(1, poisson))
+                   : name == "open-crack"  ? open_crack(poisson)
+                                           : closing_crack(poisson);
   p.name = name;
   p.title = kind->title;
   p.poisson = poisson;
@@ -234,13 +234,13 @@ Problem problem(const std::string& name, double poisson) {
   return p;
 }
 
-Adapted adapt(const Problem& problem, const Element& e, double level) {
+Adapted adapt(const BenchProblem& problem, const Element& e, double level) {
   const Sizing coarse{.size = problem.coarsest, .crack_tip_size = problem.coarsest};
   return solve_adaptively(problem.shape, coarse, e, problem.scene,
                           {.error = 0.1 * std::pow(2, -level), .max_triangles = 1000000});
 }
 
-MeshPlan bench_plan(const Problem& problem, Grading grading, int degree, double level) {
+MeshPlan bench_plan(const BenchProblem& problem, Grading grading, int degree, double level) {
   const double size = problem.coarsest * std::pow(2, -level / 2);
   if (grading == Grading::Uniform) return {problem.shape, {.size = size, .crack_tip_size = size}};
   // 0.45 took the least time to errors down to 1e-4 (0.25, 0.35, 0.6: up to twice as long); about corners no error
@@ -249,12 +249,12 @@ MeshPlan bench_plan(const Problem& problem, Grading grading, int degree, double 
   return graded_plan(problem, size, degree, 0.45 * std::min(1.0, std::sqrt(10 * share)));
 }
 
-Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level) {
+Mesh bench_mesh(const BenchProblem& problem, Grading grading, int degree, double level) {
   const MeshPlan plan = bench_plan(problem, grading, degree, level);
   return triangulate(plan.shape, plan.sizing);
 }
 
-Reference overkill(const Problem& problem, double level) {
+Reference overkill(const BenchProblem& problem, double level) {
   const Element& e = element("bdms", 3);
   const auto solved = [&](double at, const auto& use) {
     const double size = problem.coarsest * std::pow(2, -at / 2);
@@ -269,7 +269,7 @@ Reference overkill(const Problem& problem, double level) {
   return fine;
 }
 
-Errors errors(const Problem& problem, const Model& model, const State& state) {
+Errors errors(const BenchProblem& problem, const Model& model, const State& state) {
   if (problem.reference) return errors_against(*problem.reference, model, state);
   Sums sums;
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t)

@@ -26,7 +26,7 @@ struct SharpCorner {
   double exponent;
 };
 
-struct Problem {
+struct BenchProblem {
   std::string name, title;
   double poisson = 0.3;
   Shape shape;
@@ -46,7 +46,7 @@ struct ProblemKind {
   std::vector<double> poisson;
 };
 const std::vector<ProblemKind>& problem_kinds();
-Problem problem(const std::string& name, double poisson);  // throws std::invalid_argument for an unknown name
+BenchProblem problem(const std::string& name, double poisson);  // throws std::invalid_argument for an unknown name
 
 /// Adaptive: refined from level 0 until the estimated error is small.
 enum class Grading { Uniform, Graded, Adaptive };
@@ -56,18 +56,18 @@ struct MeshPlan {
   Shape shape;
   Sizing sizing;
 };
-MeshPlan bench_plan(const Problem& problem, Grading grading, int degree, double level);
-Mesh bench_mesh(const Problem& problem, Grading grading, int degree, double level);
+MeshPlan bench_plan(const BenchProblem& problem, Grading grading, int degree, double level);
+Mesh bench_mesh(const BenchProblem& problem, Grading grading, int degree, double level);
 /// Adaptive level l asks for an estimated error of 0.1 / 2^l.
-Adapted adapt(const Problem& problem, const Element& e, double level);
+Adapted adapt(const BenchProblem& problem, const Element& e, double level);
 
 /// Degree 3 on a graded mesh of the given level; `error` is its distance from the one two levels coarser.
-Reference overkill(const Problem& problem, double level);
+Reference overkill(const BenchProblem& problem, double level);
 
 /// Relative, in L2 over the body: of the stress tensor, and of u* up to a rigid motion where nothing else is fixed.
 struct Errors {
   double stress = 0, displacement = 0;
 };
-Errors errors(const Problem& problem, const Model& model, const State& state);
+Errors errors(const BenchProblem& problem, const Model& model, const State& state);
 
 }  // namespace kerf

@@ -69,6 +69,49 @@ Json map_section(const MapMeasurement& m) {
           {"certified", m.certified}};
 }
 
+Json design_section(const DesignRun& r) {
+  return {{"case", r.problem},
+          {"tool", r.tool},
+          {"start", r.start},
+          {"iterations", r.iterations},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"own_compliance", number(r.own_compliance)},
+          {"compliance", number(r.last.compliance)},
+          {"compliance_least", number(r.last.least)},
+          {"compliance_most", number(r.last.most)},
+          {"volume", number(r.last.volume)},
+          {"triangles", r.last.mesh.triangles.size()},
+          {"near_iterations", r.near.iteration},
+          {"near_state_solves", r.near.state_solves},
+          {"near_cpu_s", number(r.near.seconds)},
+          {"stopped", r.stopped}};
+}
+
+Json point_section(const DesignRun& r, const DesignPoint& p) {
+  return {{"case", r.problem},
+          {"tool", r.tool},
+          {"start", r.start},
+          {"iteration", p.iteration},
+          {"state_solves", p.state_solves},
+          {"cpu_s", number(p.seconds)},
+          {"compliance", number(p.compliance)},
+          {"volume", number(p.volume)}};
+}
+
+Json published_section(const PublishedRun& r) {
+  return {{"method", r.method},
+          {"start", r.start},
+          {"iterations", r.iterations},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"objective", number(r.objective)},
+          {"compliance", number(r.compliance)},
+          {"volume", number(r.volume)},
+          {"body_fitted_objective", number(r.judged)},
+          {"stopped", r.stopped}};
+}
+
 Json validation_section(const ValidationMeasurement& v) {
   return {{"case", v.problem},
           {"poisson", v.poisson},
@@ -85,6 +128,14 @@ Json validation_section(const ValidationMeasurement& v) {
           {"out_of_range", v.out_of_range}};
 }
 
+/// A cell of a table: in quotes where it has to be.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
+}
+
 /// Columns as in `empty`, one row each.
 std::string csv(const Json& empty, const std::vector<Json>& rows) {
   std::string out;
@@ -94,7 +145,7 @@ std::string csv(const Json& empty, const std::vector<Json>& rows) {
     std::string row;
     for (const auto& [name, value] : cells.items()) {
       if (!row.empty()) row += ',';
-      row += value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump();
+      row += value.is_string() ? quoted(value.get<std::string>()) : value.is_null() ? "" : value.dump();
     }
     out += row + '\n';
   }
@@ -218,6 +269,43 @@ void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
   }
   out["fastest_peers"] = fastest_section(bench.best_peers);
   out["ratios"] = ratio_section(bench.best, bench.best_peers);
+  out["notes"] = bench.notes;
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  std::vector<Json> rows;
+  for (const DesignRun& r : bench.runs) rows.push_back(design_section(r));
+  write_file(path, csv(design_section({}), rows));
+}
+
+void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  std::vector<Json> rows;
+  for (const DesignRun& r : bench.runs)
+    for (const DesignPoint& p : r.curve) rows.push_back(point_section(r, p));
+  write_file(path, csv(point_section({}, {}), rows));
+}
+
+void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench) {
+  Json out = {{"schema", 1}, {"bench", "optimize"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  out["runs"] = Json::array();
+  for (const DesignRun& r : bench.runs) out["runs"].push_back(design_section(r));
+  out["published"] = {{"least_objective", published.least_value},
+                      {"most_objective", published.most_value},
+                      {"fewest_state_solves", published.fewest_solves},
+                      {"most_state_solves", published.most_solves},
+                      {"runs", Json::array()}};
+  for (const PublishedRun& r : bench.published) out["published"]["runs"].push_back(published_section(r));
+  if (bench.remeshing) {
+    const Remeshing& r = *bench.remeshing;
+    out["remeshing"] = {{"triangles", r.triangles},     {"iterations", r.iterations}, {"iteration_s", r.iteration_s},
+                        {"carve_s", number(r.carve_s)}, {"mesh_s", number(r.mesh_s)}, {"share", number(r.share())}};
+  }
+  if (bench.random) {
+    const RandomDesigns& r = *bench.random;
+    out["random_designs"] = {{"count", r.count},     {"meshed", r.meshed}, {"refused", r.refused},
+                             {"failed", r.failures}, {"cpu_s", r.seconds}, {"slowest_s", r.slowest}};
+  }
   out["notes"] = bench.notes;
   write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }

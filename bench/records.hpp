@@ -2,6 +2,7 @@
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
 #include "bench/map.hpp"
+#include "bench/optimize.hpp"
 #include "bench/state.hpp"
 
 namespace kerf {
@@ -11,6 +12,9 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
 void write_map_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_validation_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_map_json(const std::filesystem::path& path, const MapBench& bench);
+void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
+void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);
+void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench);
 
 /// The last JSON object among the lines: nt, ndof, err_s or err_map, J, t_post, and the sum of t_mesh, t_asm, t_solve
 /// and t_post. Nothing when there is none, or neither a positive error nor J in it.

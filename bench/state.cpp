@@ -50,7 +50,7 @@ class Runner {
   Runner(const StateBenchOptions& options, StateBench& bench) : options_(options), bench_(bench) {}
 
   void run(const Sequence& s, double seconds) {
-    const Problem& p = ready(s);
+    const BenchProblem& p = ready(s);
     const std::string name = fmt::format("{} nu {:.6g} {} {} {}", s.problem, s.poisson, s.element.name,
                                          s.element.degree, name_of(s.grading));
     if (options_.on_phase) options_.on_phase(name);
@@ -75,12 +75,12 @@ class Runner {
   }
 
  private:
-  static double reference_error(const Problem& p) {
+  static double reference_error(const BenchProblem& p) {
     return p.reference ? p.reference->error : 0;
   }
 
   /// The problem, with the reference that it needs; kept while the sequences stay with it.
-  const Problem& ready(const Sequence& s) {
+  const BenchProblem& ready(const Sequence& s) {
     if (problem_ && problem_->name == s.problem && problem_->poisson == s.poisson) return *problem_;
     problem_ = problem(s.problem, s.poisson);
     if (problem_->exact) return *problem_;
@@ -92,7 +92,7 @@ class Runner {
 
   const StateBenchOptions& options_;
   StateBench& bench_;
-  std::optional<Problem> problem_;
+  std::optional<BenchProblem> problem_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "cases/case.hpp"
 
+#include "cases/fingerprint.hpp"
 #include "cases/sections.hpp"
 #include "solver/element.hpp"
 
@@ -81,8 +82,7 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   const Field document{&root, ""};
   allow_only(document,
              {"title", "domain", "hole", "crack", "material", "region", "boundary", "body", "define", "mesh", "solver",
-              "functional", "map", "validate", "probe", "output"},
-             {{"optimize", "remove the table"}});
+              "functional", "map", "validate", "probe", "output", "optimize", "load_case", "synthetic"});
 
   Case c;
   c.name = path.stem().string();
@@ -90,16 +90,19 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   c.title = title ? text(*title) : c.name;
   read_shape(document, c);
   read_material(document, c);
-  read_regions(document, c);
+  std::vector<Loop> frozen = read_regions(document, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
   read_functional(document, path.parent_path(), definitions, c);
-  check_all_used(definitions);
   read_mesh(document, c);
   read_solver(document, c);
+  read_synthetic(document, c);
+  read_optimize(document, path.parent_path(), std::move(frozen), definitions, c);
+  check_all_used(definitions);
   read_map(document, c);
   read_probes(document, path.parent_path(), c);
   read_output(document, c);
+  if (c.optimize) c.fingerprint = fingerprint(root, path.parent_path());
   return c;
 }
 

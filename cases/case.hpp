@@ -1,6 +1,8 @@
 #pragma once
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
+#include "optimize/request.hpp"
+#include "optimize/synthetic.hpp"
 #include "topo/validate.hpp"
 
 #include <filesystem>
@@ -53,7 +55,13 @@ struct Case {
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;
   OutputRequest output;
+  std::optional<OptimizeRequest> optimize;
+  std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
+  std::string fingerprint;             // of all that an optimisation depends on, but for how long it may go on
 };
+
+/// The scene with the loads of the first load case, if there are load cases.
+Scene loaded_scene(const Case& c);
 
 /// Strict: an unknown, duplicated or ill-typed key, an unknown label, an unused definition is an Error(Usage) that
 /// reads `file:line:column: what is wrong; what would be right`. An unreadable file is an Error(Files). `overrides` are

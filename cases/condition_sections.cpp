@@ -74,64 +74,142 @@ BoundaryField free_part(const Conditions& on_label, const BoundaryField& load, c
   return load;
 }
 
-void apply(const Conditions& on_label, Index label, const std::string& name, Scene& scene) {
-  const auto get = [&](const char* key) -> const Condition* {
-    const auto found = on_label.find(key);
-    return found == on_label.end() ? nullptr : &found->second;
-  };
+const Condition* get(const Conditions& on_label, const char* key) {
+  const auto found = on_label.find(key);
+  return found == on_label.end() ? nullptr : &found->second;
+}
+
+void add_support(const Conditions& on_label, Index label, std::vector<Support>& supports) {
   const Expression zero = [](const Vec2&, const Vec2&) { return 0.0; };
-  if (const auto* full = get("displacement")) {
-    scene.supports.push_back({label, false, true, true, vector_field(full->value[0].value, full->value[1].value)});
-  } else if (const auto* normal = get("displacement_normal")) {
-    scene.supports.push_back({label, true, true, false, vector_field(normal->value[0].value, zero)});
+  if (const auto* full = get(on_label, "displacement")) {
+    supports.push_back({label, false, true, true, vector_field(full->value[0].value, full->value[1].value)});
+  } else if (const auto* normal = get(on_label, "displacement_normal")) {
+    supports.push_back({label, true, true, false, vector_field(normal->value[0].value, zero)});
   } else {
-    const auto *x = get("displacement_x"), *y = get("displacement_y");
+    const auto *x = get(on_label, "displacement_x"), *y = get(on_label, "displacement_y");
     if (x || y)
-      scene.supports.push_back({label, false, x != nullptr, y != nullptr,
-                                vector_field(x ? x->value[0].value : zero, y ? y->value[0].value : zero)});
+      supports.push_back({label, false, x != nullptr, y != nullptr,
+                          vector_field(x ? x->value[0].value : zero, y ? y->value[0].value : zero)});
   }
+}
+
+void add_load(const Conditions& on_label, Index label, const std::string& name, std::vector<Traction>& tractions) {
   BoundaryField load;
-  if (const auto* traction = get("traction")) load = vector_field(traction->value[0].value, traction->value[1].value);
-  if (const auto* pressure = get("pressure"))
+  if (const auto* traction = get(on_label, "traction"))
+    load = vector_field(traction->value[0].value, traction->value[1].value);
+  if (const auto* pressure = get(on_label, "pressure"))
     load = [p = pressure->value[0].value](const Vec2& x, const Vec2& n) { return Vec2(-p(x, n) * n); };
-  if (load) scene.tractions.push_back({label, free_part(on_label, load, name)});
+  if (load) tractions.push_back({label, free_part(on_label, load, name)});
+}
+
+std::vector<std::string> together(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  std::vector<std::string> all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  return all;
+}
+
+/// The entries of [[boundary]] tables that have one of the keys, added to what the labels carry.
+void add_conditions(const std::vector<Field>& tables, const std::vector<std::string>& keys, Definitions& definitions,
+                    const Shape& shape, std::vector<Conditions>& per_label) {
+  for (const Field& entry : tables) {
+    const std::vector<Index> labels = find_labels(need(entry, "on"), shape);
+    bool anything = false;
+    for (const std::string& key : keys) {
+      const auto field = find(entry, key);
+      if (!field) continue;
+      anything = true;
+      const bool is_vector = key == "traction" || key == "displacement";
+      const Condition condition{field->node->position, is_vector ? formulas(*field, definitions)
+                                                                 : std::array{formula(*field, definitions), Formula{}}};
+      for (const Index label : labels) add(per_label[label], key, condition, shape.labels[label]);
+    }
+    if (!anything)
+      fail(entry.node->position,
+           fmt::format("{} prescribes nothing; give {}", entry.name,
+                       keys == loads ? fmt::format("{}", fmt::join(loads, " or "))
+                                     : fmt::format("{} or {}", fmt::join(loads, ", "), fmt::join(supports, ", "))));
+  }
+}
+
+VectorField body_force(const Field& table, Definitions& definitions) {
+  allow_only(table, {"force"});
+  const auto force = formulas(need(table, "force"), definitions, false);
+  return [fx = force[0].value, fy = force[1].value](const Vec2& x) {
+    return Vec2(fx(x, Vec2::Zero()), fy(x, Vec2::Zero()));
+  };
 }
 
 }  // namespace
 
 void read_conditions(const Field& document, Definitions& definitions, Case& c) {
   std::vector<Conditions> per_label(c.shape.labels.size());
-  for (const Field& entry : find_tables(document, "boundary")) {
-    std::vector<std::string> keys = {"on"};
-    keys.insert(keys.end(), loads.begin(), loads.end());
-    keys.insert(keys.end(), supports.begin(), supports.end());
-    allow_only(entry, keys);
-    const Field on = need(entry, "on");
-    const std::vector<Index> labels = find_labels(on, c.shape);
-    bool anything = false;
-    for (std::size_t k = 1; k < keys.size(); ++k) {
-      const auto field = find(entry, keys[k]);
-      if (!field) continue;
-      anything = true;
-      const bool is_vector = keys[k] == "traction" || keys[k] == "displacement";
-      const Condition condition{field->node->position, is_vector ? formulas(*field, definitions)
-                                                                 : std::array{formula(*field, definitions), Formula{}}};
-      for (const Index label : labels) add(per_label[label], keys[k], condition, c.shape.labels[label]);
-    }
-    if (!anything)
-      fail(entry.node->position, fmt::format("{} prescribes nothing; give {} or {}", entry.name, fmt::join(loads, ", "),
-                                             fmt::join(supports, ", ")));
+  const std::vector<Field> tables = find_tables(document, "boundary");
+  const std::vector<std::string> keys = together(loads, supports);
+  for (const Field& entry : tables) allow_only(entry, together({"on"}, keys));
+  add_conditions(tables, keys, definitions, c.shape, per_label);
+  for (std::size_t label = 0; label < per_label.size(); ++label) {
+    add_support(per_label[label], static_cast<Index>(label), c.scene.supports);
+    add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], c.scene.tractions);
   }
-  for (std::size_t label = 0; label < per_label.size(); ++label)
-    apply(per_label[label], static_cast<Index>(label), c.shape.labels[label], c.scene);
+  if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
+}
 
-  if (const auto body = find_table(document, "body")) {
-    allow_only(*body, {"force"});
-    const auto force = formulas(need(*body, "force"), definitions, false);
-    c.scene.body = [fx = force[0].value, fy = force[1].value](const Vec2& x) {
-      return Vec2(fx(x, Vec2::Zero()), fy(x, Vec2::Zero()));
-    };
+std::vector<LoadCase> read_load_cases(const Field& document, Definitions& definitions, const Case& c) {
+  std::vector<LoadCase> out;
+  const std::vector<Field> tables = find_tables(document, "load_case");
+  if (tables.empty()) return out;
+  const std::vector<Field> boundary = find_tables(document, "boundary");
+  for (const Field& entry : boundary)
+    for (const std::string& key : loads)
+      if (const auto load = find(entry, key))
+        fail(load->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases; move it to each "
+                                               "load case in which it acts",
+                                               load->name));
+  if (const auto body = find_table(document, "body"))
+    fail(body->node->position,
+         "[body]: with [[load_case]] all loads belong to load cases; write body = { force = ... } "
+         "in each load case in which it acts");
+  std::vector<Conditions> supported(c.shape.labels.size());
+  add_conditions(boundary, supports, definitions, c.shape, supported);
+  for (const Field& table : tables) {
+    allow_only(table, {"name", "weight", "boundary", "body"});
+    LoadCase load_case;
+    const Field name = need(table, "name");
+    load_case.name = safe_name(name);
+    for (const LoadCase& other : out)
+      if (other.name == load_case.name)
+        fail(name.node->position,
+             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(load_case.name)));
+    if (const auto weight = find(table, "weight")) load_case.weight = positive(*weight);
+    const std::vector<Field> entries = find_tables(table, "boundary");
+    for (const Field& entry : entries) {
+      for (const std::string& key : supports)
+        if (const auto field = find(entry, key))
+          fail(field->node->position,
+               fmt::format("{}: all load cases have the supports of [[boundary]]; move it there", field->name));
+      allow_only(entry, together({"on"}, loads));
+    }
+    std::vector<Conditions> per_label = supported;
+    add_conditions(entries, loads, definitions, c.shape, per_label);
+    for (std::size_t label = 0; label < per_label.size(); ++label)
+      add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], load_case.tractions);
+    if (const auto body = find(table, "body")) load_case.body = body_force(*body, definitions);
+    if (load_case.tractions.empty() && !load_case.body)
+      fail(table.node->position,
+           fmt::format("{} {} has no load; add [[load_case.boundary]] with {}, or body = {{ force = ... }}", table.name,
+                       quote(load_case.name), fmt::join(loads, " or ")));
+    out.push_back(std::move(load_case));
   }
+  return out;
+}
+
+Scene loaded_scene(const Case& c) {
+  Scene scene = c.scene;
+  if (!c.optimize || c.optimize->load_cases.empty()) return scene;
+  const LoadCase& first = c.optimize->load_cases.front();
+  scene.tractions.insert(scene.tractions.end(), first.tractions.begin(), first.tractions.end());
+  if (first.body) scene.body = first.body;
+  return scene;
 }
 
 }  // namespace kerf

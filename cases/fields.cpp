@@ -43,6 +43,12 @@ std::string child_name(const Field& table, const std::string& key) {
   return fmt::format("{} in {}", key, table.name);
 }
 
+/// "optimize" of "[optimize]" and "[[optimize]]".
+std::string bare(const std::string& header) {
+  const std::size_t from = header.find_first_not_of('['), to = header.find_last_not_of(']');
+  return from == std::string::npos ? "" : header.substr(from, to + 1 - from);
+}
+
 void check_table(const Field& field) {
   if (field.node->kind != Node::Kind::Table) refuse(field, "a table");
 }
@@ -90,10 +96,11 @@ std::optional<Field> find_table(const Field& document, const std::string& key) {
   return field;
 }
 
-std::vector<Field> find_tables(const Field& document, const std::string& key) {
-  const auto field = find(document, key);
+std::vector<Field> find_tables(const Field& table, const std::string& key) {
+  const auto field = find(table, key);
   if (!field) return {};
-  const std::string name = fmt::format("[[{}]]", key);
+  const std::string parent = bare(table.name);
+  const std::string name = fmt::format("[[{}{}{}]]", parent, parent.empty() ? "" : ".", key);
   if (field->node->kind != Node::Kind::Array)
     fail(field->node->position, fmt::format("{} may appear several times; write {}", quote(key), name));
   std::vector<Field> tables;

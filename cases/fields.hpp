@@ -31,9 +31,10 @@ void allow_only(const Field& table, const std::vector<std::string>& known, const
 std::optional<Field> find(const Field& table, const std::string& key);
 Field need(const Field& table, const std::string& key);
 
-/// A table of the document, or the entries of an array of tables (none if it is absent).
+/// A table of the document, or the entries of an array of tables (none if it is absent) of the document or of a table
+/// of it.
 std::optional<Field> find_table(const Field& document, const std::string& key);
-std::vector<Field> find_tables(const Field& document, const std::string& key);
+std::vector<Field> find_tables(const Field& table, const std::string& key);
 
 bool boolean(const Field& field);
 double number(const Field& field);  // finite

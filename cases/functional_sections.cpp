@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace kerf {
 
@@ -63,6 +64,10 @@ const Kind& read_kind(const Field& table, const std::vector<std::string>& extra)
   return kind;
 }
 
+bool is_synthetic(const Field& measured) {
+  return measured.node->kind == Node::Kind::String && measured.node->text == "synthetic";
+}
+
 struct Reader {
   const std::filesystem::path& folder;
   Definitions& definitions;
@@ -118,11 +123,16 @@ struct Reader {
                                             "body is loaded or free",
                                             on.name, quote(c.shape.labels[labels[0]])));
     const Field measured = need(table, "measured");
+    if (is_synthetic(measured))
+      return misfit(labels[0], [](const Vec2&, const Vec2&) -> Vec2 {
+        throw std::logic_error("the synthetic data have not been computed yet");
+      });
     if (measured.node->kind == Node::Kind::String)
       return misfit(labels[0], read_measured(folder / text(measured), measured, c.shape, labels[0]));
     if (measured.node->kind != Node::Kind::Array)
-      fail(measured.node->position,
-           measured.name + " must be a file with the columns x,y,u_x,u_y or two expressions [u_x, u_y]");
+      fail(
+          measured.node->position,
+          measured.name + " must be a file with the columns x,y,u_x,u_y, two expressions [u_x, u_y], or \"synthetic\"");
     const auto u = formulas(measured, definitions);
     return misfit(labels[0], vector_field(u[0].value, u[1].value));
   }
@@ -182,21 +192,17 @@ struct Reader {
 
 }  // namespace
 
-void read_functional(const Field& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
-  const auto table = find_table(document, "functional");
-  if (!table) {
-    c.functional = {"energy", {energy()}};
-    return;
-  }
+Functional read_functional_table(const Field& table, const std::vector<std::string>& extra,
+                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c) {
   const Reader reader{folder, definitions, c};
-  const Kind& kind = read_kind(*table, {});
-  c.functional = {kind.name, {}};
+  const Kind& kind = read_kind(table, extra);
+  Functional functional{kind.name, {}};
   if (kind.name != "sum") {
-    c.functional.terms = reader.terms(*table, kind.name);
-    return;
+    functional.terms = reader.terms(table, kind.name);
+    return functional;
   }
   const Field* measured = nullptr;
-  const std::vector<Field> entries = items(need(*table, "terms"), 1);
+  const std::vector<Field> entries = items(need(table, "terms"), 1);
   for (const Field& entry : entries) {
     const Kind& part = read_kind(entry, {"factor"});
     if (part.name == "sum") fail(entry.node->position, entry.name + ": a sum cannot hold a sum; list its terms here");
@@ -213,9 +219,25 @@ void read_functional(const Field& document, const std::filesystem::path& folder,
     }
     for (Term& term : reader.terms(entry, part.name)) {
       term.factor = factor;
-      c.functional.terms.push_back(std::move(term));
+      functional.terms.push_back(std::move(term));
     }
   }
+  return functional;
+}
+
+void read_functional(const Field& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
+  const auto table = find_table(document, "functional");
+  c.functional = table ? read_functional_table(*table, {}, folder, definitions, c) : Functional{"energy", {energy()}};
+}
+
+std::optional<Field> synthetic_misfit(const Field& document) {
+  const auto table = find_table(document, "functional");
+  if (!table) return std::nullopt;
+  std::vector<Field> tables = {*table};
+  if (const auto terms = find(*table, "terms")) tables = items(*terms);
+  for (const Field& part : tables)
+    if (const auto measured = find(part, "measured"); measured && is_synthetic(*measured)) return measured;
+  return std::nullopt;
 }
 
 }  // namespace kerf

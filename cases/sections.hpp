@@ -10,8 +10,15 @@ namespace kerf {
 /// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole.
 void read_shape(const Field& document, Case& c);
 
-/// [[region]], in the plane state that [material] has.
-void read_regions(const Field& document, Case& c);
+/// More of these tables, with names of their own.
+void add_holes(const std::vector<Field>& tables, Shape& shape);
+void add_cracks(const std::vector<Field>& tables, Shape& shape, std::vector<CrackLaw>& laws);
+std::vector<Elastic> add_regions(const std::vector<Field>& tables, bool plane_strain, Shape& shape,
+                                 std::vector<Material>& materials);
+
+/// [[region]], in the plane state that [material] has. Returns those that [optimize] names as frozen; they are regions
+/// of the shape only if they have a material.
+std::vector<Loop> read_regions(const Field& document, Case& c);
 
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {
@@ -27,6 +34,26 @@ void read_conditions(const Field& document, Definitions& definitions, Case& c);
 
 /// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
 void read_functional(const Field& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
+
+/// The same for any table; `extra`: keys that it has besides.
+Functional read_functional_table(const Field& table, const std::vector<std::string>& extra,
+                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c);
+
+/// The key `measured` of [functional] that asks for synthetic data.
+std::optional<Field> synthetic_misfit(const Field& document);
+
+/// [synthetic]. After [functional], [mesh] and [solver].
+void read_synthetic(const Field& document, Case& c);
+
+/// [[load_case]]. After the conditions.
+std::vector<LoadCase> read_load_cases(const Field& document, Definitions& definitions, const Case& c);
+
+/// [optimize] with [[load_case]]. After all that these refer to; `frozen` comes from read_regions.
+void read_optimize(const Field& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
+                   Definitions& definitions, Case& c);
+
+/// [[optimize.hole]], [[optimize.crack]] and [[optimize.region]].
+Design read_design(const Field& optimize, const Case& c);
 
 /// [map] and [validate].
 void read_map(const Field& document, Case& c);

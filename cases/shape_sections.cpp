@@ -82,6 +82,22 @@ void check_unique(const std::string& name, const Field& field, std::vector<std::
   names.push_back(name);
 }
 
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& things) {
+  std::vector<std::string> names;
+  for (const Named& thing : things) names.push_back(thing.name);
+  return names;
+}
+
+const std::vector<std::string> region_keys = {"name", "circle", "ellipse", "polygon", "young", "poisson"};
+
+/// The entries of `frozen` in [optimize].
+std::vector<Field> frozen_names(const Field& document) {
+  const auto optimize = find_table(document, "optimize");
+  const auto frozen = optimize ? find(*optimize, "frozen") : std::nullopt;
+  return frozen ? items(*frozen, 1) : std::vector<Field>{};
+}
+
 Loop read_loop(const Field& hole, const std::string& name, Index label) {
   const std::string kind = one_of(hole, {"circle", "ellipse", "polygon"});
   const Field form = need(hole, kind);
@@ -119,19 +135,26 @@ void read_shape(const Field& document, Case& c) {
   allow_only(domain, {"outline", "sides"}, {{"file", "draw the body with outline, sides and [[hole]]"}});
   read_outline(domain, c.shape);
 
-  std::vector<std::string> names;
-  for (const Field& hole : find_tables(document, "hole")) {
+  add_holes(find_tables(document, "hole"), c.shape);
+  add_cracks(find_tables(document, "crack"), c.shape, c.scene.laws);
+}
+
+void add_holes(const std::vector<Field>& tables, Shape& shape) {
+  std::vector<std::string> names = names_of(shape.holes);
+  for (const Field& hole : tables) {
     allow_only(hole, {"name", "circle", "ellipse", "polygon"});
     const Field field = need(hole, "name");
     const std::string name = safe_name(field);
     check_unique(name, field, names);
-    const auto label = static_cast<Index>(c.shape.labels.size());
-    c.shape.labels.push_back("hole:" + name);
-    c.shape.holes.push_back(read_loop(hole, name, label));
+    const auto label = static_cast<Index>(shape.labels.size());
+    shape.labels.push_back("hole:" + name);
+    shape.holes.push_back(read_loop(hole, name, label));
   }
+}
 
-  names.clear();
-  for (const Field& crack : find_tables(document, "crack")) {
+void add_cracks(const std::vector<Field>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
+  std::vector<std::string> names = names_of(shape.cracks);
+  for (const Field& crack : tables) {
     allow_only(crack, {"name", "path", "arc", "contact", "friction", "tresca"});
     const Field field = need(crack, "name");
     const std::string name = safe_name(field);
@@ -152,23 +175,51 @@ void read_shape(const Field& document, Case& c) {
     Crack path = read_path(crack, name);
     if (path.arc)
       crack_law.normal = [center = path.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
-    c.shape.cracks.push_back(std::move(path));
-    c.scene.laws.push_back(std::move(crack_law));
+    shape.cracks.push_back(std::move(path));
+    laws.push_back(std::move(crack_law));
   }
 }
 
-void read_regions(const Field& document, Case& c) {
-  std::vector<std::string> names;
-  for (const Field& region : find_tables(document, "region")) {
-    allow_only(region, {"name", "circle", "ellipse", "polygon", "young", "poisson"});
+std::vector<Elastic> add_regions(const std::vector<Field>& tables, bool in_plane_strain, Shape& shape,
+                                 std::vector<Material>& materials) {
+  std::vector<std::string> names = names_of(shape.regions);
+  std::vector<Elastic> elastics;
+  for (const Field& region : tables) {
+    allow_only(region, region_keys);
     const Field field = need(region, "name");
     const std::string name = safe_name(field);
     check_unique(name, field, names);
-    c.shape.regions.push_back(read_loop(region, name, none));
+    shape.regions.push_back(read_loop(region, name, none));
     const Elastic e{positive(need(region, "young")), between(need(region, "poisson"), 0, 0.5)};
-    c.regions.push_back(e);
-    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
+    elastics.push_back(e);
+    materials.push_back(elastic(region, e.young, e.poisson, in_plane_strain));
   }
+  return elastics;
+}
+
+std::vector<Loop> read_regions(const Field& document, Case& c) {
+  std::vector<Field> materials;
+  std::vector<std::string> names;
+  std::vector<Loop> frozen;
+  const std::vector<Field> tables = find_tables(document, "region"), wanted = frozen_names(document);
+  const auto is_frozen = [&](const std::string& name) {
+    return std::any_of(wanted.begin(), wanted.end(), [&](const Field& field) { return text(field) == name; });
+  };
+  for (const Field& region : tables) {
+    allow_only(region, region_keys);
+    const Field field = need(region, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const bool mask = is_frozen(name);
+    if (mask) frozen.push_back(read_loop(region, name, none));
+    if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);
+  }
+  for (const Field& field : wanted)
+    if (std::find(names.begin(), names.end(), text(field)) == names.end())
+      fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
+                                             names.empty() ? "the case has none" : suggest(text(field), names)));
+  c.regions = add_regions(materials, c.plane_strain, c.shape, c.scene.regions);
+  return frozen;
 }
 
 }  // namespace kerf

@@ -16,14 +16,20 @@ struct ZeroPiece {
 };
 std::vector<ZeroPiece> zero_line(const Mesh& background, const Eigen::VectorXd& phi);
 
+/// Area of the part of a triangle where a linear function is negative, from the area and the values at its corners.
+double negative_part(double area, const std::array<double, 3>& f);
+
 /// Area where phi < 0.
 double negative_area(const Mesh& background, const Eigen::VectorXd& phi);
 
 struct Carving {
-  double tolerance = 0;     // a length: how far the boundary drawn may lie from the zero line
-  double least_area = 0;    // smaller holes are filled, smaller pieces of material dropped
+  double tolerance = 0;     // a length: how far the boundary drawn may lie from the zero line; 0: spacing / 10
+  double spacing = 0;       // edges wanted along the zero line; 0: the mean edge of the background
+  double least_area = 0;    // smaller holes are filled
+  double least_width = 0;   // narrower necks of material are opened, gaps closed; at least the tolerance, at most half
+                            // the spacing
   std::vector<Index> keep;  // labels of the frame (supports, loads): a piece of material that touches none is dropped
-  std::vector<Index> holding;  // labels of supports: a piece that touches none is dropped even if it bears loads
+  std::vector<Index> holding;  // labels of supports: a piece that bears loads and touches none is cut off
 };
 
 struct Carved {
@@ -35,9 +41,14 @@ struct Carved {
 };
 
 /// The negative set as a shape: pieces of the frame's boundary with their labels, and the zero line, simplified and
-/// smoothed within the tolerance, labelled "design". `background` is a mesh of the frame. Cracks of the frame are cut
-/// to what lies inside. Throws Error(Geometry) naming what is lost: no material, a label of `keep` that has lost its
-/// material, pieces that the supports do not hold together with the loads.
+/// smoothed within the tolerance without a change of area, labelled "design". `background` is a mesh of the frame.
+/// Cracks of the frame are cut to what lies inside; loops that the zero line does not touch are the frame's own.
+/// Vertices where phi is 0 lie in the void. What only a crack connects to the body, and no label is on, is dropped.
+/// Where the smoothed line meets something it is smoothed less, then drawn as it is, then phi is shifted by less than
+/// what the tolerance stands for; the notes say so.
+/// Throws Error(Geometry) naming what is lost: no material, a label of `keep` that has lost its material, pieces that
+/// the supports do not hold together with the loads, a region that the zero line reaches; std::invalid_argument when
+/// phi or the background do not fit.
 Carved carve(const Shape& frame, const Mesh& background, const Eigen::VectorXd& phi, const Carving& how);
 
 }  // namespace kerf

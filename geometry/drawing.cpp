@@ -75,7 +75,8 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number, Index region = n
                                .loop = number,
                                .crack = none,
                                .region = region,
-                               .keep = side.keep});
+                               .keep = side.keep,
+                               .smooth = side.smooth});
   }
   const bool body_on_left = (signed_area(loop) > 0) == (number <= 0);
   if (body_on_left) return;

@@ -29,6 +29,7 @@ struct Strand {
   Index crack = none;   // or the crack
   Index region = none;  // or the region
   bool keep = false;    // one edge of the mesh
+  bool smooth = false;  // part of a smooth curve
 };
 
 struct Drawing {

@@ -121,7 +121,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const
 
 }  // namespace
 
-void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vector<Source>& sources) {
+void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources) {
   const double reach = 2 * size;
   std::vector<int> degree(drawing.corners.size(), 0);
   std::vector<bool> tip(drawing.corners.size(), false);
@@ -136,7 +136,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vect
   const std::size_t limit = sources.size() + max_samples + targets.all.size();
   const auto use = [&](const Vec2& x, const Gap& gap, Index from) {
     if (gap.strand == none) return;
-    sources.push_back({x, gap.across, gap.width / 2});
+    sources.push_back({x, gap.across, gap.width / across});
     if (sources.size() > limit)
       throw Error(Fault::Geometry,
                   fmt::format("the gap between {} and {} at ({:.6g}, {:.6g}) is only {:.3g} wide over a long stretch: "

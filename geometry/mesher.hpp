@@ -12,6 +12,7 @@ struct Sizing {
       0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
   double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
   double min_angle_deg = 25;  // wherever the input angles allow it
+  double across = 2;          // edges across narrow gaps between sides
 };
 
 /// Target edge lengths for a further mesh of the same shape, at the vertices of an earlier one: linear in its

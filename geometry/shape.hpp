@@ -22,6 +22,7 @@ struct Side {
   Index label = none;
   std::optional<Arc> arc;  // absent: straight
   bool keep = false;       // one edge of the mesh as it is, whatever the target size; straight sides only
+  bool smooth = false;     // stands for a part of a smooth curve: its corners with others of its kind are no corners
 };
 
 struct Loop {  // closed; either orientation, find_problem does not mind

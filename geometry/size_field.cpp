@@ -249,6 +249,7 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
     if (strand.loop != none) {
       // The body lies to the left of its loops: a turn to the right is a reentrant corner.
       const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
+      if (before.smooth && strand.smooth) continue;
       reentrant[std::size_t(strand.from)] =
           turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
     }
@@ -334,7 +335,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
     if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
   for (std::size_t v = 0; v < reentrant.size(); ++v)
     if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
-  add_gaps(shape, drawing, size, sources);
+  add_gaps(shape, drawing, size, sizing.across, sources);
   return sources;
 }
 

@@ -63,7 +63,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
 std::vector<bool> reentrant_corners(const Drawing& drawing);
 
 /// The narrow gaps alone: between two sides or cracks that face each other across the body nearer than twice the size.
-void add_gaps(const Shape& shape, const Drawing& drawing, double size, std::vector<Source>& sources);
+void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources);
 
 /// Strands split at the target length. Whole circles and ellipses on which no crack ends get the polygon that has their
 /// area. `finer` multiplies the number of pieces on arcs.

@@ -22,13 +22,6 @@ constexpr std::string_view magic = "KERFCKPT";
 constexpr std::uint32_t version = 1;
 constexpr std::size_t head = 8 + 4 + 8, tail = 8;
 
-/// FNV-1a, 64 bits: every step is a bijection of the sum, so that no change of a single byte goes unseen.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t sum = 14695981039346656037u;
-  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return sum;
-}
-
 template <typename Number>
 void append(std::string& out, Number value) {
   char bytes[sizeof value];
@@ -171,6 +164,12 @@ class Handle {
 };
 
 }  // namespace
+
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t sum = 14695981039346656037u;
+  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return sum;
+}
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   const auto refuse = [&](int reason) {

@@ -2,10 +2,12 @@
 // Everything a loop needs to go on as if it had never stopped.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace kerf {
 
@@ -22,5 +24,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 /// Nothing when there is no file. Throws Error(Files) when it cannot be read or its checksum is wrong.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path);
+
+/// FNV-1a, 64 bits: every step is a bijection of the sum, so that no change of a single byte goes unseen.
+std::uint64_t checksum(std::string_view bytes);
 
 }  // namespace kerf

@@ -18,23 +18,22 @@ constexpr std::array<std::uint32_t, 8> palette{0x0072b2, 0xd55e00, 0x009e73, 0xc
                                                0xe69f00, 0x56b4e9, 0x7a4b2a, 0x303030};
 constexpr std::uint32_t decade_grey = 0xdde2e7;
 constexpr double margin = 34, tick_length = 9, tick_gap = 9, marker = 6.5;
+constexpr int most_ticks = 9;
 constexpr double legend_gap = 30, legend_line = 54, legend_pitch = 34;
 
-bool drawable(const Vec2& p) {
-  return p.allFinite() && p.minCoeff() > 0;
-}
-
-/// The points that can be drawn, as decimal logarithms.
-std::vector<Vec2> logarithms(const Series& s) {
+/// The points that can be drawn, in the coordinates of the axes.
+std::vector<Vec2> on_axes(const Series& s, bool linear_y) {
   std::vector<Vec2> points;
   for (const Vec2& p : s.points)
-    if (drawable(p)) points.push_back(p.array().log10());
+    if (p.allFinite() && p.x() > 0 && (linear_y || p.y() > 0))
+      points.emplace_back(std::log10(p.x()), linear_y ? p.y() : std::log10(p.y()));
   return points;
 }
 
 struct Frame {
   Box plot;
-  Vec2 low, high;  // decimal logarithms at the ends of the axes
+  Vec2 low, high;  // at the ends of the axes: decimal logarithms, or values of a linear one
+  bool linear_y = false;
   Vec2 place(const Vec2& p) const {
     const Vec2 share = (p - low).cwiseQuotient(high - low);
     return {plot.x + share.x() * plot.width, plot.y + (1 - share.y()) * plot.height};
@@ -45,6 +44,12 @@ struct Frame {
 std::array<double, 2> axis(double least, double most) {
   if (!(least <= most)) return {-1, 0};
   const double room = std::max(0.04 * (most - least), 0.5 * (0.8 - (most - least)));
+  return {least - room, most + room};
+}
+
+std::array<double, 2> linear_axis(double least, double most) {
+  if (!(least <= most)) return {0, 1};
+  const double room = most > least ? 0.04 * (most - least) : 0.05 * std::max(std::abs(most), 1e-12);
   return {least - room, most + room};
 }
 
@@ -91,11 +96,14 @@ void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const std::vector<
 
 /// One axis: `along` 0 is x, 1 is y. Returns the width of its widest label.
 double draw_axis(cairo_t* pen, const Frame& frame, int along, const Font& font) {
-  const LogTicks marks = log_ticks(std::pow(10, frame.low[along]), std::pow(10, frame.high[along]), 9);
+  const bool linear = along == 1 && frame.linear_y;
+  const LogTicks marks = linear
+                             ? LogTicks{ticks(frame.low[along], frame.high[along], most_ticks), {}}
+                             : log_ticks(std::pow(10, frame.low[along]), std::pow(10, frame.high[along]), most_ticks);
   const Box& plot = frame.plot;
   const auto at = [&](double value) {
     Vec2 p = frame.low;
-    p[along] = std::log10(value);
+    p[along] = linear ? value : std::log10(value);
     return frame.place(p);
   };
   const Vec2 outwards = along == 0 ? Vec2(0, 1) : Vec2(-1, 0);
@@ -176,7 +184,7 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
   double legend_width = 0;
   int named = 0;
   for (const Series& s : chart.series) {
-    lines.push_back(logarithms(s));
+    lines.push_back(on_axes(s, chart.linear_y));
     for (const Vec2& p : lines.back()) {
       least = least.cwiseMin(p);
       most = most.cwiseMax(p);
@@ -185,7 +193,8 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
     ++named;
     legend_width = std::max(legend_width, legend_line + 12 + measure(clean_text(s.name), legend));
   }
-  const auto x = axis(least.x(), most.x()), y = axis(least.y(), most.y());
+  const auto x = axis(least.x(), most.x());
+  const auto y = chart.linear_y ? linear_axis(least.y(), most.y()) : axis(least.y(), most.y());
 
   constexpr double plot_width = 1050, plot_height = 820;
   const double page_width = margin + 150 + plot_width + legend_gap + legend_width + margin;
@@ -193,11 +202,13 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
   const Lines subtitle = wrap(chart.subtitle, {24}, 18, page_width - 2 * margin, 2, measure);
   const double top = margin + title.height() + subtitle.height() + 18;
   const double height = std::max(plot_height, legend_pitch * named);
-  const Frame frame{{margin + 150, top, plot_width, height}, {x[0], y[0]}, {x[1], y[1]}};
+  const Frame frame{{margin + 150, top, plot_width, height}, {x[0], y[0]}, {x[1], y[1]}, chart.linear_y};
   const Box& plot = frame.plot;
   const double label_y = plot.y + plot.height + tick_length + tick_gap + tick.size + 10;
   const Lines x_label = wrap(chart.x_label, label, 18, plot.width, 1, measure);
-  const Lines y_label = wrap(chart.y_label, label, 18, plot.height, 1, measure);
+  const std::string note = chart.linear_y ? ticks(y[0], y[1], most_ticks).note : "";
+  const Lines y_label =
+      wrap(note.empty() ? chart.y_label : chart.y_label + " (" + note + ")", label, 18, plot.height, 1, measure);
 
   const Sheet page = sheet(static_cast<int>(page_width), static_cast<int>(label_y + x_label.height() + margin));
   cairo_t* pen = page.pen();
@@ -222,7 +233,8 @@ void draw(const std::filesystem::path& path, const Chart& chart) {
   double entry = plot.y + 0.5 * legend_pitch;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].empty()) continue;
-    draw_line(pen, lines[i], lines[i], chart.series[i]);
+    const Series& s = chart.series[i];
+    draw_line(pen, lines[i], s.marked_at_end ? std::vector{lines[i].back()} : lines[i], s);
     const double from = plot.x + plot.width + legend_gap;
     draw_line(pen, {{from, entry}, {from + legend_line, entry}}, {{from + 0.5 * legend_line, entry}}, chart.series[i]);
     write(pen, {from + legend_line + 12, entry}, clean_text(chart.series[i].name), legend, 0);

@@ -112,6 +112,10 @@ Bounds bounds(const Picture& picture) {
       for (const Vec2& p : line) out.add(p);
     }
   }
+  for (const auto& [from, to] : picture.arrows) {
+    out.add(from);
+    out.add(to);
+  }
   if (!out.low.allFinite()) {
     for (const auto& [at, name] : picture.marks) out.add(at);
   }

@@ -1,4 +1,5 @@
 #include "report/files.hpp"
+#include "report/history.hpp"
 #include "report/result.hpp"
 #include "report/svg.hpp"
 #include "report/text.hpp"
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -101,6 +103,10 @@ std::string key_numbers(const Result& result) {
     add("unknowns", fmt::format("{}", result.state->unknowns));
     add("energy", pretty(result.state->energy));
     add("compliance", pretty(result.state->compliance));
+  }
+  if (result.optimize) {
+    add("objective", pretty(result.optimize->objective));
+    add("volume fraction", pretty(result.optimize->volume_fraction, 4));
   }
   if (result.functional) add(result.functional->kind + " (functional)", pretty(result.functional->value));
   if (std::isfinite(result.seconds.total)) add("seconds", fmt::format("{:.3g}", result.seconds.total));
@@ -256,6 +262,58 @@ std::string validation_section(const ValidationResult& validation, const std::st
   return out;
 }
 
+/// Rows of the history: all, or the first, the last and some between.
+std::string history_table(const std::vector<Iteration>& history, const OptimizeNames& names) {
+  constexpr std::size_t most = 40;
+  std::vector<std::string> heads = {"iteration",  "objective", "volume",    "step",
+                                    "optimality", "holes",     "triangles", "state solves"};
+  for (const std::string& name : names.bounds) heads.push_back(escape_html(name));
+  heads.emplace_back("note");
+  std::vector<std::vector<std::string>> rows;
+  const std::size_t stride = (history.size() + most - 1) / most;
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const Iteration& row = history[i];
+    if (i % stride != 0 && i + 1 != history.size()) continue;
+    rows.push_back({fmt::format("{}", row.number), pretty(row.objective), pretty(row.volume_fraction, 4),
+                    pretty(row.step, 3), pretty(row.optimality, 3), fmt::format("{}", row.holes),
+                    fmt::format("{}", row.triangles), fmt::format("{}", row.state_solves)});
+    for (std::size_t k = 0; k < names.bounds.size(); ++k)
+      rows.back().push_back(k < row.bounds.size() ? pretty(row.bounds[k]) : "–");
+    rows.back().push_back(escape_html(row.note));
+  }
+  std::string out = table(heads, rows);
+  if (stride > 1)
+    out += fmt::format("<p class=\"dim\">Every {} iterations; all of them are in history.csv.</p>\n", stride);
+  return out;
+}
+
+std::string optimize_section(const OptimizeResult& o, const OptimizeNames& names, const std::string& figures) {
+  std::string out = "<h2>Optimisation</h2>\n";
+  out += fmt::format("<p class=\"note{}\">{}</p>\n", o.feasible ? "" : " bad", escape_html(sentence(o)));
+  Facts facts;
+  facts.add("method", escape_html(o.method));
+  if (!o.history.empty()) facts.add("objective at the start", pretty(o.history.front().objective));
+  facts.add("objective", pretty(o.objective));
+  facts.add("volume fraction",
+            pretty(o.volume_fraction) +
+                (names.volume_at_most ? fmt::format(" (at most {})", pretty(*names.volume_at_most)) : ""));
+  if (!o.history.empty())
+    for (std::size_t i = 0; i < std::min(names.bounds.size(), o.history.back().bounds.size()); ++i)
+      facts.add(names.bounds[i],
+                fmt::format("{} (at most {})", pretty(o.history.back().bounds[i]), pretty(names.at_most[i])));
+  if (std::isfinite(o.optimality)) facts.add("optimality", pretty(o.optimality, 3));
+  facts.add("state solves", fmt::format("{}", o.state_solves));
+  out += facts.table();
+  for (const std::string& note : o.notes) out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(note));
+  out += figures;
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size())); ++i)
+    rows.push_back({escape_html(names.variables[i]), pretty(o.variables[static_cast<Eigen::Index>(i)])});
+  if (!rows.empty()) out += table({"variable", "value"}, rows);
+  if (!o.history.empty()) out += history_table(o.history, names);
+  return out;
+}
+
 }  // namespace
 
 void write_page(const std::filesystem::path& path, const Result& result,
@@ -267,13 +325,17 @@ void write_page(const std::filesystem::path& path, const Result& result,
       "</head>\n<body>\n<main>\n",
       title, style);
   out += head(result, title) + key_numbers(result);
-  std::string validation_figure;
+  std::string validation_figure, optimize_figures;
   for (const auto& [caption, file] : pictures) {
     const std::string text = escape_html(caption);
-    (file.filename() == "validate.png" ? validation_figure : out) +=
+    const std::string name = file.filename().string();
+    (name == "validate.png"                             ? validation_figure
+     : name == "evolution.png" || name == "history.png" ? optimize_figures
+                                                        : out) +=
         fmt::format("<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
                     text, base64(read_file(file)), text);
   }
+  if (result.optimize) out += optimize_section(*result.optimize, result.optimize_names, optimize_figures);
   out += mesh_and_state(result) + contact_and_cracks(result);
   if (result.map) out += map_section(*result.map);
   if (result.validate) out += validation_section(*result.validate, validation_figure);

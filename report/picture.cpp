@@ -41,6 +41,61 @@ void put(cairo_t* pen, Image& image, double x, double y) {
   colour(pen, ink);  // lets go of the source before its pixels
 }
 
+constexpr std::uint32_t solid_colour = 0x2f3d4c, crack_red = 0xe0232e, support_blue = 0x0072b2, load_orange = 0xd55e00;
+
+/// A strong line; beyond it short strokes when all components are held, else rollers.
+void draw_support(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& line, bool full) {
+  constexpr double length = 15, radius = 5.5;
+  const double apart = full ? 15 : 26;
+  double next = 0.5 * apart, done = 0;
+  cairo_new_path(pen);
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vec2 a = layout.place(line[i - 1]), b = layout.place(line[i]);
+    const double piece = (b - a).norm();
+    if (!(piece > 0) || !std::isfinite(piece)) continue;
+    const Vec2 along = (b - a) / piece, out(-along.y(), along.x());  // y points downwards
+    for (; next < done + piece; next += apart) {
+      const Vec2 from = a + along * (next - done);
+      if (full) {
+        const Vec2 to = from + length * (out - 0.8 * along).normalized();
+        cairo_move_to(pen, from.x(), from.y());
+        cairo_line_to(pen, to.x(), to.y());
+      } else {
+        const Vec2 middle = from + (radius + 3) * out;
+        cairo_new_sub_path(pen);
+        cairo_arc(pen, middle.x(), middle.y(), radius, 0, 2 * std::numbers::pi);
+      }
+    }
+    done += piece;
+  }
+  stroke(pen, 2.4, support_blue);
+  trace(pen, layout, line);
+  stroke(pen, full ? 6 : 4, support_blue);
+}
+
+void draw_arrow(cairo_t* pen, const Vec2& from, const Vec2& to) {
+  const double length = (to - from).norm();
+  if (!(length > 1) || !std::isfinite(length)) return;
+  const Vec2 along = (to - from) / length, across(-along.y(), along.x());
+  const double head = std::min(20.0, 0.5 * length);
+  const Vec2 neck = to - head * along;
+  const auto draw = [&](double extra, std::uint32_t rgb, double alpha) {
+    cairo_new_path(pen);
+    cairo_move_to(pen, from.x(), from.y());
+    cairo_line_to(pen, neck.x(), neck.y());
+    stroke(pen, 3.6 + extra, rgb, alpha);
+    cairo_new_path(pen);
+    for (const Vec2& p : {to, Vec2(neck + 0.42 * head * across), Vec2(neck - 0.42 * head * across)})
+      cairo_line_to(pen, p.x(), p.y());
+    cairo_close_path(pen);
+    colour(pen, rgb, alpha);
+    cairo_fill_preserve(pen);
+    stroke(pen, extra + 0.5, rgb, alpha);
+  };
+  draw(4, paper, 0.85);
+  draw(0, load_orange, 1);
+}
+
 void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const Limits& limits) {
   std::vector<Vec2> pixels;
   pixels.reserve(picture.points.size());
@@ -52,7 +107,11 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   painting.margin = &picture.margin;
   painting.limits = limits;
   painting.scale = picture.scale;
-  if (picture.edges || picture.values.cols() == 0) painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;
+  if (picture.solid) {
+    painting.plain = 0xff000000 | solid_colour;
+  } else if (picture.edges || picture.values.cols() == 0) {
+    painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;
+  }
   Image image = paint(static_cast<int>(layout.plot.width), static_cast<int>(layout.plot.height), painting);
   put(pen, image, layout.plot.x, layout.plot.y);
 
@@ -64,7 +123,10 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   for (const auto& line : picture.cracks) trace(pen, layout, line);
   stroke(pen, 6.5, paper, 0.85);
   for (const auto& line : picture.cracks) trace(pen, layout, line);
-  stroke(pen, 3.6, 0x000000);
+  stroke(pen, 3.6, picture.solid ? crack_red : 0x000000);
+  for (const auto& line : picture.rollers) draw_support(pen, layout, line, false);
+  for (const auto& line : picture.supports) draw_support(pen, layout, line, true);
+  for (const auto& [from, to] : picture.arrows) draw_arrow(pen, layout.place(from), layout.place(to));
 }
 
 bool apart(const Box& a, const Box& b) {

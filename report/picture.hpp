@@ -30,6 +30,11 @@ struct Picture {
   std::vector<std::vector<Vec2>> interfaces;        // thin coloured lines: between materials
   std::vector<std::vector<Vec2>> cracks;            // strong lines; one per face when displaced
   std::vector<std::pair<Vec2, std::string>> marks;  // small labelled crosses
+
+  // Of a drawing of the body without values.
+  bool solid = false;                                // one dark colour, no triangles; cracks red
+  std::vector<std::vector<Vec2>> supports, rollers;  // the body to the left; all or one component held
+  std::vector<std::array<Vec2, 2>> arrows;           // loads: from, to
 };
 
 /// Throws Error(Files) naming the path. Values that are not finite are drawn in grey.

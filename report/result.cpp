@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -151,6 +152,34 @@ Json validate_section(const ValidationResult& validation) {
   return points;
 }
 
+Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
+  Json out = {{"method", o.method},
+              {"iterations", o.iterations},
+              {"state_solves", o.state_solves},
+              {"objective", number(o.objective)},
+              {"volume_fraction", number(o.volume_fraction)},
+              {"feasible", o.feasible},
+              {"stopped", o.stopped},
+              {"converged", o.converged},
+              {"optimality", number(o.optimality)}};
+  if (!o.history.empty()) {
+    const Iteration &first = o.history.front(), &last = o.history.back();
+    out["start"] = {{"objective", number(first.objective)}, {"volume_fraction", number(first.volume_fraction)}};
+    out["merit"] = number(last.merit);
+    out["violation"] = number(last.violation);
+    out["holes"] = last.holes;
+    out["triangles"] = last.triangles;
+    for (std::size_t i = 0; i < std::min(names.bounds.size(), last.bounds.size()); ++i)
+      out["bounds"].push_back(
+          {{"name", names.bounds[i]}, {"value", number(last.bounds[i])}, {"at_most", number(names.at_most[i])}});
+  }
+  for (std::size_t i = 0; i < std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size())); ++i)
+    out["variables"].push_back(
+        {{"name", names.variables[i]}, {"value", number(o.variables[static_cast<Eigen::Index>(i)])}});
+  if (!o.notes.empty()) out["notes"] = o.notes;
+  return out;
+}
+
 Json time_section(const Seconds& s) {
   return {{"mesh", number(s.mesh)},         {"assemble", number(s.assemble)}, {"factor", number(s.factor)},
           {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
@@ -169,6 +198,7 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
   if (result.validate) out["validate"] = validate_section(*result.validate);
+  if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
   out["time_s"] = time_section(result.seconds);
   out["peak_memory_mb"] = number(result.peak_memory_mb);
   if (!result.title.empty()) out["title"] = result.title;

@@ -1,6 +1,7 @@
 #pragma once
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
+#include "optimize/history.hpp"
 #include "topo/validate.hpp"
 
 #include <filesystem>
@@ -98,6 +99,14 @@ struct ValidationResult {
   std::vector<Validation> points;
 };
 
+/// What the numbers of an optimisation are called, and their limits.
+struct OptimizeNames {
+  std::vector<std::string> bounds;
+  std::vector<double> at_most;  // of the bounds
+  std::optional<double> volume_at_most;
+  std::vector<std::string> variables;
+};
+
 struct Result {
   std::string version, case_name, title, status = "ok";
   std::optional<std::string> reason;  // when status is not ok
@@ -110,6 +119,8 @@ struct Result {
   std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
   std::optional<ValidationResult> validate;
+  std::optional<OptimizeResult> optimize;  // mesh, state, ... are then those of its design
+  OptimizeNames optimize_names;
   Seconds seconds;
   double peak_memory_mb = 0;
 };
@@ -124,12 +135,13 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 /// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
-/// One self-contained page: numbers, tables, and the given PNG files embedded, validate.png in
-/// the section of its own. Opens without a network.
+/// One self-contained page: numbers, tables, and the given PNG files embedded; validate.png, evolution.png and
+/// history.png in the sections of their own. Opens without a network.
 void write_page(const std::filesystem::path& path, const Result& result,
                 const std::vector<std::pair<std::string, std::filesystem::path>>& pictures);
 
-/// The summary for a terminal: mesh, state, contact, map, validation, times; no colours, at most 100 columns.
+/// The summary for a terminal: mesh, state, contact, map, validation, optimisation, times; no colours, at most 100
+/// columns.
 std::string summary(const Result& result);
 
 }  // namespace kerf

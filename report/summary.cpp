@@ -1,3 +1,4 @@
+#include "report/history.hpp"
 #include "report/result.hpp"
 #include "report/text.hpp"
 #include "report/validation.hpp"
@@ -149,6 +150,26 @@ void add_validation(std::string& out, const ValidationResult& validation) {
   for (const Validation& v : validation.points) add_sentence(out, "", sentence(v));
 }
 
+void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeNames& names) {
+  add_sentence(out, "optimize", sentence(o));
+  std::vector<std::string> items = {item("objective", o.objective), item("volume fraction", o.volume_fraction)};
+  if (!o.history.empty()) items[0] += " from " + six(o.history.front().objective);
+  if (std::isfinite(o.optimality)) items.push_back(item("optimality", o.optimality));
+  if (!o.history.empty()) items.push_back(fmt::format("{} holes", o.history.back().holes));
+  add(out, "", items);
+  if (!o.history.empty())
+    for (std::size_t i = 0; i < std::min(names.bounds.size(), o.history.back().bounds.size()); ++i)
+      add(out, "", {item(clean_text(names.bounds[i]), o.history.back().bounds[i]), item("at most", names.at_most[i])});
+  items.clear();
+  constexpr std::size_t shown = 30;
+  const std::size_t count = std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size()));
+  for (std::size_t i = 0; i < std::min(count, shown); ++i)
+    items.push_back(item(clean_text(names.variables[i]), o.variables[static_cast<Eigen::Index>(i)]));
+  if (count > shown) items.push_back(fmt::format("and {} more variables in result.json", count - shown));
+  if (!items.empty()) add(out, "", items);
+  for (const std::string& note : o.notes) add_sentence(out, "", "note: " + note);
+}
+
 void add_times(std::string& out, const Result& result) {
   const Seconds& s = result.seconds;
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
@@ -206,6 +227,7 @@ std::string summary(const Result& result) {
   if (result.functional) add_functional(out, *result.functional);
   if (result.map) add_map(out, *result.map);
   if (result.validate) add_validation(out, *result.validate);
+  if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names);
   add_times(out, result);
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include "solver/parallel.hpp"
 #include "solver/recover.hpp"
+#include "solver/solve.hpp"
 #include "solver/sweep.hpp"
 
 #include <Eigen/Cholesky>
@@ -222,6 +223,19 @@ State solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<
     }
   });
   return adjoint;
+}
+
+State without_motions(const Model& m, State dual) {
+  if (m.floating.empty()) return dual;
+  const Eigen::VectorXd share = floating_shares(m, dual);
+  Eigen::VectorXd motion = Eigen::VectorXd::Zero(m.skeleton.total);
+  for (Index i = 0; i < static_cast<Index>(m.floating.size()); ++i)
+    motion.head(m.skeleton.base) += share[i] * trace(m.mesh, m.kernel, m.skeleton, m.floating[i]);
+  dual.skeleton -= motion;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+    dual.interior.col(t) -= interior(m.kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
+                                     trace_seen(m.mesh, m.skeleton, motion, t));
+  return dual;
 }
 
 struct TangentSolver::Impl {

@@ -36,6 +36,9 @@ State solve_adjoint(const Model& model, const Sensitivity& dJ, const std::vector
 /// Held: closed rows; biactive ones move.
 std::vector<bool> tied(const std::vector<ContactStatus>& status);
 
+/// Less the rigid motions that the supports leave free, as far as it makes them in the mean of squares: like a state.
+State without_motions(const Model& model, State dual);
+
 /// Linear solves on the tangent cone of the contact with the model's factor: `held` rows (as for solve_adjoint) keep
 /// their jump 0, the others move without change of force.
 class TangentSolver {

@@ -13,11 +13,13 @@ namespace kerf {
 
 namespace {
 
-// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief).
-void balance(const Mesh& mesh, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& work, Scene& scene) {
+// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief), on the
+// motions as the element's displacement sees them: their means when that is constant.
+void balance(const Mesh& mesh, const Kernel& k, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& work,
+             Scene& scene) {
   const Eigen::Index n = work.size();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  const TriangleRule rule = triangle_rule(2);
+  const TriangleRule rule = triangle_rule(k.element.displacement == 0 ? 1 : 2);
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
     const auto& v = mesh.triangles[t];
     for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
@@ -83,7 +85,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
                      "rotation";
   constexpr double exact = 1e-12;
   if (worst > exact) {
-    balance(mesh, motions, work, scene);
+    balance(mesh, k, motions, work, scene);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
   }
@@ -115,7 +117,8 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
   Ordering ordering = order(mesh, skeleton, how.kept_edges);
-  return_freed_memory();
+  constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
+  if (mesh.triangles.size() > large) return_freed_memory();
   constexpr Index most_contact = 9000;  // half a minute and two gigabytes
   if (ordering.trailing > most_contact)
     throw Error(

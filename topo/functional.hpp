@@ -55,6 +55,7 @@ struct Term {
   std::function<Density(const FieldPoint&)> density = {};
   double stress_power = 0;  // of stress_power and stress_pnorm: not integrable at crack tips from 4 on
   bool uses_stress = false, uses_displacement = false, uses_rotation = false;
+  bool uses_place = true;                                                 // depends on x by itself
   std::function<bool(const Vec2& center, double radius)> somewhere = {};  // false: the density vanishes on that disc
 
   // Integral over a labelled part of the boundary, of the displacement there.

@@ -22,7 +22,10 @@ Term compliance() {
 }
 
 Term volume() {
-  return {.kind = "volume", .linear = true, .density = [](const FieldPoint&) { return Density{.value = 1}; }};
+  return {.kind = "volume",
+          .linear = true,
+          .density = [](const FieldPoint&) { return Density{.value = 1}; },
+          .uses_place = false};
 }
 
 Term misfit(Index label, BoundaryField measured) {
@@ -30,6 +33,7 @@ Term misfit(Index label, BoundaryField measured) {
 }
 
 Term displacement_tracking(VectorField target, ScalarField weight) {
+  const bool varies = target || weight;
   return {.kind = "displacement_tracking",
           .density =
               [target = std::move(target), weight = std::move(weight)](const FieldPoint& p) {
@@ -37,7 +41,8 @@ Term displacement_tracking(VectorField target, ScalarField weight) {
                 const double w = weigh(weight, p.x);
                 return Density{.value = 0.5 * w * away.squaredNorm(), .by_displacement = w * away};
               },
-          .uses_displacement = true};
+          .uses_displacement = true,
+          .uses_place = varies};
 }
 
 Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight) {

@@ -196,6 +196,43 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   return map;
 }
 
+Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
+                                 const std::function<const Perturbation&(Index triangle)>& change) {
+  const Model& m = *a.model;
+  const Index n = static_cast<Index>(m.mesh.triangles.size());
+  Eigen::VectorXd value(n);
+  parallel_for(n, m.threads, [&](Index begin, Index end) {
+    std::vector<bool> closed = no_row_closed(a);
+    for (Index t = begin; t < end; ++t) {
+      const Perturbation& p = change(t);
+      const Needs need = needs(a, j, p);
+      const Triangle shape = triangle(m, t);
+      const Vec2 x = centroid(shape);
+      const auto stress = [&](const State& s) { return components(stress_at(m.kernel, shape, s.interior.col(t), x)); };
+      PointValues v{.x = x, .material = material_of(m.mesh, m.scene, t), .stress = stress(*a.state)};
+      if (need.displacement) v.u = displacement_at(m, *a.state, t, x, true);
+      if (a.adjoint) v.dual = stress(*a.adjoint);
+      if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.recover_dual);
+      if (a.measured) {
+        v.measured = stress(*a.measured);
+        if (need.displacement) v.measured_u = displacement_at(*a.measured_model, *a.measured, t, x, true);
+      }
+      if (a.biactive) {
+        const Eigen::Index k = static_cast<Eigen::Index>(a.biactive->response.size());
+        v.openings.resize(3, k);
+        v.opening_u = Points::Zero(2, k);
+        for (Eigen::Index i = 0; i < k; ++i) {
+          const State& y = a.biactive->response[static_cast<std::size_t>(i)];
+          v.openings.col(i) = stress(y);
+          if (need.displacement) v.opening_u.col(i) = displacement_at(m, y, t, x, true);
+        }
+      }
+      value[t] = expand(a, j, p, v, closed).value;
+    }
+  });
+  return value;
+}
+
 void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
               FullMap& map, std::span<MapPoint> points) {
   const Model& m = *a.model;

@@ -95,7 +95,7 @@ void MovingDensity::add(const Term& term, double share, Index t, const Triangle&
     const Density d = term.density(at);
     const double w = whole * rule_.w[q];
     motion.by_gradient += w * d.value * Mat2::Identity();
-    motion.rest += w * by_place(term, at, step) * barycentric(rule_, q).transpose();
+    if (term.uses_place) motion.rest += w * by_place(term, at, step) * barycentric(rule_, q).transpose();
     if (term.uses_stress)
       motion.by_gradient +=
           w * (d.by_stress.transpose() * at.stress - d.by_stress.cwiseProduct(at.stress).sum() * Mat2::Identity());

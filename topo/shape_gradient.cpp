@@ -295,7 +295,10 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
   const Model& m = *a.model;
   check(m);
   require_supports(j, m);
-  const Parts p = parts_of(a, j);
+  Parts p = parts_of(a, j);
+  // Loads that come out of balance are balanced by a body force (see prepare), which does no work on such a dual.
+  State balanced;
+  if (p.dual && !m.floating.empty()) p.dual = &(balanced = without_motions(m, *a.adjoint));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const MovingDensity density(m, *a.state);
   const bool fields = p.dual || std::ranges::any_of(p.loaded, [](const Loaded& body) { return body.energy != 0; });

@@ -22,16 +22,21 @@ namespace kerf {
 /// Throws Error(Usage) for elements other than bdms, bdms-c, peers, afw, and as require_supports.
 Points shape_gradient(const Analysis& a, const Functional& j);
 
-/// Boundary form on free boundaries: dJ(theta) = int g theta.n, g = density + b.p - sigma:eps(p) from the recovered
-/// tangential stresses, at the Gauss points of edges.
+/// Boundary form: dJ(theta) = int g theta.n over the edges of the boundary that carry no traction, where only the
+/// tangential stress is left: s = sigma_tt, z = zeta_tt, 1/E' as in scene.hpp,
+///   g = j - s j_sigma,tt - s z/E' + f.p,   energies: s^2/(2 E') - f.u,   compliance: 2 f.u - s^2/E',
+/// with the recovered stresses (Analysis::fields, made anew where missing) and u*. An approximation, better the
+/// smoother the stress: in corners of less than pi inside the body, at ends of supports and loads it is not integrable
+/// by this. Edges that a support, a traction, a boundary functional or measured data name are left out: there the
+/// derivative has more than this; use shape_gradient.
 struct BoundaryGradient {
   struct Point {
     Index edge;
-    Vec2 at, normal;
-    double weight;  // length that the point stands for
-    double density;
+    Vec2 at, normal;  // out of the body
+    double weight;    // length that the point stands for
+    double density;   // g
   };
-  std::vector<Point> points;
+  std::vector<Point> points;  // two per edge, in the order of the edges
 };
 BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j);
 

@@ -39,6 +39,7 @@ Term stress_power(double p, ScalarField weight, bool plane_strain) {
   Term term{.kind = "stress_power"};
   term.uses_stress = true;
   term.stress_power = p;
+  term.uses_place = static_cast<bool>(weight);
   const auto weigh = [weight = std::move(weight)](const Vec2& x) { return weight ? weight(x) : 1; };
   const auto law = [plane_strain](const Material& m) { return plane_strain ? von_mises_plane_strain(m) : VonMises{}; };
   term.density = [=](const FieldPoint& at) {

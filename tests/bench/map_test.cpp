@@ -124,7 +124,7 @@ echo '{"nt":128,"ndof":9,"err_map":0.5,"t_mesh":0.5,"t_asm":0.25,"t_solve":0.25,
 
 /// The compliance that tdmap.edp prints: 38.8202 on 11,703 triangles, 38.8258 on 101,243 (P2, from below).
 TEST(MapMeasure, CantileverIsThatOfThePeers) {
-  const Problem p = map_problem("cantilever", 0.3);
+  const BenchProblem p = map_problem("cantilever", 0.3);
   const MapMeasurement m = measure_map(p, element("bdms", 2), Grading::Uniform, 2, 1);
   EXPECT_NEAR(m.value, 38.83, 0.05);
   EXPECT_TRUE(std::isnan(m.error));
@@ -133,7 +133,7 @@ TEST(MapMeasure, CantileverIsThatOfThePeers) {
 TEST(MapMeasure, ErrorsFallFast) {
   for (const double nu : {0.3, 0.499999})
     for (const char* name : {"smooth", "open-crack", "closing-crack"}) {
-      const Problem p = map_problem(name, nu);
+      const BenchProblem p = map_problem(name, nu);
       const Grading grading = p.shape.cracks.empty() ? Grading::Uniform : Grading::Graded;
       const double coarse = measure_map(p, element("bdms"), grading, 2, 1).error,
                    fine = measure_map(p, element("bdms"), grading, 6, 1).error;
@@ -143,7 +143,7 @@ TEST(MapMeasure, ErrorsFallFast) {
 }
 
 TEST(MapMeasure, LevelsHaveTheTrianglesAskedFor) {
-  const Problem p = map_problem("closing-crack", 0.3);
+  const BenchProblem p = map_problem("closing-crack", 0.3);
   const double level = level_of(p, Grading::Graded, 1, 3000);
   EXPECT_NEAR(static_cast<double>(bench_mesh(p, Grading::Graded, 1, level).triangles.size()), 3000, 90);
 }

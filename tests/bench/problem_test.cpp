@@ -17,7 +17,7 @@ constexpr double pi = std::numbers::pi;
 /// s1.edp, E = 1.
 TEST(Problem, SmoothHasTheSolutionOfThePeers) {
   for (const double nu : {0.3, 0.4999, 0.499999}) {
-    const Problem p = problem("smooth", nu);
+    const BenchProblem p = problem("smooth", nu);
     const double mu = 1 / (2 * (1 + nu)), lambda = nu / ((1 + nu) * (1 - 2 * nu)), c = 1 / (1 + lambda);
     for (const Vec2& at : {Vec2(0.3, 0.8), Vec2(0.71, 0.12)}) {
       const double x = at.x(), y = at.y();
@@ -49,7 +49,7 @@ TEST(Problem, CracksHaveTheSolutionsOfThePeers) {
 }
 
 TEST(Problem, CookHasTheKnownEnergy) {
-  Problem p = problem("cook-stress", 1.0 / 3);
+  BenchProblem p = problem("cook-stress", 1.0 / 3);
   const Reference r = overkill(p, 5);
   EXPECT_NEAR(r.strain_energy / 12.02080309, 1, 1e-8);  // measured: 3e-10
   EXPECT_NEAR(r.weight.sum(), 0.5 * 48 * (44 + 16), 1e-6);
@@ -57,7 +57,7 @@ TEST(Problem, CookHasTheKnownEnergy) {
 }
 
 TEST(Problem, ErrorsFallWithTheOrderOfTheElement) {
-  const Problem p = problem("smooth", 0.4999);
+  const BenchProblem p = problem("smooth", 0.4999);
   const auto error = [&](int degree, double level) {
     const Model m = prepare(bench_mesh(p, Grading::Uniform, degree, level), element("bdms", degree), p.scene, 1);
     return errors(p, m, solve(m)).stress;
@@ -67,7 +67,7 @@ TEST(Problem, ErrorsFallWithTheOrderOfTheElement) {
 }
 
 TEST(Problem, GradingBeatsUniformMeshesAtTheTip) {
-  const Problem p = problem("open-crack", 0.3);
+  const BenchProblem p = problem("open-crack", 0.3);
   const auto error = [&](Grading grading) {
     const Model m = prepare(bench_mesh(p, grading, 2, 2), element("bdms", 2), p.scene, 1);
     return errors(p, m, solve(m));

@@ -164,7 +164,6 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     NotYet, WrongCase,
     testing::Values(
-        Wrong{"[[optimize.hole]]", "a.toml:7:3: \"optimize\" is not supported yet; remove the table"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\nfriction = -0.3",
               "a.toml:10:12: friction in [[crack]] must not be negative"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\ncontact = 'open'\ntresca = 1",

@@ -78,8 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:19:6: on in [functional]: a misfit compares along one label; give the sides measured on the same "
               "label"},
         Wrong{"[functional]\nkind = 'misfit'\non = 'top'\nmeasured = 1",
-              "a.toml:20:12: measured in [functional] must be a file with the columns x,y,u_x,u_y or two expressions "
-              "[u_x, u_y]"}));
+              "a.toml:20:12: measured in [functional] must be a file with the columns x,y,u_x,u_y, two expressions "
+              "[u_x, u_y], or \"synthetic\""}));
 
 INSTANTIATE_TEST_SUITE_P(
     Cracks, WrongJob,

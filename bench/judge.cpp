@@ -1,0 +1,151 @@
+#include "bench/judge.hpp"
+
+#include "geometry/carve.hpp"
+#include "solver/adaptive.hpp"
+#include "solver/bounds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+struct Frame {
+  Vec2 low, high;
+};
+
+Frame frame_of(const OptimizeProblem& p) {
+  const auto& sides = p.problem.frame.outline.sides;
+  Frame f{sides.front().start, sides.front().start};
+  for (const Side& s : sides) {
+    f.low = f.low.cwiseMin(s.start);
+    f.high = f.high.cwiseMax(s.start);
+  }
+  return f;
+}
+
+double interpolate(const GridField& field, const Frame& frame, const Vec2& x) {
+  const Vec2 cells(field.columns - 1, field.rows - 1);
+  const Vec2 at = (x - frame.low).cwiseQuotient(frame.high - frame.low).cwiseProduct(cells);
+  const Index i = std::clamp(static_cast<Index>(at.x()), 0, field.columns - 2);
+  const Index j = std::clamp(static_cast<Index>(at.y()), 0, field.rows - 2);
+  const double s = at.x() - i, t = at.y() - j;
+  const auto value = [&](Index c, Index r) { return field.value[static_cast<std::size_t>(r) * field.columns + c]; };
+  return (1 - t) * ((1 - s) * value(i, j) + s * value(i + 1, j)) +
+         t * ((1 - s) * value(i, j + 1) + s * value(i + 1, j + 1));
+}
+
+double mean_edge(const Mesh& mesh) {
+  double sum = 0;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) sum += length(mesh, e);
+  return sum / static_cast<double>(mesh.edges.size());
+}
+
+double polygon_area(const Loop& loop) {
+  double twice = 0;
+  const auto& sides = loop.sides;
+  for (std::size_t i = 0; i < sides.size(); ++i) twice += cross(sides[i].start, sides[(i + 1) % sides.size()].start);
+  return std::abs(twice) / 2;
+}
+
+/// No side of these shapes is an arc.
+double polygon_area(const Shape& shape) {
+  double area = polygon_area(shape.outline);
+  for (const Loop& hole : shape.holes) area -= polygon_area(hole);
+  return area;
+}
+
+// Of the last mesh: the compliance errs by about its square.
+constexpr double stress_error = 5e-3;
+
+bool loaded(const OptimizeProblem& p, Index label) {
+  return std::ranges::any_of(p.problem.scene.tractions, [&](const Traction& t) { return t.label == label; });
+}
+
+/// What is left of `thickness` above the loads, seen from each vertex: negative close to them.
+Eigen::VectorXd above_loads(const OptimizeProblem& p, const Mesh& mesh, double thickness) {
+  std::vector<std::array<Vec2, 2>> segments;
+  const auto& sides = p.problem.frame.outline.sides;
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    if (loaded(p, sides[i].label)) segments.push_back({sides[i].start, sides[(i + 1) % sides.size()].start});
+  Eigen::VectorXd out(static_cast<Eigen::Index>(mesh.points.size()));
+  for (Eigen::Index v = 0; v < out.size(); ++v) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b] : segments) {
+      const Vec2& x = mesh.points[v];
+      const double t = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, (a + t * (b - a) - x).norm());
+    }
+    out[v] = nearest - thickness;
+  }
+  return out;
+}
+
+}  // namespace
+
+double frame_area(const OptimizeProblem& p) {
+  return polygon_area(p.problem.frame);
+}
+
+double volume_fraction(const OptimizeProblem& p, const Shape& shape) {
+  return polygon_area(shape) / polygon_area(p.problem.frame);
+}
+
+Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background) {
+  const Frame frame = frame_of(p);
+  Eigen::VectorXd value(static_cast<Eigen::Index>(background.points.size()));
+  for (Eigen::Index v = 0; v < value.size(); ++v) value[v] = interpolate(field, frame, background.points[v]);
+  double low = value.minCoeff(), high = value.maxCoeff();
+  if (!(high > low)) throw Error(Fault::Geometry, "a field that is constant makes no body");
+  const double edge = mean_edge(background), spread = high - low;
+  const Eigen::VectorXd solid = above_loads(p, background, 1.5 * edge) * (spread / edge);
+  const auto at = [&](double level) -> Eigen::VectorXd { return (value.array() - level).matrix().cwiseMin(solid); };
+
+  Carving how{.tolerance = 0.1 * edge, .least_area = edge * edge};
+  for (const Traction& t : p.problem.scene.tractions) how.keep.push_back(t.label);
+  for (const Support& s : p.problem.scene.supports) {
+    how.keep.push_back(s.label);
+    how.holding.push_back(s.label);
+  }
+  // What is dropped is made up for by a larger area below the level.
+  const double wanted = p.volume * polygon_area(p.problem.frame);
+  double target = wanted;
+  for (int round = 0;; ++round) {
+    double below = low, above = high;
+    for (int k = 0; k < 50; ++k) {
+      const double level = 0.5 * (below + above);
+      (negative_area(background, at(level)) > target ? above : below) = level;
+    }
+    Carved carved = carve(p.problem.frame, background, at(0.5 * (below + above)), how);
+    const double lacking = wanted - polygon_area(carved.shape);
+    if (std::abs(lacking) < 1e-5 * wanted || round == 8) return carved.shape;
+    target += lacking;
+  }
+}
+
+Judged judge(const OptimizeProblem& p, const Shape& shape, double size, Index triangles, int threads) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  Judged out{.least = unknown, .most = unknown, .volume = volume_fraction(p, shape)};
+  const Sizing sizing{.size = size};
+  if (triangles == 0) {
+    const Model model = prepare(triangulate(shape, sizing), element("bdms"), p.problem.scene, threads);
+    out.compliance = work_of_loads(model, solve(model));
+    out.mesh = model.mesh;
+    return out;
+  }
+  const Adapted best = solve_adaptively(shape, sizing, element("bdms", 2), p.problem.scene,
+                                        {.error = stress_error, .max_triangles = triangles, .threads = threads});
+  out.compliance = work_of_loads(best.model, best.state);
+  // The potential energy is minus half of the compliance.
+  const EnergyBounds bounds = energy_bounds(best.model, best.state);
+  out.least = -2 * bounds.upper;
+  out.most = -2 * bounds.lower;
+  out.mesh = best.model.mesh;
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,174 @@
+#include "bench/remesh.hpp"
+
+#include "bench/measure.hpp"
+#include "geometry/carve.hpp"
+#include "geometry/segment.hpp"
+#include "optimize/level_set.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace kerf {
+
+namespace {
+
+/// Signed distance to the part of the boundary that was designed, negative inside.
+Eigen::VectorXd distance_to(const Shape& shape, Index design, const Mesh& background) {
+  std::vector<std::array<Vec2, 2>> all, drawn;
+  const auto add = [&](const Loop& loop) {
+    for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+      all.push_back({loop.sides[i].start, loop.sides[(i + 1) % loop.sides.size()].start});
+      if (loop.sides[i].label == design) drawn.push_back(all.back());
+    }
+  };
+  add(shape.outline);
+  for (const Loop& hole : shape.holes) add(hole);
+  Eigen::VectorXd phi(static_cast<Eigen::Index>(background.points.size()));
+  for (Eigen::Index v = 0; v < phi.size(); ++v) {
+    const Vec2& x = background.points[v];
+    double nearest = 1;
+    bool inside = false;
+    for (const auto& [a, b] : drawn) nearest = std::min(nearest, distance(x, a, b));
+    for (const auto& [a, b] : all)
+      if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+        inside = !inside;
+    phi[v] = inside ? -nearest : nearest;
+  }
+  // On the frame the parity is a matter of rounding: what the neighbours further in say counts.
+  std::vector<bool> rim(background.points.size(), false);
+  for (std::size_t e = 0; e < background.edges.size(); ++e)
+    if (background.sides[e][0] == none || background.sides[e][1] == none)
+      for (const Index v : background.edges[e]) rim[v] = true;
+  for (const auto& [a, b] : background.edges)
+    for (const auto& [on, in] : {std::pair(a, b), std::pair(b, a)})
+      if (rim[on] && !rim[in] && std::abs(phi[in]) > (background.points[a] - background.points[b]).norm())
+        phi[on] = std::copysign(phi[on], phi[in]);
+  return phi;
+}
+
+}  // namespace
+
+Remeshing measure_remeshing(double size, int iterations) {
+  OptimizeProblem p = optimize_problems().front();
+  p.problem.sizing.size = size;
+  OptimizeRequest r = level_set_request(p, "holes");
+  r.max_iterations = iterations;
+  r.tolerance = 0;
+  Remeshing out;
+  ProcessorWatch watch;
+  double spent = 0;
+  Shape shape;
+  const OptimizeResult result = optimise_level_set(p.problem, r,
+                                                   [&](const Iterate& at) {
+                                                     const double lap = watch.lap();
+                                                     if (at.row.number > 0)
+                                                       spent += lap;  // the first one pays for what is made once
+                                                     shape = at.shape;
+                                                     out.iterations = at.row.number;
+                                                     out.triangles = at.row.triangles;
+                                                     watch.lap();
+                                                     return true;
+                                                   },
+                                                   {});
+  out.iteration_s = spent / std::max(out.iterations, 1);
+
+  // The loop's own grid is twice as fine as its meshes.
+  const Mesh background = triangulate(p.problem.frame, {.size = size / 2, .crack_tip_size = size / 2});
+  const Eigen::VectorXd phi = distance_to(shape, static_cast<Index>(p.problem.frame.labels.size()), background);
+  Carving how{.spacing = size, .least_area = size * size / 4};
+  for (const Traction& t : p.problem.scene.tractions) how.keep.push_back(t.label);
+  for (const Support& s : p.problem.scene.supports) {
+    how.keep.push_back(s.label);
+    how.holding.push_back(s.label);
+  }
+  constexpr int times = 5;
+  watch.lap();
+  Carved carved;
+  for (int i = 0; i < times; ++i) carved = carve(p.problem.frame, background, phi, how);
+  out.carve_s = watch.lap() / times;
+  Mesh mesh;
+  for (int i = 0; i < times; ++i) mesh = triangulate(carved.shape, {.size = size, .across = 1});
+  out.mesh_s = watch.lap() / times;
+  out.triangles = static_cast<Index>(mesh.triangles.size());
+  return out;
+}
+
+RandomDesigns try_random_designs(int count, const std::function<bool()>& stop_asked) {
+  Shape frame;
+  frame.labels = {"held", "loaded", "free"};
+  frame.outline.name = "outline";
+  frame.outline.sides = {{{0, 0}, 2}, {{2, 0}, 1}, {{2, 1}, 2}, {{0, 1}, 0}};
+  frame.cracks = {{"long", {{0.4, 0.5}, {1.1, 0.6}}}, {"short", {{1.5, 0.2}, {1.6, 0.4}}}};
+  const Mesh background = triangulate(frame, {.size = 0.04, .crack_tip_size = 0.04});
+  Carving how{.least_area = 0.04 * 0.04, .keep = {0, 1}, .holding = {0}};
+  RandomDesigns out;
+  std::mt19937 bits(2024);
+  const auto uniform = [&bits](double low, double high) {
+    return low + (high - low) * (static_cast<double>(bits()) + 0.5) / 4294967296.0;
+  };
+  for (int i = 0; i < count && !(stop_asked && stop_asked()); ++i) {
+    Eigen::VectorXd phi = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(background.points.size()), -1);
+    const auto cut = [&](const std::function<double(const Vec2&)>& depth) {  // positive where it is void
+      for (Eigen::Index v = 0; v < phi.size(); ++v) phi[v] = std::max(phi[v], depth(background.points[v]));
+    };
+    const auto disc = [&](const Vec2& c, double radius) {
+      cut([=](const Vec2& x) { return radius - (x - c).norm(); });
+    };
+    const int things = 1 + static_cast<int>(uniform(0, 12));
+    for (int k = 0; k < things; ++k) {
+      const Vec2 c(uniform(0, 2), uniform(0, 1));
+      const double radius = uniform(0.02, 0.2), angle = uniform(0, std::numbers::pi);
+      const Vec2 along(std::cos(angle), std::sin(angle));
+      switch (static_cast<int>(uniform(0, 4))) {
+        case 0:
+          disc(c, radius);
+          break;
+        case 1: {  // a slit
+          const double half = uniform(0.005, 0.03);
+          cut([=](const Vec2& x) { return half - distance(x, c - 2 * radius * along, c + 2 * radius * along); });
+          break;
+        }
+        case 2:  // two that touch
+          disc(c, radius);
+          disc(c + (radius + 0.6 * radius) * along, 0.6 * radius);
+          break;
+        default: {  // over a crack
+          const auto& crack = frame.cracks[k % 2].points;
+          disc(crack[0] + uniform(0, 1) * (crack[1] - crack[0]), 0.5 * radius);
+        }
+      }
+    }
+    ++out.count;
+    ProcessorWatch watch;
+    try {
+      const Carved carved = carve(frame, background, phi, how);
+      const Mesh mesh = triangulate(carved.shape, {.size = 0.05, .across = 1});
+      double area_meshed = 0;
+      for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+        if (!(area(mesh, t) > 0)) throw std::runtime_error("a triangle without area");
+        area_meshed += area(mesh, t);
+      }
+      if (std::abs(area_meshed - carved.area) > 1e-9)
+        throw std::runtime_error(fmt::format("area {} became {}", carved.area, area_meshed));
+      ++out.meshed;
+    } catch (const Error& e) {
+      if (e.fault == Fault::Geometry)
+        ++out.refused;
+      else
+        out.failures.push_back(fmt::format("random design {}: {}", i, e.what()));
+    } catch (const std::exception& e) {
+      out.failures.push_back(fmt::format("random design {}: {}", i, e.what()));
+    }
+    const double lap = watch.lap();
+    out.seconds += lap;
+    out.slowest = std::max(out.slowest, lap);
+  }
+  return out;
+}
+
+}  // namespace kerf
