@@ -206,7 +206,7 @@ TEST(Parameters, DesignsThatOverlapDoNotAbortTheRun) {
   r.design.drawn.push_back({Drawn::Kind::Circle, "g", Eigen::Vector3d(-1.5, -1.5, 0.05), Eigen::Vector3d(1.5, 1.5, 0.8),
                             Eigen::Vector3d(0.5, -0.5, 0.2)});
   r.volume_at_most = 0.9;
-  r.max_iterations = 40;
+  r.max_iterations = 20;
   for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
     r.method = method;
     const OptimizeResult found = quietly(p, r);
