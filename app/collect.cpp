@@ -21,6 +21,12 @@ double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s)
 
 }  // namespace
 
+ContactMethod contact_method(const Case& c) {
+  return c.contact == "uzawa"        ? ContactMethod::Uzawa
+         : c.contact == "active-set" ? ContactMethod::ActiveSet
+                                     : ContactMethod::DualQp;
+}
+
 PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   PlotData d;
   d.corners = split_for_stress(model.mesh);
@@ -240,6 +246,25 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
   if (!model.mesh.region.empty()) {
     Eigen::MatrixXd region(1, cells);
     for (Index t = 0; t < static_cast<Index>(cells); ++t) region(0, t) = 1 + model.mesh.region[t];
+    fields.push_back({"region", true, std::move(region)});
+  }
+  return fields;
+}
+
+std::vector<NamedField> design_fields(const Model& model, const PlotData& data) {
+  const Eigen::Index n = data.values.stress.cols();
+  Eigen::MatrixXd symmetric(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector4d s = data.values.stress.col(i);
+    symmetric.col(i) << s[0], s[3], 0.5 * (s[1] + s[2]);
+  }
+  std::vector<NamedField> fields{{"u", false, data.values.displacement},
+                                 {"sigma", false, std::move(symmetric)},
+                                 {"von_mises", false, data.von_mises.transpose()}};
+  if (!model.mesh.region.empty()) {
+    Eigen::MatrixXd region(1, static_cast<Eigen::Index>(model.mesh.region.size()));
+    for (std::size_t t = 0; t < model.mesh.region.size(); ++t)
+      region(0, static_cast<Eigen::Index>(t)) = 1 + model.mesh.region[t];
     fields.push_back({"region", true, std::move(region)});
   }
   return fields;

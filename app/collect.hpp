@@ -18,6 +18,8 @@ struct PlotData {
   CornerValues values;
   Eigen::VectorXd von_mises;  // at corners
 };
+ContactMethod contact_method(const Case& c);
+
 PlotData plot_data(const Model& model, const State& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
@@ -41,8 +43,12 @@ MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);
+/// Of an iterate of an optimisation.
+std::vector<NamedField> design_fields(const Model& model, const PlotData& data);
 std::vector<NamedField> crack_fields(const CrackResult& crack);
 
+/// The body in one colour with its supports, and its loads as arrows.
+Picture design_picture(const Case& c, const Model& model);
 Picture mesh_picture(const Case& c, const Model& model);
 Picture stress_picture(const Case& c, const Model& model, const PlotData& data);
 Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace kerf {
 
@@ -99,6 +100,99 @@ Picture mesh_picture(const Case& c, const Model& model) {
   PlotData plain;
   plain.corners = {model.mesh.triangles, {}};
   add_lines(model, plain, p.points, p);
+  return p;
+}
+
+namespace {
+
+/// Boundary edges of one label, joined where they follow one another; the body lies to their left.
+std::vector<std::vector<Vec2>> chains(const Mesh& mesh, Index label) {
+  std::map<Index, Index> next;  // vertex to vertex
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.label[e] != label) continue;
+    const bool forward = mesh.sides[e][1] == none;
+    next[mesh.edges[e][forward ? 0 : 1]] = mesh.edges[e][forward ? 1 : 0];
+  }
+  std::map<Index, bool> arrived;
+  for (const auto& [from, to] : next) arrived[to] = true;
+  std::vector<std::vector<Vec2>> out;
+  const auto walk = [&](Index at) {
+    std::vector<Vec2> line{mesh.points[static_cast<std::size_t>(at)]};
+    for (auto step = next.find(at); step != next.end(); step = next.find(at)) {
+      at = step->second;
+      next.erase(step);
+      line.push_back(mesh.points[static_cast<std::size_t>(at)]);
+    }
+    out.push_back(std::move(line));
+  };
+  std::vector<Index> starts;
+  for (const auto& [from, to] : next)
+    if (arrived.count(from) == 0) starts.push_back(from);
+  for (const Index start : starts) walk(start);
+  while (!next.empty()) walk(next.begin()->first);  // closed ones
+  return out;
+}
+
+/// Arrows along a chain: pushing ones end on it, pulling ones begin there, those along it lie beside it.
+void add_arrows(const std::vector<Vec2>& chain, const BoundaryField& load, double largest, double size, Picture& p) {
+  double total = 0;
+  for (std::size_t i = 1; i < chain.size(); ++i) total += (chain[i] - chain[i - 1]).norm();
+  const int count = std::clamp(static_cast<int>(std::lround(total / (0.045 * size))), 1, 40);
+  double done = 0;
+  int k = 0;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    const Vec2 edge = chain[i] - chain[i - 1];
+    const double length = edge.norm();
+    for (; k < count && (k + 0.5) / count * total <= done + length; ++k) {
+      const Vec2 x = chain[i - 1] + edge / length * ((k + 0.5) / count * total - done);
+      const Vec2 n = Vec2(edge.y(), -edge.x()) / length;  // outwards
+      const Vec2 t = load(x, n);
+      if (!t.allFinite() || !(t.norm() > 0.03 * largest)) continue;
+      const Vec2 arrow = 0.1 * size / largest * t;
+      const double normal = t.dot(n) / t.norm();
+      if (std::abs(normal) < 0.3) {
+        const Vec2 middle = x + 0.02 * size * n;
+        p.arrows.push_back({middle - 0.5 * arrow, middle + 0.5 * arrow});
+        k += static_cast<int>(std::ceil(1.4 * arrow.norm() / (total / count)));  // they follow one another
+      } else {
+        p.arrows.push_back(normal < 0 ? std::array{Vec2(x - arrow), x} : std::array{x, Vec2(x + arrow)});
+      }
+    }
+    done += length;
+  }
+}
+
+}  // namespace
+
+Picture design_picture(const Case& c, const Model& model) {
+  Picture p = mesh_picture(c, model);
+  p.edges = false;
+  p.solid = true;
+  p.subtitle.clear();
+  const auto mention = [&p](const char* words) { p.subtitle += (p.subtitle.empty() ? "" : ", ") + std::string(words); };
+  for (const Support& support : c.scene.supports)
+    for (auto& chain : chains(model.mesh, support.label))
+      (support.first && support.second ? p.supports : p.rollers).push_back(std::move(chain));
+  std::vector<Traction> tractions = c.scene.tractions;
+  if (c.optimize)
+    for (std::size_t i = 1; i < c.optimize->load_cases.size(); ++i)  // the scene has those of the first
+      for (const Traction& t : c.optimize->load_cases[i].tractions) tractions.push_back(t);
+  double largest = 0;
+  std::vector<std::pair<std::vector<Vec2>, const Traction*>> loaded;
+  for (const Traction& t : tractions)
+    for (auto& chain : chains(model.mesh, t.label)) {
+      for (std::size_t i = 1; i < chain.size(); ++i) {
+        const Vec2 edge = chain[i] - chain[i - 1];
+        const double size = t.value(0.5 * (chain[i] + chain[i - 1]), Vec2(edge.y(), -edge.x()).normalized()).norm();
+        if (std::isfinite(size)) largest = std::max(largest, size);
+      }
+      loaded.emplace_back(std::move(chain), &t);
+    }
+  if (largest > 0)
+    for (const auto& [chain, t] : loaded) add_arrows(chain, t->value, largest, extent(c.shape), p);
+  if (!p.supports.empty() || !p.rollers.empty()) mention("blue: supports");
+  if (!p.arrows.empty()) mention("orange: loads");
+  if (!p.cracks.empty()) mention("red: cracks");
   return p;
 }
 

@@ -62,14 +62,18 @@ std::vector<std::vector<double>> probe_rows(const Case& c, const Model& model, c
 
 }  // namespace
 
-void remove_earlier_results(const std::filesystem::path& folder) {
+void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
   std::vector<std::filesystem::path> old;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
     const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
                           (name.starts_with("probe_") && type == ".csv");
-    for (const char* known : {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png",
-                              "von_mises.png", "map.png", "validate.png", "report.html"})
+    const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
+                         name == "optimize.pvd" || name == "history.csv";
+    if (resumed && !resume) old.push_back(entry.path());
+    for (const char* known :
+         {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png", "von_mises.png", "map.png",
+          "validate.png", "report.html", "design.png", "evolution.png", "history.png"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }

@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// What an earlier run left under the names of the interface: a stale map beside a new state would mislead. Throws
-/// Error(Files).
-void remove_earlier_results(const std::filesystem::path& folder);
+/// What an earlier run left under the names of the interface: a stale map beside a new state would mislead. But for
+/// what an optimisation goes on from when it is resumed. Throws Error(Files).
+void remove_earlier_results(const std::filesystem::path& folder, bool resume);
 
 /// state.vtu, crack_<name>.csv and .vtp.
 void write_state_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,

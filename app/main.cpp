@@ -1,5 +1,6 @@
 // kerf: arguments, exit codes, signals. CLI11 lives here and nowhere else.
 
+#include "app/optimize.hpp"
 #include "app/progress.hpp"
 #include "app/run.hpp"
 #include "bench/map.hpp"
@@ -41,7 +42,7 @@ struct Arguments {
   std::string command, case_file, folder;
   std::vector<std::string> overrides;
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
-  bool quiet = false, force = false;
+  bool quiet = false, force = false, resume = false;
   std::string log_level;          // empty: info, or warn when quiet
   std::string bench;              // its name
   StateBenchOptions state_bench;  // what it shares with MapBenchOptions goes to both
@@ -56,12 +57,12 @@ struct Command {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      {"run", "Every job that the case names: solve, map, validate, report", true},
+      {"run", "Every job that the case names: solve, map, validate, optimize, report", true},
       {"solve", "The state alone", true},
       {"map", "The state and the map of the topological derivative", true},
       {"check", "Read the case, mesh it, print what each label selected; solve nothing", true},
       {"validate", "The expansion against computations with changes of finite size", true},
-      {"optimize", "Improve the shape (not supported yet)", false},
+      {"optimize", "Nucleate, move and reshape holes until the design is best", true},
       {"init", "Write a template case (not supported yet)", false},
       {"bench", "Speed against error, with CSV, JSON and pictures", true}};
   return all;
@@ -135,6 +136,8 @@ void declare(CLI::App& app, Arguments& arguments) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
+    if (command.name == "run" || command.name == "optimize")
+      sub->add_flag("--resume", arguments.resume, "Go on with the optimisation whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
     declare_common(sub, arguments);
   }
@@ -257,7 +260,8 @@ int perform(const Arguments& arguments) {
   for (const Command& command : commands())
     if (command.name == arguments.command && !command.supported)
       throw Error(Fault::Usage,
-                  fmt::format("{} is not supported yet; use run, solve, map, validate, check or bench", command.name));
+                  fmt::format("{} is not supported yet; use run, solve, map, validate, optimize, check or bench",
+                              command.name));
   if (arguments.command == "bench") return perform_bench(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
@@ -267,7 +271,9 @@ int perform(const Arguments& arguments) {
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
-  make_ready(options.folder, arguments.force);
+  options.resume = arguments.resume;
+  if (options.resume) check_checkpoint(options.folder, c);
+  make_ready(options.folder, arguments.force || options.resume);
   catch_signals();
   Progress progress(log_level(arguments));
   options.threads = arguments.threads;
@@ -276,6 +282,7 @@ int perform(const Arguments& arguments) {
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate
+                  : arguments.command == "optimize" ? Job::Optimize
                                                     : Job::Run;
   const Result result = run(c, job, options);
   progress.finish();

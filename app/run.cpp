@@ -1,6 +1,8 @@
 #include "app/run.hpp"
 
 #include "app/files.hpp"
+#include "app/optimize.hpp"
+#include "report/history.hpp"
 #include "report/validation.hpp"
 #include "solver/adaptive.hpp"
 #include "solver/bounds.hpp"
@@ -23,12 +25,6 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-ContactMethod contact_method(const Case& c) {
-  return c.contact == "uzawa"        ? ContactMethod::Uzawa
-         : c.contact == "active-set" ? ContactMethod::ActiveSet
-                                     : ContactMethod::DualQp;
-}
-
 void describe_mesh(const Mesh& mesh, Result& r) {
   r.triangles = static_cast<Index>(mesh.triangles.size());
   r.vertices = static_cast<Index>(mesh.points.size());
@@ -42,17 +38,17 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
   Stopwatch watch;
   Mesh mesh = triangulate(c.shape, c.sizing);
   describe_mesh(mesh, r);
-  r.seconds.mesh = watch.lap();
+  r.seconds.mesh += watch.lap();
   begin("assemble and factorise");
   Model model = prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads);
-  r.seconds.assemble = model.seconds.assemble;
-  r.seconds.factor = model.seconds.factor;
+  r.seconds.assemble += model.seconds.assemble;
+  r.seconds.factor += model.seconds.factor;
   begin("solve");
   watch.lap();
   State state = c.backend == "umfpack" ? solve_extended(model) : solve(model, contact_method(c));
   Indicator indicator = error_indicator(model, state);
-  r.seconds.solve = watch.lap() - state.seconds.contact;
-  r.seconds.contact = state.seconds.contact;
+  r.seconds.solve += watch.lap() - state.seconds.contact;
+  r.seconds.contact += state.seconds.contact;
   return {std::move(model), std::move(state), std::move(indicator), {}, {}};
 }
 
@@ -93,6 +89,17 @@ void refuse_friction(const Case& c, const char* job, const char* table) {
           fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
                       "minimise the energy; remove friction and tresca, or [{}] (kerf solve)",
                       job, c.shape.cracks[k].name, table));
+}
+
+/// The loops over variables say themselves what they need; cobyla needs no derivatives.
+void refuse_optimization(const Case& c) {
+  if (c.optimize->method != "level-set") return;
+  refuse_friction(c, "level set", "optimize");
+  for (const char* without : {"p1", "p2", "arnold-winther-c"})
+    if (c.element == without)
+      throw Error(Fault::Usage, fmt::format("the level set needs derivatives, which element \"{}\" does not have; use "
+                                            "\"bdms\" (default), or \"afw\"",
+                                            c.element));
 }
 
 /// What the element cannot do is refused before anything is solved.
@@ -160,131 +167,230 @@ void describe_state(const Case& c, const Model& model, const State& state, const
   if (contact) r.contact = contact_result(state, c.backend == "umfpack" ? "active-set" : c.contact, r.cracks);
 }
 
-}  // namespace
+/// A run so far.
+struct Running {
+  const RunOptions& options;
+  Result r;
+  std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};
+  Stopwatch whole = {}, watch = {};
 
-Result run(const Case& c, Job job, const RunOptions& options) {
-  Stopwatch whole, watch;
-  const auto begin = [&](const std::string& phase) {
-    if (options.stop_asked && options.stop_asked()) throw Error(Fault::Numerics, "stopped before " + phase);
+  std::filesystem::path file(const std::string& name) const {
+    return options.folder / name;
+  }
+  bool stop_asked() const {
+    return options.stop_asked && options.stop_asked();
+  }
+  void begin(const std::string& phase) {
+    if (stop_asked()) throw Error(Fault::Numerics, "stopped before " + phase);
     if (options.on_phase) options.on_phase(phase);
     watch.lap();
-  };
-  const bool with_map = job == Job::Map || (job == Job::Run && c.map);
-  const bool with_validation = job == Job::Validate || (job == Job::Run && c.validate);
-  if (with_validation && !c.validate)
+  }
+  /// Takes the place of an earlier one of the same name.
+  template <typename Drawing>
+  void picture(const std::string& name, const std::string& caption, const Drawing& drawing) {
+    draw(file(name), drawing);
+    std::erase_if(pictures, [&](const auto& earlier) { return earlier.second == file(name); });
+    pictures.emplace_back(caption, file(name));
+  }
+  void sum_up() {
+    r.seconds.total += whole.lap();
+    r.peak_memory_mb = peak_memory_mb();
+  }
+  /// Nothing further can be had. What there is goes to disk.
+  void fail(const Error& e) {
+    r.status = "failed";
+    r.reason = e.what();
+    sum_up();
+    write_json(file("result.json"), r);
+  }
+};
+
+struct Solved {
+  Adapted adapted;
+  PlotData data;
+};
+
+/// The state of a body with its files.
+Solved solve_state(const Case& c, Running& p) {
+  const Begin begin = [&p](const std::string& phase) { p.begin(phase); };
+  Adapted adapted = c.adapt ? solve_refined(c, p.options, begin, p.r) : solve_once(c, p.options, begin, p.r);
+  p.begin("recover");
+  describe_state(c, adapted.model, adapted.state, adapted.indicator, p.r);
+  PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
+  p.r.seconds.solve += p.watch.lap();
+  p.begin("write the state");
+  write_state_files(p.options.folder, c, adapted.model, adapted.state, adapted.indicator, data, p.r.cracks);
+  if (c.output.png) {
+    p.picture("mesh.png", "Mesh", mesh_picture(c, adapted.model));
+    p.picture("von_mises.png", "Von Mises stress", stress_picture(c, adapted.model, data));
+  }
+  p.r.seconds.output += p.watch.lap();
+  return {std::move(adapted), std::move(data)};
+}
+
+/// The value of the functional, and its map.
+Analysis evaluate(const Case& c, const Solved& solved, bool with_map, Running& p) {
+  const Model& model = solved.adapted.model;
+  p.begin(with_map ? "map" : "functional");
+  if (with_map) require_supports(c.functional, model);
+  Analysis analysis = analyse(c.functional, model, solved.adapted.state, !with_map);
+  p.r.functional = functional_result(c.functional, analysis);
+  note_on_functional(c, analysis, p.r);
+  if (!with_map) {
+    p.r.seconds.solve += p.watch.lap();
+    return analysis;
+  }
+  const PlotData& data = solved.data;
+  const bool clamped = c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole;
+  if (!clamped) analysis.fields = recover_fields(analysis, data.corners);
+  FullMap full = map_everywhere(analysis, c.functional, c.map_request, data.corners);
+  p.r.map = map_result(c, analysis, full);
+  if (c.map_request.bounds && clamped)
+    p.r.state->notes.push_back("there are no bounds for maps of clamped holes");
+  else if (c.map_request.bounds)
+    add_bars(analysis, c.functional, c.map_request, c.shape, c.sizing, full, p.r.map->points);
+  p.r.seconds.map = p.watch.lap();
+  p.begin("write the map");
+  write_map_files(p.options.folder, c, *p.r.map, model.mesh, data, full);
+  if (c.output.png) p.picture("map.png", "Topological derivative", map_picture(c, model, data, full));
+  p.r.seconds.output += p.watch.lap();
+  return analysis;
+}
+
+void validate_expansion(const Case& c, Running& p) {
+  p.begin("validate");
+  ValidationRequest request = *c.validate;
+  request.threads = p.options.threads;
+  const Element& e = element(c.element, c.degree);
+  p.r.validate = {word(request.perturbation.kind), validate(c.shape, c.sizing, e, c.scene, c.functional, request)};
+  p.r.seconds.validate = p.watch.lap();
+  p.begin("write the validation");
+  write_validation_csv(p.file("validate.csv"), *p.r.validate);
+  if (c.output.png)
+    p.picture("validate.png", "Validation: what the prediction leaves of the difference",
+              validation_chart(*p.r.validate, c.title));
+  p.r.seconds.output += p.watch.lap();
+}
+
+/// The design that [optimize] finds. Asked to stop it leaves its files, its pictures and a checkpoint.
+Case optimise_shape(const Case& c, Running& p) {
+  p.begin("optimize");
+  Optimized found = optimise(c, p.options);
+  p.r.seconds.optimize = p.watch.lap() - found.output;
+  p.r.seconds.output += found.output;
+  if (c.output.png) {
+    p.picture("evolution.png", "Evolution of the design", Evolution{c.title, sentence(found.result), found.snapshots});
+    p.picture("history.png", "Objective and volume", history_curves(found.result, found.names, c.title));
+  }
+  p.r.seconds.output += p.watch.lap();
+  if (found.stopped)
+    throw Error(Fault::Numerics, fmt::format("stopped after iteration {}; --resume goes on from there",
+                                             found.result.history.empty() ? 0 : found.result.history.back().number));
+  if (!found.result.feasible) {
+    p.r.status = "infeasible";
+    p.r.reason = "the design violates a constraint: " + found.result.stopped;
+  }
+  Case design = designed(c, found.result);
+  p.r.optimize = std::move(found.result);
+  p.r.optimize_names = std::move(found.names);
+  return design;
+}
+
+/// After a state, a map or a validation of the given body the design is drawn alone: the last design_NNNN.vtu has its
+/// state.
+void draw_design(const Case& design, Running& p) {
+  p.r.optimize->notes.push_back("state, map and validation are of the body before the optimisation");
+  if (!design.output.png) return;
+  p.begin("draw the design");
+  const Model model =
+      prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree), design.scene,
+              p.options.threads, {.factorise = false});
+  p.picture("design.png", "The design", design_picture(design, model));
+  std::rotate(p.pictures.begin(), p.pictures.end() - 1, p.pictures.end());
+  p.r.seconds.output += p.watch.lap();
+}
+
+/// The state of the optimal design; J is what the optimisation says, over all load cases.
+Solved solve_design(const Case& design, Running& p) {
+  Solved solved = solve_state(design, p);
+  if (design.output.png) p.picture("design.png", "The design", design_picture(design, solved.adapted.model));
+  std::rotate(p.pictures.begin(), p.pictures.end() - (design.output.png ? 1 : 0), p.pictures.end());
+  p.r.functional = {design.functional.kind, p.r.optimize->objective};
+  p.r.seconds.output += p.watch.lap();
+  return solved;
+}
+
+}  // namespace
+
+Result run(const Case& given, Job job, const RunOptions& options) {
+  const bool with_map = job == Job::Map || (job == Job::Run && given.map);
+  const bool with_validation = job == Job::Validate || (job == Job::Run && given.validate);
+  const bool with_optimization = job == Job::Optimize || (job == Job::Run && given.optimize);
+  if (with_validation && !given.validate)
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
-  if (with_map) refuse_friction(c, "map", "map");
-  if (with_validation) refuse_friction(c, "validation", "validate");
-  refuse_element(c, with_map, with_validation);
+  if (with_optimization && !given.optimize)
+    throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and volume");
+  if (options.resume && !with_optimization)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  if (with_map) refuse_friction(given, "map", "map");
+  if (with_validation) refuse_friction(given, "validation", "validate");
+  if (with_optimization) refuse_optimization(given);
+  refuse_element(given, with_map, with_validation);
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)
     throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
-  remove_earlier_results(options.folder);
-  if (c.output.vtk) require_vtk();
-  const auto file = [&](const std::string& name) { return options.folder / name; };
+  if (options.resume) check_checkpoint(options.folder, given);
+  remove_earlier_results(options.folder, options.resume);
+  if (given.output.vtk) require_vtk();
 
-  Result r;
-  r.version = KERF_VERSION;
-  r.case_name = c.name;
-  r.title = c.title;
+  Running p{.options = options};
+  p.r.version = KERF_VERSION;
+  p.r.case_name = given.name;
+  p.r.title = given.title;
+  Case c = given;
+  c.scene = loaded_scene(given);
 
-  const auto sum_up = [&] {
-    r.seconds.total = whole.lap();
-    r.peak_memory_mb = peak_memory_mb();
-  };
-  std::optional<Adapted> solved;
-  try {
-    solved.emplace(c.adapt ? solve_refined(c, options, begin, r) : solve_once(c, options, begin, r));
-  } catch (const Error& e) {
-    const bool stopped = options.stop_asked && options.stop_asked();
-    if (e.fault == Fault::Numerics && !stopped) {
-      r.status = "failed";
-      r.reason = e.what();
-      sum_up();
-      write_json(file("result.json"), r);
-    }
-    throw;
-  }
-  const Model& model = solved->model;
-  const State& state = solved->state;
-  const Indicator& indicator = solved->indicator;
-
-  begin("recover");
-  describe_state(c, model, state, indicator, r);
-  const PlotData data = plot_data(model, state, c.plane_strain);
-  r.seconds.solve += watch.lap();
-
-  std::vector<std::pair<std::string, std::filesystem::path>> pictures;
-  const auto picture = [&](const std::string& name, const std::string& caption, const auto& p) {
-    draw(file(name), p);
-    pictures.emplace_back(caption, file(name));
-  };
-  begin("write the state");
-  write_state_files(options.folder, c, model, state, indicator, data, r.cracks);
-  if (c.output.png) {
-    picture("mesh.png", "Mesh", mesh_picture(c, model));
-    picture("von_mises.png", "Von Mises stress", stress_picture(c, model, data));
-  }
-  r.seconds.output += watch.lap();
-
-  // What cannot be had from here on leaves the state and everything before it.
+  const bool before = !with_optimization || with_map || with_validation;
+  std::optional<Solved> solved;
   std::optional<Analysis> analysis;
   try {
-    begin(with_map ? "map" : "functional");
-    if (with_map) require_supports(c.functional, model);
-    analysis = analyse(c.functional, model, state, !with_map);
-    r.functional = functional_result(c.functional, *analysis);
-    note_on_functional(c, *analysis, r);
-    if (with_map) {
-      if (c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
-        analysis->fields = recover_fields(*analysis, data.corners);
-      FullMap full = map_everywhere(*analysis, c.functional, c.map_request, data.corners);
-      r.map = map_result(c, *analysis, full);
-      if (c.map_request.bounds) {
-        if (c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole)
-          r.state->notes.push_back("there are no bounds for maps of clamped holes");
-        else
-          add_bars(*analysis, c.functional, c.map_request, c.shape, c.sizing, full, r.map->points);
+    if (before) solved.emplace(solve_state(c, p));
+  } catch (const Error& e) {
+    if (e.fault == Fault::Numerics && !p.stop_asked()) p.fail(e);
+    throw;
+  }
+  // What cannot be had from here on leaves the state and everything before it.
+  try {
+    if (before) analysis.emplace(evaluate(c, *solved, with_map, p));
+    if (with_validation) validate_expansion(c, p);
+    if (with_optimization) {
+      Case design = optimise_shape(given, p);
+      if (before) {
+        draw_design(design, p);
+      } else {
+        solved.emplace(solve_design(design, p));
+        c = std::move(design);
       }
-      r.seconds.map = watch.lap();
-      begin("write the map");
-      write_map_files(options.folder, c, *r.map, model.mesh, data, full);
-      if (c.output.png) picture("map.png", "Topological derivative", map_picture(c, model, data, full));
-      r.seconds.output += watch.lap();
-    } else {
-      r.seconds.solve += watch.lap();
-    }
-    if (with_validation) {
-      begin("validate");
-      ValidationRequest request = *c.validate;
-      request.threads = options.threads;
-      const Element& e = element(c.element, c.degree);
-      r.validate = {word(request.perturbation.kind), validate(c.shape, c.sizing, e, c.scene, c.functional, request)};
-      r.seconds.validate = watch.lap();
-      begin("write the validation");
-      write_validation_csv(file("validate.csv"), *r.validate);
-      if (c.output.png)
-        picture("validate.png", "Validation: what the prediction leaves of the difference",
-                validation_chart(*r.validate, c.title));
-      r.seconds.output += watch.lap();
     }
   } catch (const Error& e) {
-    const bool stopped = options.stop_asked && options.stop_asked();
-    if (e.fault != Fault::Numerics || stopped) throw;
-    r.status = "failed";
-    r.reason = e.what();
-    watch.lap();
+    if (e.fault != Fault::Numerics || p.stop_asked()) throw;
+    if (!solved) p.fail(e);
+    if (!solved) throw;
+    p.r.status = "failed";
+    p.r.reason = e.what();
+    p.watch.lap();
   }
 
-  begin("write");
-  write_probe_files(options.folder, c, model, state, r.map ? &*analysis : nullptr);
-  if (!certified(state)) describe_failure(model, state, r);
-  r.seconds.output += watch.lap();
-  sum_up();
-  if (c.output.html) write_page(file("report.html"), r, pictures);
-  write_json(file("result.json"), r);
-  return r;
+  p.begin("write");
+  const Model& model = solved->adapted.model;
+  write_probe_files(options.folder, c, model, solved->adapted.state, p.r.map && analysis ? &*analysis : nullptr);
+  if (!certified(solved->adapted.state)) describe_failure(model, solved->adapted.state, p.r);
+  p.r.seconds.output += p.watch.lap();
+  p.sum_up();
+  if (c.output.html) write_page(p.file("report.html"), p.r, p.pictures);
+  write_json(p.file("result.json"), p.r);
+  return p.r;
 }
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
 #include "optimize/request.hpp"
+#include "optimize/synthetic.hpp"
 #include "topo/validate.hpp"
 
 #include <filesystem>
@@ -32,19 +33,6 @@ struct OutputRequest {
 
 struct Elastic {
   double young = 1, poisson = 0.3;
-};
-
-/// The body that measurements are made up from: an inverse problem whose answer is known. Another mesh and another
-/// element than those of the search: no inverse crime.
-struct Synthetic {
-  Shape true_shape;  // what the case draws, and what it looks for
-  Scene true_scene;  // of it
-  std::string element = "afw";
-  int degree = 1;
-  Sizing sizing;
-  double noise = 0;  // standard deviation, relative to the root mean square of the displacements
-  unsigned seed = 1;
-  Index label = none;  // where they are measured
 };
 
 struct Case {

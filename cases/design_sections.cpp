@@ -102,12 +102,26 @@ double signed_area(const std::vector<double>& xy) {
   return 0.5 * twice;
 }
 
-Boxes read_spline(const Field& form, const std::optional<Field>& start, double size) {
+/// The table `start`. "map": none, and the start is to be read off the topological derivative.
+std::optional<Field> read_start(const Field& table, bool& from_map) {
+  const auto start = find(table, "start");
+  from_map = start && start->node->kind == Node::Kind::String;
+  if (!from_map) return start;
+  choice(*start, {"map"});
+  return std::nullopt;
+}
+
+Boxes read_spline(const Field& form, const std::optional<Field>& start, double size, bool from_map) {
   allow_only(form, {"points"});
   const Field points = need(form, "points");
   const std::vector<Field> entries = items(points, 4);
   Boxes boxes;
   for (const Field& entry : entries) add_place(entry, boxes);
+  if (from_map && !(signed_area(boxes.start) > 1e-12 * size * size))  // only its shape counts: a circle
+    for (std::size_t i = 0; i < boxes.start.size(); ++i) {
+      const double angle = 2 * pi * static_cast<double>(i / 2) / static_cast<double>(entries.size());
+      boxes.start[i] += 0.25 * (boxes.upper[i] - boxes.lower[i]) * (i % 2 == 0 ? std::cos(angle) : std::sin(angle));
+    }
   if (start && one_of(*start, {"points", "center"}) == "points") {
     allow_only(*start, {"points"});
     const Field given = need(*start, "points");
@@ -139,10 +153,14 @@ Boxes read_spline(const Field& form, const std::optional<Field>& start, double s
   return boxes;
 }
 
-Boxes read_path(const Field& path, const std::optional<Field>& start) {
+Boxes read_path(const Field& path, const std::optional<Field>& start, bool from_map) {
   Boxes boxes;
   const std::vector<Field> entries = items(path, 2);
   for (const Field& entry : entries) add_place(entry, boxes);
+  if (from_map)  // anything that is a path
+    for (std::size_t i = 0; i < boxes.start.size(); ++i)
+      boxes.start[i] += (static_cast<double>(i / 2) / static_cast<double>(entries.size() - 1) - 0.5) * 0.5 *
+                        (boxes.upper[i] - boxes.lower[i]);
   if (start) {
     allow_only(*start, {"path"});
     const Field given = need(*start, "path");
@@ -220,7 +238,8 @@ Design read_design(const Field& optimize, const Case& c) {
     allow_only(table, {"name", "circle", "ellipse", "spline", "start"});
     const std::string kind = one_of(table, {"circle", "ellipse", "spline"});
     const Field form = need(table, kind);
-    const auto start = find(table, "start");
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
     const std::string name = hole_names.next(table);
     if (kind == "circle") {
       if (start) allow_only(*start, {"center", "radius"});
@@ -228,8 +247,9 @@ Design read_design(const Field& optimize, const Case& c) {
     } else if (kind == "ellipse") {
       add(Kind::Ellipse, name, read_ellipse(form, start));
     } else {
-      add(Kind::Spline, name, read_spline(form, start, size));
+      add(Kind::Spline, name, read_spline(form, start, size, from_map));
     }
+    design.drawn.back().from_map = from_map;
   }
 
   const std::vector<Field> cracks = find_tables(optimize, "crack");
@@ -237,7 +257,10 @@ Design read_design(const Field& optimize, const Case& c) {
   for (const Field& table : cracks) {
     allow_only(table, {"name", "path", "contact", "start"});
     const std::string name = crack_names.next(table);
-    Drawn& drawn = add(Kind::Crack, name, read_path(need(table, "path"), find(table, "start")));
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
+    Drawn& drawn = add(Kind::Crack, name, read_path(need(table, "path"), start, from_map));
+    drawn.from_map = from_map;
     if (const auto contact = find(table, "contact"))
       drawn.law.kind =
           choice(*contact, {"unilateral", "open"}) == "open" ? CrackLaw::Kind::Open : CrackLaw::Kind::Unilateral;
@@ -248,7 +271,8 @@ Design read_design(const Field& optimize, const Case& c) {
   for (const Field& table : regions) {
     allow_only(table, {"name", "circle", "young", "poisson", "start"});
     const std::string name = region_names.next(table);
-    const auto start = find(table, "start");
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
     if (start) allow_only(*start, {"center", "radius", "young"});
     Boxes boxes = read_circle(need(table, "circle"), start);
     add_box(need(table, "young"), 0, boxes);
@@ -256,7 +280,9 @@ Design read_design(const Field& optimize, const Case& c) {
       if (const auto young = find(*start, "young")) begin_at(*young, number(*young), 3, boxes);
     const double poisson = between(need(table, "poisson"), 0, 0.5);
     for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, young, poisson, c.plane_strain);
-    add(Kind::Inclusion, name, boxes).poisson = poisson;
+    Drawn& drawn = add(Kind::Inclusion, name, boxes);
+    drawn.poisson = poisson;
+    drawn.from_map = from_map;
   }
   return design;
 }

@@ -12,10 +12,12 @@ namespace {
 /// Another element than that of the search.
 void read_element(const Field& table, const Case& c, Synthetic& s) {
   const auto name = find(table, "element"), degree = find(table, "degree");
-  s.element = c.element == "afw" && !degree ? "bdms" : "afw";
+  s.element = c.element == "afw" ? "bdms" : "afw";
+  s.degree = 2;
   if (name)
     s.element = choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
                                "arnold-winther-nc", "p1", "p2"});
+  if (name) s.degree = 1;
   if (degree) s.degree = whole_number(*degree, 1, 9);
   const Field& blamed = name ? *name : degree ? *degree : table;
   try {
@@ -48,7 +50,8 @@ void read_synthetic(const Field& document, Case& c) {
                                                  measured->name));
     return;
   }
-  allow_only(*table, {"hole", "crack", "region", "element", "degree", "size", "crack_tip_size", "noise", "seed"});
+  allow_only(*table,
+             {"hole", "crack", "region", "element", "degree", "size", "crack_tip_size", "noise", "spacing", "seed"});
   if (!measured)
     fail(table->node->position,
          "[synthetic] is not used; write kind = \"misfit\" and measured = \"synthetic\" in [functional]");
@@ -74,6 +77,8 @@ void read_synthetic(const Field& document, Case& c) {
   if (const auto size = find(*table, "size")) s.sizing.size = positive(*size);
   if (const auto size = find(*table, "crack_tip_size")) s.sizing.crack_tip_size = positive(*size);
   if (const auto noise = find(*table, "noise")) s.noise = between(*noise, 0, 1);
+  s.spacing = c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40;
+  if (const auto spacing = find(*table, "spacing")) s.spacing = positive(*spacing);
   if (const auto seed = find(*table, "seed")) s.seed = static_cast<unsigned>(whole_number(*seed, 0, 2147483647));
   for (const Term& term : c.functional.terms)
     if (term.measured) s.label = term.measured->label;

@@ -22,6 +22,7 @@ struct Drawn {
   Eigen::VectorXd lower, upper, start;  // equally long
   CrackLaw law = {};                    // of a crack
   double poisson = 0.3;                 // of an inclusion
+  bool from_map = false;                // `start` is to be read off the map: see one_shot.hpp
 };
 
 /// The variables of all drawn things, one after the other.

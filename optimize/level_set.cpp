@@ -95,6 +95,7 @@ class Mover {
   double whole_ = 0, target_ = 0, size_ = 0;
   bool penalised_ = false;
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
+  bool worthless_ = false;  // less material is better everywhere: the area is not held
   Progress s_;
   Design design_, best_;
 };
@@ -289,6 +290,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
                                      penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
   s_.multiplier = speed.multiplier;
   optimality_ = speed.optimality;
+  worthless_ = !penalised_ && !(speed.multiplier > 0);
   Eigen::VectorXd next = distance - speed.on_canvas;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
     const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
@@ -375,6 +377,7 @@ OptimizeResult Mover::run() {
       if (!fixed) {
         next = constrained(canvas_, next);
         drop_islands(canvas_, loaded_, next);
+        if (worthless_) s_.wanted = std::min(s_.wanted, negative_area(canvas_.mesh, next));
         if (!penalised_) next = with_area(canvas_, next, s_.wanted);
       }
       tried = trial(next, notes, drawn);
@@ -454,6 +457,11 @@ OptimizeResult Mover::run() {
     accept(best_, {fmt::format("the best design, of iteration {}", s_.best_iteration)});
     save();
   }
+  for (const Term& term : p_.objective.terms)
+    if (term.energy && term.factor > 0)
+      result.notes.push_back(
+          "the potential energy of a loaded body falls when material goes: for a stiff one minimise kind = "
+          "\"compliance\"");
   result.iterations = s_.iteration;
   result.state_solves = s_.solves;
   result.objective = design_->J;

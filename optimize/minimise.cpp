@@ -87,6 +87,7 @@ class Run {
   enum class End { None, Converged, Asked, Evaluations, Thrown };
 
   VectorXd unscaled(const double* z) const {
+    if (std::equal(begun_z_.begin(), begun_z_.end(), z)) return begun_x_;  // there and back may cost the last digit
     VectorXd x = start_;
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const Eigen::Index i = free_[k];
@@ -111,19 +112,22 @@ class Run {
 
   static double objective(unsigned n, const double* z, double* gradient, void* self);
   static void constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self);
-  const Evaluation* guarded(const double* z, bool gradients);
+  const Evaluation* guarded(const double* z);
 
   const Program& program_;
   const Stop& stop_;
   VectorXd start_, width_;
   std::vector<Eigen::Index> free_;
+  std::vector<double> begun_z_;  // where NLopt begins, scaled
+  VectorXd begun_x_;
   std::vector<std::unique_ptr<Evaluation>> seen_;  // addresses stay
   const Evaluation* best_ = nullptr;
   double best_kkt_ = nan;
   double first_scale_ = 0, nlopt_scale_ = 1;
   int evaluations_ = 0;
   End end_ = End::None;
-  bool restoring_ = false;  // minimise violations instead of the objective, until there is none
+  bool with_gradients_ = true;  // always, or never: a line search asks for values first, and for the rest afterwards
+  bool restoring_ = false;      // minimise violations instead of the objective, until there is none
   std::exception_ptr thrown_;
   nlopt_opt opt_ = nullptr;
   std::vector<std::string> failures_;
@@ -184,7 +188,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
 void Run::weigh_up(const Evaluation& e) {
   double kkt = nan;
   if (e.gradients.cols() > 0) {
-    const double scale = std::max(scale_of(e, program_.lower, program_.upper), 0.01 * first_scale_);
+    const double scale = std::max({scale_of(e, program_.lower, program_.upper), first_scale_, stop_.scale});
     kkt = kkt_residual(e, program_.lower, program_.upper, scale);
   }
   if (e.failure.empty() && (!best_ || better(e, *best_) || (same(e.x, best_->x) && !std::isnan(kkt)))) {
@@ -223,14 +227,14 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
 }
 
 /// Nothing may be thrown through NLopt: nullptr when it has to stop.
-const Evaluation* Run::guarded(const double* z, bool gradients) {
+const Evaluation* Run::guarded(const double* z) {
   if (end_ != End::None) return nullptr;
   const VectorXd x = unscaled(z);
   try {
-    if (!find(x, gradients) && evaluations_ >= stop_.evaluations)
+    if (!find(x, with_gradients_) && evaluations_ >= stop_.evaluations)
       end_ = End::Evaluations;
     else {
-      const Evaluation& e = evaluate(x, gradients);
+      const Evaluation& e = evaluate(x, with_gradients_);
       const bool restored = restoring_ && violation_of(*best_) <= stop_.feasibility;
       if (end_ == End::None && !restored) return &e;
     }
@@ -257,7 +261,7 @@ Evaluation Run::violations(const Evaluation& e) const {
 
 double Run::objective(unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
-  const Evaluation* e = run.guarded(z, gradient != nullptr);
+  const Evaluation* e = run.guarded(z);
   Evaluation sum;
   if (e && run.restoring_) {
     sum = run.violations(*e);
@@ -274,7 +278,7 @@ double Run::objective(unsigned n, const double* z, double* gradient, void* self)
 
 void Run::constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
-  const Evaluation* e = run.guarded(z, gradient != nullptr);
+  const Evaluation* e = run.guarded(z);
   for (unsigned j = 0; j < m; ++j) {
     values[j] = e ? e->values[1 + j] : 0;
     if (gradient)
@@ -289,6 +293,7 @@ nlopt_result Run::run(const std::string& method, const VectorXd& from) {
   const auto n = static_cast<unsigned>(free_.size());
   const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
   const bool simplex = method == "cobyla";
+  with_gradients_ = !simplex;
   const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> opt(
       nlopt_create(algorithm(method), n), nlopt_destroy);
   opt_ = opt.get();
@@ -305,6 +310,8 @@ nlopt_result Run::run(const std::string& method, const VectorXd& from) {
     const Eigen::Index i = free_[k];
     z[k] = std::clamp((from[i] - program_.lower[i]) / width_[i], 0.0, 1.0);
   }
+  begun_z_ = z;
+  begun_x_ = from;
   double value = 0;
   const nlopt_result code = nlopt_optimize(opt_, z.data(), &value);
   opt_ = nullptr;
@@ -425,24 +432,53 @@ double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::
 double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double scale) {
   const std::vector<Eigen::Index> free = free_variables(lower, upper);
   const auto n = static_cast<Eigen::Index>(free.size());
-  const Eigen::Index m = e.gradients.cols() - 1, multipliers = m + 2 * n;
   if (n == 0) return 0;
-  MatrixXd A = MatrixXd::Zero(n + multipliers, multipliers);
-  VectorXd b = VectorXd::Zero(n + multipliers);
+  constexpr double slack = -0.5;  // constraints farther from their bound carry no multiplier
+  std::vector<Eigen::Index> near;
+  for (Eigen::Index j = 1; j < e.values.size(); ++j)
+    if (e.values[j] > slack) near.push_back(j);
+  const auto m = static_cast<Eigen::Index>(near.size());
+  MatrixXd A(n, m);
+  VectorXd g(n), above(n), below(n), complement(m);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index i = free[static_cast<std::size_t>(k)];
-    const double width = upper[i] - lower[i], z = (e.x[i] - lower[i]) / width;
-    for (Eigen::Index j = 0; j < m; ++j) A(k, j) = e.gradients(i, 1 + j) * width;
-    b[k] = -e.gradients(i, 0) * width;
-    A(k, m + 2 * k) = -1;
-    A(k, m + 2 * k + 1) = 1;
-    A(n + m + 2 * k, m + 2 * k) = std::max(0.0, z);
-    A(n + m + 2 * k + 1, m + 2 * k + 1) = std::max(0.0, 1 - z);
+    const double width = upper[i] - lower[i], z = std::clamp((e.x[i] - lower[i]) / width, 0.0, 1.0);
+    g[k] = e.gradients(i, 0) * width;
+    for (Eigen::Index j = 0; j < m; ++j) A(k, j) = e.gradients(i, near[static_cast<std::size_t>(j)]) * width;
+    // The best multiplier of a bound leaves of the slope r: |(r - m, m d)| = |r| d/sqrt(1 + d^2).
+    above[k] = z / std::hypot(1, z);
+    below[k] = (1 - z) / std::hypot(1, 1 - z);
   }
-  for (Eigen::Index j = 0; j < m; ++j) A(n + j, j) = std::max(0.0, -e.values[1 + j]);
-  if (b.isZero(0)) return 0;
-  const VectorXd x = nonnegative_least_squares(A, b);
-  const double residual = (A * x - b).lpNorm<Eigen::Infinity>();
+  for (Eigen::Index j = 0; j < m; ++j) complement[j] = std::max(0.0, -e.values[near[static_cast<std::size_t>(j)]]);
+  // For given signs of the slopes a problem of nonnegative least squares. Any multipliers bound the residual.
+  VectorXd multipliers = VectorXd::Zero(m), best = multipliers;
+  double least = std::numeric_limits<double>::infinity();
+  const auto left = [&](const VectorXd& l) {
+    const VectorXd r = g + A * l;
+    VectorXd all(n + m);
+    all << (r.array() > 0).select(r.array() * above.array(), -r.array() * below.array()).matrix(),
+        l.cwiseProduct(complement);
+    return all;
+  };
+  constexpr int most = 20;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const VectorXd r = g + A * multipliers, weight = (r.array() > 0).select(above, below);
+    const double size = left(multipliers).norm();
+    if (size < least) {
+      least = size;
+      best = multipliers;
+    }
+    if (m == 0) break;
+    MatrixXd rows(n + m, m);
+    rows << weight.asDiagonal() * A, MatrixXd(complement.asDiagonal());
+    VectorXd right = VectorXd::Zero(n + m);
+    right.head(n) = -weight.cwiseProduct(g);
+    VectorXd next = nonnegative_least_squares(rows, right);
+    if (left(next).norm() >= size * (1 - 1e-12)) next = 0.5 * (next + multipliers);
+    if (left(next).norm() >= size * (1 - 1e-12)) break;
+    multipliers = std::move(next);
+  }
+  const double residual = left(best).lpNorm<Eigen::Infinity>();
   return scale > 0 ? residual / scale : residual;
 }
 

@@ -32,10 +32,11 @@ struct Program {
 
 struct Stop {
   int evaluations = 200;
-  double kkt = 1e-3;
+  double kkt = 1e-3;  // relative to the size of the derivatives: here, at the start, or `scale`, the largest
+  double scale = 0;
   double feasibility = 1e-6;  // violations up to here do not count
   double step = 1e-7;         // change of the variables, relative to their boxes; 1e-4 for cobyla
-  double value = 1e-10;       // relative change of the objective
+  double value = 1e-8;        // relative change of the objective
 };
 
 struct Minimum {
@@ -61,9 +62,10 @@ Minimum minimise(const Program& program, const Eigen::VectorXd& start, const std
 /// The size of the derivatives of the objective: max(|f|, |df/dx_i| (upper_i - lower_i)).
 double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-/// Least residual of the conditions of Karush, Kuhn and Tucker over all multipliers: in variables that run from 0 to 1,
+/// Residual of the conditions of Karush, Kuhn and Tucker with the best multipliers: in variables that run from 0 to 1,
 /// min over l, m >= 0 of | (grad f + sum l_j grad c_j + sum m_k n_k, l_j c_j, m_k d_k) |, n_k the outward normals of
-/// the bounds, d_k the distances to them; largest entry, over `scale`. Violations of constraints are not part of it.
+/// the bounds, d_k the distances to them; the largest that is left of one variable or constraint, over `scale`.
+/// Violations of constraints are not part of it.
 double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double scale);
 
 /// min |A x - b| over x >= 0 [Lawson, Hanson 1974, chapter 23].

@@ -278,6 +278,7 @@ OptimizeResult Rounds::run() {
   VectorXd x = start_of(request_.design);
   Minimum found;
   std::size_t best = 0;  // row of the history
+  double scale = 0;      // of derivatives, at the start of all
   constexpr int most_rounds = 25;
   for (int round = 0;; ++round) {
     trials_.begin_round();
@@ -300,7 +301,13 @@ OptimizeResult Rounds::run() {
       break;
     }
     if (round == 0 && wants_gradients) check_derivatives(*begun);
-    found = minimise(program, x, method, {.evaluations = left, .kkt = request_.tolerance, .feasibility = feasibility});
+    if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
+    found = minimise(program, x, method,
+                     {.evaluations = left,
+                      .kkt = request_.tolerance,
+                      .scale = scale,
+                      .feasibility = feasibility,
+                      .value = 1e-2 * request_.tolerance});
     for (const std::string& note : found.notes) result_.notes.push_back(note);
     for (const std::string& failure : found.failure) {
       const std::string note = "a trial could not be evaluated: " + failure;

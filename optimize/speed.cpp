@@ -107,9 +107,13 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
                                std::max(half[i] - fast, 0.0) * (calm[i] / std::sqrt(price) - 1));
       else
         v[i] = scale > 0 ? limits.most * (gain[i] - price) / scale : 0;
-      constexpr double idle = 0.25;  // of the multiplier: such a member may go
-      if (limits.min_feature > 0 && half[i] < 0.5 * limits.min_feature && gain[i] > idle * price)
-        v[i] = std::max(v[i], 0.5 * limits.min_feature - half[i]);
+      // A member that is too thin: what would it carry at the thickness wanted, for the same force?
+      const double least = 0.5 * limits.min_feature;
+      if (price > 0 && half[i] < least) {
+        constexpr double idle = 0.15;  // of the multiplier
+        const double thick = gain[i] * (half[i] / least) * (half[i] / least);
+        v[i] = thick > idle * price ? std::max(v[i], least - half[i]) : -limits.most;
+      }
       v[i] = std::clamp(v[i], -limits.most, limits.most);
     }
     return v;

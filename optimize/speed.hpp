@@ -21,7 +21,7 @@ struct SpeedLimits {
   double most = 0;         // a length
   double share = 1;        // of the way to where a thin member would be best
   double smoothing = 0;    // of the H1 product along the boundary
-  double min_feature = 0;  // members thinner than this shrink only where they carry nearly nothing; 0: none
+  double min_feature = 0;  // thinner members grow to it, or go where they would carry nearly nothing; 0: none
 };
 
 /// Motion of the boundary along its normal, outwards positive. Without constraint on the area, -density alone, what

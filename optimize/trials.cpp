@@ -19,6 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double most_stretch = 1.6;   // of a triangle of a moved mesh, and pressing
 constexpr double least_angle = 13;     // degrees, of moved meshes
 constexpr double too_close = 0.5;      // a violated condition that leaves designs unsolved: half the distance
 constexpr std::size_t most_built = 6;  // meshes kept with their extension
@@ -47,6 +48,24 @@ std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Pro
       Base::Built{std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)});
 }
 
+/// Whether a triangle has been stretched or pressed too much: what was fine enough, across a gap that narrows, is not
+/// any more.
+bool distorted(const Mesh& before, const Mesh& after, std::size_t t) {
+  const auto sides = [t](const Mesh& mesh) {
+    const auto& v = mesh.triangles[t];
+    const Vec2& x = mesh.points[static_cast<std::size_t>(v[0])];
+    Mat2 both;
+    both << mesh.points[static_cast<std::size_t>(v[1])] - x, mesh.points[static_cast<std::size_t>(v[2])] - x;
+    return both;
+  };
+  const Mat2 a = sides(before), b = sides(after);
+  const Mat2 f = b * Mat2{{a(1, 1), -a(0, 1)}, {-a(1, 0), a(0, 0)}} / cross(a.col(0), a.col(1));
+  // Singular values: half the sum and the difference of these.
+  const double plus = std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)),
+               minus = std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1));
+  return plus + minus > 2 * most_stretch || plus - minus < 2 / most_stretch;
+}
+
 /// The mesh with its followers where x wants them, or nothing when it suffers.
 std::optional<Mesh> moved(const Base::Built& base, const Design& d, const VectorXd& x) {
   Points motion = Points::Zero(2, static_cast<Eigen::Index>(base.mesh.points.size()));
@@ -62,7 +81,8 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
   }
   const std::vector<double> angles = smallest_angles(mesh);
   for (std::size_t t = 0; t < angles.size(); ++t)
-    if (!(angles[t] >= std::min(least_angle, 0.6 * base.angles[t]))) return std::nullopt;
+    if (!(angles[t] >= std::min(least_angle, 0.6 * base.angles[t])) || distorted(base.mesh, mesh, t))
+      return std::nullopt;
   return mesh;
 }
 

@@ -51,10 +51,13 @@ Contours contours(const Mesh& mesh) {
 
 void add(Snapshots& snapshots, Snapshot snapshot) {
   constexpr std::size_t most = 32;
-  std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration >= snapshot.iteration; });
-  snapshots.last = std::move(snapshot);
-  if (snapshots.last->iteration % snapshots.stride != 0) return;
-  snapshots.kept.push_back(*snapshots.last);
+  if (snapshot.iteration % snapshots.stride == 0) {
+    std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration == snapshot.iteration; });
+    const auto after = std::find_if(snapshots.kept.begin(), snapshots.kept.end(),
+                                    [&](const Snapshot& s) { return s.iteration > snapshot.iteration; });
+    snapshots.kept.insert(after, snapshot);
+  }
+  if (!snapshots.last || snapshots.last->iteration <= snapshot.iteration) snapshots.last = std::move(snapshot);
   while (snapshots.kept.size() > most) {
     snapshots.stride *= 2;
     std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration % snapshots.stride != 0; });

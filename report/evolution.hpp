@@ -28,7 +28,7 @@ struct Snapshots {
   std::vector<Snapshot> kept;
   std::optional<Snapshot> last;
 };
-/// Forgets snapshots from `snapshot.iteration` on first: a resumed run comes back to them.
+/// Takes the place of one of the same iteration.
 void add(Snapshots& snapshots, Snapshot snapshot);
 
 /// At most `most` >= 2 of them, the first and the last among them.

@@ -376,7 +376,8 @@ poisson = 0.2
   EXPECT_EQ(s.true_scene.supports.size(), 1u);
   EXPECT_EQ(s.true_scene.tractions.size(), 1u);
   EXPECT_EQ(s.element, "afw");
-  EXPECT_EQ(s.degree, 1);
+  EXPECT_EQ(s.degree, 2);
+  EXPECT_EQ(s.spacing, 0.1);
   EXPECT_DOUBLE_EQ(s.sizing.size, 0.07);
   EXPECT_EQ(s.noise, 0.01);
   EXPECT_EQ(s.seed, 7u);

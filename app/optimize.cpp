@@ -1,0 +1,238 @@
+#include "app/optimize.hpp"
+
+#include "app/collect.hpp"
+#include "app/files.hpp"
+#include "optimize/checkpoint.hpp"
+#include "optimize/level_set.hpp"
+#include "optimize/parameters.hpp"
+#include "report/files.hpp"
+#include "report/history.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+namespace kerf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path checkpoint_file(const fs::path& folder) {
+  return folder / "checkpoint.bin";
+}
+/// The checkpoint before the iteration in which a stop was asked for: the end of a loop may add to its own one.
+fs::path stop_file(const fs::path& folder) {
+  return folder / "checkpoint.stop";
+}
+fs::path snapshots_file(const fs::path& folder) {
+  return folder / "checkpoint.strip";
+}
+
+void move_file(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::rename(from, to, failed);
+  if (failed)
+    throw Error(Fault::Files, fmt::format("cannot rename {} to {}: {}", from.string(), to.string(), failed.message()));
+}
+
+std::string design_name(int number) {
+  return fmt::format("design_{:04}.vtu", number);
+}
+
+/// "1 h 05 min", "3 min 20 s", "12 s".
+std::string duration(double seconds) {
+  const auto s = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
+  if (s >= 3600) return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
+  if (s >= 60) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} s", s);
+}
+
+struct Recorder {
+  const Case& c;
+  const RunOptions& options;
+  OptimizeNames names;
+  Snapshots snapshots;
+  std::map<int, std::string> lines;  // of history.csv, by iteration
+  std::map<int, bool> seen;          // in this run
+  Stopwatch since_start;
+  double elapsed = 0, output = 0;
+  bool stopped = false;
+
+  fs::path file(const std::string& name) const {
+    return options.folder / name;
+  }
+
+  /// What an interrupted run has written.
+  void restore() {
+    if (fs::exists(file("history.csv"))) {
+      const std::string text = read_file(file("history.csv")), head = history_header(names);
+      std::size_t at = text.starts_with(head) ? head.size() : text.size();
+      for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+        int number = -1;
+        std::from_chars(text.data() + at, text.data() + end, number);
+        if (number >= 0) lines[number] = text.substr(at, end + 1 - at);
+      }
+    }
+    try {
+      if (const auto kept = read_checkpoint(snapshots_file(options.folder)); kept && kept->fingerprint == c.fingerprint)
+        snapshots = from_checkpoint(*kept);
+    } catch (const Error&) {
+      // Pictures can do without.
+    }
+  }
+
+  void write_history() const {
+    std::string out = history_header(names);
+    for (const auto& [number, line] : lines) out += line;
+    write_file(file("history.csv"), out);
+  }
+
+  void write_designs() const {
+    if (!c.output.vtk) return;
+    std::vector<std::pair<int, std::string>> files;
+    for (const auto& [number, line] : lines)
+      if (fs::exists(file(design_name(number)))) files.emplace_back(number, design_name(number));
+    write_collection(file("optimize.pvd"), files);
+  }
+
+  std::string progress(const Iteration& row) {
+    const OptimizeRequest& request = *c.optimize;
+    elapsed += since_start.lap();
+    std::string text =
+        fmt::format("optimize {}: J {:.6g}, volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.number,
+                    row.objective, row.volume_fraction, row.step, row.holes, row.holes == 1 ? "" : "s", row.triangles);
+    // Iterations of the level set, state solves of the others are what may at most be done.
+    const bool level_set = request.method == "level-set";
+    const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
+    const double done = level_set ? row.number : row.state_solves / cases;
+    if (seen.size() == 1) first_done = done;
+    if (const double here = done - first_done; here > 0 && request.max_iterations > done)
+      text += fmt::format(", at most {} left", duration(elapsed / here * (request.max_iterations - done)));
+    if (!row.note.empty()) text += "; " + row.note;
+    return text;
+  }
+  double first_done = 0;
+
+  bool see(const Iterate& iterate) {
+    const Iteration& row = iterate.row;
+    const bool again = seen.count(row.number) > 0;
+    if (!again) {
+      seen[row.number] = true;
+      const std::string text = progress(row);
+      if (options.on_phase) options.on_phase(text);
+      Stopwatch watch;
+      lines.erase(lines.upper_bound(row.number), lines.end());  // of an interrupted run
+      lines[row.number] = history_line(row, names);
+      if (c.output.vtk) {
+        const PlotData data = plot_data(iterate.model, iterate.state, c.plane_strain);
+        write_vtu(file(design_name(row.number)), data.points, data.corners.of, design_fields(iterate.model, data));
+      }
+      write_designs();
+      write_history();
+      if (c.output.png) {
+        add(snapshots, {row.number, row.objective, row.volume_fraction, contours(iterate.model.mesh)});
+        write_checkpoint(snapshots_file(options.folder), to_checkpoint(snapshots, c.fingerprint));
+      }
+      output += watch.lap();
+    }
+    if (options.stop_asked && options.stop_asked() && !stopped) {
+      stopped = true;
+      std::error_code failed;
+      fs::copy_file(checkpoint_file(options.folder), stop_file(options.folder), fs::copy_options::overwrite_existing,
+                    failed);
+    }
+    return !stopped;
+  }
+
+  /// The history as the loop tells it in the end; designs of iterations that it does not have go.
+  void finish(const std::vector<Iteration>& history) {
+    lines.clear();
+    for (const Iteration& row : history) lines[row.number] = history_line(row, names);
+    write_history_csv(file("history.csv"), history, names);
+    std::vector<fs::path> stale;
+    for (const auto& entry : fs::directory_iterator(options.folder)) {
+      const std::string name = entry.path().filename().string();
+      int number = -1;
+      if (name.starts_with("design_") && name.ends_with(".vtu"))
+        std::from_chars(name.data() + 7, name.data() + name.size() - 4, number);
+      if (number >= 0 && lines.count(number) == 0) stale.push_back(entry.path());
+    }
+    std::error_code ignored;
+    for (const fs::path& path : stale) fs::remove(path, ignored);
+    write_designs();
+  }
+};
+
+}  // namespace
+
+void check_checkpoint(const fs::path& folder, const Case& c) {
+  const fs::path stop = stop_file(folder);
+  const fs::path path = fs::exists(stop) ? stop : checkpoint_file(folder);
+  const auto found = read_checkpoint(path);
+  if (found && found->fingerprint != c.fingerprint)
+    throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case: the case file or an override has "
+                                          "changed; restore it, or start without --resume",
+                                          path.string()));
+}
+
+Optimized optimise(const Case& c, const RunOptions& options) {
+  const OptimizeRequest& request = *c.optimize;
+  Optimized out;
+  out.names = optimize_names(request);
+  Recorder recorder{.c = c, .options = options, .names = out.names};
+  const fs::path checkpoint = checkpoint_file(options.folder), stop = stop_file(options.folder);
+  if (options.resume) {
+    if (fs::exists(stop)) move_file(stop, checkpoint);
+    if (fs::exists(checkpoint)) recorder.restore();
+  }
+  const Problem problem{.frame = c.shape,
+                        .scene = c.scene,
+                        .sizing = c.sizing,
+                        .element = c.element,
+                        .degree = c.degree,
+                        .objective = c.functional,
+                        .contact = contact_method(c),
+                        .plane_strain = c.plane_strain,
+                        .threads = options.threads};
+  const CheckpointPlace place{checkpoint, c.fingerprint, options.resume};
+  const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
+  recorder.since_start.lap();
+  out.result = request.method == "level-set" ? optimise_level_set(problem, request, see, place)
+                                             : optimise_parameters(problem, request, see, place);
+  Stopwatch watch;
+  out.stopped = recorder.stopped;
+  if (out.stopped) {
+    std::error_code ignored;
+    if (fs::exists(stop))
+      move_file(stop, checkpoint);
+    else
+      fs::remove(checkpoint, ignored);
+  }
+  recorder.finish(out.result.history);
+  Snapshots& snapshots = recorder.snapshots;
+  const auto unknown = [&](const Snapshot& s) { return recorder.lines.count(s.iteration) == 0; };
+  std::erase_if(snapshots.kept, unknown);
+  if (snapshots.last && unknown(*snapshots.last)) snapshots.last.reset();
+  out.snapshots = pick(snapshots, 12);
+  out.output = recorder.output + watch.lap();
+  return out;
+}
+
+Case designed(const Case& c, const OptimizeResult& result) {
+  Case out = c;
+  out.shape = result.shape;
+  out.scene = result.scene;
+  if (out.scene.tractions.empty() && !out.scene.body) {
+    const Scene loaded = loaded_scene(c);
+    out.scene.tractions = loaded.tractions;
+    out.scene.body = loaded.body;
+  }
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,360 @@
+// Optimisations as a user runs them: files, interruptions, resumption.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string read_all(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+const std::string level_set = R"(title = "Cantilever"
+[domain]
+outline = [[0, 0], [2, 0], [2, 0.3], [2, 0.7], [2, 1], [0, 1]]
+sides = ["bottom", "right", "load", "right", "top", "left"]
+[[crack]]
+name = "c"
+path = [[0.5, 0.7], [0.8, 0.8]]
+[material]
+young = 1
+poisson = 0.3
+[[boundary]]
+on = "left"
+displacement = [0, 0]
+[[boundary]]
+on = "load"
+traction = [0, -1]
+[mesh]
+size = 0.12
+crack_tip_size = 0.03
+[functional]
+kind = "compliance"
+[optimize]
+volume = { at_most = 0.85 }
+max_iterations = 12
+nucleate = { every = 3, fraction = 0.03 }
+)";
+
+const std::string parameters = R"(title = "Plate"
+[domain]
+outline = [[0, 0], [2, 0], [2, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 1
+poisson = 0.3
+[[boundary]]
+on = "left"
+displacement = [0, 0]
+[mesh]
+size = 0.15
+[functional]
+kind = "compliance"
+[optimize]
+method = "mma"
+volume = { at_most = 0.93 }
+max_iterations = 8
+[[optimize.bound]]
+kind = "stress_pnorm"
+p = 6
+at_most = 30
+[[optimize.hole]]
+circle = { center = [[0.8, 1.2], [0.3, 0.7]], radius = [0.1, 0.25] }
+[[load_case]]
+name = "pull"
+[[load_case.boundary]]
+on = "right"
+traction = [1, 0]
+[[load_case]]
+name = "shear"
+weight = 0.5
+[[load_case.boundary]]
+on = "right"
+traction = [0, 1]
+)";
+
+// Feasible after one iteration.
+const std::string small_change = [] {
+  std::string text = level_set;
+  text.replace(text.find("0.85"), 4, "0.98");
+  return text + "[output]\npng = false\n";
+}();
+
+class Optimize : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-optimize-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
+  }
+
+  pid_t start(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), KERF_PROGRAM);
+    std::vector<char*> words;
+    for (std::string& a : arguments) words.push_back(a.data());
+    words.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+      const fs::path out = folder / "stdout", error = folder / "stderr";
+      if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) || !freopen(error.c_str(), "w", stderr))
+        _exit(99);
+      execv(KERF_PROGRAM, words.data());
+      _exit(98);
+    }
+    return child;
+  }
+  static int wait_for(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  int kerf(const std::vector<std::string>& arguments) const {
+    return wait_for(start(arguments));
+  }
+  std::string error() const {
+    return read_all(folder / "stderr");
+  }
+
+  /// Sends a signal as soon as a file is there (or the program has ended).
+  int interrupt(const std::vector<std::string>& arguments, const fs::path& at, int signal) const {
+    const pid_t child = start(arguments);
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (fs::exists(at)) {
+        kill(child, signal);
+        return wait_for(child);
+      }
+      usleep(500);
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  json result(const std::string& name) const {
+    json r = json::parse(read_all(folder / name / "result.json"));
+    r.erase("time_s");
+    r.erase("peak_memory_mb");
+    return r;
+  }
+
+  void expect_same_results(const std::string& a, const std::string& b) const {
+    EXPECT_EQ(read_all(folder / a / "history.csv"), read_all(folder / b / "history.csv"));
+    EXPECT_EQ(read_all(folder / a / "optimize.pvd"), read_all(folder / b / "optimize.pvd"));
+    EXPECT_EQ(result(a), result(b));
+    const auto designs = [&](const std::string& name) {
+      std::map<std::string, std::string> all;
+      for (const auto& entry : fs::directory_iterator(folder / name))
+        if (entry.path().extension() == ".vtu") all[entry.path().filename()] = read_all(entry.path());
+      return all;
+    };
+    const auto of_a = designs(a), of_b = designs(b);
+    ASSERT_EQ(of_a.size(), of_b.size());
+    for (const auto& [name, bytes] : of_a) EXPECT_TRUE(of_b.count(name) && of_b.at(name) == bytes) << name;
+  }
+
+  fs::path folder;
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
+  write("a.toml", level_set);
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--threads", "1"}), 0) << error();
+  const json r = result("out");
+  EXPECT_EQ(r["status"], "ok");
+  const json& o = r["optimize"];
+  EXPECT_EQ(o["method"], "level-set");
+  EXPECT_TRUE(o["feasible"]);
+  EXPECT_NEAR(o["volume_fraction"].get<double>(), 0.85, 1e-3);
+  EXPECT_GE(o["iterations"].get<int>(), 8);
+  EXPECT_GE(o["state_solves"].get<int>(), o["iterations"].get<int>());
+  // The state is that of the design: another mesh of it gives nearly the objective.
+  EXPECT_NEAR(r["state"]["area"].get<double>(), 2 * 0.85, 1e-2);
+  EXPECT_NEAR(r["state"]["compliance"].get<double>() / o["objective"].get<double>(), 1, 0.02);
+  EXPECT_EQ(r["functional"]["value"], o["objective"]);
+  EXPECT_FALSE(r.contains("map"));
+
+  const std::vector<std::string> history = lines_of(read_all(folder / "out/history.csv"));
+  ASSERT_EQ(history.size(), o["iterations"].get<std::size_t>() + 2);
+  EXPECT_EQ(history[0],
+            "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,note");
+  const std::vector<std::string> pvd = lines_of(read_all(folder / "out/optimize.pvd"));
+  EXPECT_EQ(pvd.size(), history.size() - 1 + 5);
+  for (std::size_t k = 0; k + 1 < history.size(); ++k) {
+    EXPECT_TRUE(history[k + 1].starts_with(std::to_string(k) + ","));
+    std::string name = std::to_string(k);
+    name = "design_" + std::string(4 - name.size(), '0') + name + ".vtu";
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+    EXPECT_NE(pvd[k + 3].find("timestep=\"" + std::to_string(k) + "\""), std::string::npos);
+    EXPECT_NE(pvd[k + 3].find("file=\"" + name + "\""), std::string::npos);
+  }
+  for (const char* name : {"state.vtu", "checkpoint.bin", "report.html", "mesh.png", "von_mises.png", "design.png",
+                           "evolution.png", "history.png"})
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+  EXPECT_NE(read_all(folder / "out/report.html").find("<h2>Optimisation</h2>"), std::string::npos);
+  EXPECT_NE(read_all(folder / "stdout").find("optimize    level-set ended"), std::string::npos);
+  EXPECT_NE(error().find("optimize 1: J "), std::string::npos);
+  EXPECT_NE(error().find(" left"), std::string::npos);
+
+  // Other settings of output, other threads: the same. Without VTK no designs; what an earlier run left is gone.
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--force", "--set", "output.vtk=false", "--set",
+                  "output.png=false", "--threads", "2"}),
+            0)
+      << error();
+  EXPECT_EQ(lines_of(read_all(folder / "out/history.csv")), history);
+  EXPECT_FALSE(fs::exists(folder / "out/design_0000.vtu"));
+  EXPECT_FALSE(fs::exists(folder / "out/optimize.pvd"));
+  EXPECT_FALSE(fs::exists(folder / "out/evolution.png"));
+}
+
+TEST_F(Optimize, RunDoesTheOtherJobsOnTheBodyBefore) {
+  write("a.toml", parameters + "[map]\npoints = [[0.3, 0.3]]\n[[probe]]\nname = 'p'\npoints = [[0.1, 0.1]]\n");
+  ASSERT_EQ(kerf({"run", "a.toml", "-o", "out", "--set", "optimize.max_iterations=3", "--set",
+                  "optimize.volume.at_most=0.97"}),
+            0)
+      << error();
+  const json r = result("out");
+  EXPECT_TRUE(r.contains("map"));
+  EXPECT_TRUE(r.contains("optimize"));
+  EXPECT_EQ(r["optimize"]["method"], "mma");
+  EXPECT_EQ(r["optimize"]["bounds"][0]["name"], "stress_pnorm");
+  EXPECT_EQ(r["optimize"]["variables"][2]["name"], "hole_1.radius");
+  EXPECT_NEAR(r["state"]["area"].get<double>(), 2, 1e-12);
+  EXPECT_LT(r["optimize"]["volume_fraction"].get<double>(), 0.98);
+  for (const char* name : {"map.vtu", "design.png", "design_0000.vtu"})
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+  EXPECT_TRUE(fs::exists(folder / "out/probe_p.csv"));
+  EXPECT_NE(r["optimize"]["notes"].dump().find("before the optimisation"), std::string::npos);
+
+  // Without the optimisation: the body before, under the first load case.
+  ASSERT_EQ(kerf({"solve", "a.toml", "-o", "solve"}), 0) << error();
+  EXPECT_NEAR(result("solve")["state"]["area"].get<double>(), 2, 1e-12);
+  EXPECT_GT(result("solve")["state"]["compliance"].get<double>(), 1.5);
+  EXPECT_LT(result("solve")["state"]["compliance"].get<double>(), 2);
+}
+
+TEST_F(Optimize, KillsChangeNothing) {
+  for (const auto& [name, text] : {std::pair("l", &level_set), std::pair("p", &parameters)}) {
+    const std::string file = std::string(name) + ".toml", whole = std::string(name) + "_whole",
+                      cut = std::string(name) + "_cut";
+    write(file, *text + "[output]\npng = false\n");
+    ASSERT_EQ(kerf({"optimize", file, "-o", whole, "--quiet"}), 0) << error();
+    // Killed when the first designs appear, somewhere later, in the end.
+    bool resumed = false;
+    for (const char* at : {"design_0000.vtu", "design_0002.vtu", "design_0004.vtu", "state.vtu"}) {
+      std::vector<std::string> arguments = {"optimize", file, "-o", cut, "--quiet"};
+      if (resumed) arguments.emplace_back("--resume");
+      EXPECT_EQ(interrupt(arguments, folder / cut / at, SIGKILL), -1) << at << error();
+      resumed = true;
+    }
+    ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();
+    expect_same_results(whole, cut);
+    // Resumed at its end it ends again.
+    ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();
+    expect_same_results(whole, cut);
+  }
+}
+
+TEST_F(Optimize, AStopAskedForIsCleanAndChangesNothing) {
+  for (const auto& [name, text] : {std::pair("l", &level_set), std::pair("p", &parameters)}) {
+    const std::string file = std::string(name) + ".toml", whole = std::string(name) + "_whole",
+                      cut = std::string(name) + "_cut";
+    write(file, *text);
+    ASSERT_EQ(kerf({"optimize", file, "-o", whole, "--quiet"}), 0) << error();
+    EXPECT_EQ(interrupt({"optimize", file, "-o", cut, "--quiet"}, folder / cut / "design_0002.vtu", SIGINT), 4);
+    EXPECT_NE(error().find("stopped after iteration"), std::string::npos) << error();
+    EXPECT_FALSE(fs::exists(folder / cut / "result.json"));
+    for (const char* left : {"history.csv", "optimize.pvd", "checkpoint.bin", "history.png", "evolution.png"})
+      EXPECT_TRUE(fs::exists(folder / cut / left)) << left;
+    ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();
+    expect_same_results(whole, cut);
+  }
+}
+
+TEST_F(Optimize, AFinishedRunGoesOnForMoreIterations) {
+  write("a.toml", small_change);
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--set", "optimize.max_iterations=4"}), 0) << error();
+  const std::vector<std::string> before = lines_of(read_all(folder / "out/history.csv"));
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--resume", "--set", "optimize.max_iterations=6"}), 0)
+      << error();
+  const std::vector<std::string> after = lines_of(read_all(folder / "out/history.csv"));
+  ASSERT_GT(after.size(), before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(after[i], before[i]);
+}
+
+TEST_F(Optimize, OtherCasesAreNotResumed) {
+  write("a.toml", small_change);
+  // Nothing there yet: it begins.
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--resume", "--set", "optimize.max_iterations=2"}), 0)
+      << error();
+  const std::string history = read_all(folder / "out/history.csv");
+  EXPECT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--resume", "--set", "material.young=2"}), 2);
+  EXPECT_NE(error().find("belongs to another case"), std::string::npos) << error();
+  EXPECT_TRUE(fs::exists(folder / "out/result.json"));
+  EXPECT_EQ(read_all(folder / "out/history.csv"), history);
+
+  // A damaged checkpoint is named.
+  const std::string bytes = read_all(folder / "out/checkpoint.bin");
+  std::ofstream(folder / "out/checkpoint.bin", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--resume"}), 5);
+  EXPECT_NE(error().find("checkpoint.bin' is cut off"), std::string::npos) << error();
+
+  // Without --resume it is replaced.
+  EXPECT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet"}), 5);  // --force is missing
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "out", "--quiet", "--force", "--set", "optimize.max_iterations=1"}), 0)
+      << error();
+  EXPECT_FALSE(fs::exists(folder / "out/design_0002.vtu"));
+}
+
+TEST_F(Optimize, WhatCannotBeDoneIsSaid) {
+  write("plain.toml", level_set.substr(0, level_set.find("[optimize]")));
+  EXPECT_EQ(kerf({"optimize", "plain.toml"}), 2);
+  EXPECT_NE(error().find("no table [optimize]"), std::string::npos) << error();
+  EXPECT_EQ(kerf({"run", "plain.toml", "--resume"}), 2);
+  EXPECT_NE(error().find("nothing to resume"), std::string::npos) << error();
+  EXPECT_EQ(kerf({"solve", "plain.toml", "--resume"}), 2);
+  write("a.toml", level_set);
+  EXPECT_EQ(kerf({"optimize", "a.toml", "--set", "solver.element='p2'", "--set", "crack[0].contact='open'"}), 2);
+  EXPECT_NE(error().find("derivatives"), std::string::npos) << error();
+  EXPECT_EQ(kerf({"optimize", "a.toml", "--set", "crack[0].friction=0.3"}), 2);
+  EXPECT_NE(error().find("friction"), std::string::npos) << error();
+
+  // A bound that no design meets: the end is called infeasible, and everything is there.
+  write("p.toml", parameters);
+  EXPECT_EQ(kerf({"optimize", "p.toml", "-o", "bad", "--set", "optimize.bound[0].at_most=0.5", "--set",
+                  "optimize.max_iterations=3"}),
+            4);
+  EXPECT_EQ(result("bad")["status"], "infeasible");
+  EXPECT_FALSE(result("bad")["optimize"]["feasible"].get<bool>());
+  EXPECT_TRUE(fs::exists(folder / "bad/report.html"));
+}
+
+}  // namespace
