@@ -33,7 +33,7 @@ constexpr double largest_step = 1.0;  // of the boundary
 constexpr double largest_turn = 0.5;  // of the fixed point: share of the angle
 constexpr double smallest_step = 0.03;
 constexpr double area_error = 2e-5;  // of the shape that is drawn against the area wanted
-constexpr double jump = 1.5;         // of the merit in one step while the area falls
+constexpr double jump = 10;          // of J in one step while the area falls
 constexpr double rise = 0.02;        // of the merit over the best one that is followed for a while
 constexpr int patience = 4;          // iterations without a better design before the step is halved
 constexpr const char* out_of_iterations = "the iterations asked for are done";
@@ -54,9 +54,12 @@ struct Progress {
   double best_J = infinite, best_area = 0;
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
-  std::vector<double> track;          // merit of the best after every iteration at the final area
-  std::string ended;                  // why the loop is over; empty while it is not
-  std::vector<std::string> drawn;     // what carving the present design said
+  Eigen::VectorXd kept;               // phi of the design of least J that keeps the bounds; empty without bounds
+  double kept_J = infinite;
+  int kept_iteration = 0;
+  std::vector<double> track;       // merit of the best after every iteration at the final area
+  std::string ended;               // why the loop is over; empty while it is not
+  std::vector<std::string> drawn;  // what carving the present design said
   std::vector<Iteration> rows;
 };
 
@@ -102,7 +105,7 @@ class Mover {
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
   bool worthless_ = false;  // less material is better everywhere: the area is not held
   Progress s_;
-  Design design_, best_;
+  Design design_, best_, kept_;
 };
 
 Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
@@ -229,7 +232,8 @@ Eigen::VectorXd Mover::relative(const Eigen::VectorXd& bounds) const {
   return c;
 }
 
-constexpr double stiffness_of_bounds = 5;  // of the augmented Lagrangian, in units of J
+constexpr double patient_multipliers = 0.2;  // of the step that the augmented Lagrangian's multipliers take
+constexpr double stiffness_of_bounds = 5;    // of the augmented Lagrangian, in units of J
 
 /// J + price of area + augmented Lagrangian of the bounds [Rockafellar 1973], in units of J of the start.
 double Mover::merit(double J, double area, const Eigen::VectorXd& bounds) const {
@@ -509,9 +513,16 @@ OptimizeResult Mover::run() {
         s_.best_bounds = vector_of(design_->bounds);
         s_.best_iteration = s_.iteration;
       }
+      if (settled() && !r_.bounds.empty() && violation(*design_) < feasible && design_->J < s_.kept_J) {
+        s_.kept = next;
+        s_.kept_J = design_->J;
+        s_.kept_iteration = s_.iteration;
+        kept_ = design_;
+      }
       // Multipliers of the bounds, once the area is there.
       if (settled() && was_settled)
-        s_.lambda = (s_.lambda + stiffness_of_bounds * relative(vector_of(design_->bounds))).cwiseMax(0);
+        s_.lambda =
+            (s_.lambda + patient_multipliers * stiffness_of_bounds * relative(vector_of(design_->bounds))).cwiseMax(0);
     }
     if (settled() && s_.best.size() > 0) {
       s_.track.push_back(merit(s_.best_J, s_.best_area, s_.best_bounds));
@@ -525,6 +536,11 @@ OptimizeResult Mover::run() {
     save();
   }
   if (go_on && s_.ended.empty()) {
+    if (kept_ && best_ && violation(*best_) >= feasible) {
+      best_ = kept_;
+      s_.best = s_.kept;
+      s_.best_iteration = s_.kept_iteration;
+    }
     if (s_.best.size() > 0 && best_ != design_) {
       s_.phi = s_.best;
       // What the step from the best design said of it.
@@ -564,11 +580,13 @@ void Mover::save() const {
   c.numbers["psi"] = s_.psi;
   c.numbers["lambda"] = s_.lambda;
   c.numbers["best"] = s_.best;
+  c.numbers["kept"] = s_.kept;
   c.numbers["track"] = vector_of(s_.track);
   c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] = (Eigen::VectorXd(11) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
-                          s_.best_J, s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size)
-                             .finished();
+  c.numbers["scalars"] =
+      (Eigen::VectorXd(13) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier, s_.best_J,
+       s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size, s_.kept_J, s_.kept_iteration)
+          .finished();
   c.texts["ended"] = s_.ended;
   c.texts["drawn"] = join(s_.drawn, "\n");
   write_rows(c, s_.rows);
@@ -586,6 +604,9 @@ bool Mover::restore() {
   s_.psi = c->numbers.at("psi");
   s_.lambda = c->numbers.at("lambda");
   s_.best = c->numbers.at("best");
+  s_.kept = c->numbers.at("kept");
+  s_.kept_J = c->numbers.at("scalars")[11];
+  s_.kept_iteration = static_cast<int>(c->numbers.at("scalars")[12]);
   s_.best_bounds = c->numbers.at("best_bounds");
   const Eigen::VectorXd& x = c->numbers.at("scalars");
   s_.iteration = static_cast<int>(x[0]);
@@ -606,6 +627,7 @@ bool Mover::restore() {
   }
   design_ = evaluate(s_.phi);
   if (s_.best.size() > 0) best_ = s_.best == s_.phi ? design_ : evaluate(s_.best);
+  if (s_.kept.size() > 0) kept_ = s_.kept == s_.phi ? design_ : evaluate(s_.kept);
   return true;
 }
 
