@@ -205,7 +205,7 @@ void Rounds::check_derivatives(const Trial& start) {
 
 void Rounds::show(const Iteration& row, const Trial& trial) {
   if (!see_) return;
-  const std::shared_ptr<const Solved> solved = trials_.solved(trial);
+  const std::shared_ptr<const SolvedTrial> solved = trials_.solved(trial);
   if (!see_({row, solved->body.shape, solved->model, solved->state})) stopped_ = true;
 }
 
