@@ -182,6 +182,9 @@ void choose_body(const Shape& frame, const Mesh& mesh, const Carving& how, Signs
       body = p;
   }
   const Lump& main = pieces[body];
+  if (!how.holding.empty() && !held(main))
+    throw Error(Fault::Geometry,
+                fmt::format("no support is left: the boundary {} has lost its material", names(frame, how.holding)));
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Lump& piece = pieces[p];
     if (p == body) continue;

@@ -118,7 +118,7 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
                 fmt::format("the zero line passes the end of crack '{}' at ({:.4g}, {:.4g}) within {:.3g}: "
                             "the crack ends on it",
                             crack.name, tip.x(), tip.y(), least / 2));
-        part.shape = between(crack, from, to, start, end, least / 8);
+        part.shape = between(crack, from, to, start, end, least / 64);
       }
       parts.push_back(std::move(part));
     }

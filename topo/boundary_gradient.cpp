@@ -35,6 +35,7 @@ class OnEdge {
  public:
   OnEdge(const Analysis& a, const Functional& j) : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a)) {
     need_dual_recovered_ = needs(a, j, {}).recover_dual;
+    held_rigidly_ = has_rigid_supports(*a.model);
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
 
@@ -64,7 +65,7 @@ class OnEdge {
     if (uses_rotation_) at.rotation = evaluate(m, *a_.state, t, x).rotation[0];
     for (std::size_t i = 0; i < j_.terms.size(); ++i) {
       const Term& term = j_.terms[i];
-      if (term.work && !has_rigid_supports(m)) sum += a_.slope[i] * force.dot(u);
+      if (term.work && !held_rigidly_) sum += a_.slope[i] * force.dot(u);
       if (!term.density) continue;
       if (term.uses_displacement) at.displacement = displacement_at(m, *a_.state, t, x, true);
       // eps(p) = A zeta + j_sigma: the adjoint's stress solves for a prestrain where J depends on the stress.
@@ -78,7 +79,7 @@ class OnEdge {
   const Analysis& a_;
   const Functional& j_;
   std::shared_ptr<const MapFields> fields_;
-  bool need_dual_recovered_ = true, uses_rotation_ = false;
+  bool need_dual_recovered_ = true, uses_rotation_ = false, held_rigidly_ = true;
 };
 
 }  // namespace

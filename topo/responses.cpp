@@ -18,15 +18,20 @@ Responses responses(const Model& m, const State& s, std::span<const Term> readin
   Responses r{.model = &m, .state = &s, .locator = make_locator(m.mesh), .corners = split_for_stress(m.mesh)};
   const std::vector<bool> singular = singular_corners(m, s, r.corners);
   r.stress = recover_stress(m, s, r.corners, singular, m.scene.body);
-  r.value.resize(static_cast<Eigen::Index>(readings.size()));
+  r.value = read(m, s, readings);
   const std::vector<double> homogeneous(static_cast<std::size_t>(m.skeleton.total), 0.0);
   TangentSolver solver(m, tied(contact_status(m, s)));
-  for (std::size_t k = 0; k < readings.size(); ++k) {
-    r.value[static_cast<Eigen::Index>(k)] = integral(readings[k], m, s);
-    r.dual.push_back(solver.solve(derivative(readings[k], m, s).skeleton, homogeneous));
+  for (const Term& reading : readings) {
+    r.dual.push_back(solver.solve(derivative(reading, m, s).skeleton, homogeneous));
     r.dual_stress.push_back(recover_stress(m, r.dual.back(), r.corners, singular));
   }
   return r;
+}
+
+Eigen::VectorXd read(const Model& m, const State& s, std::span<const Term> readings) {
+  Eigen::VectorXd value(static_cast<Eigen::Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k) value[static_cast<Eigen::Index>(k)] = integral(readings[k], m, s);
+  return value;
 }
 
 std::optional<PointResponse> response_at(const Responses& r, const Vec2& x) {

@@ -26,6 +26,9 @@ struct Responses {
 /// that are not mixed, friction.
 Responses responses(const Model& model, const State& state, std::span<const Term> readings);
 
+/// The readings of another state alone.
+Eigen::VectorXd read(const Model& model, const State& state, std::span<const Term> readings);
+
 /// Every field at one point, inside the body.
 struct PointResponse {
   Material material;

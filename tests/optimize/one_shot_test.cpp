@@ -54,8 +54,8 @@ TEST(OneShot, FindsAHole) {
   d.drawn = {plate.circle("h")};
   const OneShot found = one_shot(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 1u);
-  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.01);
-  EXPECT_NEAR(found.guesses[0].size, 0.08, 0.004);
+  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.002);
+  EXPECT_NEAR(found.guesses[0].size, 0.08, 0.001);
   EXPECT_EQ(found.design.drawn[0].start,
             Eigen::Vector3d(found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size));
   EXPECT_GT(found.explained, 0.99);
@@ -71,10 +71,10 @@ TEST(OneShot, FindsTwoHoles) {
   ASSERT_EQ(found.guesses.size(), 2u);
   const bool swapped = found.guesses[0].at.x() > 0.5;
   const Guess &a = found.guesses[swapped ? 1 : 0], &b = found.guesses[swapped ? 0 : 1];
-  EXPECT_LT((a.at - Vec2(0.3, 0.65)).norm(), 0.01);
-  EXPECT_LT((b.at - Vec2(0.7, 0.4)).norm(), 0.01);
-  EXPECT_NEAR(a.size, 0.07, 0.005);
-  EXPECT_NEAR(b.size, 0.09, 0.006);
+  EXPECT_LT((a.at - Vec2(0.3, 0.65)).norm(), 0.002);
+  EXPECT_LT((b.at - Vec2(0.7, 0.4)).norm(), 0.002);
+  EXPECT_NEAR(a.size, 0.07, 0.001);
+  EXPECT_NEAR(b.size, 0.09, 0.001);
 }
 
 TEST(OneShot, FindsAnInclusionAndItsContrast) {
@@ -98,7 +98,7 @@ TEST(OneShot, FindsACrackThatOpens) {
   d.drawn = {plate.crack("c")};
   const OneShot found = one_shot(p, d, 0.02);
   const Eigen::Vector4d start = found.design.drawn[0].start;
-  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.01);
+  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.002);
 }
 
 // Noise of 1 %.
