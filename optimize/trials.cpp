@@ -1,5 +1,6 @@
 #include "optimize/trials.hpp"
 
+#include "optimize/evaluate.hpp"
 #include "solver/element.hpp"
 #include "solver/solve.hpp"
 #include "topo/shape_gradient.hpp"
@@ -122,7 +123,7 @@ struct Trials::Impl {
   const Design& design;
   VectorXd lower, upper;
   double frame = 0;
-  std::vector<LoadCase> loads;  // one at least
+  std::vector<LoadCase> loads;  // one at least, with what the scene itself bears
   std::vector<Condition> conditions;
   std::vector<std::string> names;  // of constraints
   std::vector<double> bound_scale;
@@ -139,7 +140,12 @@ struct Trials::Impl {
     upper = upper_bounds(design);
     frame = area(p.frame);
     loads = r.load_cases;
-    if (loads.empty()) loads.push_back({"", 1, p.scene.tractions, p.scene.body});
+    if (loads.empty()) loads.push_back({"", 1, {}, {}});
+    const std::vector<Scene> scenes = scenes_of(p, r);
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+      loads[l].tractions = scenes[l].tractions;
+      loads[l].body = scenes[l].body;
+    }
     std::vector<Forbidden> forbidden;
     const auto look_at = [&](const Functional& j) {
       refuse_moving_tips(j, design);

@@ -50,8 +50,8 @@ TEST(Front, DistancesToACircleAreThoseOfTheCircle) {
 TEST(Front, TheFreeRimIsABoundaryToo) {
   const Canvas c = canvas({.held = {3}});
   const Eigen::VectorXd d = signed_distance(c, Eigen::VectorXd::Constant(c.lumped.size(), -1));
-  EXPECT_LT(d.maxCoeff(), 0);  // it keeps its sign on the rim
-  EXPECT_NEAR(value_at(c, d, {1, 0.5}), -0.5, 0.025);  // between two rows of vertices
+  EXPECT_LT(d.maxCoeff(), 0);                            // it keeps its sign on the rim
+  EXPECT_NEAR(value_at(c, d, {1, 0.5}), -0.5, 0.025);    // between two rows of vertices
   EXPECT_NEAR(value_at(c, d, {0.02, 0.5}), -0.5, 0.02);  // the support is no boundary that moves
 }
 
@@ -113,8 +113,8 @@ TEST(Regularise, ConstantsAreTheirOwnGradients) {
   EXPECT_NEAR(value_at(c, v, {0.1, 0.5}), std::cos(0.1 * std::numbers::pi) / (1 + 0.01 * 9.8696), 2e-3);
 }
 
-BoundaryCurve ring(int n) {
-  BoundaryCurve curve;
+EdgeCurve ring(int n) {
+  EdgeCurve curve;
   for (int i = 0; i < n; ++i) {
     const double a = 2 * std::numbers::pi * i / n;
     curve.points.emplace_back(1 + 0.3 * std::cos(a), 0.5 + 0.3 * std::sin(a));
@@ -125,7 +125,7 @@ BoundaryCurve ring(int n) {
 
 TEST(Regularise, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
   const int n = 200;
-  const BoundaryCurve curve = ring(n);
+  const EdgeCurve curve = ring(n);
   const double h = (curve.points[1] - curve.points[0]).norm();
   const Eigen::VectorXd length = Eigen::VectorXd::Constant(n, h);
   Eigen::VectorXd value(n);
@@ -137,7 +137,7 @@ TEST(Regularise, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
 
 TEST(Regularise, ElasticFieldsMoveWithTheSpeeds) {
   const Canvas c = canvas();
-  const BoundaryCurve curve = ring(80);
+  const EdgeCurve curve = ring(80);
   const Eigen::VectorXd d = sample(c, [](const Vec2& x) { return (x - Vec2(1, 0.5)).norm() - 0.3; });
   const ElasticProduct elastic(c, 0.1);
   const Eigen::VectorXd v = elastic.extend(c, curve, Eigen::VectorXd::Constant(80, 0.02), d);
