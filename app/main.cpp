@@ -3,10 +3,12 @@
 #include "app/optimize.hpp"
 #include "app/progress.hpp"
 #include "app/run.hpp"
+#include "app/templates.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
 #include "cases/words.hpp"
+#include "report/files.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -44,6 +46,7 @@ struct Arguments {
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
   bool quiet = false, force = false, resume = false;
   std::string log_level;          // empty: info, or warn when quiet
+  std::string template_name;      // of init
   std::string bench;              // its name
   StateBenchOptions state_bench;  // what it shares with MapBenchOptions goes to both
   bool large = false;
@@ -52,19 +55,18 @@ struct Arguments {
 
 struct Command {
   std::string name, description;
-  bool supported;
 };
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      {"run", "Every job that the case names: solve, map, validate, optimize, report", true},
-      {"solve", "The state alone", true},
-      {"map", "The state and the map of the topological derivative", true},
-      {"check", "Read the case, mesh it, print what each label selected; solve nothing", true},
-      {"validate", "The expansion against computations with changes of finite size", true},
-      {"optimize", "Nucleate, move and reshape holes until the design is best", true},
-      {"init", "Write a template case (not supported yet)", false},
-      {"bench", "Speed against error, with CSV, JSON and pictures", true}};
+      {"run", "Every job that the case names: solve, map, validate, optimize, report"},
+      {"solve", "The state alone"},
+      {"map", "The state and the map of the topological derivative"},
+      {"check", "Read the case, mesh it, print what each label selected; solve nothing"},
+      {"validate", "The expansion against computations with changes of finite size"},
+      {"optimize", "Nucleate, move and reshape holes until the design is best"},
+      {"init", "Write a commented case to begin from"},
+      {"bench", "Speed against error, with CSV, JSON and pictures"}};
   return all;
 }
 
@@ -121,8 +123,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   for (const Command& command : commands()) {
     CLI::App* sub = app.add_subcommand(command.name, command.description);
     sub->callback([&arguments, name = command.name] { arguments.command = name; });
-    if (!command.supported) {
-      sub->allow_extras();
+    if (command.name == "init") {
+      sub->add_option("NAME", arguments.template_name, "Which one; see --list");
+      sub->add_flag("--list", arguments.list, "Print the names and what they show; write nothing");
+      sub->add_option("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
+      sub->add_flag("--force", arguments.force, "Overwrite the file");
       continue;
     }
     if (command.name == "bench") {
@@ -256,13 +261,34 @@ int perform_bench(const Arguments& arguments) {
   return 0;
 }
 
+int perform_init(const Arguments& arguments) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const Template& t : templates()) {
+    names.push_back(t.name);
+    list += fmt::format("{:<10}{}\n", t.name, t.description);
+  }
+  if (arguments.list) {
+    print(list);
+    return 0;
+  }
+  if (arguments.template_name.empty())
+    throw Error(Fault::Usage, fmt::format("which template? {}; see kerf init --list", suggest("", names)));
+  require_known("template", arguments.template_name, names);
+  const std::filesystem::path path = arguments.folder.empty() ? arguments.template_name + ".toml" : arguments.folder;
+  if (std::filesystem::exists(std::filesystem::symlink_status(path)) && !arguments.force)
+    throw Error(Fault::Files, fmt::format("{} is there already; use --force to overwrite it", path.string()));
+  const Template& chosen = *std::find_if(templates().begin(), templates().end(),
+                                         [&](const Template& t) { return t.name == arguments.template_name; });
+  write_file(path, chosen.text);
+  const char* next = chosen.text.find("[optimize]") == std::string::npos ? "run" : "optimize";
+  print(fmt::format("wrote {}; next: kerf {} {}\n", path.string(), next, path.string()));
+  return 0;
+}
+
 int perform(const Arguments& arguments) {
-  for (const Command& command : commands())
-    if (command.name == arguments.command && !command.supported)
-      throw Error(Fault::Usage,
-                  fmt::format("{} is not supported yet; use run, solve, map, validate, optimize, check or bench",
-                              command.name));
   if (arguments.command == "bench") return perform_bench(arguments);
+  if (arguments.command == "init") return perform_init(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
     print(check(c));

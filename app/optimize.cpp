@@ -4,6 +4,7 @@
 #include "app/files.hpp"
 #include "optimize/checkpoint.hpp"
 #include "optimize/level_set.hpp"
+#include "optimize/one_shot.hpp"
 #include "optimize/parameters.hpp"
 #include "report/files.hpp"
 #include "report/history.hpp"
@@ -15,6 +16,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace kerf {
 
@@ -50,6 +52,22 @@ std::string duration(double seconds) {
   if (s >= 3600) return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
   if (s >= 60) return fmt::format("{} min {:02} s", s / 60, s % 60);
   return fmt::format("{} s", s);
+}
+
+/// What one shot found, and how much of the data it explains.
+std::vector<std::string> in_words(const OneShot& shot, const Design& design) {
+  std::vector<std::string> notes;
+  for (const Guess& guess : shot.guesses) {
+    const Drawn& d = design.drawn.at(guess.drawn);
+    std::string text = fmt::format("one shot: {} at ({:.4g}, {:.4g}), {} {:.3g}", name(d), guess.at.x(), guess.at.y(),
+                                   d.kind == Drawn::Kind::Crack ? "half its length" : "radius", guess.size);
+    if (d.kind == Drawn::Kind::Crack) text += fmt::format(", {:.0f} degrees", guess.angle * 180 / std::numbers::pi);
+    if (d.kind == Drawn::Kind::Inclusion) text += fmt::format(", young {:.3g}", guess.young);
+    notes.push_back(std::move(text));
+  }
+  if (std::isfinite(shot.explained))
+    notes.push_back(fmt::format("one shot explains {:.1f} % of the data", 100 * shot.explained));
+  return notes;
 }
 
 struct Recorder {
@@ -180,8 +198,19 @@ void check_checkpoint(const fs::path& folder, const Case& c) {
                                           path.string()));
 }
 
+Case with_data(Case c, const RunOptions& options) {
+  if (!c.synthetic) return c;
+  const Measurement m = measure(*c.synthetic, options.threads);
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < m.at.size(); ++i)
+    rows.push_back({m.at[i].x(), m.at[i].y(), m.displacement[i].x(), m.displacement[i].y()});
+  write_csv(options.folder / "measured.csv", {"x", "y", "u_x", "u_y"}, rows);
+  c.functional = with_measured(std::move(c.functional), c.synthetic->label, m.field);
+  return c;
+}
+
 Optimized optimise(const Case& c, const RunOptions& options) {
-  const OptimizeRequest& request = *c.optimize;
+  OptimizeRequest request = *c.optimize;
   Optimized out;
   out.names = optimize_names(request);
   Recorder recorder{.c = c, .options = options, .names = out.names};
@@ -201,9 +230,19 @@ Optimized optimise(const Case& c, const RunOptions& options) {
                         .threads = options.threads};
   const CheckpointPlace place{checkpoint, c.fingerprint, options.resume};
   const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
+  std::vector<std::string> notes;
+  if (wants_map(request.design)) {
+    if (options.on_phase) options.on_phase("read the start off the topological derivative");
+    OneShot shot = one_shot(problem, request.design, request.min_distance);
+    request.design = std::move(shot.design);
+    notes = in_words(shot, request.design);
+  }
   recorder.since_start.lap();
   out.result = request.method == "level-set" ? optimise_level_set(problem, request, see, place)
                                              : optimise_parameters(problem, request, see, place);
+  out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
+  if (c.synthetic && !request.design.drawn.empty())
+    out.identified = identified(request.design, out.result.variables, problem, *c.synthetic);
   Stopwatch watch;
   out.stopped = recorder.stopped;
   if (out.stopped) {

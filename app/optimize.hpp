@@ -12,10 +12,14 @@ void check_checkpoint(const std::filesystem::path& folder, const Case& c);
 struct Optimized {
   OptimizeResult result;
   OptimizeNames names;
-  std::vector<Snapshot> snapshots;  // for evolution.png
-  double output = 0;                // seconds spent on files
-  bool stopped = false;             // as options.stop_asked wanted; the checkpoint can be resumed
+  std::vector<Identified> identified = {};  // with synthetic data
+  std::vector<Snapshot> snapshots;          // for evolution.png
+  double output = 0;                        // seconds spent on files
+  bool stopped = false;                     // as options.stop_asked wanted; the checkpoint can be resumed
 };
+
+/// The case with the data of [synthetic], if it has that, which also go to measured.csv. Throws as measure does.
+Case with_data(Case c, const RunOptions& options);
 
 /// Runs [optimize] of the case. Every accepted iterate leaves design_NNNN.vtu, optimize.pvd and history.csv; the loops
 /// keep checkpoint.bin. Resumed, all of these go on as if nothing had happened. Throws what the loops throw.

@@ -293,6 +293,7 @@ Case optimise_shape(const Case& c, Running& p) {
   Case design = designed(c, found.result);
   p.r.optimize = std::move(found.result);
   p.r.optimize_names = std::move(found.names);
+  p.r.identified = std::move(found.identified);
   return design;
 }
 
@@ -302,9 +303,8 @@ void draw_design(const Case& design, Running& p) {
   p.r.optimize->notes.push_back("state, map and validation are of the body before the optimisation");
   if (!design.output.png) return;
   p.begin("draw the design");
-  const Model model =
-      prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree), design.scene,
-              p.options.threads, {.factorise = false});
+  const Model model = prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree),
+                              design.scene, p.options.threads, {.factorise = false});
   p.picture("design.png", "The design", design_picture(design, model));
   std::rotate(p.pictures.begin(), p.pictures.end() - 1, p.pictures.end());
   p.r.seconds.output += p.watch.lap();
@@ -322,32 +322,35 @@ Solved solve_design(const Case& design, Running& p) {
 
 }  // namespace
 
-Result run(const Case& given, Job job, const RunOptions& options) {
-  const bool with_map = job == Job::Map || (job == Job::Run && given.map);
-  const bool with_validation = job == Job::Validate || (job == Job::Run && given.validate);
-  const bool with_optimization = job == Job::Optimize || (job == Job::Run && given.optimize);
-  if (with_validation && !given.validate)
+Result run(const Case& read, Job job, const RunOptions& options) {
+  const bool with_map = job == Job::Map || (job == Job::Run && read.map);
+  const bool with_validation = job == Job::Validate || (job == Job::Run && read.validate);
+  const bool with_optimization = job == Job::Optimize || (job == Job::Run && read.optimize);
+  if (with_validation && !read.validate)
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
-  if (with_optimization && !given.optimize)
+  if (with_optimization && !read.optimize)
     throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and volume");
   if (options.resume && !with_optimization)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  if (with_map) refuse_friction(given, "map", "map");
-  if (with_validation) refuse_friction(given, "validation", "validate");
-  if (with_optimization) refuse_optimization(given);
-  refuse_element(given, with_map, with_validation);
+  if (with_map) refuse_friction(read, "map", "map");
+  if (with_validation) refuse_friction(read, "validation", "validate");
+  if (with_optimization) refuse_optimization(read);
+  refuse_element(read, with_map, with_validation);
   std::error_code failed;
   std::filesystem::create_directories(options.folder, failed);
   if (failed)
     throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
-  if (options.resume) check_checkpoint(options.folder, given);
+  if (options.resume) check_checkpoint(options.folder, read);
   remove_earlier_results(options.folder, options.resume);
-  if (given.output.vtk) require_vtk();
+  if (read.output.vtk) require_vtk();
 
   Running p{.options = options};
   p.r.version = KERF_VERSION;
-  p.r.case_name = given.name;
-  p.r.title = given.title;
+  p.r.case_name = read.name;
+  p.r.title = read.title;
+  if (read.synthetic) p.begin("make up the measurements");
+  const Case given = with_data(read, options);
+  p.r.seconds.solve += p.watch.lap();
   Case c = given;
   c.scene = loaded_scene(given);
 

@@ -26,14 +26,14 @@ void recover_displacement(const Model& model, const State& state) {
   }
 }
 
-Measurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_errors) {
+StateMeasurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_errors) {
   forget_peak_memory();
-  Measurement m{.problem = problem.name,
-                .poisson = problem.poisson,
-                .element = std::string(e.name),
-                .degree = e.degree,
-                .mesh = std::string(name_of(grading)),
-                .level = level};
+  StateMeasurement m{.problem = problem.name,
+                     .poisson = problem.poisson,
+                     .element = std::string(e.name),
+                     .degree = e.degree,
+                     .mesh = std::string(name_of(grading)),
+                     .level = level};
   ProcessorWatch watch;
   std::optional<Adapted> adapted;
   if (grading == Grading::Adaptive) {
@@ -115,14 +115,15 @@ std::string_view name_of(Grading grading) {
   return grading == Grading::Uniform ? "uniform" : grading == Grading::Graded ? "graded" : "adaptive";
 }
 
-Measurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
-  std::vector<Measurement> runs{once(problem, e, grading, level, true)};
-  const Measurement first = runs.front();
+StateMeasurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
+  std::vector<StateMeasurement> runs{once(problem, e, grading, level, true)};
+  const StateMeasurement first = runs.front();
   if (first.seconds.work() < 1)
     while (static_cast<int>(runs.size()) < repeat) runs.push_back(once(problem, e, grading, level, false));
   const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
-  std::nth_element(runs.begin(), middle, runs.end(),
-                   [](const Measurement& a, const Measurement& b) { return a.seconds.work() < b.seconds.work(); });
+  std::nth_element(runs.begin(), middle, runs.end(), [](const StateMeasurement& a, const StateMeasurement& b) {
+    return a.seconds.work() < b.seconds.work();
+  });
   middle->error = first.error;
   middle->memory_mb = first.memory_mb;  // before the errors were computed
   return *middle;

@@ -34,7 +34,7 @@ struct PhaseSeconds {
   }
 };
 
-struct Measurement {
+struct StateMeasurement {
   std::string problem;
   double poisson = 0;
   std::string element;
@@ -60,7 +60,7 @@ TimedState timed_state(const MeshPlan& plan, const Element& e, const Scene& scen
 
 /// On one thread. Runs below a second are made `repeat` times and the one of median work is returned. Throws what the
 /// solver throws.
-Measurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat = 3);
+StateMeasurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat = 3);
 
 std::string_view name_of(Grading grading);
 

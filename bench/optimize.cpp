@@ -139,7 +139,7 @@ class Runner {
 
   OptimizeRequest request(const OptimizeProblem& p, const std::string& start) const {
     OptimizeRequest r = level_set_request(p, start);
-    if (options_.quick) r.max_iterations = 12;
+    if (options_.quick) r.max_iterations = 30;
     return r;
   }
 

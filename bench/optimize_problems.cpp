@@ -25,7 +25,7 @@ OptimizeProblem body(const std::string& name, const std::string& title, const st
   p.problem.scene.material = plane_stress(1, 0.3);
   p.problem.plane_strain = false;
   p.problem.objective = {"compliance", {compliance()}};
-  p.problem.sizing.size = 0.025;
+  p.problem.sizing.size = 0.03;
   return p;
 }
 
@@ -57,6 +57,9 @@ OptimizeProblem cantilever(double pad) {
                             {{0, 1}, "left"}});
   hold(p, "left", true, true);
   load(p, "load", pad);
+  p.holes = {.columns = 10, .rows = 5, .radius = 0.04};
+  p.random = {.random = 40, .seed = 1, .radius = 0.06};
+  p.mirror = Mirror{{0, 0.5}, {1, 0}};
   return p;
 }
 
@@ -71,6 +74,8 @@ OptimizeProblem mbb() {
   hold(p, "symmetry", true, false);
   hold(p, "roller", false, true);
   load(p, "load", 0.1);
+  p.holes = {.columns = 13, .rows = 4, .radius = 0.06};
+  p.random = {.random = 60, .seed = 2, .radius = 0.06};
   return p;
 }
 
@@ -88,6 +93,8 @@ OptimizeProblem lbracket() {
   load(p, "load", 0.1);
   p.length = 0.5;
   p.problem.sizing.size *= p.length;
+  p.holes = {.columns = 7, .rows = 7, .radius = 0.04};
+  p.random = {.random = 40, .seed = 1, .radius = 0.04};
   return p;
 }
 
@@ -102,6 +109,9 @@ OptimizeProblem bridge() {
   hold(p, "left foot", true, true);
   hold(p, "right foot", true, true);
   load(p, "deck", 1.8);
+  p.holes = {.columns = 10, .rows = 5, .radius = 0.04};
+  p.random = {.random = 40, .seed = 1, .radius = 0.06};
+  p.mirror = Mirror{{1, 0}, {0, 1}};
   p.frozen = {polygon("deck", {{0, 0}, {2, 0}, {2, 0.05}, {0, 0.05}}, none)};
   return p;
 }
@@ -138,16 +148,18 @@ OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& s
     r.volume_penalty = p.volume_penalty;
   else
     r.volume_at_most = p.volume;
-  r.max_iterations = 150;
+  r.max_iterations = 80;
+  r.tolerance = 5e-4;
+  r.level_set.nucleate_every = 2;
+  r.level_set.nucleate_fraction = 0.03;
   r.level_set.frozen = p.frozen;
   r.level_set.ersatz = p.ersatz;
+  r.level_set.mirror = p.mirror;
   if (p.ersatz > 0) r.level_set.move = LevelSetRequest::Move::FixedPoint;
-  const double radius = 0.1 * p.length;
-  const int columns = p.name == "lbracket" ? 6 : p.name == "mbb" ? 11 : 7;
   if (start == "holes")
-    r.level_set.start = StartHoles{.columns = columns, .rows = p.name == "lbracket" ? 6 : 3, .radius = radius};
+    r.level_set.start = p.holes;
   else if (start == "random")
-    r.level_set.start = StartHoles{.random = 24, .seed = 7, .radius = radius};
+    r.level_set.start = p.random;
   else if (start != "full")
     throw std::invalid_argument("unknown start " + start);
   return r;

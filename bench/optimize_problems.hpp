@@ -9,8 +9,10 @@ namespace kerf {
 
 struct OptimizeProblem {
   std::string name, title;
-  Problem problem;            // its sizing: that of kerf's runs
-  double length = 1;          // of members and meshes, relative to the other bodies
+  Problem problem;           // its sizing: that of kerf's runs
+  double length = 1;         // of members and meshes, relative to the other bodies
+  StartHoles holes, random;  // the starts of these names
+  std::optional<Mirror> mirror;
   double volume = 0.4;        // fraction of the frame
   std::vector<Loop> frozen;   // stays solid
   double volume_penalty = 0;  // instead of a volume: J + penalty * area
@@ -32,7 +34,7 @@ struct Published {
 };
 inline constexpr Published published{153.47, 154.63, 31, 116};
 
-/// "full": no holes; "holes": a regular pattern; "random": 24 holes at seeded places.
+/// "full": no holes; "holes": a regular pattern; "random": seeded places.
 const std::vector<std::string>& optimize_starts();
 /// The level set from that start. Throws std::invalid_argument for an unknown one.
 OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& start);

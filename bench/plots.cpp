@@ -13,14 +13,14 @@ namespace kerf {
 
 namespace {
 
-using Coordinates = std::function<Vec2(const Measurement&)>;
+using Coordinates = std::function<Vec2(const StateMeasurement&)>;
 
 /// One style per element and degree, dashed on uniform meshes, dotted on adaptive ones.
 std::vector<Series> sequences(const StateBench& bench, const std::string& problem, double poisson,
                               const Coordinates& at) {
   std::vector<std::string> elements;
   std::vector<Series> all;
-  for (const Measurement& m : bench.runs) {
+  for (const StateMeasurement& m : bench.runs) {
     const std::string element = fmt::format("{} {}", m.element, m.degree);
     const auto place = std::find(elements.begin(), elements.end(), element);
     const std::size_t style = static_cast<std::size_t>(place - elements.begin());
@@ -35,7 +35,7 @@ std::vector<Series> sequences(const StateBench& bench, const std::string& proble
   return all;
 }
 
-Vec2 time_and_error(const Measurement& m) {
+Vec2 time_and_error(const StateMeasurement& m) {
   return {m.seconds.work(), m.error.stress};
 }
 
@@ -62,15 +62,15 @@ void draw_contact(const std::filesystem::path& folder, const StateBench& bench, 
     chart.series = sequences(bench, problem, poisson, at);
     draw(folder / fmt::format("{}_{}.png", name, tag), chart);
   };
-  const auto unknowns = [](const Measurement& m) { return static_cast<double>(m.unknowns); };
+  const auto unknowns = [](const StateMeasurement& m) { return static_cast<double>(m.unknowns); };
   const std::vector<Slope> by_step{{0.5, "slope 1/2"}, {1, "slope 1"}, {2, "slope 2"}};
   const std::vector<Slope> by_count{{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
   one("stress_step", "mesh step h (longest edge)", stress_label, by_step,
-      [](const Measurement& m) { return Vec2(m.h, m.error.stress); });
+      [](const StateMeasurement& m) { return Vec2(m.h, m.error.stress); });
   one("displacement_unknowns", "number of unknowns N", "relative L2 error of the displacement u*", by_count,
-      [&](const Measurement& m) { return Vec2(unknowns(m), m.error.displacement); });
+      [&](const StateMeasurement& m) { return Vec2(unknowns(m), m.error.displacement); });
   one("stress_unknowns", "number of unknowns N", stress_label, by_count,
-      [&](const Measurement& m) { return Vec2(unknowns(m), m.error.stress); });
+      [&](const StateMeasurement& m) { return Vec2(unknowns(m), m.error.stress); });
 }
 
 void draw_peers(const std::filesystem::path& folder, const StateBench& bench, const std::string& problem,
@@ -112,7 +112,7 @@ void draw_peers(const std::filesystem::path& folder, const StateBench& bench, co
 
 void draw_state_plots(const std::filesystem::path& folder, const StateBench& bench) {
   std::set<std::pair<std::string, double>> drawn;
-  for (const Measurement& m : bench.runs) {
+  for (const StateMeasurement& m : bench.runs) {
     if (!drawn.insert({m.problem, m.poisson}).second) continue;
     Chart chart = chart_of(m.problem, m.poisson);
     chart.x_label = work_label;
@@ -205,7 +205,7 @@ void draw_optimize_plots(const std::filesystem::path& folder, const OptimizeBenc
                 .x_label = "processor seconds",
                 .y_label = "compliance",
                 .linear_y = true};
-    GalleryRow row{.title = p.title};
+    GalleryRow row{.title = p.title, .scale = 1 / p.length};
     BarGroup group{.title = p.title};
     std::size_t style = 0;
     for (const DesignRun& run : bench.runs) {

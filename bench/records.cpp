@@ -18,7 +18,7 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json run_section(const Measurement& m) {
+Json run_section(const StateMeasurement& m) {
   const PhaseSeconds& s = m.seconds;
   return {{"case", m.problem},
           {"poisson", m.poisson},
@@ -205,7 +205,7 @@ Json peer_section(const PeerRun& p) {
 
 void write_state_csv(const std::filesystem::path& path, const StateBench& bench) {
   std::vector<Json> rows;
-  for (const Measurement& m : bench.runs) rows.push_back(run_section(m));
+  for (const StateMeasurement& m : bench.runs) rows.push_back(run_section(m));
   write_file(path, csv(run_section({}), rows));
 }
 
@@ -220,7 +220,7 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
                                  {"known_energy", r.known_energy > 0 ? Json(r.known_energy) : Json(nullptr)},
                                  {"estimated_stress_error", number(r.error)}});
   out["runs"] = Json::array();
-  for (const Measurement& m : bench.runs) out["runs"].push_back(run_section(m));
+  for (const StateMeasurement& m : bench.runs) out["runs"].push_back(run_section(m));
   out["fastest"] = fastest_section(bench.best);
   out["peers"] = Json::array();
   for (const PeerRun& p : bench.peers) {

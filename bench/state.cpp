@@ -126,7 +126,7 @@ StateBench run_state_bench(const StateBenchOptions& options) {
   }
   bench.stopped = runner.stopped();
   Sequences own, others;
-  for (const Measurement& m : bench.runs)
+  for (const StateMeasurement& m : bench.runs)
     own.add(m.problem, m.poisson, sequence_name(m), {m.error.stress, m.seconds.work()});
   for (const PeerRun& p : bench.peers) others.add(p.problem, p.poisson, p.name, {p.error, p.work});
   bench.best = own.fastest(errors_to_reach);
@@ -160,7 +160,7 @@ std::string summary(const StateBench& bench) {
   return out;
 }
 
-std::string sequence_name(const Measurement& m) {
+std::string sequence_name(const StateMeasurement& m) {
   return fmt::format("{} {}, {}", m.element, m.degree, m.mesh);
 }
 

@@ -30,7 +30,7 @@ struct ReferenceUsed {
 };
 
 struct StateBench {
-  std::vector<Measurement> runs;
+  std::vector<StateMeasurement> runs;
   std::vector<ReferenceUsed> references;
   std::vector<PeerRun> peers;
   std::vector<Fastest> best, best_peers;
@@ -47,7 +47,7 @@ StateBench run_state_bench(const StateBenchOptions& options);
 std::string summary(const StateBench& bench);
 
 /// "bdms 3, graded".
-std::string sequence_name(const Measurement& m);
+std::string sequence_name(const StateMeasurement& m);
 
 /// Problem and Poisson's ratio, as in file names and tables: "smooth", 0.3 -> "smooth_nu0.3".
 std::string problem_tag(const std::string& problem, double poisson);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -29,7 +30,6 @@ struct Sources {
   const Mesh& mesh;
   const Signs& signs;
   const Rim& rim;
-  const std::set<Index>& mouths;  // edges where cracks are cut
 
   Vec2 at(const Node& node) const {
     return node.vertex == none ? place(frame, mesh, signs, rim, node.edge) : mesh.points[std::size_t(node.vertex)];
@@ -51,42 +51,18 @@ struct Run {
 struct Lines {
   std::vector<std::vector<Run>> runs;  // per contour
   std::vector<Chain> chains, fine;
-  std::vector<std::vector<double>> room;
+  std::vector<std::vector<Room>> room;
 };
 
 Lines lines_of(const Sources& from, const std::vector<Contour>& contours, const std::vector<CrackPart>& parts,
                const Carving& how) {
   Lines lines;
-  std::vector<std::array<Vec2, 2>> obstacles;
-  for (const Contour& contour : contours) {
-    const std::size_t n = contour.nodes.size();
-    const auto link = [&](std::size_t i) { return contour.strand[i % n]; };
-    std::size_t first = 0;  // start where the kind of boundary changes
-    while (first < n && link(first) == link(first + n - 1)) ++first;
-    const bool whole = first == n;
-    std::vector<Run> runs;
-    for (std::size_t begin = first; begin < first + n;) {
-      std::size_t end = whole ? begin + n : begin + 1;
-      while (end < first + n && link(end) == link(begin)) ++end;
-      runs.push_back({begin, end, link(begin), lines.chains.size()});
-      if (link(begin) == none) {
-        Chain chain;
-        chain.closed = whole;
-        for (std::size_t i = begin; i < end + (whole ? 0 : 1); ++i) {
-          const Node& node = contour.nodes[i % n];
-          chain.points.push_back(from.at(node));
-          chain.fixed.push_back((!whole && (i == begin || i == end)) || from.mouths.contains(node.edge));
-        }
-        lines.chains.push_back(std::move(chain));
-      } else {
-        for (std::size_t i = begin; i < end; ++i)
-          obstacles.push_back({from.at(contour.nodes[i % n]), from.at(contour.nodes[(i + 1) % n])});
-      }
-      begin = end;
-    }
-    lines.runs.push_back(std::move(runs));
-  }
+  std::vector<Obstacle> obstacles;
+  Index group = 0;
+  std::map<Index, Index> at_mouth;  // cut edge -> the group of the crack that is cut there
   for (const CrackPart& part : parts) {
+    for (const Index e : {part.from.edge, part.to.edge})
+      if (e != none) at_mouth[e] = group;
     const int pieces = part.shape.arc ? 32 : 1;
     for (std::size_t i = 0; i + 1 < part.shape.points.size(); ++i) {
       Vec2 before = part.shape.points[i];
@@ -94,15 +70,53 @@ Lines lines_of(const Sources& from, const std::vector<Contour>& contours, const 
         Vec2 x = part.shape.points[i + 1];
         if (k < pieces)
           x = at(*part.shape.arc, part.shape.arc->from + (part.shape.arc->to - part.shape.arc->from) * k / pieces);
-        obstacles.push_back({before, x});
+        obstacles.push_back({before, x, group});
         before = x;
       }
     }
+    ++group;
+  }
+  for (const Contour& contour : contours) {
+    const std::size_t n = contour.nodes.size();
+    const auto link = [&](std::size_t i) { return contour.strand[i % n]; };
+    std::size_t first = 0;  // start where the kind of boundary changes
+    while (first < n && link(first) == link(first + n - 1)) ++first;
+    const bool whole = first == n;
+    std::vector<Run> runs;
+    for (std::size_t begin = first % n; begin < first % n + n;) {
+      std::size_t end = whole ? begin + n : begin + 1;
+      while (end < first % n + n && link(end) == link(begin)) ++end;
+      runs.push_back({begin, end, link(begin), lines.chains.size()});
+      if (link(begin) == none) lines.chains.emplace_back();
+      begin = end;
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) {  // run r is group `group` + r
+      const auto& [begin, end, strand, number] = runs[r];
+      if (strand != none) {
+        for (std::size_t i = begin; i < end; ++i)
+          obstacles.push_back({from.at(contour.nodes[i % n]), from.at(contour.nodes[(i + 1) % n]), group + Index(r)});
+        continue;
+      }
+      Chain& chain = lines.chains[number];
+      chain.closed = whole;
+      for (std::size_t i = begin; i < end + (whole ? 0 : 1); ++i) {
+        const Node& node = contour.nodes[i % n];
+        const auto mouth = at_mouth.find(node.edge);
+        Index meets = mouth == at_mouth.end() ? none : mouth->second;
+        if (!whole && i == begin) meets = group + Index((r + runs.size() - 1) % runs.size());
+        if (!whole && i == end) meets = group + Index((r + 1) % runs.size());
+        chain.points.push_back(from.at(node));
+        chain.fixed.push_back(meets != none);
+        chain.meets.push_back(meets);
+      }
+    }
+    group += Index(runs.size());
+    lines.runs.push_back(std::move(runs));
   }
   for (std::size_t e = 0; e < from.mesh.edges.size() && !from.frame.regions.empty(); ++e)
     if (is_interface(from.mesh, Index(e)))
-      obstacles.push_back(
-          {from.mesh.points[std::size_t(from.mesh.edges[e][0])], from.mesh.points[std::size_t(from.mesh.edges[e][1])]});
+      obstacles.push_back({from.mesh.points[std::size_t(from.mesh.edges[e][0])],
+                           from.mesh.points[std::size_t(from.mesh.edges[e][1])], group});
   for (const Chain& chain : lines.chains) lines.fine.push_back(sample(chain, how.spacing));
   lines.room = room(lines.fine, obstacles, 2 * how.tolerance);
   return lines;
@@ -316,11 +330,7 @@ Attempt attempt(const Shape& frame, const Mesh& mesh, const Rim& rim, const Eige
   choose_pieces(frame, mesh, how, signs, carved.notes);
   const std::vector<Contour> loops = contours(mesh, signs, rim);
   const std::vector<CrackPart> parts = cut_cracks(frame, mesh, signs, rim, 4 * how.tolerance, carved.notes);
-  std::set<Index> mouths;
-  for (const CrackPart& part : parts)
-    for (const Index e : {part.from.edge, part.to.edge})
-      if (e != none) mouths.insert(e);
-  const Sources sources{frame, mesh, signs, rim, mouths};
+  const Sources sources{frame, mesh, signs, rim};
   const double missing = offset(sources, loops);
   const Lines lines = lines_of(sources, loops, parts, how);
   for (const Style style : {Style{1, true}, Style{1, false}, Style{0.25, true}, Style{0, true}, Style{0, false}}) {

@@ -79,6 +79,7 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
 struct Chain {
   std::vector<Vec2> points;
   std::vector<bool> fixed;
+  std::vector<Index> meets;  // per point, the obstacle (as a group) that it lies on, or none
   bool closed = false;
 };
 
@@ -89,17 +90,29 @@ struct Simplifying {
   double offset = 0;  // area to gain on the left, per length
 };
 
+inline constexpr int longest_chord = 8;  // in steps of sample
+
 /// Points at even steps, several per spacing, the fixed ones among them.
 Chain sample(const Chain& chain, double spacing);
 
-/// For every point of the chains the distance to what it must not meet: other chains, its own beyond its
-/// neighbourhood, and `obstacles`, segments; `far` where nothing is nearer than that.
-std::vector<std::vector<double>> room(const std::vector<Chain>& chains,
-                                      const std::vector<std::array<Vec2, 2>>& obstacles, double far);
+/// What a zero line must not meet. Segments of one group stand for one thing.
+struct Obstacle {
+  Vec2 a, b;
+  Index group;
+};
+
+/// For a point of a chain the distance to other chains, its own beyond its neighbourhood, and obstacles; and the same
+/// without what the fixed points next to it lie on, which chords from these do not cross.
+struct Room {
+  double all, beside;
+};
+/// Per chain and point; `far` where nothing is nearer than that.
+std::vector<std::vector<Room>> room(const std::vector<Chain>& chains, const std::vector<Obstacle>& obstacles,
+                                    double far);
 
 /// Fewer points than the fine chain has, about `spacing` apart, that enclose the area that `chain` does and what the
 /// offset adds, by moves that are small against the room of its points. Fixed points stay as they are, among them the
 /// ends of an open chain.
-Chain simplify(const Chain& chain, const Chain& fine, const std::vector<double>& room, const Simplifying& how);
+Chain simplify(const Chain& chain, const Chain& fine, const std::vector<Room>& room, const Simplifying& how);
 
 }  // namespace kerf

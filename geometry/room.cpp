@@ -13,7 +13,7 @@ namespace {
 
 struct Segment {
   Vec2 a, b;
-  Index chain, number;  // none: an obstacle
+  Index chain, number;  // no chain: the obstacle's group
 };
 
 /// Segments in square cells; each in every cell that its box, widened, meets.
@@ -62,15 +62,15 @@ Cells file(const std::vector<Segment>& segments, double cell, double margin) {
 
 }  // namespace
 
-std::vector<std::vector<double>> room(const std::vector<Chain>& chains,
-                                      const std::vector<std::array<Vec2, 2>>& obstacles, double far) {
+std::vector<std::vector<Room>> room(const std::vector<Chain>& chains, const std::vector<Obstacle>& obstacles,
+                                    double far) {
   std::vector<Segment> segments;
-  for (const auto& [a, b] : obstacles) segments.push_back({a, b, none, none});
+  for (const Obstacle& o : obstacles) segments.push_back({o.a, o.b, none, o.group});
   double longest = far;
-  std::vector<std::vector<double>> room;
+  std::vector<std::vector<Room>> room;
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const std::vector<Vec2>& x = chains[c].points;
-    room.emplace_back(x.size(), far);
+    room.emplace_back(x.size(), Room{far, far});
     for (std::size_t i = 0; i + (chains[c].closed ? 0 : 1) < x.size(); ++i) {
       segments.push_back({x[i], x[(i + 1) % x.size()], Index(c), Index(i)});
       longest = std::max(longest, (segments.back().b - segments.back().a).norm());
@@ -82,19 +82,31 @@ std::vector<std::vector<double>> room(const std::vector<Chain>& chains,
     const Chain& chain = chains[c];
     const Index n = Index(chain.points.size());
     const double step = n > 1 ? (chain.points[1] - chain.points[0]).norm() : far;
-    const Index beside = std::max<Index>(2, Index(std::ceil(4 * far / std::max(step, far / 10))));
+    const Index near = std::max<Index>(2, Index(std::ceil(4 * far / std::max(step, far / 10))));
     for (Index i = 0; i < n; ++i) {
       const Vec2& x = chain.points[std::size_t(i)];
-      double& least = room[c][std::size_t(i)];
+      std::array<Index, 2> met{none, none};  // at the fixed points that a chord over x can reach
+      for (const int way : {-1, 1})
+        for (Index k = 0; k < longest_chord; ++k) {
+          const Index at = i + way * k;
+          if (!chain.closed && (at < 0 || at >= n)) break;
+          const std::size_t p = std::size_t(((at % n) + n) % n);
+          if (!chain.fixed[p]) continue;
+          met[way < 0 ? 0 : 1] = chain.meets[p];
+          break;
+        }
+      Room& least = room[c][std::size_t(i)];
       const std::size_t cell = cells.at(cells.column(x.x()), cells.row(x.y()));
       for (Index k = cells.start[cell]; k < cells.start[cell + 1]; ++k) {
         const Segment& s = segments[std::size_t(cells.listed[std::size_t(k)])];
         if (s.chain == Index(c)) {
           Index apart = std::min(std::abs(s.number - i), std::abs(s.number + 1 - i));
           if (chain.closed) apart = std::min(apart, n - std::max(std::abs(s.number - i), std::abs(s.number + 1 - i)));
-          if (apart <= beside) continue;
+          if (apart <= near) continue;
         }
-        least = std::min(least, distance(x, s.a, s.b));
+        const double d = distance(x, s.a, s.b);
+        least.all = std::min(least.all, d);
+        if (s.chain != none || (s.number != met[0] && s.number != met[1])) least.beside = std::min(least.beside, d);
       }
     }
   }

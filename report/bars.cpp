@@ -16,6 +16,10 @@ constexpr std::uint32_t line_grey = 0xdde2e7;
 constexpr double page_width = 1700, margin = 36, pitch = 40, thickness = 24, group_gap = 26;
 const Font title_font{34, true}, subtitle_font{24}, group_font{25, true}, name_font{22}, tick_font{22}, label_font{25};
 
+bool drawable(const Bar& bar) {
+  return std::isfinite(bar.value);
+}
+
 }  // namespace
 
 void draw(const std::filesystem::path& path, const BarChart& chart) {
@@ -25,7 +29,7 @@ void draw(const std::filesystem::path& path, const BarChart& chart) {
   for (const BarGroup& group : chart.groups) {
     height += 1.4 * group_font.size + group_gap;
     for (const Bar& bar : group.bars) {
-      if (!std::isfinite(bar.value)) continue;
+      if (!drawable(bar)) continue;
       most = std::max(most, bar.value);
       names = std::max(names, measure(clean_text(bar.name), name_font));
       texts = std::max(texts, measure(clean_text(bar.text), name_font));
@@ -50,13 +54,16 @@ void draw(const std::filesystem::path& path, const BarChart& chart) {
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
   const Ticks marks = ticks(0, most, 8);
   const double bottom = top + height + 8;
-  for (std::size_t i = 0; i < marks.at.size(); ++i) {
-    cairo_new_path(pen);
-    cairo_move_to(pen, at(marks.at[i]), top);
-    cairo_line_to(pen, at(marks.at[i]), bottom);
-    stroke(pen, 1.4, marks.at[i] == 0 ? frame_grey : line_grey);
+  const auto lines = [&](double from, double to) {
+    for (const double mark : marks.at) {
+      cairo_new_path(pen);
+      cairo_move_to(pen, at(mark), from);
+      cairo_line_to(pen, at(mark), to);
+      stroke(pen, 1.4, mark == 0 ? frame_grey : line_grey);
+    }
+  };
+  for (std::size_t i = 0; i < marks.at.size(); ++i)
     write(pen, {at(marks.at[i]), bottom + 18}, marks.labels[i], tick_font, 0.5);
-  }
   const std::string label = marks.note.empty() ? chart.x_label : chart.x_label + " (" + marks.note + ")";
   write_block(pen, {left + 0.5 * width, bottom + 40}, wrap(label, label_font, 17, room, 1, measure), 0.5);
   double y = top;
@@ -64,8 +71,9 @@ void draw(const std::filesystem::path& path, const BarChart& chart) {
     y += group_gap;
     write_block(pen, {margin, y}, wrap(group.title, group_font, 18, room, 1, measure), 0);
     y += 1.4 * group_font.size;
+    lines(y, y + pitch * static_cast<double>(std::ranges::count_if(group.bars, drawable)));
     for (const Bar& bar : group.bars) {
-      if (!std::isfinite(bar.value)) continue;
+      if (!drawable(bar)) continue;
       const double middle = y + 0.5 * pitch;
       write_block(pen, {left - 14, middle - 0.65 * name_font.size},
                   wrap(bar.name, name_font, 13, names + 1, 1, measure), 1);

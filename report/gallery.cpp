@@ -42,22 +42,23 @@ struct Placed {
   const Panel* panel;
   Extent extent;
   double x, y, width, height;  // of the body
+  double scale;                // pixels per length
 };
 
-void trace(cairo_t* pen, const Placed& at, double scale, const Polyline& line, bool closed) {
+void trace(cairo_t* pen, const Placed& at, const Polyline& line, bool closed) {
   for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vec2 p = scale * (line[i] - at.extent.low);
+    const Vec2 p = at.scale * (line[i] - at.extent.low);
     const double x = at.x + p.x(), y = at.y + at.height - p.y();
     i == 0 ? cairo_move_to(pen, x, y) : cairo_line_to(pen, x, y);
   }
   if (closed) cairo_close_path(pen);
 }
 
-void draw_panel(cairo_t* pen, const Placed& at, double scale, double title_width, const Measure& measure) {
+void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measure& measure) {
   const Panel& panel = *at.panel;
   const auto paths = [&](const std::vector<Polyline>& lines, bool closed) {
     cairo_new_path(pen);
-    for (const Polyline& line : lines) trace(pen, at, scale, line, closed);
+    for (const Polyline& line : lines) trace(pen, at, line, closed);
   };
   cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
   paths(panel.frame, true);
@@ -84,7 +85,7 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
   const Measure measure = ruler();
   double widest = 0;
   for (const GalleryRow& row : gallery.rows)
-    for (const Panel& panel : row.panels) widest = std::max(widest, extent(panel).size().x());
+    for (const Panel& panel : row.panels) widest = std::max(widest, row.scale * extent(panel).size().x());
   const double room = page_width - 2 * margin;
   const double scale = widest > 0 ? std::min(length_scale, room / widest) : length_scale;
   constexpr double least_width = 300;  // of a panel, so that its texts can be read
@@ -102,14 +103,14 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
     double x = margin, line = 0;
     for (const Panel& panel : row.panels) {
       const Extent e = extent(panel);
-      const Vec2 size = scale * e.size();
+      const Vec2 size = row.scale * scale * e.size();
       const double width = std::max(size.x(), least_width);
       if (x > margin && x + width > margin + room) {
         x = margin;
         y += line + texts + 18;
         line = 0;
       }
-      placed.push_back({&panel, e, x, y, size.x(), size.y()});
+      placed.push_back({&panel, e, x, y, size.x(), size.y(), row.scale * scale});
       x += width + gap;
       line = std::max(line, size.y());
     }
@@ -124,7 +125,7 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
   write_block(pen, {margin, margin + title.height()}, subtitle, 0, grey);
   for (const auto& [at, row] : headings)
     write_block(pen, {margin, at}, wrap(row->title, row_font, 18, room, 1, measure), 0);
-  for (const Placed& p : placed) draw_panel(pen, p, scale, std::max(p.width, least_width), measure);
+  for (const Placed& p : placed) draw_panel(pen, p, std::max(p.width, least_width), measure);
   save(path, page);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies side by side as a PNG, all to the same scale.
+// Bodies side by side as a PNG, those of a row to the same scale.
 
 #include "geometry/types.hpp"
 
@@ -23,6 +23,7 @@ struct Panel {
 struct GalleryRow {
   std::string title;
   std::vector<Panel> panels;
+  double scale = 1;  // against the other rows
 };
 
 struct Gallery {

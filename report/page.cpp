@@ -336,6 +336,8 @@ void write_page(const std::filesystem::path& path, const Result& result,
                     text, base64(read_file(file)), text);
   }
   if (result.optimize) out += optimize_section(*result.optimize, result.optimize_names, optimize_figures);
+  for (const Identified& i : result.identified)
+    out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(in_words(i)));
   out += mesh_and_state(result) + contact_and_cracks(result);
   if (result.map) out += map_section(*result.map);
   if (result.validate) out += validation_section(*result.validate, validation_figure);

@@ -152,6 +152,23 @@ Json validate_section(const ValidationResult& validation) {
   return points;
 }
 
+Json identified_section(const std::vector<Identified>& all) {
+  const auto values = [](const Eigen::VectorXd& x) {
+    Json out = Json::array();
+    for (const double value : x) out.push_back(number(value));
+    return out;
+  };
+  Json out = Json::array();
+  for (const Identified& i : all)
+    out.push_back({{"name", i.name},
+                   {"found", values(i.found)},
+                   {"truth", i.truth},
+                   {"exact", values(i.exact)},
+                   {"position_error", i.truth.empty() ? Json(nullptr) : number(i.position_error)},
+                   {"size_error", i.truth.empty() ? Json(nullptr) : number(i.size_error)}});
+  return out;
+}
+
 Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   Json out = {{"method", o.method},
               {"iterations", o.iterations},
@@ -199,6 +216,7 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.map) out["map"] = map_section(*result.map);
   if (result.validate) out["validate"] = validate_section(*result.validate);
   if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
+  if (!result.identified.empty()) out["optimize"]["identified"] = identified_section(result.identified);
   out["time_s"] = time_section(result.seconds);
   out["peak_memory_mb"] = number(result.peak_memory_mb);
   if (!result.title.empty()) out["title"] = result.title;

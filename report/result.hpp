@@ -2,6 +2,7 @@
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
 #include "optimize/history.hpp"
+#include "optimize/identified.hpp"
 #include "topo/validate.hpp"
 
 #include <filesystem>
@@ -121,6 +122,7 @@ struct Result {
   std::optional<ValidationResult> validate;
   std::optional<OptimizeResult> optimize;  // mesh, state, ... are then those of its design
   OptimizeNames optimize_names;
+  std::vector<Identified> identified;  // what was found beside what is true, with synthetic data
   Seconds seconds;
   double peak_memory_mb = 0;
 };

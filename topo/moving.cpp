@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -18,19 +19,6 @@ Mat2 gradient_of(const Material& m, const Mat2& stress, double rotation) {
   g(0, 1) += rotation;
   g(1, 0) -= rotation;
   return g;
-}
-
-// d/dx of the density by itself, the fields held: central differences over a small part of the triangle.
-Vec2 by_place(const Term& term, FieldPoint at, double step) {
-  Vec2 slope;
-  const Vec2 x = at.x;
-  for (int k = 0; k < 2; ++k) {
-    at.x = x + step * Vec2::Unit(k);
-    const double after = term.density(at).value;
-    at.x = x - step * Vec2::Unit(k);
-    slope[k] = (after - term.density(at).value) / (2 * step);
-  }
-  return slope;
 }
 
 void add_columns(Points& gradient, const Mesh& mesh, Index e, const Mat2& by) {
@@ -52,12 +40,37 @@ Eigen::Matrix<double, 2, 3> barycentric_gradients(const Triangle& t) {
 Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2&, const Vec2&)>& f) {
   const double h = 1e-3 * (b - a).norm();
   Mat2 by;
-  for (int k = 0; k < 2; ++k) {
-    const Vec2 d = h * Vec2::Unit(k);
-    by(k, 0) = (8 * (f(a + d, b) - f(a - d, b)) - (f(a + 2 * d, b) - f(a - 2 * d, b))) / (12 * h);
-    by(k, 1) = (8 * (f(a, b + d) - f(a, b - d)) - (f(a, b + 2 * d) - f(a, b - 2 * d))) / (12 * h);
-  }
+  for (int end = 0; end < 2; ++end)
+    for (int k = 0; k < 2; ++k) {
+      const auto at = [&](double step) {
+        const Vec2 d = step * h * Vec2::Unit(k);
+        return end == 0 ? f(a + d, b) : f(a, b + d);
+      };
+      double& slope = by(k, end);
+      slope = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h);
+      for (const double side : {1, -1})  // data that end at the boundary
+        if (!std::isfinite(slope))
+          slope = side * (18 * at(side) - 9 * at(2 * side) + 2 * at(3 * side) - 11 * at(0)) / (6 * h);
+    }
   return by;
+}
+
+void add_place(const TriangleRule& rule, const Points& x, double share, double size, const Eigen::VectorXd& here,
+               const std::function<double(Eigen::Index, const Vec2&)>& f, TriangleMotion& motion) {
+  const double step = 1e-4 * size;
+  constexpr double jump = 1e-2;
+  const double largest = here.cwiseAbs().maxCoeff();
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    Vec2 slope;
+    for (int k = 0; k < 2; ++k) {
+      const Vec2 d = step * Vec2::Unit(k);
+      const double after = f(q, x.col(q) + d), before = f(q, x.col(q) - d);
+      const bool jumps =
+          std::abs(after - 2 * here[q] + before) > jump * std::max({largest, std::abs(after), std::abs(before)});
+      slope[k] = jumps ? 0 : (after - before) / (2 * step);
+    }
+    motion.rest += share * rule.w[q] * slope * barycentric(rule, q).transpose();
+  }
 }
 
 MovedEdge moved_edge(const Mesh& mesh, Index e, const Vec2& a, const Vec2& b) {
@@ -86,21 +99,35 @@ void MovingDensity::add(const Term& term, double share, Index t, const Triangle&
     u = recovered_displacement(m_, s_, t, x);
     by_u.resize(2, x.cols());
   }
-  const double whole = share * area(shape), step = 1e-4 * std::sqrt(area(shape));
-  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+  const auto point = [&](Eigen::Index q) {
     FieldPoint at{.x = x.col(q), .material = material};
     if (term.uses_stress) at.stress = tensor(f.stress.col(q));
     if (term.uses_rotation) at.rotation = f.rotation[q];
     if (term.uses_displacement) at.displacement = u.col(q);
+    return at;
+  };
+  const double whole = share * area(shape);
+  Eigen::VectorXd here(x.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const FieldPoint at = point(q);
     const Density d = term.density(at);
+    here[q] = d.value;
     const double w = whole * rule_.w[q];
     motion.by_gradient += w * d.value * Mat2::Identity();
-    if (term.uses_place) motion.rest += w * by_place(term, at, step) * barycentric(rule_, q).transpose();
     if (term.uses_stress)
       motion.by_gradient +=
           w * (d.by_stress.transpose() * at.stress - d.by_stress.cwiseProduct(at.stress).sum() * Mat2::Identity());
     if (term.uses_displacement) by_u.col(q) = w * d.by_displacement;
   }
+  if (term.uses_place)
+    add_place(
+        rule_, x, whole, std::sqrt(area(shape)), here,
+        [&](Eigen::Index q, const Vec2& y) {
+          FieldPoint at = point(q);
+          at.x = y;
+          return term.density(at).value;
+        },
+        motion);
   if (term.uses_displacement) add_recovered(t, shape, x, by_u, motion);
 }
 

@@ -19,9 +19,14 @@ inline Eigen::Vector3d barycentric(const TriangleRule& rule, Eigen::Index q) {
   return {1 - rule.x(0, q) - rule.x(1, q), rule.x(0, q), rule.x(1, q)};
 }
 
-/// Derivative by the two points (columns): central differences of fourth order, exact to rounding for data that are
-/// smooth along the edge.
+/// Derivative by the two points (columns): differences of fourth order, exact to rounding for data that are smooth
+/// along the edge; one-sided ones of third order where data are not finite beside it.
 Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2& a, const Vec2& b)>& f);
+/// Adds what a function of the place, `here` at the points x of a rule, changes there: share sum_q w_q grad f . theta,
+/// by central differences over a small part of the triangle's size. f(q, y): at y, all else as at x_q. No slope where f
+/// jumps beside a point.
+void add_place(const TriangleRule& rule, const Points& x, double share, double size, const Eigen::VectorXd& here,
+               const std::function<double(Eigen::Index q, const Vec2& y)>& f, TriangleMotion& motion);
 
 /// Of the integral over the body, times `share`. u* moves as the transported stress moves it.
 class MovingDensity {

@@ -118,18 +118,13 @@ void add_body_force(const Parts& p, Index t, const Triangle& shape, TriangleMoti
   for (const Loaded& body : p.loaded) add(-body.energy, body.state);
   add(p.work, p.loaded.front().state);
   if (p.dual) add(1, *p.dual);
-  const double whole = area(shape), step = 1e-4 * std::sqrt(whole);
-  for (Eigen::Index q = 0; q < x.cols(); ++q) {
-    const double w = whole * rule.w[q];
-    const Vec2 at = x.col(q), value = v.col(q);
-    motion.by_gradient += w * m.scene.body(at).dot(value) * Mat2::Identity();
-    Vec2 slope;
-    for (int k = 0; k < 2; ++k) {
-      const Vec2 d = step * Vec2::Unit(k);
-      slope[k] = (m.scene.body(at + d) - m.scene.body(at - d)).dot(value) / (2 * step);
-    }
-    motion.rest += w * slope * barycentric(rule, q).transpose();
-  }
+  const double whole = area(shape);
+  Eigen::VectorXd here(x.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q) here[q] = m.scene.body(x.col(q)).dot(v.col(q));
+  motion.by_gradient += whole * rule.w.dot(here) * Mat2::Identity();
+  add_place(
+      rule, x, whole, std::sqrt(whole), here,
+      [&](Eigen::Index q, const Vec2& y) { return m.scene.body(y).dot(v.col(q)); }, motion);
 }
 
 // Vectors at the Gauss points of an edge from components in its frame.
@@ -331,6 +326,14 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
   for (const Parts::Explicit& e : p.terms) add_surface_motion(*e.term, e.share, m, *a.state, gradient);
   for (const Term& term : j.terms)
     if (term.measured) add_measured_work(m, *term.measured, -a.measured_share, gradient);
+  for (Eigen::Index v = 0; v < gradient.cols(); ++v)
+    if (!gradient.col(v).allFinite()) {
+      const Vec2& x = m.mesh.points[static_cast<std::size_t>(v)];
+      throw Error(Fault::Numerics,
+                  fmt::format("the derivative of the functional \"{}\" by the shape is not finite at ({:.6g}, {:.6g}): "
+                              "loads, supports, targets and weights must be defined around the places where they act",
+                              j.kind, x.x(), x.y()));
+    }
   return gradient;
 }
 

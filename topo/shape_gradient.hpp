@@ -15,11 +15,11 @@ namespace kerf {
 /// transformation maps the spaces of these elements onto themselves; finite at nu = 1/2. Regions, labels and cracks
 /// move with their vertices. Data are functions of the place and stay where they are: a moved edge meets the traction,
 /// the displacement, the target that stand at its new place, and its own new normal. So do the normal of a curved crack
-/// (CrackLaw::normal), the body force, weights, and the ring and tip of an energy release rate: to move a tip together
-/// with its ring, add -dJ/d(ring), or think of G at the ring's place.
-/// Where contact is about to change (Analysis::biactive) J has one-sided derivatives only; this is the one of a crack
-/// that opens there.
-/// Throws Error(Usage) for elements other than bdms, bdms-c, peers, afw, and as require_supports.
+/// (CrackLaw::normal), the body force, weights, and the ring of an energy release rate, whose place does not matter to
+/// G as long as it surrounds the tip, moving or not. Where contact is about to change (Analysis::biactive) J has
+/// one-sided derivatives only; this is the one of a crack that opens there. Throws Error(Usage) for elements other than
+/// bdms, bdms-c, peers, afw, and as require_supports; Error(Numerics) where the derivative is not finite because data
+/// are not.
 Points shape_gradient(const Analysis& a, const Functional& j);
 
 /// Boundary form: dJ(theta) = int g theta.n over the edges of the boundary that carry no traction, where only the

@@ -125,8 +125,27 @@ TEST_F(Cli, WrongUsage) {
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
-TEST_F(Cli, LaterCommands) {
-  for (const char* arguments : {"init plate", "init --list"}) expect_failure(arguments, 2, "is not supported yet");
+TEST_F(Cli, InitWritesCasesThatRun) {
+  const Outcome list = kerf("init --list");
+  EXPECT_EQ(list.code, 0);
+  for (const char* name : {"plate", "cracked", "optimise", "holes", "inverse"}) {
+    EXPECT_NE(list.out.find(name), std::string::npos);
+    const Outcome wrote = kerf(std::string("init ") + name);
+    EXPECT_EQ(wrote.code, 0) << wrote.error;
+    EXPECT_EQ(kerf(std::string("check ") + name + ".toml").code, 0) << name;
+    expect_failure(std::string("init ") + name, 5, "use --force");
+  }
+  EXPECT_EQ(kerf("init plate --force -o other.toml").code, 0);
+  EXPECT_EQ(read_all(folder / "other.toml"), read_all(folder / "plate.toml"));
+  EXPECT_EQ(kerf("run plate.toml -o out --set mesh.size=0.2 --quiet").code, 0);
+  EXPECT_EQ(kerf("optimize inverse.toml -o inv --set mesh.size=0.15 --set optimize.max_iterations=3 --quiet").code, 0);
+  const auto found = nlohmann::json::parse(read_all(folder / "inv" / "result.json"))["optimize"]["identified"];
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(found[0]["position_error"].get<double>(), 0.1);
+  EXPECT_TRUE(fs::exists(folder / "inv" / "measured.csv"));
+  expect_failure("init", 2, "which template? known: plate, cracked");
+  expect_failure("init plat", 2, "unknown template \"plat\"; did you mean \"plate\"?");
+  expect_failure("init plate -o no/such/folder/a.toml", 5, "cannot write");
 }
 
 TEST_F(Cli, BenchListsItsNames) {

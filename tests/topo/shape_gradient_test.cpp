@@ -308,6 +308,44 @@ TEST(ShapeGradientOf, ATranslationIsNothing) {
   EXPECT_LT(gradient.rowwise().sum().norm(), 1e-9 * gradient.norm());
 }
 
+// A load that is defined below the top only; and one that is defined nowhere else.
+TEST(ShapeGradientOf, DataThatEndAtTheBoundary) {
+  const Mesh mesh = triangulate(cracked_square(), {.size = 0.3});
+  const Functional j{"", {compliance()}};
+  const auto gradient_of = [&](const VectorField& top) {
+    const Model model = prepare(mesh, element("bdms", 1), pulled(plane_strain(1, 0.3), top), 1);
+    const State state = solve(model);
+    return shape_gradient(analyse(j, model, state), j);
+  };
+  const auto load = [](const Vec2& x) { return Vec2(0.1, 1 + x.x() * x.y()); };
+  const double nowhere = std::nan("");
+  const Points everywhere = gradient_of(load),
+               below = gradient_of([=](const Vec2&x) { return x.y() > 1 ? Vec2(nowhere, nowhere) : load(x); });
+  EXPECT_LT((everywhere - below).cwiseAbs().maxCoeff(), 1e-7 * everywhere.cwiseAbs().maxCoeff());
+  try {
+    gradient_of([=](const Vec2& x) { return x.y() == 1 ? load(x) : Vec2(nowhere, nowhere); });
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Numerics);
+  }
+}
+
+// A weight that jumps a hair beside a quadrature point, or a little farther away.
+TEST(ShapeGradientOf, AWeightThatJumps) {
+  const Scenario s{"open"};
+  const Model model = model_of(s, body_mesh());
+  const State state = solve(model);
+  const Triangle shape = triangle(model, 20);
+  const double size = std::sqrt(area(shape)), at = rule_points(triangle_rule(8), shape)(0, 5);
+  std::vector<Points> gradients;
+  for (const double away : {2e-5, 2e-4}) {
+    const double end = at + away * size;
+    const Functional j{"", {displacement_tracking({}, [end](const Vec2& x) { return x.x() > end ? 1 : 0; })}};
+    gradients.push_back(shape_gradient(analyse(j, model, state), j));
+  }
+  EXPECT_LT((gradients[0] - gradients[1]).cwiseAbs().maxCoeff(), 1e-6 * gradients[0].cwiseAbs().maxCoeff());
+}
+
 TEST(ShapeGradientOf, OtherElementsAreRefused) {
   for (const char* name : {"arnold-winther", "arnold-winther-nc", "p2"}) {
     Shape shape = rectangle({-1, -1}, {1, 1});
