@@ -172,7 +172,7 @@ Hats make_hats(const Shape& shape, Index label) {
     double length;
   };
   std::vector<Piece> pieces;
-  for (const Curve& c : h.line.curves) {
+  for (const LabelCurve& c : h.line.curves) {
     const int n = std::max(2, static_cast<int>(std::lround(wanted * c.arc.back() / h.line.length)));
     std::vector<Index> nodes;
     for (int i = 0; i <= n; ++i) {

@@ -36,4 +36,8 @@ only cairo report/pen.hpp
 only nlohmann report/result.cpp bench/records.cpp
 only CLI app/main.cpp
 only spdlog app/progress.cpp
+# One name, one struct: the linker would take either of two, and a destructor of the wrong one crashes.
+for name in $(grep -hoE '^(struct|class) [A-Z][A-Za-z]+ \{' {geometry,solver,topo,optimize,cases,report,bench,app}/*.hpp | sort | uniq -d | cut -d' ' -f2); do
+  echo "$name is defined in more than one header: $(grep -lE "^(struct|class) $name \{" */*.hpp | tr '\n' ' ')"; status=1
+done
 exit $status
