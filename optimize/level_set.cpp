@@ -570,6 +570,20 @@ OptimizeResult Mover::run() {
   result.history = s_.rows;
   result.shape = design_->shape;
   result.scene = design_->cases.front().model.scene;
+  if (r_.level_set.ersatz > 0) {
+    // What the phases stand for, as a body.
+    result.scene.regions.clear();
+    try {
+      Carved carved = carve(p_.frame, canvas_.mesh, s_.phi, carving_);
+      result.scene = with_cracks(scenes_of(p_, r_).front(), carved.crack_of);
+      result.shape = std::move(carved.shape);
+      result.notes.push_back(
+          "objective and volume are those with the weak phase; the state is that of the design without it");
+    } catch (const Error& error) {
+      if (error.fault != Fault::Geometry) throw;
+      result.notes.push_back(fmt::format("the strong phase alone is no body: {}", error.what()));
+    }
+  }
   return result;
 }
 
