@@ -2,7 +2,9 @@
 
 #include "app/collect.hpp"
 #include "app/files.hpp"
+#include "geometry/part.hpp"
 #include "optimize/checkpoint.hpp"
+#include "optimize/ersatz.hpp"
 #include "optimize/level_set.hpp"
 #include "optimize/one_shot.hpp"
 #include "optimize/parameters.hpp"
@@ -68,6 +70,15 @@ std::vector<std::string> in_words(const OneShot& shot, const Design& design) {
   if (std::isfinite(shot.explained))
     notes.push_back(fmt::format("one shot explains {:.1f} % of the data", 100 * shot.explained));
   return notes;
+}
+
+/// Without the weak phase and what is mostly of it; the whole body without such phases.
+Mesh strong_part(const Mesh& mesh, bool phases) {
+  if (!phases) return mesh;
+  std::vector<bool> use;
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    use.push_back(strong_share(region_of(mesh, t)) >= 0.5);
+  return part(mesh, use).mesh;
 }
 
 struct Recorder {
@@ -153,7 +164,8 @@ struct Recorder {
       write_designs();
       write_history();
       if (c.output.png) {
-        add(snapshots, {row.number, row.objective, row.volume_fraction, contours(iterate.model.mesh)});
+        add(snapshots, {row.number, row.objective, row.volume_fraction,
+                        contours(strong_part(iterate.model.mesh, c.optimize->level_set.ersatz > 0))});
         write_checkpoint(snapshots_file(options.folder), to_checkpoint(snapshots, c.fingerprint));
       }
       output += watch.lap();
@@ -187,6 +199,10 @@ struct Recorder {
 };
 
 }  // namespace
+
+bool has_checkpoint(const fs::path& folder) {
+  return fs::exists(checkpoint_file(folder)) || fs::exists(stop_file(folder));
+}
 
 void check_checkpoint(const fs::path& folder, const Case& c) {
   const fs::path stop = stop_file(folder);

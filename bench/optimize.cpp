@@ -193,7 +193,7 @@ class Runner {
   }
 
   void judge_peer(const OptimizeProblem& p, const DesignPeer& peer, const Mesh& coarse, const Mesh& finer) {
-    const Snapshot& last = peer.snapshots.back();
+    const PeerSnapshot& last = peer.snapshots.back();
     DesignRun run{.problem = p.name,
                   .tool = peer.name,
                   .own = false,
@@ -204,7 +204,7 @@ class Runner {
                   .shape = shape_of(p, last.field, finer)};
     for (const std::size_t i : chosen(peer.snapshots.size())) {
       if (stopped()) break;
-      const Snapshot& s = peer.snapshots[i];
+      const PeerSnapshot& s = peer.snapshots[i];
       try {
         const Judged j = judge_medium(p, shape_of(p, s.field, coarse));
         run.curve.push_back({s.iteration, s.state_solves, s.seconds, j.compliance, j.volume});

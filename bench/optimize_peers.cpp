@@ -68,8 +68,8 @@ std::optional<std::string> traced_tdopt(std::string script) {
                                     trace_file));
 }
 
-std::vector<Snapshot> read_snapshots(const std::string& text) {
-  std::vector<Snapshot> all;
+std::vector<PeerSnapshot> read_snapshots(const std::string& text) {
+  std::vector<PeerSnapshot> all;
   const char *at = text.data(), *end = at + text.size();
   const auto read = [&](auto& value) {
     while (at < end && std::isspace(static_cast<unsigned char>(*at))) ++at;
@@ -78,7 +78,7 @@ std::vector<Snapshot> read_snapshots(const std::string& text) {
     return error == std::errc();
   };
   for (;;) {
-    Snapshot s;
+    PeerSnapshot s;
     GridField& f = s.field;
     if (!read(s.iteration) || !read(s.objective) || !read(s.seconds) || !read(s.state_solves) || !read(f.columns) ||
         !read(f.rows) || f.columns < 2 || f.rows < 2 || f.columns > 10000 || f.rows > 10000)

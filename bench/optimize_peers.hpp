@@ -8,7 +8,7 @@
 namespace kerf {
 
 /// A design on the way: `objective` as the program sees it itself.
-struct Snapshot {
+struct PeerSnapshot {
   int iteration = 0, state_solves = 0;
   double objective = 0, seconds = 0;  // processor seconds so far
   GridField field;
@@ -16,7 +16,7 @@ struct Snapshot {
 
 struct DesignPeer {
   std::string problem, name;  // name: program, method, cells per length
-  std::vector<Snapshot> snapshots;
+  std::vector<PeerSnapshot> snapshots;
   double memory_mb = 0;
 };
 
@@ -42,7 +42,7 @@ DesignPeers run_design_peers(const DesignPeerOptions& options);
 
 /// Snapshots one after the other: iteration, objective, seconds, states, columns and rows, then the values. What is
 /// broken off is left out.
-std::vector<Snapshot> read_snapshots(const std::string& text);
+std::vector<PeerSnapshot> read_snapshots(const std::string& text);
 
 /// tdopt.edp with lines that write its design down in every iteration; nothing when the script has changed.
 std::optional<std::string> traced_tdopt(std::string script);

@@ -170,12 +170,13 @@ std::vector<Polyline> sides_with(const Loop& outline, const std::vector<Index>& 
   return all;
 }
 
-Panel panel_of(const OptimizeProblem& p, const DesignRun& run) {
-  Panel panel{.title = run_name(run),
-              .caption = fmt::format("{:.2f}; {} solves, {:.1f} s", run.last.compliance, run.state_solves, run.seconds),
-              .body = {corners(run.shape.outline)},
-              .frame = {corners(p.problem.frame.outline)},
-              .accent = run.own};
+GalleryPanel panel_of(const OptimizeProblem& p, const DesignRun& run) {
+  GalleryPanel panel{
+      .title = run_name(run),
+      .caption = fmt::format("{:.2f}; {} solves, {:.1f} s", run.last.compliance, run.state_solves, run.seconds),
+      .body = {corners(run.shape.outline)},
+      .frame = {corners(p.problem.frame.outline)},
+      .accent = run.own};
   for (const Loop& hole : run.shape.holes) panel.body.push_back(corners(hole));
   std::vector<Index> held, loaded;
   for (const Support& s : p.problem.scene.supports) held.push_back(s.label);

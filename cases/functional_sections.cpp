@@ -141,7 +141,7 @@ struct Reader {
     const Index number = crack(table);
     const Field which = need(table, "tip");
     const bool at_start = choice(which, {"start", "end"}) == "start";
-    const CrackTip tip = crack_tip(c.shape, number, at_start);
+    const TipPlace tip = crack_tip(c.shape, number, at_start);
     const std::string name = fmt::format("the {} of crack {}", at_start ? "start" : "end",
                                          quote(c.shape.cracks[static_cast<std::size_t>(number)].name));
     if (tip.clearance <= 1e-6 * extent(c.shape))

@@ -38,11 +38,11 @@ double distance(const Vec2& x, const Crack& crack, std::size_t first, std::size_
 
 }  // namespace
 
-CrackTip crack_tip(const Shape& shape, Index crack, bool at_start) {
+TipPlace crack_tip(const Shape& shape, Index crack, bool at_start) {
   const auto number = static_cast<std::size_t>(crack);
   const Crack& own = shape.cracks[number];
   const std::size_t last = own.points.size() - 1;
-  CrackTip tip;
+  TipPlace tip;
   tip.at = at_start ? own.points.front() : own.points.back();
   if (own.arc) {
     const double t = at_start ? own.arc->from : own.arc->to;

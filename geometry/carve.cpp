@@ -31,7 +31,7 @@ struct Sources {
   const Signs& signs;
   const Rim& rim;
 
-  Vec2 at(const Node& node) const {
+  Vec2 at(const ContourNode& node) const {
     return node.vertex == none ? place(frame, mesh, signs, rim, node.edge) : mesh.points[std::size_t(node.vertex)];
   }
 };
@@ -100,7 +100,7 @@ Lines lines_of(const Sources& from, const std::vector<Contour>& contours, const 
       Chain& chain = lines.chains[number];
       chain.closed = whole;
       for (std::size_t i = begin; i < end + (whole ? 0 : 1); ++i) {
-        const Node& node = contour.nodes[i % n];
+        const ContourNode& node = contour.nodes[i % n];
         const auto mouth = at_mouth.find(node.edge);
         Index meets = mouth == at_mouth.end() ? none : mouth->second;
         if (!whole && i == begin) meets = group + Index((r + runs.size() - 1) % runs.size());
@@ -130,7 +130,7 @@ struct Style {
 
 Side along_strand(const Sources& from, const Contour& contour, const Run& run) {
   const std::size_t n = contour.nodes.size();
-  const Node &first = contour.nodes[run.begin % n], &last = contour.nodes[run.end % n];
+  const ContourNode &first = contour.nodes[run.begin % n], &last = contour.nodes[run.end % n];
   const Strand& strand = from.rim.drawing.strands[std::size_t(run.strand)];
   Side side{from.at(first), strand.label, std::nullopt};
   if (!strand.arc) {
@@ -138,7 +138,7 @@ Side along_strand(const Sources& from, const Contour& contour, const Run& run) {
     return side;
   }
   Arc arc = *strand.arc;
-  const auto corner = [&](const Node& node, Index c) {
+  const auto corner = [&](const ContourNode& node, Index c) {
     return strand.from != strand.to && node.vertex != none &&
            (from.mesh.points[std::size_t(node.vertex)] - from.rim.drawing.corners[std::size_t(c)]).norm() <=
                join_tolerance * from.rim.drawing.extent;

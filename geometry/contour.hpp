@@ -52,12 +52,12 @@ void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Sig
                    std::vector<std::string>& notes);
 
 /// A point of the boundary of what is inside: the crossing of an edge, or a vertex on the frame's boundary.
-struct Node {
+struct ContourNode {
   Index edge = none, vertex = none;
 };
 /// Closed, what is inside on the left: node i to node i + 1 along the frame's `strand[i]`, or (none) the zero line.
 struct Contour {
-  std::vector<Node> nodes;
+  std::vector<ContourNode> nodes;
   std::vector<Index> strand;
 };
 std::vector<Contour> contours(const Mesh& mesh, const Signs& signs, const Rim& rim);
@@ -68,8 +68,8 @@ Vec2 place(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& 
 /// Part of a crack between two places on its path.
 struct CrackPart {
   Index crack;
-  Node from, to;  // an edge: cut there; neither: the crack's own end
-  Crack shape;    // without a name
+  ContourNode from, to;  // an edge: cut there; neither: the crack's own end
+  Crack shape;           // without a name
 };
 /// What lies inside, in the order of the cracks and along their paths; what is shorter than `least` is left out.
 std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim,

@@ -83,7 +83,7 @@ std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Si
     const std::size_t last = path.vertices.size() - 1, known = parts.size();
     const double whole = path_length(crack);
     // Where edge i of the path is crossed.
-    const auto cut = [&](std::size_t i, Node& node, double& s, Vec2& x) {
+    const auto cut = [&](std::size_t i, ContourNode& node, double& s, Vec2& x) {
       node.edge = path.edges[i];
       x = place(frame, mesh, signs, rim, node.edge);
       const bool forward = mesh.edges[std::size_t(node.edge)][0] == path.vertices[i];

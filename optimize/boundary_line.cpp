@@ -35,7 +35,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   do {
     if (p.label[v] == label) {
       if (starts[v]) {
-        Curve c;
+        BoundaryCurve c;
         c.points = {p.points[v]};
         c.arc = {0};
         const std::size_t before = v > 0 ? v - 1 : n - 1;
@@ -48,7 +48,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
         mine.push_back(line.curves.size());
         line.curves.push_back(std::move(c));
       }
-      Curve& c = line.curves.back();
+      BoundaryCurve& c = line.curves.back();
       const double piece = (p.points[next(v)] - p.points[v]).norm();
       c.points.push_back(p.points[next(v)]);
       c.arc.push_back(c.arc.back() + piece);
@@ -79,7 +79,7 @@ Place nearest_place(const BoundaryLine& line, const Vec2& x) {
   Place best;
   best.distance = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < line.curves.size(); ++c) {
-    const Curve& curve = line.curves[c];
+    const BoundaryCurve& curve = line.curves[c];
     for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
       const Vec2 along = curve.points[i + 1] - curve.points[i];
       const double square = along.squaredNorm();
@@ -92,7 +92,7 @@ Place nearest_place(const BoundaryLine& line, const Vec2& x) {
   return best;
 }
 
-Vec2 point_at(const Curve& curve, double arc) {
+Vec2 point_at(const BoundaryCurve& curve, double arc) {
   const auto after = std::upper_bound(curve.arc.begin() + 1, curve.arc.end() - 1, arc);
   const auto i = static_cast<std::size_t>(after - curve.arc.begin()) - 1;
   const double piece = curve.arc[i + 1] - curve.arc[i];

@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// From corner to corner, or to where the label ends; counter-clockwise around its loop.
-struct Curve {
+struct BoundaryCurve {
   std::vector<Vec2> points;
   std::vector<double> arc;         // length from the first point, per point
   Index joint[2] = {none, none};   // at its start and its end: the same number where curves of the label meet
@@ -14,7 +14,7 @@ struct Curve {
 };
 
 struct BoundaryLine {
-  std::vector<Curve> curves;
+  std::vector<BoundaryCurve> curves;
   Index joints = 0;
   double length = 0;
 };
@@ -27,6 +27,6 @@ struct Place {
   double arc = 0, distance = 0;
 };
 Place nearest_place(const BoundaryLine& line, const Vec2& x);
-Vec2 point_at(const Curve& curve, double arc);
+Vec2 point_at(const BoundaryCurve& curve, double arc);
 
 }  // namespace kerf

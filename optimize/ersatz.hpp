@@ -1,6 +1,5 @@
 #pragma once
-// A weak phase in place of the void, on the canvas itself: what other programs do, for comparison. Internal to this
-// room.
+// A weak phase in place of the void, on the canvas itself: what other programs do, for comparison.
 
 #include "optimize/evaluate.hpp"
 #include "optimize/front.hpp"

@@ -71,8 +71,9 @@ double to_polygon(const Polygon& p, const Vec2& x) {
 Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
   if (solid.loops.empty() && solid.labels.empty() && solid.discs.empty()) return {};
   Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), far);
-  std::vector<Polygon> polygons;
-  for (const Loop& loop : solid.loops) polygons.push_back(flatten(loop, chord, extent({.outline = loop}) / 20));
+  std::vector<std::pair<Polygon, double>> polygons;
+  for (const auto& [loop, margin] : solid.loops)
+    polygons.emplace_back(flatten(loop, chord, extent({.outline = loop}) / 20), margin);
   std::vector<Index> strip;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     if (std::find(solid.labels.begin(), solid.labels.end(), mesh.label[static_cast<std::size_t>(e)]) !=
@@ -81,7 +82,8 @@ Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double c
       strip.push_back(e);
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     double& least = d[static_cast<Eigen::Index>(v)];
-    for (const Polygon& p : polygons) least = std::min(least, to_polygon(p, mesh.points[v]));
+    for (const auto& [polygon, margin] : polygons)
+      least = std::min(least, to_polygon(polygon, mesh.points[v]) - margin);
     for (const auto& [center, radius] : solid.discs) least = std::min(least, (mesh.points[v] - center).norm() - radius);
     for (const Index e : strip)
       least = std::min(least, distance(mesh.points[v], mesh.points[static_cast<std::size_t>(mesh.edges[e][0])],

@@ -24,11 +24,11 @@ struct Canvas {
   Locator locator;
 };
 
-struct Solid {                // what stays solid
-  std::vector<Loop> loops;    // closed areas of the frame's plane
-  std::vector<Index> labels;  // strips along these labels
-  double width = 0;           // of the strips
-  std::vector<Index> held;    // labels of supports: their edges do not recede by themselves
+struct Solid {                                 // what stays solid
+  std::vector<std::pair<Loop, double>> loops;  // closed areas, and how far around them
+  std::vector<Index> labels;                   // strips along these labels
+  double width = 0;                            // of the strips
+  std::vector<Index> held;                     // labels of supports: their edges do not recede by themselves
   std::vector<std::pair<Vec2, double>> discs = {};
 };
 

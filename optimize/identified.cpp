@@ -22,6 +22,11 @@ struct Thing {
 
 /// Center and radius of the circle of the same area and centroid.
 VectorXd as_circle(const Loop& loop, double size) {
+  if (loop.sides.size() == 1 && loop.sides[0].arc) {
+    const Arc& arc = *loop.sides[0].arc;
+    return Eigen::Vector3d(arc.center.x(), arc.center.y(),
+                           std::sqrt(std::abs(cross(arc.axes.col(0), arc.axes.col(1)))));
+  }
   const Polygon p = flatten(loop, 1e-6 * size, size / 50);
   double area = 0;
   Vec2 moment = Vec2::Zero();

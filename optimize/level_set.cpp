@@ -33,10 +33,12 @@ constexpr double largest_step = 1.0;  // of the boundary
 constexpr double largest_turn = 0.5;  // of the fixed point: share of the angle
 constexpr double smallest_step = 0.03;
 constexpr double area_error = 2e-5;  // of the shape that is drawn against the area wanted
+constexpr double jump = 10;          // of J in one step while the area falls
 constexpr double rise = 0.02;        // of the merit over the best one that is followed for a while
 constexpr int patience = 4;          // iterations without a better design before the step is halved
-constexpr double feasible = 1e-3;    // relative violation of a constraint
-constexpr std::size_t window = 8;    // iterations over which a small change means convergence
+constexpr const char* out_of_iterations = "the iterations asked for are done";
+constexpr double feasible = 1e-3;  // relative violation of a constraint
+constexpr std::size_t window = 8;  // iterations over which a small change means convergence
 
 /// All that an iteration leaves to the next one.
 struct Progress {
@@ -52,8 +54,12 @@ struct Progress {
   double best_J = infinite, best_area = 0;
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
-  std::vector<double> track;          // merit of the best after every iteration at the final area
-  std::vector<std::string> drawn;     // what carving the present design said
+  Eigen::VectorXd kept;               // phi of the design of least J that keeps the bounds; empty without bounds
+  double kept_J = infinite;
+  int kept_iteration = 0;
+  std::vector<double> track;       // merit of the best after every iteration at the final area
+  std::string ended;               // why the loop is over; empty while it is not
+  std::vector<std::string> drawn;  // what carving the present design said
   std::vector<Iteration> rows;
 };
 
@@ -70,6 +76,7 @@ class Mover {
   double merit(double J, double area, const Eigen::VectorXd& bounds) const;
   double merit(const Evaluated& e) const;
   double violation(const Evaluated& e) const;
+  std::string violated() const;
   Eigen::VectorXd relative(const Eigen::VectorXd& bounds) const;
   std::vector<double> weights(const Evaluated& e) const;
   Eigen::VectorXd shape_step(const Evaluated& e, std::vector<std::string>& notes);
@@ -93,15 +100,19 @@ class Mover {
   std::unique_ptr<Helmholtz> filter_;
   std::unique_ptr<ElasticProduct> elastic_;
   double whole_ = 0, target_ = 0, size_ = 0;
+  double price_ = 0;  // per area, of volume terms in J
   bool penalised_ = false;
   double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
   bool worthless_ = false;  // less material is better everywhere: the area is not held
   Progress s_;
-  Design design_, best_;
+  Design design_, best_, kept_;
 };
 
 Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
-  Solid solid{.loops = r.level_set.frozen, .width = width};
+  // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
+  Solid solid{.width = width};
+  for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, width / 3);
+  for (const Loop& loop : p.frame.regions) solid.loops.emplace_back(loop, width);
   const auto stays = [&solid](Index label) {
     if (label != none && std::find(solid.labels.begin(), solid.labels.end(), label) == solid.labels.end())
       solid.labels.push_back(label);
@@ -127,8 +138,21 @@ Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std:
 Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place)
     : p_(p), r_(r), see_(see), place_(place), fitted_(p) {
   const LevelSetRequest& how = r.level_set;
-  if (!r.volume_at_most && !(r.volume_penalty > 0))
-    throw Error(Fault::Usage, "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }");
+  for (const Term& term : p.objective.terms)
+    if (term.kind == "volume") price_ += term.factor;
+  double cases = r.load_cases.empty() ? 1 : 0;
+  for (const LoadCase& load : r.load_cases) cases += load.weight;
+  price_ *= cases;
+  if (!r.volume_at_most && !(r.volume_penalty > 0) && !(price_ > 0 && !r.bounds.empty()))
+    throw Error(
+        Fault::Usage,
+        "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
+        "[[optimize.bound]]");
+  const Element& e = element(p.element, p.degree);
+  if (!is_mixed(e) || e.cut == Cut::LinearDivergence || per_vertex(e) == 3)
+    throw Error(Fault::Usage, fmt::format("element \"{}\" has no derivatives for an optimisation; use \"bdms\", "
+                                          "\"peers\", \"afw\" or \"bdms-c\"",
+                                          p.element));
   if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
     throw Error(Fault::Usage,
                 "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
@@ -208,7 +232,8 @@ Eigen::VectorXd Mover::relative(const Eigen::VectorXd& bounds) const {
   return c;
 }
 
-constexpr double stiffness_of_bounds = 5;  // of the augmented Lagrangian, in units of J
+constexpr double patient_multipliers = 0.2;  // of the step that the augmented Lagrangian's multipliers take
+constexpr double stiffness_of_bounds = 5;    // of the augmented Lagrangian, in units of J
 
 /// J + price of area + augmented Lagrangian of the bounds [Rockafellar 1973], in units of J of the start.
 double Mover::merit(double J, double area, const Eigen::VectorXd& bounds) const {
@@ -223,6 +248,12 @@ double Mover::merit(double J, double area, const Eigen::VectorXd& bounds) const 
   return value;
 }
 
+/// What a value has over another, in words.
+std::string excess(double value, double best) {
+  return best != 0 ? fmt::format("{:.2g} %", 100 * (value - best) / std::abs(best))
+                   : fmt::format("{:.3g}", value - best);
+}
+
 Eigen::VectorXd vector_of(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
@@ -235,6 +266,17 @@ double Mover::violation(const Evaluated& e) const {
   double worst = penalised_ ? 0 : std::max(0.0, e.area / target_ - 1);
   const Eigen::VectorXd c = relative(vector_of(e.bounds));
   return c.size() > 0 ? std::max(worst, c.maxCoeff()) : worst;
+}
+
+/// What the design violates, in words.
+std::string Mover::violated() const {
+  std::vector<std::string> all;
+  if (!penalised_ && design_->area > (1 + feasible) * target_)
+    all.push_back(fmt::format("volume fraction {:.4g} > {:.4g}", design_->area / whole_, target_ / whole_));
+  for (std::size_t k = 0; k < r_.bounds.size(); ++k)
+    if (design_->bounds[k] > r_.bounds[k].at_most)
+      all.push_back(fmt::format("{} {:.4g} > {:.4g}", r_.bounds[k].name, design_->bounds[k], r_.bounds[k].at_most));
+  return join(all, ", ");
 }
 
 /// d merit / d bound, per bound.
@@ -274,6 +316,14 @@ Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
   return T;
 }
 
+/// Below it lies a third of the values: the price of area where no boundary tells one.
+double lower_third(const Eigen::VectorXd& values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
+  std::nth_element(sorted.begin(), at, sorted.end());
+  return *at;
+}
+
 Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& notes) {
   const LevelSetRequest& how = r_.level_set;
   const std::vector<WeightedAnalysis> objective = analyse_objective(e);
@@ -281,23 +331,29 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   const std::vector<double> weight = weights(e);
   for (std::size_t k = 0; k < weight.size(); ++k)
     if (weight[k] > 0) add(rate, weight[k], boundary_rate(e, analyse_bound(e, k)));
+  rate.density.array() -= price_;
+  const bool enclosed = rate.curve.edges.empty();
+  if (enclosed && how.nucleate_every == 0)
+    throw Error(Fault::Geometry, "no boundary is free to move; ask for optimize.nucleate or optimize.start");
   const Eigen::VectorXd distance = signed_distance(canvas_, s_.phi);
   const SpeedLimits limits{.most = s_.step,
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature};
   const Speed speed = boundary_speed(canvas_, distance, rate, limits, elastic_.get(),
-                                     penalised_ ? std::optional(r_.volume_penalty) : std::nullopt);
-  s_.multiplier = speed.multiplier;
+                                     penalised_ ? std::optional(r_.volume_penalty + price_) : std::nullopt);
+  s_.multiplier = speed.multiplier - price_;
   optimality_ = speed.optimality;
-  worthless_ = !penalised_ && !(speed.multiplier > 0);
+  worthless_ = !penalised_ && !enclosed && !(speed.multiplier > 0);
   Eigen::VectorXd next = distance - speed.on_canvas;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
-    const std::vector<Disc> discs = places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, derivative(e),
-                                                       {.multiplier = s_.multiplier,
-                                                        .area = how.nucleate_fraction * whole_,
-                                                        .least = std::max(1.5 * canvas_.size, 0.5 * how.min_feature),
-                                                        .most = std::max(1.5 * size_, 0.5 * how.min_feature)});
+    const Eigen::VectorXd T = derivative(e);
+    const std::vector<Disc> discs =
+        places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, T,
+                           {.multiplier = enclosed && !penalised_ ? lower_third(T) : s_.multiplier,
+                            .area = how.nucleate_fraction * whole_,
+                            .least = std::max(1.5 * canvas_.size, 0.5 * how.min_feature),
+                            .most = std::max(1.5 * size_, 0.5 * how.min_feature)});
     if (!discs.empty()) notes.push_back(fmt::format("{} hole{} nucleated", discs.size(), discs.size() == 1 ? "" : "s"));
     cut_discs(canvas_, discs, next);
   }
@@ -352,18 +408,32 @@ OptimizeResult Mover::run() {
     s_.wanted = std::max(target_, negative_area(canvas_.mesh, s_.phi));
     if (!settled()) fitted_.sizing.size = carving_.spacing = early * size_;
     ++s_.solves;
-    go_on = accept(evaluate(s_.phi), {});
+    Design start;
+    try {
+      start = evaluate(s_.phi);
+    } catch (const Error& error) {
+      if (!r_.level_set.start || error.fault != Fault::Geometry) throw;
+      throw Error(Fault::Geometry, fmt::format("the holes of optimize.start leave no body to begin with: {}; use fewer "
+                                               "or smaller ones",
+                                               error.what()));
+    }
+    if (start->J == 0 && r_.bounds.empty())
+      throw Error(Fault::Usage, fmt::format("functional \"{}\" is 0 for the body to begin with: there is nothing to "
+                                            "minimise; are there loads, and does it see them?",
+                                            p_.objective.kind));
+    go_on = accept(start, {});
     save();
   }
-  std::string stopped;
+  std::string stopped = s_.ended;
   while (go_on && stopped.empty()) {
     if (s_.iteration >= r_.max_iterations) {
-      stopped = fmt::format("the {} iterations asked for are done", r_.max_iterations);
+      stopped = fmt::format("{} ({})", out_of_iterations, r_.max_iterations);
       break;
     }
     ++s_.iteration;
     const bool was_settled = settled();
-    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - drop * whole_);
+    const double less = std::min(1.0, s_.step / (largest_step * size_)) * drop * whole_;
+    if (!penalised_) s_.wanted = std::max(target_, s_.wanted - less);
     std::vector<std::string> notes;
     const bool fixed = r_.level_set.move == LevelSetRequest::Move::FixedPoint;
     if (s_.psi.size() == 0) s_.psi = s_.phi;
@@ -385,6 +455,12 @@ OptimizeResult Mover::run() {
       if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
       failure = error.what();
     }
+    if (tried && !was_settled && s_.best.size() == 0 &&
+        tried->J > jump * std::abs(design_->J) + design_->J - std::abs(design_->J) &&
+        s_.step > 4 * smallest_step * size_) {
+      failure = fmt::format("J would rise from {:.4g} to {:.4g} at once", design_->J, tried->J);
+      tried = nullptr;
+    }
     // Before the area is the wanted one J may rise: nothing is best yet.
     const double value = tried ? merit(*tried) : infinite;
     const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinite;
@@ -396,7 +472,7 @@ OptimizeResult Mover::run() {
       s_.psi = psi;
       s_.step *= 0.5;
       s_.turn *= 0.5;
-      if (!penalised_) s_.wanted = std::min(s_.wanted + drop * whole_, design_->area);
+      if (!penalised_) s_.wanted = std::min(s_.wanted + less, std::max(design_->area, target_));
       s_.rows.back().note = join({s_.rows.back().note, "step halved: " + failure});
       if (s_.step < smallest_step * size_) stopped = "no step can be made: " + failure;
       save();
@@ -406,9 +482,8 @@ OptimizeResult Mover::run() {
       s_.step *= 0.5;
       s_.turn *= 0.5;
       s_.since = 0;
-      const std::string why = !tried ? failure
-                                     : fmt::format("J would be {:.6g}, {:.2g} % above the best", tried->J,
-                                                   100 * (value - best) / std::abs(best));
+      const std::string why =
+          !tried ? failure : fmt::format("J would be {:.6g}, {} above the best", tried->J, excess(value, best));
       s_.phi = s_.best;
       design_ = best_;
       go_on = accept(design_, {fmt::format("back to iteration {}, half the step: {}", s_.best_iteration, why)});
@@ -420,10 +495,12 @@ OptimizeResult Mover::run() {
         s_.turn = std::min(1.2 * s_.turn, largest_turn);
       } else if (settled()) {
         ++s_.since;
-        notes.push_back(fmt::format("merit above the best by {:.2g} %, followed for at most {} iterations",
-                                    100 * (value - best) / std::abs(best), patience));
-      } else if (tried->J > design_->J) {
-        notes.push_back("J rises while the area falls");
+        notes.push_back(fmt::format("merit above the best by {}, followed for at most {} iterations",
+                                    excess(value, best), patience));
+      } else {
+        s_.step = std::min(1.2 * s_.step, largest_step * size_);
+        s_.turn = std::min(1.2 * s_.turn, largest_turn);
+        if (tried->J > design_->J) notes.push_back("J rises while the area falls");
       }
       s_.phi = next;
       s_.drawn = std::move(drawn);
@@ -436,9 +513,16 @@ OptimizeResult Mover::run() {
         s_.best_bounds = vector_of(design_->bounds);
         s_.best_iteration = s_.iteration;
       }
+      if (settled() && !r_.bounds.empty() && violation(*design_) < feasible && design_->J < s_.kept_J) {
+        s_.kept = next;
+        s_.kept_J = design_->J;
+        s_.kept_iteration = s_.iteration;
+        kept_ = design_;
+      }
       // Multipliers of the bounds, once the area is there.
       if (settled() && was_settled)
-        s_.lambda = (s_.lambda + stiffness_of_bounds * relative(vector_of(design_->bounds))).cwiseMax(0);
+        s_.lambda =
+            (s_.lambda + patient_multipliers * stiffness_of_bounds * relative(vector_of(design_->bounds))).cwiseMax(0);
     }
     if (settled() && s_.best.size() > 0) {
       s_.track.push_back(merit(s_.best_J, s_.best_area, s_.best_bounds));
@@ -451,10 +535,22 @@ OptimizeResult Mover::run() {
       stopped = fmt::format("no better design within a step of {:.2g}", 2 * s_.step);
     save();
   }
-  if (s_.best.size() > 0 && best_ != design_) {
-    s_.phi = s_.best;
-    ++s_.iteration;
-    accept(best_, {fmt::format("the best design, of iteration {}", s_.best_iteration)});
+  if (go_on && s_.ended.empty()) {
+    if (kept_ && best_ && violation(*best_) >= feasible) {
+      best_ = kept_;
+      s_.best = s_.kept;
+      s_.best_iteration = s_.kept_iteration;
+    }
+    if (s_.best.size() > 0 && best_ != design_) {
+      s_.phi = s_.best;
+      // What the step from the best design said of it.
+      for (const Iteration& row : s_.rows)
+        if (row.number == s_.best_iteration + 1) optimality_ = row.optimality;
+      ++s_.iteration;
+      accept(best_, {fmt::format("the best design, of iteration {}", s_.best_iteration)});
+      --s_.iteration;
+    }
+    s_.ended = stopped;
     save();
   }
   for (const Term& term : p_.objective.terms)
@@ -470,10 +566,24 @@ OptimizeResult Mover::run() {
   result.feasible = violation(*design_) < feasible;
   result.converged = stopped == "converged";
   result.stopped = go_on ? stopped : "stopped as asked";
-  if (!result.feasible) result.stopped += ", infeasible";
+  if (!result.feasible) result.stopped += ", infeasible: " + violated();
   result.history = s_.rows;
   result.shape = design_->shape;
   result.scene = design_->cases.front().model.scene;
+  if (r_.level_set.ersatz > 0) {
+    // What the phases stand for, as a body.
+    result.scene.regions.clear();
+    try {
+      Carved carved = carve(p_.frame, canvas_.mesh, s_.phi, carving_);
+      result.scene = with_cracks(scenes_of(p_, r_).front(), carved.crack_of);
+      result.shape = std::move(carved.shape);
+      result.notes.push_back(
+          "objective and volume are those with the weak phase; the state is that of the design without it");
+    } catch (const Error& error) {
+      if (error.fault != Fault::Geometry) throw;
+      result.notes.push_back(fmt::format("the strong phase alone is no body: {}", error.what()));
+    }
+  }
   return result;
 }
 
@@ -484,11 +594,14 @@ void Mover::save() const {
   c.numbers["psi"] = s_.psi;
   c.numbers["lambda"] = s_.lambda;
   c.numbers["best"] = s_.best;
+  c.numbers["kept"] = s_.kept;
   c.numbers["track"] = vector_of(s_.track);
   c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] = (Eigen::VectorXd(11) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier,
-                          s_.best_J, s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size)
-                             .finished();
+  c.numbers["scalars"] =
+      (Eigen::VectorXd(13) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier, s_.best_J,
+       s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size, s_.kept_J, s_.kept_iteration)
+          .finished();
+  c.texts["ended"] = s_.ended;
   c.texts["drawn"] = join(s_.drawn, "\n");
   write_rows(c, s_.rows);
   write_checkpoint(place_.path, c);
@@ -505,6 +618,9 @@ bool Mover::restore() {
   s_.psi = c->numbers.at("psi");
   s_.lambda = c->numbers.at("lambda");
   s_.best = c->numbers.at("best");
+  s_.kept = c->numbers.at("kept");
+  s_.kept_J = c->numbers.at("scalars")[11];
+  s_.kept_iteration = static_cast<int>(c->numbers.at("scalars")[12]);
   s_.best_bounds = c->numbers.at("best_bounds");
   const Eigen::VectorXd& x = c->numbers.at("scalars");
   s_.iteration = static_cast<int>(x[0]);
@@ -514,12 +630,18 @@ bool Mover::restore() {
   s_.since = static_cast<int>(x[9]);
   const Eigen::VectorXd& track = c->numbers.at("track");
   s_.track.assign(track.begin(), track.end());
+  s_.ended = c->texts.at("ended");
   s_.drawn = split_lines(c->texts.at("drawn"));
   s_.rows = read_rows(*c);
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
   fitted_.sizing.size = carving_.spacing = x[10];
+  if (s_.ended.starts_with(out_of_iterations) && s_.iteration < r_.max_iterations) {
+    s_.ended.clear();
+    if (s_.rows.back().number > s_.iteration) s_.rows.pop_back();
+  }
   design_ = evaluate(s_.phi);
   if (s_.best.size() > 0) best_ = s_.best == s_.phi ? design_ : evaluate(s_.best);
+  if (s_.kept.size() > 0) kept_ = s_.kept == s_.phi ? design_ : evaluate(s_.kept);
   return true;
 }
 

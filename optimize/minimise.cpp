@@ -304,7 +304,7 @@ nlopt_result Run::run(const std::string& method, const VectorXd& from) {
   if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
   nlopt_set_xtol_abs1(opt_, simplex ? std::max(stop_.step, 1e-4) : stop_.step);
   nlopt_set_ftol_rel(opt_, stop_.value);
-  if (simplex) nlopt_set_initial_step1(opt_, 0.1);
+  if (simplex) nlopt_set_initial_step1(opt_, stop_.simplex);
   std::vector<double> z(n);
   for (unsigned k = 0; k < n; ++k) {
     const Eigen::Index i = free_[k];

@@ -37,6 +37,7 @@ struct Stop {
   double feasibility = 1e-6;  // violations up to here do not count
   double step = 1e-7;         // change of the variables, relative to their boxes; 1e-4 for cobyla
   double value = 1e-8;        // relative change of the objective
+  double simplex = 0.1;       // cobyla: its first steps, relative to the boxes
 };
 
 struct Minimum {

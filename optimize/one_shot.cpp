@@ -70,10 +70,10 @@ Sought sought(const Drawn& d, std::size_t number, const Problem& p) {
     }
     case Kind::Inclusion:
       s.least = l[2], s.most = u[2];
-      for (const double young : l[3] < u[3] ? std::vector<double>{l[3], u[3]} : std::vector<double>{l[3]}) {
-        Variant v{.young = young};
+      for (int i = 0, last = l[3] < u[3] ? 8 : 0; i <= last; ++i) {
+        Variant v{.young = last > 0 ? l[3] * std::pow(u[3] / l[3], static_cast<double>(i) / last) : l[3]};
         v.what.kind = Perturbation::Kind::Inclusion;
-        v.what.inclusion = material_of(d, young, p);
+        v.what.inclusion = material_of(d, v.young, p);
         s.variants.push_back(v);
       }
       break;
@@ -172,7 +172,7 @@ Hats make_hats(const Shape& shape, Index label) {
     double length;
   };
   std::vector<Piece> pieces;
-  for (const Curve& c : h.line.curves) {
+  for (const BoundaryCurve& c : h.line.curves) {
     const int n = std::max(2, static_cast<int>(std::lround(wanted * c.arc.back() / h.line.length)));
     std::vector<Index> nodes;
     for (int i = 0; i <= n; ++i) {

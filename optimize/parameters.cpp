@@ -205,7 +205,7 @@ void Rounds::check_derivatives(const Trial& start) {
 
 void Rounds::show(const Iteration& row, const Trial& trial) {
   if (!see_) return;
-  const std::shared_ptr<const Solved> solved = trials_.solved(trial);
+  const std::shared_ptr<const SolvedTrial> solved = trials_.solved(trial);
   if (!see_({row, solved->body.shape, solved->model, solved->state})) stopped_ = true;
 }
 
@@ -307,7 +307,8 @@ OptimizeResult Rounds::run() {
                       .kkt = request_.tolerance,
                       .scale = scale,
                       .feasibility = feasibility,
-                      .value = 1e-2 * request_.tolerance});
+                      .value = 1e-3 * request_.tolerance,
+                      .simplex = round == 0 ? 0.1 : 0.02});
     for (const std::string& note : found.notes) result_.notes.push_back(note);
     for (const std::string& failure : found.failure) {
       const std::string note = "a trial could not be evaluated: " + failure;

@@ -50,7 +50,7 @@ Eigen::VectorXd Helmholtz::solve(const Eigen::VectorXd& load) const {
   return impl_->factor.solve(load);
 }
 
-Eigen::VectorXd smooth_along(const Curve& curve, const Eigen::VectorXd& length, double r,
+Eigen::VectorXd smooth_along(const EdgeCurve& curve, const Eigen::VectorXd& length, double r,
                              const Eigen::VectorXd& value) {
   const Eigen::Index n = static_cast<Eigen::Index>(curve.points.size());
   std::vector<Eigen::Triplet<double>> entries;
@@ -103,7 +103,7 @@ ElasticProduct::ElasticProduct(const Canvas& canvas, double r) : impl_(std::make
 ElasticProduct::~ElasticProduct() = default;
 ElasticProduct::ElasticProduct(ElasticProduct&&) noexcept = default;
 
-Eigen::VectorXd ElasticProduct::extend(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
+Eigen::VectorXd ElasticProduct::extend(const Canvas& canvas, const EdgeCurve& curve, const Eigen::VectorXd& speed,
                                        const Eigen::VectorXd& distance) const {
   const Eigen::Index n = distance.size();
   Eigen::Matrix2Xd gradient = Eigen::Matrix2Xd::Zero(2, n);  // of the distance, at vertices

@@ -23,14 +23,15 @@ class Helmholtz {
 };
 
 /// A closed or open curve of edges between points.
-struct Curve {
+struct EdgeCurve {
   std::vector<Vec2> points;
   std::vector<std::array<Index, 2>> edges;
 };
 
 /// v on the points of the curve with sum over edges int v w + r^2 v' w' ds = sum over edges length * value * w(middle):
 /// the gradient of values per edge in the H1 product of the curve. Edges have the lengths given.
-Eigen::VectorXd smooth_along(const Curve& curve, const Eigen::VectorXd& length, double r, const Eigen::VectorXd& value);
+Eigen::VectorXd smooth_along(const EdgeCurve& curve, const Eigen::VectorXd& length, double r,
+                             const Eigen::VectorXd& value);
 
 /// r^2 (eps(v), eps(w)) + (v, w) on the linear vector fields of a canvas, factorised once [Schulz, Siebenborn 2016].
 class ElasticProduct {
@@ -41,7 +42,7 @@ class ElasticProduct {
 
   /// Speeds on the points of a curve as a vector field on the canvas: its component along the gradient of `distance`,
   /// as fast as the given speeds where they are largest.
-  Eigen::VectorXd extend(const Canvas& canvas, const Curve& curve, const Eigen::VectorXd& speed,
+  Eigen::VectorXd extend(const Canvas& canvas, const EdgeCurve& curve, const Eigen::VectorXd& speed,
                          const Eigen::VectorXd& distance) const;
 
  private:

@@ -8,7 +8,7 @@ namespace kerf {
 
 /// dJ(theta) = sum over edges of length * density * theta.n on the boundary of a design that can move.
 struct BoundaryRate {
-  Curve curve;
+  EdgeCurve curve;
   std::vector<Vec2> middle, normal;
   Eigen::VectorXd length, density;  // per edge of the curve
 };

@@ -111,7 +111,7 @@ Measurement measure(const Synthetic& s, int threads) {
   Measurement out;
   std::vector<std::size_t> at_joint(static_cast<std::size_t>(data->line.joints), std::size_t(-1));
   std::vector<bool> known;  // no noise
-  for (const Curve& curve : data->line.curves) {
+  for (const BoundaryCurve& curve : data->line.curves) {
     const double length = curve.arc.back();
     const double wanted = std::max(1.0, std::round(length / spacing));
     if (!(wanted <= 1e5))

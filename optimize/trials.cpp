@@ -1,5 +1,6 @@
 #include "optimize/trials.hpp"
 
+#include "optimize/evaluate.hpp"
 #include "solver/element.hpp"
 #include "solver/solve.hpp"
 #include "topo/shape_gradient.hpp"
@@ -122,7 +123,7 @@ struct Trials::Impl {
   const Design& design;
   VectorXd lower, upper;
   double frame = 0;
-  std::vector<LoadCase> loads;  // one at least
+  std::vector<LoadCase> loads;  // one at least, with what the scene itself bears
   std::vector<Condition> conditions;
   std::vector<std::string> names;  // of constraints
   std::vector<double> bound_scale;
@@ -130,7 +131,7 @@ struct Trials::Impl {
   int round = -1;
   std::vector<Base> bases, before;  // of this round and the one before
   int clock = 0;
-  std::shared_ptr<const Solved> last;
+  std::shared_ptr<const SolvedTrial> last;
   VectorXd last_at;
 
   Impl(const Problem& p, const OptimizeRequest& r) : problem(p), request(r), design(r.design) {
@@ -139,7 +140,12 @@ struct Trials::Impl {
     upper = upper_bounds(design);
     frame = area(p.frame);
     loads = r.load_cases;
-    if (loads.empty()) loads.push_back({"", 1, p.scene.tractions, p.scene.body});
+    if (loads.empty()) loads.push_back({"", 1, {}, {}});
+    const std::vector<Scene> scenes = scenes_of(p, r);
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+      loads[l].tractions = scenes[l].tractions;
+      loads[l].body = scenes[l].body;
+    }
     std::vector<Forbidden> forbidden;
     const auto look_at = [&](const Functional& j) {
       refuse_moving_tips(j, design);
@@ -297,7 +303,7 @@ struct Trials::Impl {
         e.values[k] = bounded - request.bounds[b].at_most;
         if (gradients) e.gradients.col(k) = by;
       }
-      if (l == 0) last = std::make_shared<Solved>(Solved{body, std::move(model), std::move(state)});
+      if (l == 0) last = std::make_shared<SolvedTrial>(SolvedTrial{body, std::move(model), std::move(state)});
       last_at = x;
     }
     scale_bounds(trial.bounds);
@@ -379,7 +385,7 @@ void Trials::replay(const Trial& trial) {
   if (trial.evaluation.failure.empty()) impl_->scale_bounds(trial.bounds);
 }
 
-std::shared_ptr<const Solved> Trials::solved(const Trial& trial) {
+std::shared_ptr<const SolvedTrial> Trials::solved(const Trial& trial) {
   Impl& s = *impl_;
   const VectorXd& x = trial.evaluation.x;
   if (s.last && s.last_at == x) return s.last;
@@ -397,7 +403,7 @@ Trials::Check Trials::check_derivatives(const Trial& at, const VectorXd& directi
   const VectorXd along = direction.cwiseProduct(s.upper - s.lower);
   const Eigen::Index many =
       1 + s.count() - static_cast<Eigen::Index>(s.conditions.size());  // the conditions need no state
-  const std::shared_ptr<const Solved> last = s.last;
+  const std::shared_ptr<const SolvedTrial> last = s.last;
   const VectorXd last_at = s.last_at;
   Check check;
   const Base::Built& base = s.built(*s.nearest(x));

@@ -27,7 +27,7 @@ struct Trial {
 };
 
 /// The body of a trial and its state under the first load case.
-struct Solved {
+struct SolvedTrial {
   DrawnBody body;
   Model model;
   State state;
@@ -56,7 +56,7 @@ class Trials {
   void replay(const Trial& trial);
   /// The body of a trial of this round or the one before and its state, solved for again unless it was the last one to
   /// be evaluated.
-  std::shared_ptr<const Solved> solved(const Trial& trial);
+  std::shared_ptr<const SolvedTrial> solved(const Trial& trial);
 
   /// Relative errors of derivatives along a direction (in boxes) at a design of this round, against central differences
   /// on its moved mesh; the merit first, then what is constrained and needs the state. `state_solves`: what it took.

@@ -97,9 +97,10 @@ void draw_line(cairo_t* pen, const std::vector<Vec2>& pixels, const std::vector<
 /// One axis: `along` 0 is x, 1 is y. Returns the width of its widest label.
 double draw_axis(cairo_t* pen, const Frame& frame, int along, const Font& font) {
   const bool linear = along == 1 && frame.linear_y;
-  const LogTicks marks = linear
-                             ? LogTicks{ticks(frame.low[along], frame.high[along], most_ticks), {}}
-                             : log_ticks(std::pow(10, frame.low[along]), std::pow(10, frame.high[along]), most_ticks);
+  LogTicks marks = linear ? LogTicks{ticks(frame.low[along], frame.high[along], most_ticks), {}}
+                          : log_ticks(std::pow(10, frame.low[along]), std::pow(10, frame.high[along]), most_ticks);
+  if (frame.linear_y && along == 0)  // beside plain values, plain times
+    for (std::size_t i = 0; i < marks.major.at.size(); ++i) marks.major.labels[i] = pretty(marks.major.at[i]);
   const Box& plot = frame.plot;
   const auto at = [&](double value) {
     Vec2 p = frame.low;

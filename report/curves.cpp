@@ -246,9 +246,9 @@ void draw(const std::filesystem::path& path, const Curves& curves) {
     const Font small{20};
     const double above = panels.front().box.y - 18;
     const std::string name = curves.upper_label + ":";
-    const double name_end = last.x - tick_gap;
-    write(pen, {name_end, above}, name, small, 1, grey);
-    double free = name_end + 10;
+    const double width = text_width(pen, name, small), from = std::max(0.5 * margin, last.x - tick_gap - width);
+    write(pen, {from, above}, name, small, 0, grey);
+    double free = from + width + 10;
     for (const std::size_t i : kept) {
       const auto at = std::find(curves.x.begin(), curves.x.end(), across.at[i]);
       if (at == curves.x.end()) continue;

@@ -30,7 +30,7 @@ struct Extent {
   }
 };
 
-Extent extent(const Panel& panel) {
+Extent extent(const GalleryPanel& panel) {
   Extent e;
   e.take(panel.frame);
   e.take(panel.body);
@@ -39,7 +39,7 @@ Extent extent(const Panel& panel) {
 }
 
 struct Placed {
-  const Panel* panel;
+  const GalleryPanel* panel;
   Extent extent;
   double x, y, width, height;  // of the body
   double scale;                // pixels per length
@@ -55,7 +55,7 @@ void trace(cairo_t* pen, const Placed& at, const Polyline& line, bool closed) {
 }
 
 void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measure& measure) {
-  const Panel& panel = *at.panel;
+  const GalleryPanel& panel = *at.panel;
   const auto paths = [&](const std::vector<Polyline>& lines, bool closed) {
     cairo_new_path(pen);
     for (const Polyline& line : lines) trace(pen, at, line, closed);
@@ -85,7 +85,7 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
   const Measure measure = ruler();
   double widest = 0;
   for (const GalleryRow& row : gallery.rows)
-    for (const Panel& panel : row.panels) widest = std::max(widest, row.scale * extent(panel).size().x());
+    for (const GalleryPanel& panel : row.panels) widest = std::max(widest, row.scale * extent(panel).size().x());
   const double room = page_width - 2 * margin;
   const double scale = widest > 0 ? std::min(length_scale, room / widest) : length_scale;
   constexpr double least_width = 300;  // of a panel, so that its texts can be read
@@ -101,7 +101,7 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
     headings.emplace_back(y, &row);
     y += 1.3 * row_font.size + 10;
     double x = margin, line = 0;
-    for (const Panel& panel : row.panels) {
+    for (const GalleryPanel& panel : row.panels) {
       const Extent e = extent(panel);
       const Vec2 size = row.scale * scale * e.size();
       const double width = std::max(size.x(), least_width);

@@ -12,7 +12,7 @@ namespace kerf {
 
 using Polyline = std::vector<Vec2>;
 
-struct Panel {
+struct GalleryPanel {
   std::string title, caption;
   std::vector<Polyline> body;             // closed loops, material where an odd number of them lies around
   std::vector<Polyline> frame;            // thin closed lines: what the body could have filled
@@ -22,7 +22,7 @@ struct Panel {
 
 struct GalleryRow {
   std::string title;
-  std::vector<Panel> panels;
+  std::vector<GalleryPanel> panels;
   double scale = 1;  // against the other rows
 };
 

@@ -122,13 +122,18 @@ Curves history_curves(const OptimizeResult& result, const OptimizeNames& names, 
                             merit = column([](const Iteration&row) { return row.merit; });
   out.subtitle = fmt::format("{}, {} iterations, {} state solves; {}", result.method, result.iterations,
                              result.state_solves, result.stopped);
+  const bool apart = [&] {
+    for (std::size_t i = 0; i < merit.size(); ++i)
+      if (std::abs(merit[i] - objective[i]) > 1e-3 * std::abs(objective[i])) return true;
+    return false;
+  }();
   Panel first{.label = "objective J", .curves = {{"", objective}}, .share = 2};
-  if (merit != objective) {
+  if (apart) {
     first.curves[0].name = std::string("J");
-    first.curves.push_back({"J + penalty × area", merit});
+    first.curves.push_back({"what is minimised, with penalties", merit});
   }
   std::vector<double> all = objective;
-  if (merit != objective) all.insert(all.end(), merit.begin(), merit.end());
+  if (apart) all.insert(all.end(), merit.begin(), merit.end());
   first.logarithmic = wants_logarithm(all);
   out.panels.push_back(std::move(first));
   out.panels.push_back(

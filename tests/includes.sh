@@ -36,4 +36,11 @@ only cairo report/pen.hpp
 only nlohmann report/result.cpp bench/records.cpp
 only CLI app/main.cpp
 only spdlog app/progress.cpp
+# Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
+# single file belong into its anonymous namespace.
+while IFS= read -r name; do
+  echo "struct or class $name is defined in more than one header:" $(grep -lE "^(struct|class) $name( |$)[^;]*$" */*.hpp)
+  status=1
+done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" geometry/*.hpp solver/*.hpp topo/*.hpp \
+  optimize/*.hpp cases/*.hpp report/*.hpp bench/*.hpp app/*.hpp | awk '{print $2}' | sort | uniq -d)
 exit $status

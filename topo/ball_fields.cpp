@@ -83,8 +83,8 @@ double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const
   return area(shape) * sum;
 }
 
-InnerState inner_state(const Piece& inner, const Kernel& kernel, const Scene& scene, const Eigen::VectorXd& contour,
-                       bool body) {
+InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const Scene& scene,
+                       const Eigen::VectorXd& contour, bool body) {
   Model m{inner.part.mesh,
           kernel,
           scene,
@@ -132,7 +132,8 @@ double work_difference(const Model& m, const State& s, const State& change, cons
   return d;
 }
 
-void add_fields(State& s, const Piece& p, const Eigen::VectorXd& values, const Kernel& kernel, const Scene& scene) {
+void add_fields(State& s, const CondensedPiece& p, const Eigen::VectorXd& values, const Kernel& kernel,
+                const Scene& scene) {
   for (Index t = 0; t < static_cast<Index>(p.part.triangle.size()); ++t)
     s.interior.col(p.part.triangle[static_cast<std::size_t>(t)]) =
         interior(kernel, triangle(p.part.mesh, p.skeleton, t), material_of(p.part.mesh, scene, t), {},

@@ -29,8 +29,8 @@ struct InnerState {
   Model model;
   State state;
 };
-InnerState inner_state(const Piece& inner, const Kernel& kernel, const Scene& scene, const Eigen::VectorXd& contour,
-                       bool body);
+InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const Scene& scene,
+                       const Eigen::VectorXd& contour, bool body);
 double energy_inside(const InnerState& inner);
 
 /// Change of the work of the body force inside a ball: it stays where the body stays.
@@ -38,6 +38,7 @@ double work_difference(const Model& m, const State& s, const State& change, cons
                        const std::vector<bool>& ring, const InnerState* starred);
 
 /// Interior fields of a piece into the columns of its triangles in the whole.
-void add_fields(State& s, const Piece& p, const Eigen::VectorXd& values, const Kernel& kernel, const Scene& scene);
+void add_fields(State& s, const CondensedPiece& p, const Eigen::VectorXd& values, const Kernel& kernel,
+                const Scene& scene);
 
 }  // namespace kerf

@@ -6,14 +6,14 @@
 
 namespace kerf {
 
-Piece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept, const Kernel& k,
-               const Scene& scene, bool body) {
+CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
+                        const Kernel& k, const Scene& scene, bool body) {
   if (!is_mixed(k.element) || per_vertex(k.element) > 0)
     throw Error(Fault::Usage,
                 fmt::format("validation condenses onto edges; element \"{}\" has unknowns at vertices: use \"bdms\" or "
                             "another element without",
                             k.element.name));
-  Piece p;
+  CondensedPiece p;
   p.part = part(whole, use);
   Scene inside = scene;
   inside.supports.clear();
@@ -37,7 +37,7 @@ Piece condense(const Mesh& whole, const std::vector<bool>& use, const std::vecto
   return p;
 }
 
-Eigen::VectorXd complete(const Piece& p, const Eigen::VectorXd& kept, bool body) {
+Eigen::VectorXd complete(const CondensedPiece& p, const Eigen::VectorXd& kept, bool body) {
   Eigen::VectorXd y = body ? p.factor.forward(p.system.F) : Eigen::VectorXd::Zero(p.ordering.size).eval();
   y.tail(kept.size()) = p.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * kept;
   const Eigen::VectorXd x = p.factor.backward(y);

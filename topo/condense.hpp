@@ -8,7 +8,7 @@ namespace kerf {
 
 /// K x = load on the kept edges' unknowns, everything else in the piece eliminated; no supports in it. The piece need
 /// not be held: `K` has the rigid motions as its kernel.
-struct Piece {
+struct CondensedPiece {
   Part part;
   Skeleton skeleton;
   Ordering ordering;
@@ -19,10 +19,10 @@ struct Piece {
   Eigen::VectorXd load;
 };
 /// `kept`: edges of the whole. `body`: with the body force. Throws Error(Usage) for elements with unknowns at vertices.
-Piece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept, const Kernel& k,
-               const Scene& scene, bool body);
+CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
+                        const Kernel& k, const Scene& scene, bool body);
 
 /// All skeleton unknowns of the piece from those of its kept edges; `body` as in condense.
-Eigen::VectorXd complete(const Piece& piece, const Eigen::VectorXd& kept, bool body);
+Eigen::VectorXd complete(const CondensedPiece& piece, const Eigen::VectorXd& kept, bool body);
 
 }  // namespace kerf

@@ -27,7 +27,7 @@ struct Differences::Change {
 struct Differences::Solved {
   std::vector<bool> disc;  // triangles inside the contour
   std::vector<Index> contour;
-  std::optional<Piece> annulus, inner;
+  std::optional<CondensedPiece> annulus, inner;
   std::vector<Change> changes;  // per body
   std::vector<double> energy;
   bool same_contact = true;
@@ -199,7 +199,7 @@ std::vector<Differences::Solved> Differences::solve(std::size_t ball, const Ball
   const Eigen::Index nb = static_cast<Eigen::Index>(contours[0].size()) * a_.model->skeleton.per_edge;
   const Scene scene = floored(a_.model->scene);
   const bool body = static_cast<bool>(scene.body);
-  const Piece full = condense(whole, shells(0, all), contours[0], kernel, scene, false);
+  const CondensedPiece full = condense(whole, shells(0, all), contours[0], kernel, scene, false);
   const Scene star = starred_scene();
   for (const auto& b : bodies_) {
     if (b->ball == ball) continue;
@@ -230,11 +230,11 @@ std::vector<Differences::Solved> Differences::solve(std::size_t ball, const Ball
     std::vector<Index> both = contours[0];
     both.insert(both.end(), contours[k].begin(), contours[k].end());
     of.annulus.emplace(condense(whole, shells(0, k), both, kernel, scene, false));
-    const Piece& annulus = *of.annulus;
+    const CondensedPiece& annulus = *of.annulus;
     const auto A00 = annulus.K.topLeftCorner(nb, nb);
     const auto A0k = annulus.K.topRightCorner(nb, nb);
     const auto Akk = annulus.K.bottomRightCorner(nb, nb);
-    std::optional<Piece>& inner = of.inner;
+    std::optional<CondensedPiece>& inner = of.inner;
     if (p_.kind == Kind::Inclusion) inner.emplace(condense(whole, disc, contours[k], kernel, star, body));
     Eigen::LLT<Eigen::MatrixXd> middle;
     Eigen::MatrixXd outer = A00;

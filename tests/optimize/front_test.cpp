@@ -50,14 +50,14 @@ TEST(Front, DistancesToACircleAreThoseOfTheCircle) {
 TEST(Front, TheFreeRimIsABoundaryToo) {
   const Canvas c = canvas({.held = {3}});
   const Eigen::VectorXd d = signed_distance(c, Eigen::VectorXd::Constant(c.lumped.size(), -1));
-  EXPECT_LT(d.maxCoeff(), 0);  // it keeps its sign on the rim
-  EXPECT_NEAR(value_at(c, d, {1, 0.5}), -0.5, 0.025);  // between two rows of vertices
+  EXPECT_LT(d.maxCoeff(), 0);                            // it keeps its sign on the rim
+  EXPECT_NEAR(value_at(c, d, {1, 0.5}), -0.5, 0.025);    // between two rows of vertices
   EXPECT_NEAR(value_at(c, d, {0.02, 0.5}), -0.5, 0.02);  // the support is no boundary that moves
 }
 
 TEST(Front, AreasAreMetByShiftsAndFrozenPartsStay) {
   Solid solid;
-  solid.loops = {polygon("pad", {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}}, none)};
+  solid.loops = {{polygon("pad", {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}}, none), 0}};
   const Canvas c = canvas(solid);
   const Eigen::VectorXd phi = sample(c, [](const Vec2& x) { return std::sin(5 * x.x()) * std::cos(4 * x.y()); });
   for (const double area : {0.3, 0.9, 1.7}) {
@@ -113,8 +113,8 @@ TEST(Regularise, ConstantsAreTheirOwnGradients) {
   EXPECT_NEAR(value_at(c, v, {0.1, 0.5}), std::cos(0.1 * std::numbers::pi) / (1 + 0.01 * 9.8696), 2e-3);
 }
 
-Curve ring(int n) {
-  Curve curve;
+EdgeCurve ring(int n) {
+  EdgeCurve curve;
   for (int i = 0; i < n; ++i) {
     const double a = 2 * std::numbers::pi * i / n;
     curve.points.emplace_back(1 + 0.3 * std::cos(a), 0.5 + 0.3 * std::sin(a));
@@ -125,7 +125,7 @@ Curve ring(int n) {
 
 TEST(Regularise, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
   const int n = 200;
-  const Curve curve = ring(n);
+  const EdgeCurve curve = ring(n);
   const double h = (curve.points[1] - curve.points[0]).norm();
   const Eigen::VectorXd length = Eigen::VectorXd::Constant(n, h);
   Eigen::VectorXd value(n);
@@ -137,7 +137,7 @@ TEST(Regularise, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
 
 TEST(Regularise, ElasticFieldsMoveWithTheSpeeds) {
   const Canvas c = canvas();
-  const Curve curve = ring(80);
+  const EdgeCurve curve = ring(80);
   const Eigen::VectorXd d = sample(c, [](const Vec2& x) { return (x - Vec2(1, 0.5)).norm() - 0.3; });
   const ElasticProduct elastic(c, 0.1);
   const Eigen::VectorXd v = elastic.extend(c, curve, Eigen::VectorXd::Constant(80, 0.02), d);

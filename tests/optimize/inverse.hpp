@@ -21,7 +21,7 @@ struct Plate {
   double true_size = 0.025;  // of the true body's
   std::string element = "bdms", true_element = "p2";
 
-  Problem problem() const {
+  Problem frame() const {
     Problem p;
     p.frame.labels = {"bottom", "rest"};
     p.frame.outline = polygon("outline", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 1);
@@ -31,10 +31,11 @@ struct Plate {
     p.scene.tractions = {{1, [](const Vec2&, const Vec2& n) { return Vec2(0.5 * n.x(), n.y()); }}};
     p.sizing.size = size;
     p.element = element;
-    if (holes.empty() && inclusions.empty() && cracks.empty()) {
-      p.objective = {"misfit", {misfit(1, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); })}};
-      return p;
-    }
+    p.objective = {"misfit", {misfit(1, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); })}};
+    return p;
+  }
+  Synthetic truth() const {
+    const Problem p = frame();
     Synthetic s{.true_shape = p.frame, .true_scene = p.scene, .element = cracks.empty() ? true_element : "afw"};
     s.sizing.size = true_size;
     s.spacing = size;
@@ -48,10 +49,16 @@ struct Plate {
       s.true_scene.regions.push_back(plane_strain(inclusion_young, 0.3));
     }
     for (const auto& [a, b] : cracks) {
-      s.true_shape.cracks.push_back({"true", {a, b}});
+      s.true_shape.cracks.push_back({"true", {a, b}, {}});
       s.true_scene.laws.emplace_back();
     }
-    p.objective = with_measured({"misfit", {misfit(1, {})}}, 1, measure(s).field);
+    return s;
+  }
+  /// With the measurements, if there is something to be found.
+  Problem problem() const {
+    Problem p = frame();
+    if (!holes.empty() || !inclusions.empty() || !cracks.empty())
+      p.objective = with_measured(std::move(p.objective), 1, measure(truth()).field);
     return p;
   }
 
