@@ -155,7 +155,8 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
   std::vector<std::string> items = {item("objective", o.objective), item("volume fraction", o.volume_fraction)};
   if (!o.history.empty()) items[0] += " from " + six(o.history.front().objective);
   if (std::isfinite(o.optimality)) items.push_back(item("optimality", o.optimality));
-  if (!o.history.empty()) items.push_back(fmt::format("{} holes", o.history.back().holes));
+  if (!o.history.empty())
+    items.push_back(fmt::format("{} hole{}", o.history.back().holes, o.history.back().holes == 1 ? "" : "s"));
   add(out, "", items);
   if (!o.history.empty())
     for (std::size_t i = 0; i < std::min(names.bounds.size(), o.history.back().bounds.size()); ++i)
