@@ -300,7 +300,7 @@ int perform(const Arguments& arguments) {
   options.resume = arguments.resume;
   if (options.resume) check_checkpoint(options.folder, c);
   // Nothing to resume: a run like any other, which overwrites nothing.
-  options.resume = options.resume && has_checkpoint(options.folder);
+  if (c.optimize) options.resume = options.resume && has_checkpoint(options.folder);
   make_ready(options.folder, arguments.force || options.resume);
   catch_signals();
   Progress progress(log_level(arguments));
