@@ -199,6 +199,10 @@ TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
   // The state is that of the design: another mesh of it gives nearly the objective.
   EXPECT_NEAR(r["state"]["area"].get<double>(), 2 * 0.85, 1e-2);
   EXPECT_NEAR(r["state"]["compliance"].get<double>() / o["objective"].get<double>(), 1, 0.02);
+  EXPECT_EQ(r["functional"]["value"], o["objective"]);
+  EXPECT_FALSE(r.contains("map"));
+
+  const std::vector<std::string> history = lines_of(read_all(folder / "out/history.csv"));
   // The header, the start, and once more the best design where that is not the last one.
   const std::size_t rows = o["iterations"].get<std::size_t>() + 2;
   EXPECT_TRUE(history.size() == rows || history.size() == rows + 1) << history.size();
