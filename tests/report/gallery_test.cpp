@@ -45,7 +45,7 @@ Polyline square(double low, double high) {
   return {{low, low}, {high, low}, {high, high}, {low, high}};
 }
 
-Panel panel() {
+GalleryPanel panel() {
   return {.title = "a",
           .caption = "1",
           .body = {square(0, 1), square(0.25, 0.75)},
