@@ -112,6 +112,35 @@ TEST(Parameters, TheVolumeConstraintIsActiveAndExact) {
   }
 }
 
+TEST(Parameters, ASplineUnderEqualPullOnAllSidesBecomesACircle) {
+  Problem p = plate();
+  const auto pull = [](const Vec2&, const Vec2& n) -> Vec2 { return n; };
+  p.scene.supports.erase(p.scene.supports.begin() + 1);  // rollers on the left and at the bottom
+  p.scene.tractions = {{1, pull}, {2, pull}};
+  p.sizing = {.size = 0.25};
+  OptimizeRequest r{.method = "slsqp", .max_iterations = 40};
+  VectorXd start(16);
+  for (int i = 0; i < 8; ++i)
+    start.segment<2>(2 * i) = (i == 0 || i == 3 ? 0.4 : 0.28) * Vec2(std::cos(M_PI * i / 4), std::sin(M_PI * i / 4));
+  r.design.drawn = {drawn(Drawn::Kind::Spline, "s", start, 0.25)};
+  r.volume_at_most = 1 - 0.09 * M_PI / 4;
+  const OptimizeResult found = quietly(p, r);
+  EXPECT_TRUE(found.converged) << found.stopped;
+  EXPECT_NEAR(found.volume_fraction, *r.volume_at_most, 1e-5);
+  const auto roundness = [](const Loop& loop) {  // 1 for a circle
+    const Polygon polygon = flatten(loop, 1e-3, 1);
+    double area = 0, length = 0;
+    for (std::size_t i = 0; i < polygon.points.size(); ++i) {
+      const Vec2 &from = polygon.points[i], &to = polygon.points[(i + 1) % polygon.points.size()];
+      area += cross(from, to) / 2;
+      length += (to - from).norm();
+    }
+    return 4 * M_PI * area / (length * length);
+  };
+  EXPECT_LT(roundness(draw(r.design, start, p).shape.holes[0]), 0.97);
+  EXPECT_GT(roundness(found.shape.holes[0]), 0.995);
+}
+
 TEST(Parameters, TwoHolesKeepTheirDistanceAndTheLigament) {
   // Both want to where the load is weakest, the right side: they touch it and each other as near as they may.
   Problem p = plate();
