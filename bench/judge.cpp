@@ -1,12 +1,14 @@
 #include "bench/judge.hpp"
 
 #include "geometry/carve.hpp"
+#include "geometry/segment.hpp"
 #include "solver/adaptive.hpp"
 #include "solver/bounds.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -66,21 +68,46 @@ bool loaded(const OptimizeProblem& p, Index label) {
   return std::ranges::any_of(p.problem.scene.tractions, [&](const Traction& t) { return t.label == label; });
 }
 
-/// What is left of `thickness` above the loads, seen from each vertex: negative close to them.
-Eigen::VectorXd above_loads(const OptimizeProblem& p, const Mesh& mesh, double thickness) {
-  std::vector<std::array<Vec2, 2>> segments;
-  const auto& sides = p.problem.frame.outline.sides;
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    if (loaded(p, sides[i].label)) segments.push_back({sides[i].start, sides[(i + 1) % sides.size()].start});
+using Segments = std::vector<std::array<Vec2, 2>>;
+
+double distance_to(const Segments& segments, const Vec2& x) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [a, b] : segments) nearest = std::min(nearest, distance(x, a, b));
+  return nearest;
+}
+
+bool encloses(const Segments& closed, const Vec2& x) {
+  bool inside = false;
+  for (const auto& [a, b] : closed)
+    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      inside = !inside;
+  return inside;
+}
+
+/// Distance of each vertex to what is solid whatever the field says, negative inside: `thickness` along the loads, and
+/// the frozen parts.
+Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double thickness) {
+  Segments loads;
+  std::vector<Segments> frozen;
+  const auto side = [](const Loop& loop, std::size_t i) -> std::array<Vec2, 2> {
+    return {loop.sides[i].start, loop.sides[(i + 1) % loop.sides.size()].start};
+  };
+  const Loop& outline = p.problem.frame.outline;
+  for (std::size_t i = 0; i < outline.sides.size(); ++i)
+    if (loaded(p, outline.sides[i].label)) loads.push_back(side(outline, i));
+  for (const Loop& loop : p.frozen) {
+    frozen.emplace_back();
+    for (std::size_t i = 0; i < loop.sides.size(); ++i) frozen.back().push_back(side(loop, i));
+  }
   Eigen::VectorXd out(static_cast<Eigen::Index>(mesh.points.size()));
   for (Eigen::Index v = 0; v < out.size(); ++v) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b] : segments) {
-      const Vec2& x = mesh.points[v];
-      const double t = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-      nearest = std::min(nearest, (a + t * (b - a) - x).norm());
+    const Vec2& x = mesh.points[v];
+    out[v] = distance_to(loads, x) - thickness;
+    for (const Segments& closed : frozen) {
+      const double away = distance_to(closed, x);
+      // On the frame's own boundary, where these parts end, they are solid.
+      out[v] = std::min(out[v], encloses(closed, x) || away < 1e-9 ? -std::max(away, thickness) : away);
     }
-    out[v] = nearest - thickness;
   }
   return out;
 }
@@ -102,7 +129,7 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
   double low = value.minCoeff(), high = value.maxCoeff();
   if (!(high > low)) throw Error(Fault::Geometry, "a field that is constant makes no body");
   const double edge = mean_edge(background), spread = high - low;
-  const Eigen::VectorXd solid = above_loads(p, background, 1.5 * edge) * (spread / edge);
+  const Eigen::VectorXd solid = solid_parts(p, background, 1.5 * edge) * (spread / edge);
   const auto at = [&](double level) -> Eigen::VectorXd { return (value.array() - level).matrix().cwiseMin(solid); };
 
   Carving how{.tolerance = 0.1 * edge, .least_area = edge * edge};

@@ -12,8 +12,9 @@ struct GridField {
   std::vector<double> value;    // row by row from the bottom, each from the left
 };
 
-/// The material below the level at which its area is the problem's fraction, loose pieces left out; along the loads
-/// there is always some. `background` is a mesh of the frame. Throws Error(Geometry) for a field that makes no body.
+/// The material below the level at which its area is the problem's fraction, loose pieces left out; along the loads and
+/// in frozen parts there is always some. `background` is a mesh of the frame. Throws Error(Geometry) for a field that
+/// makes no body.
 Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background);
 
 double frame_area(const OptimizeProblem& p);

@@ -80,6 +80,8 @@ class Runner {
                                         .stop_asked = options_.stop_asked,
                                         .on_phase = options_.on_phase});
     bench_.notes.insert(bench_.notes.end(), all.notes.begin(), all.notes.end());
+    const auto program = [](const DesignPeer& peer) { return peer.name.substr(0, peer.name.find(',')); };
+    std::ranges::stable_sort(all.runs, {}, program);
     for (const OptimizeProblem& p : optimize_problems()) {
       std::optional<Mesh> coarse, finer;
       for (const DesignPeer& peer : all.runs) {
@@ -115,7 +117,7 @@ class Runner {
   void remeshing() {
     if (!wanted(options_.cases, "remesh") || stopped()) return;
     attempt("remeshing",
-            [&] { bench_.remeshing = options_.quick ? measure_remeshing(0.03, 2) : measure_remeshing(0.0098, 8); });
+            [&] { bench_.remeshing = options_.quick ? measure_remeshing(0.03, 2) : measure_remeshing(0.0105, 8); });
   }
 
   void random_designs() {

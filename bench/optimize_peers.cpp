@@ -30,7 +30,7 @@ std::vector<Job> simp_jobs(bool quick) {
   std::vector<Job> jobs;
   for (const OptimizeProblem& p : optimize_problems())
     for (const int n : quick ? std::vector{20} : std::vector{50, 100})
-      jobs.push_back({p.name, fmt::format("SIMP, {} cells per length", n),
+      jobs.push_back({p.name, fmt::format("SIMP, n = {}", n),
                       fmt::format("{} simp_trace.py {} {} {} {}", python, p.name, n, quick ? 10 : 100, trace_file), n});
   return jobs;
 }
@@ -40,7 +40,7 @@ std::vector<Job> freefem_jobs(bool quick) {
   for (const char* name : {"cantilever", "mbb"})
     for (const int n : quick ? std::vector{20} : std::vector{50, 100})
       jobs.push_back(
-          {name, fmt::format("FreeFem++ level set, {} cells per length", n),
+          {name, fmt::format("FreeFem++ level set, n = {}", n),
            fmt::format("{} -nw -v 0 {} -n {} -ps 1 -case {} -maxit {}", freefem, traced, n, name, quick ? 25 : 100),
            n});
   return jobs;

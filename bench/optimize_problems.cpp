@@ -151,7 +151,7 @@ OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& s
   r.max_iterations = 80;
   r.tolerance = 5e-4;
   r.level_set.nucleate_every = 2;
-  r.level_set.nucleate_fraction = 0.03;
+  r.level_set.nucleate_fraction = 0.02;
   r.level_set.frozen = p.frozen;
   r.level_set.ersatz = p.ersatz;
   r.level_set.mirror = p.mirror;

@@ -63,9 +63,9 @@ struct Progress {
   std::vector<Iteration> rows;
 };
 
-class Mover {
+class LevelSetRun {
  public:
-  Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place);
+  LevelSetRun(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place);
   OptimizeResult run();
 
  private:
@@ -135,7 +135,7 @@ Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std:
   return solid;
 }
 
-Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place)
+LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place)
     : p_(p), r_(r), see_(see), place_(place), fitted_(p) {
   const LevelSetRequest& how = r.level_set;
   for (const Term& term : p.objective.terms)
@@ -178,14 +178,15 @@ Mover::Mover(const Problem& p, const OptimizeRequest& r, const Observer& see, co
     filter_ = std::make_unique<Helmholtz>(canvas_, how.smoothing > 0 ? how.smoothing : 1.5 * canvas_.size);
 }
 
-Mover::Design Mover::evaluate(const Eigen::VectorXd& phi) const {
+LevelSetRun::Design LevelSetRun::evaluate(const Eigen::VectorXd& phi) const {
   if (r_.level_set.ersatz > 0) return std::make_shared<Evaluated>(evaluate_ersatz(fitted_, r_, canvas_, phi));
   Carved carved = carve(p_.frame, canvas_.mesh, phi, carving_);
   return std::make_shared<Evaluated>(evaluate_design(fitted_, r_, std::move(carved.shape), carved.crack_of));
 }
 
 /// Shifts phi until the shape drawn has the wanted area, meshes and solves.
-Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes, std::vector<std::string>& drawn) {
+LevelSetRun::Design LevelSetRun::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes,
+                                       std::vector<std::string>& drawn) {
   if (r_.level_set.ersatz > 0) {
     ++s_.solves;
     return evaluate(phi);
@@ -223,7 +224,7 @@ Mover::Design Mover::trial(Eigen::VectorXd& phi, std::vector<std::string>& notes
 }
 
 /// (value - bound) / |bound|.
-Eigen::VectorXd Mover::relative(const Eigen::VectorXd& bounds) const {
+Eigen::VectorXd LevelSetRun::relative(const Eigen::VectorXd& bounds) const {
   Eigen::VectorXd c(bounds.size());
   for (Eigen::Index i = 0; i < c.size(); ++i) {
     const double most = r_.bounds[static_cast<std::size_t>(i)].at_most;
@@ -236,7 +237,7 @@ constexpr double patient_multipliers = 0.2;  // of the step that the augmented L
 constexpr double stiffness_of_bounds = 5;    // of the augmented Lagrangian, in units of J
 
 /// J + price of area + augmented Lagrangian of the bounds [Rockafellar 1973], in units of J of the start.
-double Mover::merit(double J, double area, const Eigen::VectorXd& bounds) const {
+double LevelSetRun::merit(double J, double area, const Eigen::VectorXd& bounds) const {
   const double unit = s_.rows.empty() ? std::abs(J) : std::abs(s_.rows.front().objective);
   const double price = penalised_ ? r_.volume_penalty : s_.multiplier;
   double value = J + r_.volume_penalty * area + (penalised_ ? 0 : price * (area - s_.wanted));
@@ -258,18 +259,18 @@ Eigen::VectorXd vector_of(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-double Mover::merit(const Evaluated& e) const {
+double LevelSetRun::merit(const Evaluated& e) const {
   return merit(e.J, e.area, vector_of(e.bounds));
 }
 
-double Mover::violation(const Evaluated& e) const {
+double LevelSetRun::violation(const Evaluated& e) const {
   double worst = penalised_ ? 0 : std::max(0.0, e.area / target_ - 1);
   const Eigen::VectorXd c = relative(vector_of(e.bounds));
   return c.size() > 0 ? std::max(worst, c.maxCoeff()) : worst;
 }
 
 /// What the design violates, in words.
-std::string Mover::violated() const {
+std::string LevelSetRun::violated() const {
   std::vector<std::string> all;
   if (!penalised_ && design_->area > (1 + feasible) * target_)
     all.push_back(fmt::format("volume fraction {:.4g} > {:.4g}", design_->area / whole_, target_ / whole_));
@@ -280,7 +281,7 @@ std::string Mover::violated() const {
 }
 
 /// d merit / d bound, per bound.
-std::vector<double> Mover::weights(const Evaluated& e) const {
+std::vector<double> LevelSetRun::weights(const Evaluated& e) const {
   const double unit = std::abs(s_.rows.front().objective);
   const Eigen::VectorXd c = relative(vector_of(e.bounds));
   std::vector<double> w;
@@ -292,7 +293,7 @@ std::vector<double> Mover::weights(const Evaluated& e) const {
 
 /// T of the merit without its area at the centroids of the first load case's mesh; a weak phase: minus that of becoming
 /// solid.
-Eigen::VectorXd Mover::derivative(const Evaluated& e) const {
+Eigen::VectorXd LevelSetRun::derivative(const Evaluated& e) const {
   const Mesh& mesh = e.cases.front().model.mesh;
   const Perturbation hole = r_.level_set.ersatz > 0
                                 ? Perturbation{.kind = Perturbation::Kind::Inclusion,
@@ -324,7 +325,7 @@ double lower_third(const Eigen::VectorXd& values) {
   return *at;
 }
 
-Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& notes) {
+Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::string>& notes) {
   const LevelSetRequest& how = r_.level_set;
   const std::vector<WeightedAnalysis> objective = analyse_objective(e);
   BoundaryRate rate = boundary_rate(e, objective);
@@ -360,7 +361,7 @@ Eigen::VectorXd Mover::shape_step(const Evaluated& e, std::vector<std::string>& 
   return next;
 }
 
-Eigen::VectorXd Mover::fixed_point_step(const Evaluated& e) {
+Eigen::VectorXd LevelSetRun::fixed_point_step(const Evaluated& e) {
   const Eigen::VectorXd T = derivative(e);
   const FixedPoint f = fixed_point(canvas_, *filter_, e.cases.front().model.mesh, T, s_.psi, s_.turn,
                                    penalised_ ? std::optional(r_.volume_penalty) : std::nullopt, s_.wanted);
@@ -372,7 +373,7 @@ Eigen::VectorXd Mover::fixed_point_step(const Evaluated& e) {
   return penalised_ ? next : with_area(canvas_, next, s_.wanted);
 }
 
-bool Mover::accept(Design e, std::vector<std::string> notes) {
+bool LevelSetRun::accept(Design e, std::vector<std::string> notes) {
   design_ = std::move(e);
   Iteration row{.number = s_.iteration,
                 .objective = design_->J,
@@ -390,7 +391,7 @@ bool Mover::accept(Design e, std::vector<std::string> notes) {
   return !see_ || see_({s_.rows.back(), design_->shape, design_->cases.front().model, design_->cases.front().state});
 }
 
-OptimizeResult Mover::run() {
+OptimizeResult LevelSetRun::run() {
   OptimizeResult result{.method = "level-set"};
   bool go_on = true;
   if (!restore()) {
@@ -587,7 +588,7 @@ OptimizeResult Mover::run() {
   return result;
 }
 
-void Mover::save() const {
+void LevelSetRun::save() const {
   if (place_.path.empty()) return;
   Checkpoint c{.fingerprint = place_.fingerprint};
   c.numbers["phi"] = s_.phi;
@@ -607,7 +608,7 @@ void Mover::save() const {
   write_checkpoint(place_.path, c);
 }
 
-bool Mover::restore() {
+bool LevelSetRun::restore() {
   if (!place_.resume || place_.path.empty()) return false;
   const std::optional<Checkpoint> c = read_checkpoint(place_.path);
   if (!c) return false;
@@ -649,7 +650,7 @@ bool Mover::restore() {
 
 OptimizeResult optimise_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place) {
-  return Mover(p, r, see, place).run();
+  return LevelSetRun(p, r, see, place).run();
 }
 
 }  // namespace kerf

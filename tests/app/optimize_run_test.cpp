@@ -203,9 +203,9 @@ TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
   EXPECT_FALSE(r.contains("map"));
 
   const std::vector<std::string> history = lines_of(read_all(folder / "out/history.csv"));
-  // The head, the start, the iterations, and the best one again where it is not the last.
-  ASSERT_GE(history.size(), o["iterations"].get<std::size_t>() + 2);
-  ASSERT_LE(history.size(), o["iterations"].get<std::size_t>() + 3);
+  // The header, the start, and once more the best design where that is not the last one.
+  const std::size_t rows = o["iterations"].get<std::size_t>() + 2;
+  EXPECT_TRUE(history.size() == rows || history.size() == rows + 1) << history.size();
   EXPECT_EQ(history[0],
             "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,note");
   const std::vector<std::string> pvd = lines_of(read_all(folder / "out/optimize.pvd"));

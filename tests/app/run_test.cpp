@@ -55,7 +55,8 @@ TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   EXPECT_EQ(r["case"], "cracked_plate");
   EXPECT_EQ(r["status"], "ok");
   expect_keys(r["optimize"],
-              {"method", "iterations", "state_solves", "objective", "volume_fraction", "feasible", "stopped"}, "optimize");
+              {"method", "iterations", "state_solves", "objective", "volume_fraction", "feasible", "stopped"},
+              "optimize");
   EXPECT_NEAR(r["optimize"]["volume_fraction"].get<double>(), 0.85, 1e-3);
   expect_keys(r["mesh"], {"triangles", "vertices", "h_min", "h_max", "min_angle_deg"}, "mesh");
   expect_keys(r["state"],

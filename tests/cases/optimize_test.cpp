@@ -228,6 +228,36 @@ name = "weight"
 force = [0, "-x"]
 )";
 
+// start = "map": boxes alone, with something drawable to begin from even where all boxes are the same.
+TEST(Optimize, AStartMayBeReadOffTheMap) {
+  const std::string head = plate + pull + "[optimize]\nmethod = 'mma'\nvolume = { at_most = 0.5 }\n";
+  const Case c = read(head + R"([[optimize.hole]]
+circle = { center = [[0.2, 0.8], [0.2, 0.8]], radius = [0.05, 0.2] }
+start = "map"
+[[optimize.hole]]
+spline = { points = [[[0.2, 0.8], [0.2, 0.8]], [[0.2, 0.8], [0.2, 0.8]], [[0.2, 0.8], [0.2, 0.8]], [[0.2, 0.8], [0.2, 0.8]]] }
+start = "map"
+[[optimize.crack]]
+path = [[[0.2, 0.8], [0.2, 0.8]], [[0.2, 0.8], [0.2, 0.8]]]
+start = "map"
+[[optimize.region]]
+circle = { center = [[0.2, 0.8], [0.2, 0.8]], radius = [0.05, 0.2] }
+young = [1, 10]
+poisson = 0.3
+)");
+  const std::vector<Drawn>& drawn = c.optimize->design.drawn;
+  ASSERT_EQ(drawn.size(), 4u);
+  for (const std::size_t k : {0, 1, 2}) EXPECT_TRUE(drawn[k].from_map);
+  EXPECT_FALSE(drawn[3].from_map);
+  EXPECT_NE(drawn[1].start.segment<2>(0), drawn[1].start.segment<2>(2));
+  EXPECT_NE(drawn[2].start.head<2>(), drawn[2].start.tail<2>());
+  for (const Drawn& d : drawn)
+    EXPECT_TRUE((d.start.array() >= d.lower.array()).all() && (d.start.array() <= d.upper.array()).all());
+  EXPECT_NE(error(head + "[[optimize.hole]]\ncircle = { center = [0.5, [0.2, 0.8]], radius = 0.1 }\nstart = 'mpa'\n")
+                .find("start in [[optimize.hole]]"),
+            std::string::npos);
+}
+
 TEST(LoadCases, CarryTheirOwnLoadsAndTheFirstIsSolved) {
   const Case c = read(plate + two_loads);
   const std::vector<LoadCase>& l = c.optimize->load_cases;

@@ -71,6 +71,17 @@ TEST(Chart, TakesASinglePoint) {
   EXPECT_GT(drawn(chart, blue), 50);
 }
 
+TEST(Chart, HasALinearAxisForValues) {
+  Chart chart = falling();
+  chart.series[0].points = {{0.1, -2}, {1, 0}, {10, 3}};
+  EXPECT_LT(drawn(chart, blue), drawn(falling(), blue));  // a single point has a logarithm
+  chart.linear_y = true;
+  const long marked = drawn(chart, blue);
+  EXPECT_GT(marked, 2000);
+  chart.series[0].marked_at_end = true;
+  EXPECT_LT(drawn(chart, blue), marked);
+}
+
 TEST(Chart, NamesTheFileThatCannotBeWritten) {
   try {
     draw("/no/such/folder/chart.png", falling());
