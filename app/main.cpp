@@ -298,6 +298,8 @@ int perform(const Arguments& arguments) {
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
   options.resume = arguments.resume;
+  if (options.resume && !c.optimize)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
   if (options.resume) check_checkpoint(options.folder, c);
   // Nothing to resume: a run like any other, which overwrites nothing.
   if (c.optimize) options.resume = options.resume && has_checkpoint(options.folder);

@@ -290,13 +290,13 @@ TEST_F(Optimize, AStopAskedForIsCleanAndChangesNothing) {
     const std::string file = std::string(name) + ".toml", whole = std::string(name) + "_whole",
                       cut = std::string(name) + "_cut";
     write(file, *text);
-    ASSERT_EQ(kerf({"optimize", file, "-o", whole, "--quiet"}), 0) << error();
+    ASSERT_EQ(kerf({"optimize", file, "-o", whole, "--quiet", "--set", "output.png=false"}), 0) << error();
     EXPECT_EQ(interrupt({"optimize", file, "-o", cut, "--quiet"}, folder / cut / "design_0002.vtu", SIGINT), 4);
     EXPECT_NE(error().find("stopped after iteration"), std::string::npos) << error();
     EXPECT_FALSE(fs::exists(folder / cut / "result.json"));
     for (const char* left : {"history.csv", "optimize.pvd", "checkpoint.bin", "history.png", "evolution.png"})
       EXPECT_TRUE(fs::exists(folder / cut / left)) << left;
-    ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();
+    ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume", "--set", "output.png=false"}), 0) << error();
     expect_same_results(whole, cut);
   }
 }

@@ -98,6 +98,12 @@ TEST(History, GoesToJsonSummaryAndPage) {
   Result r = test::full_result();
   r.optimize = result();
   r.optimize_names = optimize_names(request());
+  r.identified = {{.name = "hole 'h'",
+                   .truth = "hole 't'",
+                   .found = Eigen::Vector3d(1, 2, 0.5),
+                   .exact = Eigen::Vector3d(1, 2.25, 0.5),
+                   .position_error = 0.25},
+                  {.name = "hole 'e'", .truth = "", .found = Eigen::Vector3d(1, 2, 0.5)}};
   write_json(folder.path / "result.json", r);
   const auto json = nlohmann::json::parse(read_file(folder.path / "result.json"))["optimize"];
   EXPECT_EQ(json["method"], "mma");
@@ -115,12 +121,18 @@ TEST(History, GoesToJsonSummaryAndPage) {
   EXPECT_EQ(json["variables"][2]["name"], "h.radius");
   EXPECT_EQ(json["variables"][2]["value"], 2);
   EXPECT_EQ(json["notes"][0], "restarted <once>");
+  ASSERT_EQ(json["identified"].size(), 2u);
+  EXPECT_EQ(json["identified"][0]["truth"], "hole 't'");
+  EXPECT_EQ(json["identified"][0]["exact"][1], 2.25);
+  EXPECT_EQ(json["identified"][0]["position_error"], 0.25);
+  EXPECT_TRUE(json["identified"][1]["position_error"].is_null());
 
   const std::string words = summary(r);
   EXPECT_NE(words.find("optimize    mma ended after 2 iterations and 5 state solves: converged\n"), std::string::npos)
       << words;
   EXPECT_NE(words.find("objective 70 from 100  volume fraction 0.4  optimality 0.001  2 holes"), std::string::npos);
   EXPECT_NE(words.find("peak 5  at most 3.5"), std::string::npos);
+  EXPECT_NE(words.find("found       hole 'h': center (1, 2), radius 0.5"), std::string::npos) << words;
 
   draw(folder.path / "history.png", history_curves(*r.optimize, r.optimize_names, "A title"));
   write_page(folder.path / "report.html", r, {{"History", folder.path / "history.png"}});
