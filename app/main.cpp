@@ -302,7 +302,7 @@ int perform(const Arguments& arguments) {
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
   if (options.resume) check_checkpoint(options.folder, c);
   // Nothing to resume: a run like any other, which overwrites nothing.
-  if (c.optimize) options.resume = options.resume && has_checkpoint(options.folder);
+  options.resume = options.resume && has_checkpoint(options.folder);
   make_ready(options.folder, arguments.force || options.resume);
   catch_signals();
   Progress progress(log_level(arguments));
