@@ -1,7 +1,9 @@
 #include "app/collect.hpp"
+#include "solver/recovery.hpp"
+#include "solver/system.hpp"
 
-#include "report/validation.hpp"
-#include "solver/fracture.hpp"
+#include "io/validation.hpp"
+#include "kerf/fracture.hpp"
 
 #include <cmath>
 #include <limits>
@@ -42,11 +44,11 @@ PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
                          const EnergyBounds& bounds) {
   StateResult r;
-  r.element = model.kernel.element.name;
-  r.degree = model.kernel.element.degree;
-  r.condensed_unknowns = model.ordering.size;
-  r.unknowns =
-      model.ordering.size + interior_count(model.kernel.element) * static_cast<Index>(model.mesh.triangles.size());
+  r.element = model.inner->kernel.element.name;
+  r.degree = model.inner->kernel.element.degree;
+  r.condensed_unknowns = model.inner->ordering.size;
+  r.unknowns = model.inner->ordering.size +
+               interior_count(model.inner->kernel.element) * static_cast<Index>(model.mesh.triangles.size());
   r.residual = state.certificate.residual;
   r.energy = potential_energy(model, state);
   r.compliance = work_of_loads(model, state);
@@ -232,7 +234,7 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
   }
   for (Index t = 0; t < static_cast<Index>(cells); ++t) {
     const Eigen::Vector4d s =
-        stress_at(model.kernel, triangle(model, t), state.interior.col(t), centroid(model.mesh, t));
+        stress_at(model.inner->kernel, triangle(model, t), state.interior.col(t), centroid(model.mesh, t));
     raw.col(t) << s[0], s[3], s[1], s[2];
   }
   std::vector<NamedField> fields{{"u", false, data.values.displacement},

@@ -1,13 +1,13 @@
 #pragma once
 // From a model and its solution to the numbers, fields and pictures of a result.
 
-#include "cases/case.hpp"
-#include "report/picture.hpp"
-#include "report/result.hpp"
-#include "report/vtk.hpp"
-#include "solver/bounds.hpp"
-#include "solver/estimate.hpp"
-#include "topo/map.hpp"
+#include "io/result.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/bounds.hpp"
+#include "kerf/case_file.hpp"
+#include "kerf/map.hpp"
+#include "kerf/vtk.hpp"
+#include "plot/picture.hpp"
 
 namespace kerf {
 
@@ -43,11 +43,11 @@ MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);
-/// Of an iterate of an optimisation.
+/// Of an iterate of an optimization.
 std::vector<NamedField> design_fields(const Model& model, const PlotData& data);
 std::vector<NamedField> crack_fields(const CrackResult& crack);
 
-/// The body in one colour with its supports, and its loads as arrows.
+/// The body in one color with its supports, and its loads as arrows.
 Picture design_picture(const Case& c, const Model& model);
 Picture mesh_picture(const Case& c, const Model& model);
 Picture stress_picture(const Case& c, const Model& model, const PlotData& data);

@@ -215,20 +215,20 @@ Picture map_picture(const Case& c, const Model& model, const PlotData& data, con
   p.triangles = data.corners.of;
   p.values = spread(data, map.at_corners);
   p.margin = spread(data, map.margin);
-  bool grey = false, negative = false, positive = false;
+  bool gray = false, negative = false, positive = false;
   for (Eigen::Index t = 0; t < p.values.cols(); ++t) {
     auto values = p.values.col(t);
-    grey = grey || p.margin.col(t).minCoeff() < 0;
+    gray = gray || p.margin.col(t).minCoeff() < 0;
     if (p.margin.col(t).maxCoeff() < 0 || !values.allFinite()) {
       values.setConstant(std::numeric_limits<double>::quiet_NaN());
-      grey = true;
+      gray = true;
     } else {
       negative = negative || values.minCoeff() < 0;
       positive = positive || values.maxCoeff() > 0;
     }
   }
-  if (grey)
-    p.subtitle += fmt::format("; grey: too near to something else for a radius of {:.3g}", c.map_request.radius);
+  if (gray)
+    p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", c.map_request.radius);
   p.value_label = c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole ? "predicted change of J"
                                                                                      : "topological derivative T";
   p.scale = negative && positive ? Scale::Diverging : Scale::Linear;

@@ -1,4 +1,5 @@
 #include "app/files.hpp"
+#include "solver/system.hpp"
 
 #include <fmt/core.h>
 
@@ -52,7 +53,8 @@ std::vector<std::vector<double>> probe_rows(const Case& c, const Model& model, c
     row[0] = x.x(), row[1] = x.y();
     if (where[i] != none) {
       const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
-      const Eigen::Vector4d s = stress_at(model.kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
+      const Eigen::Vector4d s =
+          stress_at(model.inner->kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
       row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
     }
     rows.push_back(std::move(row));

@@ -7,8 +7,8 @@
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
-#include "cases/words.hpp"
-#include "report/files.hpp"
+#include "io/files.hpp"
+#include "io/words.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -81,7 +81,7 @@ const std::vector<Bench>& benches() {
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
        map_case_names()},
-      {"optimize", "compliance, time and state solves of optimised designs beside those of other programs",
+      {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()}};
   return all;
 }
@@ -142,7 +142,7 @@ void declare(CLI::App& app, Arguments& arguments) {
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
     if (command.name == "run" || command.name == "optimize")
-      sub->add_flag("--resume", arguments.resume, "Go on with the optimisation whose checkpoint is in the folder");
+      sub->add_flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
     declare_common(sub, arguments);
   }

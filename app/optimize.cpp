@@ -3,13 +3,12 @@
 #include "app/collect.hpp"
 #include "app/files.hpp"
 #include "geometry/part.hpp"
+#include "io/files.hpp"
+#include "io/history.hpp"
+#include "kerf/inverse.hpp"
+#include "kerf/optimize.hpp"
 #include "optimize/checkpoint.hpp"
 #include "optimize/ersatz.hpp"
-#include "optimize/level_set.hpp"
-#include "optimize/one_shot.hpp"
-#include "optimize/parameters.hpp"
-#include "report/files.hpp"
-#include "report/history.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -225,7 +224,7 @@ Case with_data(Case c, const RunOptions& options) {
   return c;
 }
 
-Optimized optimise(const Case& c, const RunOptions& options) {
+Optimized optimize(const Case& c, const RunOptions& options) {
   OptimizeRequest request = *c.optimize;
   Optimized out;
   out.names = optimize_names(request);
@@ -254,8 +253,8 @@ Optimized optimise(const Case& c, const RunOptions& options) {
     notes = in_words(shot, request.design);
   }
   recorder.since_start.lap();
-  out.result = request.method == "level-set" ? optimise_level_set(problem, request, see, place)
-                                             : optimise_parameters(problem, request, see, place);
+  out.result = request.method == "level-set" ? optimize_level_set(problem, request, see, place)
+                                             : optimize_parameters(problem, request, see, place);
   out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
   if (c.synthetic && !request.design.drawn.empty())
     out.identified = identified(request.design, out.result.variables, problem, *c.synthetic);

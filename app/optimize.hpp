@@ -1,8 +1,8 @@
 #pragma once
-// An optimisation and the files that it leaves while it runs.
+// An optimization and the files that it leaves while it runs.
 
 #include "app/run.hpp"
-#include "report/evolution.hpp"
+#include "plot/evolution.hpp"
 
 namespace kerf {
 
@@ -25,7 +25,7 @@ Case with_data(Case c, const RunOptions& options);
 
 /// Runs [optimize] of the case. Every accepted iterate leaves design_NNNN.vtu, optimize.pvd and history.csv; the loops
 /// keep checkpoint.bin. Resumed, all of these go on as if nothing had happened. Throws what the loops throw.
-Optimized optimise(const Case& c, const RunOptions& options);
+Optimized optimize(const Case& c, const RunOptions& options);
 
 /// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.
 Case designed(const Case& c, const OptimizeResult& result);

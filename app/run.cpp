@@ -1,13 +1,16 @@
 #include "app/run.hpp"
+#include "plot/charts.hpp"
+#include "plot/page.hpp"
+#include "solver/system.hpp"
 
 #include "app/files.hpp"
 #include "app/optimize.hpp"
-#include "report/history.hpp"
-#include "report/validation.hpp"
-#include "solver/adaptive.hpp"
-#include "solver/bounds.hpp"
-#include "solver/extended.hpp"
-#include "solver/spread.hpp"
+#include "io/history.hpp"
+#include "io/validation.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/bounds.hpp"
+#include "solver/error_bars.hpp"
+#include "solver/saddle_point.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -39,7 +42,7 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
   Mesh mesh = triangulate(c.shape, c.sizing);
   describe_mesh(mesh, r);
   r.seconds.mesh += watch.lap();
-  begin("assemble and factorise");
+  begin("assemble and factorize");
   Model model = prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads);
   r.seconds.assemble += model.seconds.assemble;
   r.seconds.factor += model.seconds.factor;
@@ -80,14 +83,14 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
   return adapted;
 }
 
-/// Faces that slide against friction do not minimise an energy: only the value of a functional is to be had.
+/// Faces that slide against friction do not minimize an energy: only the value of a functional is to be had.
 void refuse_friction(const Case& c, const char* job, const char* table) {
   for (std::size_t k = 0; k < c.scene.laws.size(); ++k)
     if (has_friction(c.scene.laws[k]))
       throw Error(
           Fault::Usage,
           fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
-                      "minimise the energy; remove friction and tresca, or [{}] (kerf solve)",
+                      "minimize the energy; remove friction and tresca, or [{}] (kerf solve)",
                       job, c.shape.cracks[k].name, table));
 }
 
@@ -123,7 +126,7 @@ void describe_failure(const Model& model, const State& state, Result& r) {
                  : fmt::format("the {} hold only to {:.2g} of the load",
                                r.contact ? "conditions of equilibrium and contact" : "equations of equilibrium",
                                state.certificate.kkt);
-  if (!model.skeleton.unseen.empty())
+  if (!model.inner->skeleton.unseen.empty())
     *r.reason +=
         "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
         "one symmetric stress there: use \"bdms\" with degree = 3";
@@ -233,7 +236,7 @@ Analysis evaluate(const Case& c, const Solved& solved, bool with_map, Running& p
   const Model& model = solved.adapted.model;
   p.begin(with_map ? "map" : "functional");
   if (with_map) require_supports(c.functional, model);
-  Analysis analysis = analyse(c.functional, model, solved.adapted.state, !with_map);
+  Analysis analysis = analyze(c.functional, model, solved.adapted.state, !with_map);
   p.r.functional = functional_result(c.functional, analysis);
   note_on_functional(c, analysis, p.r);
   if (!with_map) {
@@ -273,9 +276,9 @@ void validate_expansion(const Case& c, Running& p) {
 }
 
 /// The design that [optimize] finds. Asked to stop it leaves its files, its pictures and a checkpoint.
-Case optimise_shape(const Case& c, Running& p) {
+Case optimize_shape(const Case& c, Running& p) {
   p.begin("optimize");
-  Optimized found = optimise(c, p.options);
+  Optimized found = optimize(c, p.options);
   p.r.seconds.optimize = p.watch.lap() - found.output;
   p.r.seconds.output += found.output;
   if (c.output.png) {
@@ -300,17 +303,17 @@ Case optimise_shape(const Case& c, Running& p) {
 /// After a state, a map or a validation of the given body the design is drawn alone: the last design_NNNN.vtu has its
 /// state.
 void draw_design(const Case& design, Running& p) {
-  p.r.optimize->notes.push_back("state, map and validation are of the body before the optimisation");
+  p.r.optimize->notes.push_back("state, map and validation are of the body before the optimization");
   if (!design.output.png) return;
   p.begin("draw the design");
   const Model model = prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree),
-                              design.scene, p.options.threads, {.factorise = false});
+                              design.scene, p.options.threads, {.factorize = false});
   p.picture("design.png", "The design", design_picture(design, model));
   std::rotate(p.pictures.begin(), p.pictures.end() - 1, p.pictures.end());
   p.r.seconds.output += p.watch.lap();
 }
 
-/// The state of the optimal design; J is what the optimisation says, over all load cases.
+/// The state of the optimal design; J is what the optimization says, over all load cases.
 Solved solve_design(const Case& design, Running& p) {
   Solved solved = solve_state(design, p);
   if (design.output.png) p.picture("design.png", "The design", design_picture(design, solved.adapted.model));
@@ -368,7 +371,7 @@ Result run(const Case& read, Job job, const RunOptions& options) {
     if (before) analysis.emplace(evaluate(c, *solved, with_map, p));
     if (with_validation) validate_expansion(c, p);
     if (with_optimization) {
-      Case design = optimise_shape(given, p);
+      Case design = optimize_shape(given, p);
       if (before) {
         draw_design(design, p);
       } else {

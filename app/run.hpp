@@ -1,8 +1,8 @@
 #pragma once
 // Case -> files. The whole toolkit in one page of calls.
 
-#include "cases/case.hpp"
-#include "report/result.hpp"
+#include "io/result.hpp"
+#include "kerf/case_file.hpp"
 
 namespace kerf {
 
@@ -11,16 +11,16 @@ enum class Job { Run, Solve, Map, Validate, Optimize };
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
   int threads = 1;
-  bool resume = false;                                     // an optimisation goes on from its checkpoint
+  bool resume = false;                                     // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
   std::function<bool()> stop_asked;                        // polled between phases: what is done so far stays on disk
 };
 
 /// Runs the jobs and writes every file of the interface; result.json last. Throws Error(Geometry | Numerics | Files).
 /// A state that cannot be solved is written (status, reason) before Error(Numerics) leaves; a map or a validation that
-/// cannot be had leaves a result with status "failed" and the state. After an optimisation mesh, state, cracks and
+/// cannot be had leaves a result with status "failed" and the state. After an optimization mesh, state, cracks and
 /// functional are those of its design; a map and a validation asked for beside it are of the body before it. An
-/// optimisation that is asked to stop leaves its files without result.json, and throws Error(Numerics).
+/// optimization that is asked to stop leaves its files without result.json, and throws Error(Numerics).
 Result run(const Case& c, Job job, const RunOptions& options);
 
 /// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing.

@@ -99,11 +99,11 @@ points = [[0.6, 1.1]]
 radii  = { largest = 0.16, ratio = 0.5, count = 5 }
 )toml";
 
-const char* const optimise =
+const char* const optimize =
     R"toml(# The stiffest cantilever of a given volume: a level set, holes appear where the topological derivative says so.
 #
-#   kerf optimize optimise.toml              results in out/optimise: report.html, design_NNNN.vtu, history.csv
-#   kerf optimize optimise.toml --resume     goes on where it was stopped (Ctrl-C) or killed
+#   kerf optimize optimize.toml              results in out/optimize: report.html, design_NNNN.vtu, history.csv
+#   kerf optimize optimize.toml --resume     goes on where it was stopped (Ctrl-C) or killed
 
 title = "Cantilever"
 
@@ -261,7 +261,7 @@ const std::vector<Template>& templates() {
   static const std::vector<Template> all = {
       {"plate", "a plate with a hole: state, map of the energy, values along a line", plate},
       {"cracked", "a crack in contact: stress intensities, map of an energy release rate, its validation", cracked},
-      {"optimise", "the stiffest cantilever of a given volume: a level set", optimise},
+      {"optimize", "the stiffest cantilever of a given volume: a level set", optimize},
       {"holes", "holes drawn by a few numbers, placed and sized beside a crack", holes},
       {"inverse", "a hole found from displacements of the boundary", inverse}};
   return all;

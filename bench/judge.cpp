@@ -1,9 +1,9 @@
 #include "bench/judge.hpp"
 
 #include "geometry/carve.hpp"
-#include "geometry/segment.hpp"
-#include "solver/adaptive.hpp"
-#include "solver/bounds.hpp"
+#include "geometry/plane.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/bounds.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "bench/map_measure.hpp"
 
-#include "topo/validate.hpp"
+#include "kerf/validate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,13 +69,13 @@ MapMeasurement once(const BenchProblem& problem, const Element& e, Grading gradi
   m.certified = certified(timed.state);
   const Functional j = functional_of(problem);
   ProcessorWatch watch;
-  const Analysis a = analyse(j, model, timed.state);
+  const Analysis a = analyze(j, model, timed.state);
   m.value = a.value;
   m.value_s = watch.lap();
   const Corners corners = split_at_cracks(model.mesh);
   const FullMap map = map_everywhere(a, j, {}, corners);
   m.evaluate_s = watch.lap();
-  const Analysis dual = analyse(tracking(), model, timed.state);
+  const Analysis dual = analyze(tracking(), model, timed.state);
   m.adjoint_s = watch.lap();
   map_everywhere(dual, tracking(), {}, corners);
   m.evaluate_dual_s = watch.lap();

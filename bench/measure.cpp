@@ -1,6 +1,7 @@
 #include "bench/measure.hpp"
+#include "solver/system.hpp"
 
-#include "solver/recover.hpp"
+#include "kerf/recover.hpp"
 
 #include <malloc.h>
 #include <sys/resource.h>
@@ -63,8 +64,8 @@ StateMeasurement once(const BenchProblem& problem, const Element& e, Grading gra
   m.seconds.recover = watch.lap();
   m.h = quality(model.mesh).h_max;
   m.triangles = static_cast<Index>(model.mesh.triangles.size());
-  m.condensed_unknowns = model.ordering.size;
-  m.unknowns = model.ordering.size + interior_count(e) * m.triangles;
+  m.condensed_unknowns = model.inner->ordering.size;
+  m.unknowns = model.inner->ordering.size + interior_count(e) * m.triangles;
   m.contact_iterations = state.contact_iterations;
   m.certified = certified(state);
   if (with_errors) m.error = errors(problem, model, state);

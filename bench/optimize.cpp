@@ -4,7 +4,7 @@
 #include "bench/optimize_peers.hpp"
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
-#include "optimize/level_set.hpp"
+#include "kerf/optimize.hpp"
 
 #include <fmt/format.h>
 
@@ -168,7 +168,7 @@ class Runner {
     std::vector<Passed> seen;
     ProcessorWatch watch;
     double spent = 0;
-    const OptimizeResult result = optimise_level_set(sized(p), request(p, start),
+    const OptimizeResult result = optimize_level_set(sized(p), request(p, start),
                                                      [&](const Iterate& at) {
                                                        spent += watch.lap();
                                                        seen.push_back({at.row, spent, at.shape});
@@ -219,7 +219,7 @@ class Runner {
   void published_run(const OptimizeProblem& p, const std::string& method, const std::string& start) {
     ProcessorWatch watch;
     double spent = 0;
-    const OptimizeResult result = optimise_level_set(sized(p), request(p, start),
+    const OptimizeResult result = optimize_level_set(sized(p), request(p, start),
                                                      [&](const Iterate&) {
                                                        spent += watch.lap();
                                                        return !stopped();

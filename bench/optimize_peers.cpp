@@ -3,7 +3,7 @@
 #include "bench/peer_scripts.hpp"
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
-#include "report/files.hpp"
+#include "io/files.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>

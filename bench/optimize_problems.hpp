@@ -2,8 +2,7 @@
 // The bodies whose shape `kerf bench optimize` improves: those of the peers' cases.py and a bridge. Plane stress,
 // E = 1, nu = 0.3, a load of 1 in all, compliance.
 
-#include "optimize/problem.hpp"
-#include "optimize/request.hpp"
+#include "kerf/optimize.hpp"
 
 namespace kerf {
 

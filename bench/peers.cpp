@@ -4,7 +4,7 @@
 #include "bench/problem.hpp"
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
-#include "report/files.hpp"
+#include "io/files.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "bench/plots.hpp"
 
-#include "report/bars.hpp"
-#include "report/chart.hpp"
-#include "report/gallery.hpp"
+#include "plot/bars.hpp"
+#include "plot/chart.hpp"
+#include "plot/gallery.hpp"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ Vec2 time_and_error(const StateMeasurement& m) {
   return {m.seconds.work(), m.error.stress};
 }
 
-constexpr const char* work_label = "processor seconds: mesh, assembly, factorisation, solution";
+constexpr const char* work_label = "processor seconds: mesh, assembly, factorization, solution";
 constexpr const char* stress_label = "relative L2 error of the stress";
 
 Chart chart_of(const std::string& problem, double poisson) {

@@ -1,7 +1,8 @@
 #include "bench/problem.hpp"
+#include "solver/system.hpp"
 
-#include "bench/integral.hpp"
-#include "solver/recover.hpp"
+#include "kerf/recover.hpp"
+#include "tests/support/integral.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -274,7 +275,7 @@ Errors errors(const BenchProblem& problem, const Model& model, const State& stat
   Sums sums;
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t)
     add(sums, model, state, t, exact_truth(problem.exact.value(), model, t));
-  const bool floating = !model.floating.empty();
+  const bool floating = !model.inner->floating.empty();
   const auto part = [floating](const Difference& d) { return floating ? d.without_rigid() : d.square; };
   return {std::sqrt(sums.stress / sums.norm), std::sqrt(part(sums.displacement) / part(sums.size))};
 }

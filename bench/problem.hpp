@@ -2,9 +2,9 @@
 // The bodies that the bench solves. Geometry, material, loads and the measure of the error are those of the scripts
 // s1.edp to s4.edp that other programs run, so that times at equal error can be compared.
 
-#include "bench/exact_field.hpp"
-#include "geometry/mesher.hpp"
-#include "solver/adaptive.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/mesher.hpp"
+#include "tests/support/exact_field.hpp"
 
 #include <optional>
 

@@ -1,6 +1,6 @@
 #include "bench/records.hpp"
 
-#include "report/files.hpp"
+#include "io/files.hpp"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include "bench/measure.hpp"
 #include "geometry/carve.hpp"
-#include "geometry/segment.hpp"
-#include "optimize/level_set.hpp"
+#include "geometry/plane.hpp"
+#include "kerf/optimize.hpp"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ Eigen::VectorXd distance_to(const Shape& shape, Index design, const Mesh& backgr
         inside = !inside;
     phi[v] = inside ? -nearest : nearest;
   }
-  // On the frame the parity is a matter of rounding: what the neighbours further in say counts.
+  // On the frame the parity is a matter of rounding: what the neighbors further in say counts.
   std::vector<bool> rim(background.points.size(), false);
   for (std::size_t e = 0; e < background.edges.size(); ++e)
     if (background.sides[e][0] == none || background.sides[e][1] == none)
@@ -91,7 +91,7 @@ Remeshing measure_remeshing(double size, int iterations) {
     watch.lap();
     return true;
   };
-  optimise_level_set(p.problem, r, see, {});
+  optimize_level_set(p.problem, r, see, {});
   const double count = std::max(out.iterations, 1);
   out.triangles = static_cast<Index>(triangles / count);
   out.iteration_s = spent / count;

@@ -1,6 +1,6 @@
 #include "bench/shell.hpp"
 
-#include "geometry/types.hpp"
+#include "kerf/types.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

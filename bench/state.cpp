@@ -138,7 +138,7 @@ StateBench run_state_bench(const StateBenchOptions& options) {
 }
 
 std::string summary(const StateBench& bench) {
-  std::string out = "Processor seconds (mesh, assembly, factorisation, solution) to a relative L2 stress error:\n";
+  std::string out = "Processor seconds (mesh, assembly, factorization, solution) to a relative L2 stress error:\n";
   out += fmt::format("{:<27}{:>8}  {:<24}{:>14}{:>14}  {:<34}{:>8}\n", "case", "error", "kerf", "seconds",
                      bench.peers.empty() ? "" : "best peer", "", bench.peers.empty() ? "" : "ratio");
   for (const Fastest& f : bench.best) {

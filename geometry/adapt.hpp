@@ -1,7 +1,7 @@
 #pragma once
 // From error indicators to the next mesh: target sizes for remeshing, or newest-vertex bisection.
 
-#include "geometry/mesh.hpp"
+#include "kerf/mesh.hpp"
 
 namespace kerf {
 

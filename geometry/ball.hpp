@@ -2,8 +2,8 @@
 // Meshes of a ball around a point, with nested contours or a slit in it, for perturbations of finite size: the body
 // around the ball is meshed and condensed once, the ball for every radius.
 
-#include "geometry/mesh.hpp"
-#include "geometry/shape.hpp"
+#include "kerf/mesh.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 

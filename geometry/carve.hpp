@@ -2,8 +2,8 @@
 // A body inside a frame as the negative set of a function that is linear on the triangles of a mesh of that frame:
 // from the function to a shape that can be meshed.
 
-#include "geometry/mesh.hpp"
-#include "geometry/shape.hpp"
+#include "kerf/mesh.hpp"
+#include "kerf/shape.hpp"
 
 #include <Eigen/Core>
 
@@ -41,7 +41,7 @@ struct Carved {
 };
 
 /// The negative set as a shape: pieces of the frame's boundary with their labels, and the zero line, simplified and
-/// smoothed within the tolerance without a change of area, labelled "design". `background` is a mesh of the frame.
+/// smoothed within the tolerance without a change of area, labeled "design". `background` is a mesh of the frame.
 /// Cracks of the frame are cut to what lies inside; loops that the zero line does not touch are the frame's own.
 /// Vertices where phi is 0 lie in the void. What only a crack connects to the body, and no label is on, is dropped.
 /// Where the smoothed line meets something it is smoothed less, then drawn as it is, then phi is shifted by less than

@@ -1,8 +1,8 @@
 #pragma once
 // A weak phase in place of the void, on the canvas itself: what other programs do, for comparison.
 
-#include "optimize/evaluate.hpp"
-#include "optimize/front.hpp"
+#include "optimize/level_set/background.hpp"
+#include "optimize/loop/evaluate.hpp"
 
 namespace kerf {
 

@@ -1,7 +1,7 @@
 #pragma once
-// A factorised sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
+// A factorized sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
 
-#include "solver/lu.hpp"
+#include "solver/system/lu.hpp"
 
 #include <memory>
 #include <vector>
@@ -9,9 +9,9 @@
 namespace kerf {
 
 /// Fill-reducing order of the nodes of an undirected graph (nested dissection, METIS), postordered. `start` and
-/// `neighbours` list the neighbours of each node, both directions, without the node itself. Returns order[k] = node
+/// `neighbors` list the neighbors of each node, both directions, without the node itself. Returns order[k] = node
 /// k-th to be eliminated.
-std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbours);
+std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors);
 
 /// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
 void return_freed_memory();

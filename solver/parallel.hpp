@@ -1,7 +1,7 @@
 #pragma once
 // One loop over independent items on several threads. What each item writes must not depend on who computes it.
 
-#include "geometry/types.hpp"
+#include "kerf/types.hpp"
 
 #include <functional>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Monomials x^i y^j, i + j <= k, ordered by degree: 1, x, y, x^2, xy, y^2, ...
 
-#include "geometry/types.hpp"
+#include "kerf/types.hpp"
 
 namespace kerf {
 

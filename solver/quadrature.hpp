@@ -1,7 +1,7 @@
 #pragma once
 // Rules exact for polynomials of a given degree on the unit triangle and on [0, 1].
 
-#include "geometry/types.hpp"
+#include "kerf/types.hpp"
 
 namespace kerf {
 

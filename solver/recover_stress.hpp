@@ -1,7 +1,8 @@
 #pragma once
 // A stress of higher order at points, from polynomials fitted to the discrete one on patches of triangles.
 
-#include "solver/model.hpp"
+#include "kerf/model.hpp"
+#include "kerf/state.hpp"
 
 namespace kerf {
 
@@ -19,7 +20,7 @@ struct RecoveredStress {
 
 /// Corners where the stress is not smooth: angles well over pi on the boundary or a crack (tips, reentrant corners),
 /// and where a crack begins to touch. `state`: the one with the contact, for adjoint fields too.
-std::vector<bool> singular_corners(const Model& model, const State& state, const Corners& corners);
+std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& corners);
 
 /// Of order 2: cubics fitted to the means over the triangles of two rings, more at boundaries; order 1: quadratics;
 /// above: quartics fitted to point values in one ring [superconvergent patch recovery, Zienkiewicz and Zhu 1992, with
@@ -28,11 +29,11 @@ std::vector<bool> singular_corners(const Model& model, const State& state, const
 /// not see of it, which halves the error. Bits do not depend on model.threads.
 /// The order stays that of the element on general meshes (one more where they are regular), the error falls by 3 to 10
 /// for order 2 unless a rough load or a coarse tip dominates it.
-RecoveredStress recover_stress(const Model& model, const State& state, const Corners& corners,
+RecoveredStress recover_stress(const Model& model, const Field& state, const Corners& corners,
                                const std::vector<bool>& singular, const VectorField& load = {});
 
 /// At a point of triangle t.
-Eigen::Vector3d recovered_at(const Model& model, const State& state, const Corners& corners,
+Eigen::Vector3d recovered_at(const Model& model, const Field& state, const Corners& corners,
                              const RecoveredStress& recovered, Index t, const Vec2& x);
 
 }  // namespace kerf

@@ -1,46 +1,91 @@
 #!/usr/bin/env bash
-# Rooms look down only, and each foreign library stays in its own translation unit.
+# Who may include what: rooms look down only, a wing's header is private to its room, the public headers include each
+# other alone, and each foreign library stays in its own translation unit.
 set -u
 cd "${1:-.}"
 status=0
+complain() {
+  echo "$1"
+  status=1
+}
 declare -A below=(
-  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry" [cases]="cases optimize topo solver geometry"
-  [report]="report optimize topo solver geometry" [bench]="bench report optimize topo solver geometry"
-  [app]="app bench cases report optimize topo solver geometry"
+  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry"
+  [io]="io optimize topo solver geometry" [plot]="plot io optimize topo solver geometry"
+  [bench]="bench plot io optimize topo solver geometry" [app]="app plot io optimize topo solver geometry"
 )
+# The room that a public header belongs to.
+declare -A home=(
+  [types]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry
+  [material]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
+  [fracture]=solver [bounds]=solver [adaptive]=solver
+  [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [validate]=topo [shape_gradient]=topo
+  [design]=optimize [optimize]=optimize [inverse]=optimize
+  [case_file]=io [vtk]=io [kerf]=io
+)
+for header in include/kerf/*.hpp; do
+  name=$(basename "$header" .hpp)
+  [ -n "${home[$name]:-}" ] || complain "$header belongs to no room: name it in tests/includes.sh"
+  while IFS= read -r line; do
+    case "$line" in
+      *'"kerf/'*) ;;
+      *) complain "$header is public and includes what is not: $line" ;;
+    esac
+  done < <(grep -E '^#include "' "$header")
+done
 for room in "${!below[@]}"; do
   while IFS=: read -r file line; do
-    target=$(sed -E 's/.*"([a-z_]+)\/.*/\1/' <<<"$line")
+    path=$(sed -E 's/.*"(.*)".*/\1/' <<<"$line")
+    target=${path%%/*}
+    case "$target" in
+      kerf) name=${path#kerf/}; name=${name%.hpp}; target=${home[$name]:-unknown} ;;
+      tests) [ "$room" = bench ] && continue ;;
+      *)
+        inside=${path#*/}
+        if [ "$target" != "$room" ] && [[ "$inside" == */* ]]; then
+          complain "$file includes $path, a private header of $target"
+        fi
+        ;;
+    esac
     case " ${below[$room]} " in
       *" $target "*) ;;
-      *) echo "$file looks up: $line"; status=1 ;;
+      *) complain "$file looks up: $line" ;;
     esac
-  done < <(grep -HE '^#include "[a-z_]+/' "$room"/*.cpp "$room"/*.hpp)
+  done < <(grep -rHE '^#include "[a-z_]+/' "$room" --include=*.cpp --include=*.hpp)
 done
+# Tests of a room see its private headers and nobody else's.
+while IFS=: read -r file line; do
+  path=$(sed -E 's/.*"(.*)".*/\1/' <<<"$line")
+  target=${path%%/*}
+  room=$(cut -d/ -f2 <<<"$file")
+  inside=${path#*/}
+  case "$target" in kerf | tests) continue ;; esac
+  if [ "$target" != "$room" ] && [[ "$inside" == */* ]]; then
+    complain "$file includes $path, a private header of $target"
+  fi
+done < <(grep -rHE '^#include "[a-z_]+/' tests --include=*.cpp --include=*.hpp)
 only() {  # only PATTERN FILE...: the header may be included in those files alone
   while IFS= read -r file; do
     case " ${*:2} " in
       *" $file "*) ;;
-      *) echo "$file includes $1, which belongs in ${*:2}"; status=1 ;;
+      *) complain "$file includes $1, which belongs in ${*:2}" ;;
     esac
-  done < <(grep -lE "^#include <$1" {geometry,solver,topo,optimize,cases,report,bench,app}/*.[ch]pp 2>/dev/null)
+  done < <(grep -rlE "^#include <$1" include geometry solver topo optimize io plot bench app --include=*.cpp --include=*.hpp)
 }
-only CGAL/ geometry/mesher.cpp
-only cholmod solver/factor.cpp
-only umfpack solver/lu.cpp
-only nlopt optimize/minimise.cpp
-only 'toml\+\+' cases/reader.cpp
-only muParser cases/expression.cpp
-only vtk report/vtk_module.cpp
-only cairo report/pen.hpp
-only nlohmann report/result.cpp bench/records.cpp
-only CLI app/main.cpp
+only CGAL/ geometry/mesher/mesher.cpp
+only cholmod solver/system/factor.cpp
+only umfpack solver/system/lu.cpp
+only nlopt optimize/parametric/minimize.cpp
+only 'toml\+\+' io/case/reader.cpp
+only muParser io/case/expression.cpp
+only vtk io/result/vtk_module.cpp
+only cairo plot/figure/pen.hpp
+only nlohmann io/result/result.cpp bench/records.cpp
+only CLI app/main.cpp bench/main.cpp
 only spdlog app/progress.cpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
 # single file belong into its anonymous namespace.
+headers=$(find include geometry solver topo optimize io plot bench app -name '*.hpp')
 while IFS= read -r name; do
-  echo "struct or class $name is defined in more than one header:" $(grep -lE "^(struct|class) $name( |$)[^;]*$" */*.hpp)
-  status=1
-done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" geometry/*.hpp solver/*.hpp topo/*.hpp \
-  optimize/*.hpp cases/*.hpp report/*.hpp bench/*.hpp app/*.hpp | awk '{print $2}' | sort | uniq -d)
+  complain "struct or class $name is defined in more than one header: $(grep -lE "^(struct|class) $name( |$)[^;]*$" $headers | tr '\n' ' ')"
+done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" $headers | awk '{print $2}' | sort | uniq -d)
 exit $status

@@ -2,9 +2,9 @@
 // What readings on the boundary answer to small changes of the body: topological derivatives of many linear functionals
 // of the displacement there, with one factor and one recovery of each field.
 
+#include "kerf/functional.hpp"
+#include "kerf/perturbation.hpp"
 #include "solver/recover_stress.hpp"
-#include "topo/expansion.hpp"
-#include "topo/functional.hpp"
 
 #include <span>
 
@@ -12,22 +12,22 @@ namespace kerf {
 
 struct Responses {
   const Model* model;
-  const State* state;
+  const Field* state;
   Locator locator;
   Corners corners;
   RecoveredStress stress;   // of the state
   Eigen::VectorXd value;    // of the readings
-  std::vector<State> dual;  // per reading
+  std::vector<Field> dual;  // per reading
   std::vector<RecoveredStress> dual_stress;
 };
 
 /// Readings: terms on a part of the boundary whose `on_boundary` is affine in u. One linear solve each; faces of cracks
 /// that touch stay in touch. Model and state must outlive the result. Throws Error(Usage) for other terms, elements
 /// that are not mixed, friction.
-Responses responses(const Model& model, const State& state, std::span<const Term> readings);
+Responses responses(const Model& model, const Field& state, std::span<const Term> readings);
 
 /// The readings of another state alone.
-Eigen::VectorXd read(const Model& model, const State& state, std::span<const Term> readings);
+Eigen::VectorXd read(const Model& model, const Field& state, std::span<const Term> readings);
 
 /// Every field at one point, inside the body.
 struct PointResponse {

@@ -1,7 +1,7 @@
 #pragma once
 // Derivative of J by the stiffness of a region.
 
-#include "topo/analysis.hpp"
+#include "kerf/analysis.hpp"
 
 namespace kerf {
 

@@ -2,10 +2,10 @@
 // sizes, one thread; time split as in result.json, relative L2 error of the stress, relative L1 error of the map (0.1
 // and more from the tips), largest resident memory so far.
 
-#include "topo/map.hpp"
-#include "bench/integral.hpp"
-#include "geometry/mesher.hpp"
+#include "kerf/map.hpp"
+#include "kerf/mesher.hpp"
 #include "solver/stopwatch.hpp"
+#include "tests/support/integral.hpp"
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
@@ -59,7 +59,7 @@ void partly_closed_crack(benchmark::State& bench) {
     const double solving = watch.lap();
     const Corners corners = split_at_cracks(model.mesh);
     const Functional j{"energy", {energy()}};
-    const FullMap map = map_everywhere(analyse(j, model, state), j, {}, corners);
+    const FullMap map = map_everywhere(analyze(j, model, state), j, {}, corners);
     const double mapping = watch.lap();
     bench.SetIterationTime(meshing + model.seconds.assemble + model.seconds.factor + solving + mapping);
     bench.counters["triangles"] = static_cast<double>(model.mesh.triangles.size());

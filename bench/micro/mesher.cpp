@@ -1,6 +1,6 @@
 // Time of triangulate on a cracked plate, graded to the tips, and the quality of what it gives.
 
-#include "geometry/mesher.hpp"
+#include "kerf/mesher.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -128,7 +128,7 @@ TEST_F(Cli, WrongUsage) {
 TEST_F(Cli, InitWritesCasesThatRun) {
   const Outcome list = kerf("init --list");
   EXPECT_EQ(list.code, 0);
-  for (const char* name : {"plate", "cracked", "optimise", "holes", "inverse"}) {
+  for (const char* name : {"plate", "cracked", "optimize", "holes", "inverse"}) {
     EXPECT_NE(list.out.find(name), std::string::npos);
     const Outcome wrote = kerf(std::string("init ") + name);
     EXPECT_EQ(wrote.code, 0) << wrote.error;

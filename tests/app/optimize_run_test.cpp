@@ -1,4 +1,4 @@
-// Optimisations as a user runs them: files, interruptions, resumption.
+// Optimizations as a user runs them: files, interruptions, resumption.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -221,7 +221,7 @@ TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
   for (const char* name : {"state.vtu", "checkpoint.bin", "report.html", "mesh.png", "von_mises.png", "design.png",
                            "evolution.png", "history.png"})
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
-  EXPECT_NE(read_all(folder / "out/report.html").find("<h2>Optimisation</h2>"), std::string::npos);
+  EXPECT_NE(read_all(folder / "out/report.html").find("<h2>Optimization</h2>"), std::string::npos);
   EXPECT_NE(read_all(folder / "stdout").find("optimize    level-set ended"), std::string::npos);
   EXPECT_NE(error().find("optimize 1: J "), std::string::npos);
   EXPECT_NE(error().find(" left"), std::string::npos);
@@ -254,9 +254,9 @@ TEST_F(Optimize, RunDoesTheOtherJobsOnTheBodyBefore) {
   for (const char* name : {"map.vtu", "design.png", "design_0000.vtu"})
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
   EXPECT_TRUE(fs::exists(folder / "out/probe_p.csv"));
-  EXPECT_NE(r["optimize"]["notes"].dump().find("before the optimisation"), std::string::npos);
+  EXPECT_NE(r["optimize"]["notes"].dump().find("before the optimization"), std::string::npos);
 
-  // Without the optimisation: the body before, under the first load case.
+  // Without the optimization: the body before, under the first load case.
   ASSERT_EQ(kerf({"solve", "a.toml", "-o", "solve"}), 0) << error();
   EXPECT_NEAR(result("solve")["state"]["area"].get<double>(), 2, 1e-12);
   EXPECT_GT(result("solve")["state"]["compliance"].get<double>(), 1.5);

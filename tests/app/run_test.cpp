@@ -2,7 +2,7 @@
 
 #include "app/run.hpp"
 
-#include "tests/exact.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "bench/problem.hpp"
 
-#include "bench/integral.hpp"
+#include "tests/support/integral.hpp"
 
 #include <gtest/gtest.h>
 

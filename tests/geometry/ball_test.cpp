@@ -1,6 +1,6 @@
 #include "geometry/ball.hpp"
 
-#include "geometry/mesher.hpp"
+#include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
 // Seeded random designs through carving and meshing: a valid mesh, or an error that says why.
 
 #include "geometry/carve.hpp"
-#include "geometry/mesher.hpp"
-#include "geometry/segment.hpp"
+#include "geometry/plane.hpp"
+#include "geometry/topology.hpp"
+#include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +32,7 @@ Mesh uniform(const Shape& shape) {
   return triangulate(shape, {.size = size}, {&coarse, sizes});
 }
 
-Loop labelled(const std::vector<Vec2>& points) {
+Loop labeled(const std::vector<Vec2>& points) {
   Loop loop = polygon("outline", points, 0);
   for (std::size_t i = 0; i < loop.sides.size(); ++i) loop.sides[i].label = Index(i);
   return loop;
@@ -40,7 +41,7 @@ Loop labelled(const std::vector<Vec2>& points) {
 std::vector<Frame> frames() {
   std::vector<Shape> shapes;
   const std::vector<std::string> four{"bottom", "right", "top", "left"};
-  const Loop plate = labelled({{0, 0}, {2, 0}, {2, 1}, {0, 1}});
+  const Loop plate = labeled({{0, 0}, {2, 0}, {2, 1}, {0, 1}});
   shapes.push_back({plate, {}, {}, four, {}});
   shapes.push_back({plate,
                     {},
@@ -55,7 +56,7 @@ std::vector<Frame> frames() {
   holed.holes = {circle("h", {0.6, 0.5}, 0.17, 4), ellipse("e", {1.5, 0.3}, {0.2, 0.08}, 0.4, 5)};
   holed.cracks = {{"out", {{0.77, 0.5}, {1.2, 0.55}}, {}}, arc_crack("bow", {1.5, 0.4}, 0.35, 0.6, 2.4)};
   shapes.push_back(holed);
-  Shape bracket{labelled({{0, 0}, {2, 0}, {2, 0.7}, {1, 0.7}, {0.7, 1}, {0.7, 2}, {0, 2}}),
+  Shape bracket{labeled({{0, 0}, {2, 0}, {2, 0.7}, {1, 0.7}, {0.7, 1}, {0.7, 2}, {0, 2}}),
                 {},
                 {{"c", {{0.2, 0.9}, {0.55, 1.1}}, {}}},
                 {"a", "b", "c", "d", "e", "f", "g"},

@@ -1,8 +1,8 @@
 #include "geometry/carve.hpp"
 
-#include "geometry/drawing.hpp"
-#include "geometry/mesher.hpp"
-#include "geometry/segment.hpp"
+#include "geometry/plane.hpp"
+#include "geometry/shape/drawing.hpp"
+#include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
 

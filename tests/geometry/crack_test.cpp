@@ -1,6 +1,7 @@
 // Curved cracks, and cracks that cross, branch and share ends.
 
-#include "geometry/mesher.hpp"
+#include "geometry/topology.hpp"
+#include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
 

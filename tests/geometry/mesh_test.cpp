@@ -1,4 +1,5 @@
-#include "geometry/mesh.hpp"
+#include "kerf/mesh.hpp"
+#include "geometry/topology.hpp"
 
 #include <gtest/gtest.h>
 
@@ -120,9 +121,9 @@ TEST(Connect, CarriesLabelsAndCracksInPathOrder) {
   }
   EXPECT_EQ(std::ranges::count(m.crack, none), Index(m.edges.size()) - 3);
   const Mesh plain = grid(2, 1);
-  const Mesh labelled = connect(plain.points, plain.triangles,
-                                std::vector<Marked>{{vertex_at(plain, {2, 0}), vertex_at(plain, {1, 0}), 4}});
-  EXPECT_EQ(std::ranges::count(labelled.label, 4), 1);
+  const Mesh labeled = connect(plain.points, plain.triangles,
+                               std::vector<Marked>{{vertex_at(plain, {2, 0}), vertex_at(plain, {1, 0}), 4}});
+  EXPECT_EQ(std::ranges::count(labeled.label, 4), 1);
 }
 
 TEST(Connect, RefusesWhatIsNoMesh) {

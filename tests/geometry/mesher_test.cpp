@@ -1,4 +1,5 @@
-#include "geometry/mesher.hpp"
+#include "kerf/mesher.hpp"
+#include "geometry/topology.hpp"
 
 #include <gtest/gtest.h>
 

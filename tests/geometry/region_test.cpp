@@ -1,6 +1,6 @@
 #include "geometry/adapt.hpp"
-#include "geometry/mesher.hpp"
-#include "geometry/smooth.hpp"
+#include "geometry/mesher/smooth.hpp"
+#include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
 

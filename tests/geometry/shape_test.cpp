@@ -1,4 +1,4 @@
-#include "geometry/shape.hpp"
+#include "kerf/shape.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "optimize/checkpoint.hpp"
 
-#include "geometry/types.hpp"
+#include "kerf/types.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>

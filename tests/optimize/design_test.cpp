@@ -1,5 +1,5 @@
-#include "optimize/conditions.hpp"
-#include "optimize/extend.hpp"
+#include "optimize/parametric/constraints.hpp"
+#include "optimize/parametric/extend.hpp"
 #include "tests/optimize/designs.hpp"
 
 #include <gtest/gtest.h>

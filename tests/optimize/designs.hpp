@@ -1,8 +1,7 @@
 #pragma once
 // Bodies with everything that a design can draw, for the tests.
 
-#include "optimize/problem.hpp"
-#include "optimize/request.hpp"
+#include "kerf/optimize.hpp"
 #include "tests/topo/validation.hpp"
 
 namespace kerf::scenes {

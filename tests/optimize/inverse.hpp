@@ -1,9 +1,9 @@
 #pragma once
 // The unit square with something in it that only its boundary tells about.
 
-#include "optimize/design.hpp"
-#include "optimize/problem.hpp"
-#include "optimize/synthetic.hpp"
+#include "kerf/design.hpp"
+#include "kerf/inverse.hpp"
+#include "kerf/optimize.hpp"
 
 #include <utility>
 #include <vector>

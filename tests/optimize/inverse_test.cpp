@@ -1,13 +1,12 @@
 // What is hidden in a body, found from measurements on its boundary; holes that hold a crack back.
 
 #include "tests/optimize/inverse.hpp"
-#include "geometry/segment.hpp"
-#include "optimize/identified.hpp"
-#include "optimize/one_shot.hpp"
-#include "optimize/parameters.hpp"
-#include "solver/element.hpp"
-#include "solver/recover.hpp"
-#include "topo/analysis.hpp"
+#include "geometry/plane.hpp"
+#include "kerf/analysis.hpp"
+#include "kerf/element.hpp"
+#include "kerf/inverse.hpp"
+#include "kerf/optimize.hpp"
+#include "kerf/recover.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,12 +29,12 @@ Search search(const Plate& plate, const Design& design) {
   r.design = one_shot(p, design, r.min_distance).design;
   Search s;
   s.guess = identified(r.design, start_of(r.design), p, truth);
-  s.result = optimise_parameters(p, r, {}, {});
+  s.result = optimize_parameters(p, r, {}, {});
   s.found = identified(r.design, s.result.variables, p, truth);
   return s;
 }
 
-// Without noise what is left is the discretisation: a hundredth of the mesh size.
+// Without noise what is left is the discretization: a hundredth of the mesh size.
 TEST(Inverse, FindsAHoleToASmallPartOfTheMeshSize) {
   Plate plate;
   plate.holes = {{{0.62, 0.57}, 0.08}};
@@ -120,7 +119,7 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
   r.design.drawn = {hole, hole};
   r.design.drawn[1].name = "b";
   r.design = one_shot(p, r.design, r.min_distance).design;
-  const OptimizeResult result = optimise_parameters(p, r, {}, {});
+  const OptimizeResult result = optimize_parameters(p, r, {}, {});
   EXPECT_TRUE(result.feasible) << result.stopped;
 
   const auto on_finer = [&](const Shape& shape, const Scene& scene) {
@@ -134,7 +133,7 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
     }
     EXPECT_GT(closed, 0.2);
     EXPECT_EQ(tension, 0);
-    return analyse(p.objective, m, s, true).value;
+    return analyze(p.objective, m, s, true).value;
   };
   const double before = on_finer(p.frame, p.scene), after = on_finer(result.shape, result.scene);
   EXPECT_LT(after, 0.6 * before);

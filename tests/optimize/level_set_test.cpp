@@ -1,9 +1,9 @@
-#include "optimize/level_set.hpp"
+#include "kerf/optimize.hpp"
 
-#include "geometry/mesher.hpp"
-#include "optimize/evaluate.hpp"
-#include "optimize/front.hpp"
-#include "optimize/speed.hpp"
+#include "kerf/mesher.hpp"
+#include "optimize/level_set/background.hpp"
+#include "optimize/level_set/speed.hpp"
+#include "optimize/loop/evaluate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ TEST(LevelSet, ACantileverFromAFullBodyIsBetterThanOthersAtTheSameVolume) {
   int seen = 0;
   double before = 1e300;
   const OptimizeResult result =
-      optimise_level_set(cantilever(0.05), r,
+      optimize_level_set(cantilever(0.05), r,
                          [&](const Iterate& i) {
                            ++seen;
                            EXPECT_EQ(i.row.triangles, static_cast<Index>(i.model.mesh.triangles.size()));
@@ -63,7 +63,7 @@ TEST(LevelSet, ACantileverFromAFullBodyIsBetterThanOthersAtTheSameVolume) {
 TEST(LevelSet, TheFixedPointFindsADesignWithoutAStart) {
   OptimizeRequest r = volume(0.4, 60);
   r.level_set.move = LevelSetRequest::Move::FixedPoint;
-  const OptimizeResult result = optimise_level_set(cantilever(0.05), r, {}, {});
+  const OptimizeResult result = optimize_level_set(cantilever(0.05), r, {}, {});
   EXPECT_LT(result.objective, 76.0);
   EXPECT_NEAR(result.volume_fraction, 0.4, 4e-5);
   EXPECT_LT(result.optimality, 0.35);  // radians
@@ -75,12 +75,12 @@ TEST(LevelSet, AWeakPhaseGivesWhatOthersPublish) {
   r.max_iterations = 80;
   r.level_set.move = LevelSetRequest::Move::FixedPoint;
   r.level_set.ersatz = 1e-3;
-  const OptimizeResult result = optimise_level_set(cantilever(0.025), r, {}, {});
+  const OptimizeResult result = optimize_level_set(cantilever(0.025), r, {}, {});
   const double J = result.objective + 100 * 2 * result.volume_fraction;
   EXPECT_LT(J, 158);
   EXPECT_GT(J, 150);
   r.level_set.move = LevelSetRequest::Move::ShapeGradient;
-  EXPECT_THROW(optimise_level_set(cantilever(0.04), r, {}, {}), Error);
+  EXPECT_THROW(optimize_level_set(cantilever(0.04), r, {}, {}), Error);
 }
 
 TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
@@ -88,11 +88,11 @@ TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
   std::filesystem::remove(path);
   const Problem p = cantilever(0.07);
   const OptimizeRequest r = volume(0.5, 34);
-  const OptimizeResult whole = optimise_level_set(p, r, {}, {});
+  const OptimizeResult whole = optimize_level_set(p, r, {}, {});
   for (const int stop : {3, 27, 31}) {
     std::filesystem::remove(path);
-    optimise_level_set(p, r, [stop](const Iterate& i) { return i.row.number < stop; }, {path, "case", false});
-    const OptimizeResult resumed = optimise_level_set(p, r, {}, {path, "case", true});
+    optimize_level_set(p, r, [stop](const Iterate& i) { return i.row.number < stop; }, {path, "case", false});
+    const OptimizeResult resumed = optimize_level_set(p, r, {}, {path, "case", true});
     EXPECT_EQ(resumed.objective, whole.objective) << stop;
     EXPECT_EQ(resumed.state_solves, whole.state_solves);
     EXPECT_EQ(resumed.stopped, whole.stopped);
@@ -107,7 +107,7 @@ TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
     for (std::size_t i = 0; i < whole.shape.outline.sides.size(); ++i)
       EXPECT_EQ(resumed.shape.outline.sides[i].start, whole.shape.outline.sides[i].start);
   }
-  EXPECT_THROW(optimise_level_set(p, r, {}, {path, "another case", true}), Error);
+  EXPECT_THROW(optimize_level_set(p, r, {}, {path, "another case", true}), Error);
   std::filesystem::remove(path);
 }
 
@@ -115,7 +115,7 @@ TEST(LevelSet, FrozenPartsStaySolid) {
   OptimizeRequest r = volume(0.4, 40);
   r.level_set.frozen = {circle("pad", {1, 0.5}, 0.12, none),
                         polygon("skin", {{0, 0.94}, {2, 0.94}, {2, 1.1}, {0, 1.1}}, none)};
-  const OptimizeResult result = optimise_level_set(cantilever(0.06), r, {}, {});
+  const OptimizeResult result = optimize_level_set(cantilever(0.06), r, {}, {});
   const Mesh mesh = triangulate(result.shape, {.size = 0.05});
   const std::vector<Vec2> inside = {{1, 0.5}, {1.08, 0.5}, {1, 0.42}, {0.1, 0.97}, {1, 0.97}, {1.9, 0.97}};
   for (const Index t : locate(mesh, inside)) EXPECT_NE(t, none);
@@ -131,7 +131,7 @@ TEST(LevelSet, LoadCasesWeighIn) {
                             .tractions = {{.label = 2, .value = [sign](const Vec2&, const Vec2&) -> Vec2 {
                                              return sign < 0 ? Vec2(0, -10) : Vec2(30, 0);
                                            }}}});
-  const OptimizeResult both = optimise_level_set(p, r, {}, {});
+  const OptimizeResult both = optimize_level_set(p, r, {}, {});
   const auto value = [&](const Shape& shape) {
     Problem fine = p;
     fine.sizing.size = 0.04;
@@ -142,7 +142,7 @@ TEST(LevelSet, LoadCasesWeighIn) {
     one.load_cases.resize(1);
     return one;
   }();
-  const OptimizeResult one = optimise_level_set(p, only, {}, {});
+  const OptimizeResult one = optimize_level_set(p, only, {}, {});
   EXPECT_LT(value(both.shape), value(one.shape));
   EXPECT_NEAR(value(both.shape), both.objective, 0.01 * both.objective);
 }
@@ -154,7 +154,7 @@ TEST(LevelSet, CracksStayInTheBodyAndAreCutByHoles) {
   p.sizing.crack_tip_size = 0.02;
   OptimizeRequest r = volume(0.5, 30);
   bool shorter = false;
-  const OptimizeResult result = optimise_level_set(
+  const OptimizeResult result = optimize_level_set(
       p, r,
       [&](const Iterate& i) {
         for (std::size_t k = 0; k < i.shape.cracks.size(); ++k) {
@@ -162,7 +162,8 @@ TEST(LevelSet, CracksStayInTheBodyAndAreCutByHoles) {
           // Contact everywhere: faces do not penetrate.
           for (const CrackEdge& e : i.model.mesh.cracks[k])
             for (Index g = 0; g < 2; ++g)
-              EXPECT_GE(i.state.skeleton[i.model.skeleton.jump[static_cast<std::size_t>(e.edge)] + 2 * g], -1e-9);
+              EXPECT_GE(i.state.skeleton[i.model.inner->skeleton.jump[static_cast<std::size_t>(e.edge)] + 2 * g],
+                        -1e-9);
         }
         EXPECT_EQ(i.model.scene.laws.size(), i.shape.cracks.size());
         return true;
@@ -185,13 +186,13 @@ TEST(LevelSet, TermsOnACrackFollowItsParts) {
 TEST(LevelSet, StressBoundsAreMet) {
   Problem p = cantilever(0.06);
   OptimizeRequest r = volume(0.5, 60);
-  const OptimizeResult free = optimise_level_set(p, r, {}, {});
+  const OptimizeResult free = optimize_level_set(p, r, {}, {});
   FunctionalBound bound{"stress", {"stress_pnorm", {stress_pnorm(6, {}, false)}}, 0};
   bound.at_most = 1e9;
   r.bounds = {bound};
   const Evaluated e = evaluate_design(p, r, free.shape, {});
   r.bounds[0].at_most = 0.97 * e.bounds[0];
-  const OptimizeResult bounded = optimise_level_set(p, r, {}, {});
+  const OptimizeResult bounded = optimize_level_set(p, r, {}, {});
   EXPECT_LT(bounded.history.back().bounds[0], 1.002 * r.bounds[0].at_most) << bounded.stopped;
   EXPECT_EQ(bounded.feasible, bounded.history.back().violation < 1e-3);
 }
@@ -209,7 +210,7 @@ TEST(Speed, IsZeroInATieThatIsStressedToTheMultiplier) {
   p.sizing.size = 0.1;
   p.objective = {"compliance", {compliance()}};
   const Evaluated e = evaluate_design(p, {}, p.frame, {});
-  const BoundaryRate rate = boundary_rate(e, analyse_objective(e));
+  const BoundaryRate rate = boundary_rate(e, analyze_objective(e));
   EXPECT_NEAR(rate.length.sum(), 4, 1e-12);
   EXPECT_LT((rate.density.array() + 4.5).abs().maxCoeff(), 1e-8);  // 3^2 / 2
 

@@ -1,6 +1,6 @@
-#include "optimize/parameters.hpp"
+#include "kerf/optimize.hpp"
 
-#include "optimize/trials.hpp"
+#include "optimize/parametric/evaluations.hpp"
 #include "tests/optimize/designs.hpp"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ OptimizeRequest hole(const Eigen::Vector3d& start, const Eigen::Vector3d& low, c
 }
 
 OptimizeResult quietly(const Problem& p, const OptimizeRequest& r) {
-  return optimise_parameters(p, r, {}, {});
+  return optimize_parameters(p, r, {}, {});
 }
 
 TEST(Parameters, AHoleFindsTheMiddleOfASymmetricPlate) {
@@ -325,7 +325,7 @@ TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
     const pid_t child = fork();
     if (child == 0) {
       int shown = 0;
-      optimise_parameters(
+      optimize_parameters(
           p, r,
           [&](const Iterate&) {
             if (shown++ == survive) kill(getpid(), SIGKILL);
@@ -339,7 +339,7 @@ TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
     ASSERT_TRUE(WIFSIGNALED(status));
     ASSERT_TRUE(std::filesystem::exists(place.path));
     int shown = 0;
-    const OptimizeResult resumed = optimise_parameters(
+    const OptimizeResult resumed = optimize_parameters(
         p, r,
         [&](const Iterate& it) {
           ++shown;
@@ -351,12 +351,12 @@ TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
     EXPECT_EQ(shown, static_cast<int>(whole.history.size()) - survive + 1);
     // Again, from the end: nothing is left to do but to show the best.
     shown = 0;
-    expect_same(optimise_parameters(
+    expect_same(optimize_parameters(
                     p, r, [&](const Iterate&) { return ++shown > 0; }, place),
                 whole);
     EXPECT_EQ(shown, 1);
     place.fingerprint = "another";
-    EXPECT_THROW(optimise_parameters(p, r, {}, place), Error);
+    EXPECT_THROW(optimize_parameters(p, r, {}, place), Error);
   }
 }
 
@@ -364,7 +364,7 @@ TEST(Parameters, TheObserverStopsIt) {
   OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
   r.volume_at_most = 0.92;
   int shown = 0;
-  const OptimizeResult found = optimise_parameters(plate(), r, [&](const Iterate&) { return ++shown < 2; }, {});
+  const OptimizeResult found = optimize_parameters(plate(), r, [&](const Iterate&) { return ++shown < 2; }, {});
   EXPECT_EQ(found.history.size(), 2u);
   EXPECT_FALSE(found.converged);
   EXPECT_NE(found.stopped.find("told to stop"), std::string::npos);

@@ -1,4 +1,4 @@
-#include "optimize/start.hpp"
+#include "optimize/level_set/start.hpp"
 
 #include <gtest/gtest.h>
 

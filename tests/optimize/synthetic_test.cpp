@@ -1,8 +1,8 @@
-#include "optimize/synthetic.hpp"
+#include "kerf/inverse.hpp"
 
-#include "optimize/boundary_line.hpp"
-#include "solver/element.hpp"
-#include "topo/analysis.hpp"
+#include "kerf/analysis.hpp"
+#include "kerf/element.hpp"
+#include "optimize/inverse/boundary_line.hpp"
 
 #include <gtest/gtest.h>
 
@@ -137,7 +137,7 @@ TEST(Measure, TheMisfitKnowsTheTrueBody) {
   const auto value = [&](const Shape& shape) {
     const Model model = prepare(triangulate(shape, {.size = 0.06}), element("bdms"), pulled(), 1);
     const State state = solve(model);
-    return analyse(j, model, state, true).value;
+    return analyze(j, model, state, true).value;
   };
   Shape moved = truth.true_shape;
   moved.holes = {circle("h", {0.55, 0.55}, 0.12, 2)};

@@ -1,12 +1,12 @@
 // Meshes refined to an estimated error; contact along curved cracks on them.
-#include "solver/adaptive.hpp"
+#include "kerf/adaptive.hpp"
 
-#include "geometry/mesher.hpp"
-#include "solver/extended.hpp"
-#include "solver/fracture.hpp"
-#include "solver/recover.hpp"
-#include "tests/exact.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/recover.hpp"
+#include "solver/saddle_point.hpp"
 #include "tests/solver/scenes.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "solver/bounds.hpp"
+#include "kerf/bounds.hpp"
 
-#include "solver/conforming.hpp"
+#include "solver/bounds/conforming.hpp"
+#include "solver/bounds/right_inverse.hpp"
 #include "solver/polynomial.hpp"
-#include "solver/right_inverse.hpp"
-#include "tests/exact.hpp"
+#include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -181,7 +181,7 @@ TEST(EnergyBounds, GapIsASmallMultipleOfTheErrorOfTheStress) {
       const Model m = prepare(mesh, element("bdms", degree), scene_of(f, {0, 3}, 0), 1);
       const State s = solve(m);
       const double error = exact::integrate(mesh, f, [&](Index t, int side, const Vec2& x) {
-        const Mat2 d = tensor(stress_at(m.kernel, triangle(m, t), s.interior.col(t), x)) - f.stress(x, side);
+        const Mat2 d = tensor(stress_at(m.inner->kernel, triangle(m, t), s.interior.col(t), x)) - f.stress(x, side);
         return 0.5 * strain(f.material, d).cwiseProduct(d).sum();
       });
       const EnergyBounds b = energy_bounds(m, s);
@@ -346,8 +346,8 @@ TEST(EnergyBounds, DoNotRelyOnTheSignAtGaussPoints) {
       for (const CrackEdge& c : m.mesh.cracks[0])
         for (const Index v : m.mesh.edges[c.edge]) {
           const Index t = m.mesh.sides[c.edge][0];
-          const Vec2 normal = m.skeleton.frame[c.edge].col(0);
-          const Mat2 stress = tensor(stress_at(m.kernel, triangle(m, t), s.interior.col(t), m.mesh.points[v]));
+          const Vec2 normal = m.inner->skeleton.frame[c.edge].col(0);
+          const Mat2 stress = tensor(stress_at(m.inner->kernel, triangle(m, t), s.interior.col(t), m.mesh.points[v]));
           tension = std::max(tension, normal.dot(stress * normal));
         }
       if (tension > 1e-3) ++unsafe;

@@ -1,9 +1,10 @@
 // The three contact methods through the whole solver give one state; friction against its exact fields.
 
-#include "geometry/mesher.hpp"
-#include "solver/fracture.hpp"
-#include "tests/exact_more.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "solver/system.hpp"
 #include "tests/solver/scenes.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ std::string word(ContactMethod method) {
 void expect_one_state(const Model& m, const std::string& which) {
   const State reference = solve(m);
   EXPECT_TRUE(certified(reference)) << which;
-  const double jumps = reference.skeleton.tail(m.skeleton.total - m.skeleton.base).cwiseAbs().maxCoeff();
+  const double jumps = reference.skeleton.tail(m.inner->skeleton.total - m.inner->skeleton.base).cwiseAbs().maxCoeff();
   for (const ContactMethod method : {ContactMethod::ActiveSet, ContactMethod::Uzawa}) {
     const State other = solve(m, method);
     const std::string what = which + " " + word(method);
@@ -35,12 +36,13 @@ void expect_one_state(const Model& m, const std::string& which) {
     EXPECT_GE(other.contact_iterations, 1) << what;
     EXPECT_GE(other.linear_solves, 1) << what;
     // Stresses and jumps; forces per point.
-    const Eigen::Index s = stress_count(m.kernel.element);
+    const Eigen::Index s = stress_count(m.inner->kernel.element);
     EXPECT_LT((other.interior.topRows(s) - reference.interior.topRows(s)).norm(),
               1e-8 * reference.interior.topRows(s).norm())
         << what;
     const Eigen::VectorXd difference = other.skeleton - reference.skeleton;
-    EXPECT_LE(difference.tail(m.skeleton.total - m.skeleton.base).cwiseAbs().maxCoeff(), 1e-8 * jumps) << what;
+    EXPECT_LE(difference.tail(m.inner->skeleton.total - m.inner->skeleton.base).cwiseAbs().maxCoeff(), 1e-8 * jumps)
+        << what;
     EXPECT_LT((other.force - reference.force).norm(), 1e-8 * std::max(reference.force.norm(), 1e-4)) << what;
   }
 }

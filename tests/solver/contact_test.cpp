@@ -1,7 +1,7 @@
-#include "solver/contact.hpp"
+#include "solver/contact/contact.hpp"
 
-#include "solver/model.hpp"
-#include "tests/exact.hpp"
+#include "kerf/model.hpp"
+#include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -356,7 +356,7 @@ TEST(Contact, NearlySingularMatricesLoseWhatRoundingTakes) {
   }
 }
 
-TEST(Contact, AllMethodsAgreeOnAFactorisedBody) {
+TEST(Contact, AllMethodsAgreeOnAFactorizedBody) {
   const auto field = exact::crack_case("III");
   Scene scene;
   scene.material = field.material;
@@ -366,17 +366,18 @@ TEST(Contact, AllMethodsAgreeOnAFactorisedBody) {
                                 return field.displacement(x, exact::side_of(field, x));
                               }});
   const Model m = prepare(exact::crack_mesh(32), element("bdms"), scene, 1);
-  const Problem p{m.factor.schur_complement(),
-                  m.factor.trailing_factor().triangularView<Eigen::Lower>() *
-                      m.factor.forward(m.system.F).tail(m.ordering.trailing),
-                  normal_points(m.ordering.trailing)};
+  const Problem p{m.inner->factor.schur_complement(),
+                  m.inner->factor.trailing_factor().triangularView<Eigen::Lower>() *
+                      m.inner->factor.forward(m.inner->system.F).tail(m.inner->ordering.trailing),
+                  normal_points(m.inner->ordering.trailing)};
   expect_all_agree(p, 1e-10, "case III");
   const Contact c = dual_qp(p.S, p.r, p.points);
   EXPECT_LE(c.iterations, 4);
   const State s = solve(m);
-  for (Index u = 0; u < m.skeleton.total; ++u)
-    if (m.skeleton.bounded[u]) {
-      EXPECT_NEAR(s.skeleton[u], c.jump[m.ordering.row[u] - (m.ordering.size - m.ordering.trailing)],
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (m.inner->skeleton.bounded[u]) {
+      EXPECT_NEAR(s.skeleton[u],
+                  c.jump[m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.trailing)],
                   1e-11 * c.jump.maxCoeff());
     }
 }

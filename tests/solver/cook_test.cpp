@@ -1,6 +1,6 @@
 // Cook's membrane: the tip deflection of a clamped, sheared panel, with singular corners.
 
-#include "geometry/mesher.hpp"
+#include "kerf/mesher.hpp"
 #include "tests/solver/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,9 @@
 // The BDMS family at degrees 1, 2, 3.
 
-#include "solver/estimate.hpp"
-#include "solver/recover.hpp"
-#include "tests/exact.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/recover.hpp"
+#include "solver/system.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The error indicator of every element against the error.
 
-#include "geometry/mesher.hpp"
-#include "solver/estimate.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/mesher.hpp"
 #include "tests/solver/scenes.hpp"
 
 #include <gtest/gtest.h>

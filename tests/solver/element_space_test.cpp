@@ -2,6 +2,7 @@
 // matrix does not see, mapping, linear fields.
 
 #include "solver/polynomial.hpp"
+#include "solver/system.hpp"
 #include "tests/solver/scenes.hpp"
 
 #include <gtest/gtest.h>

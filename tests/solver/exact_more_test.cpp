@@ -1,8 +1,8 @@
 // The fields of exact_more.hpp against their tables, against the equations, and against closed forms.
 
-#include "tests/exact_more.hpp"
 #include "solver/quadrature.hpp"
-#include "tests/exact.hpp"
+#include "tests/support/exact.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>

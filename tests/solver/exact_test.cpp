@@ -1,6 +1,6 @@
 // The exact fields against their tables, against the equations, and against the numbers of elements.json.
 
-#include "tests/exact.hpp"
+#include "tests/support/exact.hpp"
 #include "solver/quadrature.hpp"
 
 #include <gtest/gtest.h>
@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(All, ExactCracks,
                                          "c04_inclined_closed", "c05_partial_linear", "c05_partial_linear_w",
                                          "c05b_partial_general", "c05c_lens"));
 
-/// Cracks in every regime, turned, off centre, of another length; some with p1 < 0.
+/// Cracks in every regime, turned, off center, of another length; some with p1 < 0.
 std::vector<ExactField> regimes() {
   const Material steel = plane_strain(210, 0.3), sheet = plane_stress(7, 0.25), rubber = plane_strain(3, 0.5);
   const Vec2 center(0.3, -0.2);

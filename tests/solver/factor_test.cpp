@@ -76,15 +76,15 @@ TEST(Factor, NotPositiveDefiniteNamesTheColumn) {
 
 TEST(Factor, DissectionIsAPermutationThatSavesFill) {
   const Index side = 40, n = side * side;
-  std::vector<Index> start{0}, neighbours;
+  std::vector<Index> start{0}, neighbors;
   for (Index k = 0; k < n; ++k) {
-    if (k % side > 0) neighbours.push_back(k - 1);
-    if (k % side + 1 < side) neighbours.push_back(k + 1);
-    if (k >= side) neighbours.push_back(k - side);
-    if (k + side < n) neighbours.push_back(k + side);
-    start.push_back(static_cast<Index>(neighbours.size()));
+    if (k % side > 0) neighbors.push_back(k - 1);
+    if (k % side + 1 < side) neighbors.push_back(k + 1);
+    if (k >= side) neighbors.push_back(k - side);
+    if (k + side < n) neighbors.push_back(k + side);
+    start.push_back(static_cast<Index>(neighbors.size()));
   }
-  std::vector<Index> order = dissection(start, neighbours);
+  std::vector<Index> order = dissection(start, neighbors);
   std::vector<Index> place(n);
   for (Index k = 0; k < n; ++k) place[order[k]] = k;
   const SparseMatrix natural = lower_grid(side, 0);

@@ -1,10 +1,10 @@
 // Crack tips on the meshes of the mesher: T-stress, collinear, curved and sliding cracks, finite plates.
 
-#include "geometry/mesher.hpp"
-#include "solver/fracture.hpp"
-#include "solver/recover.hpp"
-#include "tests/exact.hpp"
-#include "tests/exact_more.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/recover.hpp"
+#include "tests/support/exact.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 
@@ -285,7 +285,7 @@ std::vector<TipIntensity> pulled(const Plate& p) {
 TEST(TipsOnMeshes, FinitePlates) {
   ASSERT_EQ(plates().size(), 8u);
   for (const Plate& p : plates()) {
-    SCOPED_TRACE(std::string(p.edge ? "edge" : "centre") + " a = " + std::to_string(p.a) +
+    SCOPED_TRACE(std::string(p.edge ? "edge" : "center") + " a = " + std::to_string(p.a) +
                  " H = " + std::to_string(p.H));
     const auto tips = pulled(p);
     ASSERT_EQ(tips.size(), p.edge ? 1u : 2u);

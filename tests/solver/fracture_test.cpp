@@ -1,6 +1,6 @@
-#include "solver/fracture.hpp"
+#include "kerf/fracture.hpp"
 
-#include "tests/exact.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "solver/local.hpp"
+#include "solver/element/local.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
 #include "solver/recover_stress.hpp"
+#include "solver/system.hpp"
 
-#include "geometry/mesher.hpp"
-#include "tests/exact_more.hpp"
+#include "kerf/mesher.hpp"
 #include "tests/solver/scenes.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 
@@ -120,8 +121,8 @@ TEST(RecoverStress, IsSeveralTimesCloserOnSmoothFields) {
       for (Index i = 0; i < v.stress.cols(); ++i)
         discrete.at_corners.col(i) = symmetric(tensor(Eigen::Vector4d(v.stress.col(i))));
       for (Index t = 0; t < discrete.at_centroids.cols(); ++t)
-        discrete.at_centroids.col(t) = symmetric(tensor(
-            stress_at(s.model.kernel, triangle(s.model, t), s.state.interior.col(t), centroid(s.model.mesh, t))));
+        discrete.at_centroids.col(t) = symmetric(tensor(stress_at(s.model.inner->kernel, triangle(s.model, t),
+                                                                  s.state.interior.col(t), centroid(s.model.mesh, t))));
       raw.push_back(errors(s, f, discrete));
     }
     // Measured: 4.7, 3.7 times for degree 1, 2.9, 3.6 times for degree 2; the order grows by 0 to 0.2.

@@ -1,7 +1,8 @@
-#include "solver/recover.hpp"
+#include "kerf/recover.hpp"
+#include "solver/system.hpp"
 
-#include "solver/estimate.hpp"
-#include "tests/exact.hpp"
+#include "kerf/adaptive.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,12 @@
 // Bodies of several materials.
-#include "geometry/mesher.hpp"
-#include "solver/bounds.hpp"
-#include "solver/estimate.hpp"
-#include "solver/extended.hpp"
-#include "solver/fracture.hpp"
-#include "tests/exact_more.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/bounds.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "solver/saddle_point.hpp"
+#include "solver/system.hpp"
 #include "tests/solver/scenes.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ Mesh layers() {
 double largest_stress_error(const Model& m, const State& s, const std::function<Eigen::Vector4d(Index)>& stress) {
   double worst = 0;
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
-    const Eigen::Matrix4Xd found = evaluate(m, s, t, rule_points(m.kernel.rule, triangle(m, t))).stress;
+    const Eigen::Matrix4Xd found = evaluate(m, s, t, rule_points(m.inner->kernel.rule, triangle(m, t))).stress;
     worst = std::max(worst, (found.colwise() - stress(region_of(m.mesh, t))).cwiseAbs().maxCoeff());
   }
   return worst;
@@ -112,9 +113,9 @@ TEST(Regions, EnclosedIncompressibleRegionInACompressibleBodyHasALevelOfPressure
   for (Index label = 0; label < 4; ++label)
     s.supports.push_back({label, false, true, true, [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x); }});
   const Model m = prepare(layers(), element("bdms"), s, 1);
-  EXPECT_FALSE(has_free_pressure(m.mesh, m.scene, m.skeleton));
+  EXPECT_FALSE(has_free_pressure(m.mesh, m.scene, m.inner->skeleton));
   const State found = solve(m),
-              reference = solve_extended(prepare(layers(), element("bdms"), s, 1, {.factorise = false}));
+              reference = solve_extended(prepare(layers(), element("bdms"), s, 1, {.factorize = false}));
   EXPECT_TRUE(certified(found));
   EXPECT_LT((found.interior - reference.interior).cwiseAbs().maxCoeff(),
             1e-8 * reference.interior.cwiseAbs().maxCoeff());
@@ -217,11 +218,11 @@ TEST(Regions, FlatInterfacesKeepTheOrder) {
     const State s = solve(m);
     double square = 0;
     for (Index t = 0; t < n * n * 2; ++t) {
-      const Points x = rule_points(m.kernel.load, triangle(m, t));
+      const Points x = rule_points(m.inner->kernel.load, triangle(m, t));
       const Fields f = evaluate(m, s, t, x);
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
         const Eigen::Vector4d exact = std::cos(3 * x(1, q)) * pressed_stress(material_of(m.mesh, m.scene, t));
-        square += area(m.mesh, t) * m.kernel.load.w[q] * (f.stress.col(q) - exact).squaredNorm();
+        square += area(m.mesh, t) * m.inner->kernel.load.w[q] * (f.stress.col(q) - exact).squaredNorm();
       }
     }
     errors.push_back(std::sqrt(square));
@@ -233,7 +234,7 @@ TEST(Regions, SaddlePointAgrees) {
   const Inclusion i = inclusion(plane_strain(1, 0.3), plane_strain(10, 0.49));
   const Mesh mesh = i.mesh(0.25);
   const Model m = prepare(mesh, element("bdms"), i.scene, 1);
-  const State a = solve(m), b = solve_extended(prepare(mesh, element("bdms"), i.scene, 1, {.factorise = false}));
+  const State a = solve(m), b = solve_extended(prepare(mesh, element("bdms"), i.scene, 1, {.factorize = false}));
   EXPECT_LT((a.interior - b.interior).cwiseAbs().maxCoeff(), 1e-9 * a.interior.cwiseAbs().maxCoeff());
   EXPECT_LT((a.skeleton - b.skeleton).cwiseAbs().maxCoeff(), 1e-9 * a.skeleton.cwiseAbs().maxCoeff());
 }

@@ -1,8 +1,9 @@
 #pragma once
 // What the tests of the elements share: scenes of exact fields on the unit square and on [-2, 2]^2, norms, names.
 
-#include "solver/recover.hpp"
-#include "tests/exact.hpp"
+#include "kerf/recover.hpp"
+#include "solver/system.hpp"
+#include "tests/support/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

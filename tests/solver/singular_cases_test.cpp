@@ -1,9 +1,9 @@
 // The exact cracked and cornered bodies of data/exact on adaptive meshes: optimal rate, estimate, energy between its
 // bounds.
-#include "solver/adaptive.hpp"
-#include "solver/bounds.hpp"
-#include "tests/exact.hpp"
-#include "tests/exact_more.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/bounds.hpp"
+#include "tests/support/exact.hpp"
+#include "tests/support/exact_families.hpp"
 
 #include <gtest/gtest.h>
 

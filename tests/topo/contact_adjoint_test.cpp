@@ -2,7 +2,7 @@
 // crack carries neither gap nor pressure, and along its growth.
 
 #include "tests/topo/validation.hpp"
-#include "topo/integrate.hpp"
+#include "topo/functional/integrate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -70,12 +70,12 @@ TEST_P(PartlyClosed, TheOpenAdjointIsWrong) {
   Body finer = partly_closed(2);
   finer.sizing.size /= 2;
   const Solved b = solved(finer);
-  const Analysis right = analyse(j, b.model, b.state);
+  const Analysis right = analyze(j, b.model, b.state);
   if (!right.adjoint) return;  // compliance needs none
   const std::vector<ContactStatus> status = contact_status(b.model, b.state);
   EXPECT_GT(std::count(status.begin(), status.end(), ContactStatus::Closed), 10);
   EXPECT_GT(std::count(status.begin(), status.end(), ContactStatus::Open), 10);
-  Analysis open = analyse(j, b.model, b.state);
+  Analysis open = analyze(j, b.model, b.state);
   open.fields = {};
   open.adjoint = solve_adjoint(b.model, open.derivative, std::vector<bool>(status.size(), false));
   // Another mesh, on which the contact ends elsewhere by up to an edge.
@@ -110,10 +110,10 @@ TEST(Biactive, LoadsAlongACrackHaveOneSidedDerivatives) {
   for (const int side : {0, 1}) {
     const Body b = stretched(side == 0 ? 1 : -1);
     const Solved s = solved(b);
-    const Analysis a = analyse(opening, s.model, s.state);
+    const Analysis a = analyze(opening, s.model, s.state);
     EXPECT_NEAR(a.biactive_length, 0.8, 1e-12);
     EXPECT_NEAR(a.value, 0, 1e-12);
-    Analysis without = analyse(opening, s.model, s.state);
+    Analysis without = analyze(opening, s.model, s.state);
     without.biactive = {};
     linear[side] = map_there(without, opening);
     const Validation v = validated(b, opening, at, {}, {0.08, 0.04, 0.02, 0.01, 0.005});
@@ -159,14 +159,14 @@ TEST(Growth, DerivativeOfTheEnergyReleaseRateIsThatOfTheMapAlongTheCrack) {
       }
       const Model model = prepare(m, b.element, b.scene, 2);
       const State s = solve(model);
-      const Analysis a = analyse(potential, model, s);
+      const Analysis a = analyze(potential, model, s);
       return Vec2(-map_there(a, potential), -a.value);  // 1/2 H there, -Pi
     };
     const auto slope = [&](double by) -> Vec2 { return (grown(by) - grown(-by)) / (2 * by); };
     const Vec2 richardson = (4 * slope(0.01) - slope(0.02)) / 3;
     const Model model = prepare(mesh, b.element, b.scene, 2);
     const State s = solve(model);
-    const Analysis a = analyse(rate, model, s);
+    const Analysis a = analyze(rate, model, s);
     EXPECT_NEAR(map_there(a, rate) / richardson[0], 1, 1e-3) << closing;
     EXPECT_NEAR(a.value / richardson[1], 1, 1e-4) << closing;
   }
@@ -195,11 +195,11 @@ TEST(Reciprocity, PrescribedDisplacementsTakeTheAdjoint) {
   const Functional j{"", {compliance()}};
   Body b = partly_closed();
   const Solved fixed = solved(b);
-  const Analysis of_fixed = analyse(j, fixed.model, fixed.state);
+  const Analysis of_fixed = analyze(j, fixed.model, fixed.state);
   EXPECT_FALSE(of_fixed.adjoint);
   b.scene.supports[0].value = [](const Vec2& x, const Vec2&) { return Vec2(0, 1e-9 * x.x()); };
   const Solved moved = solved(b);
-  const Analysis of_moved = analyse(j, moved.model, moved.state);
+  const Analysis of_moved = analyze(j, moved.model, moved.state);
   EXPECT_TRUE(of_moved.adjoint);
   EXPECT_NEAR(map_there(of_moved, j) / map_there(of_fixed, j), 1, 1e-7);
   // And in earnest.

@@ -1,7 +1,7 @@
 // The exact disc cases of tests/data/topological_derivatives.json once more, by the program itself: J of the disc with
-// its hole, clamp or inclusion meshed, and T at the centre of the full disc.
+// its hole, clamp or inclusion meshed, and T at the center of the full disc.
 
-#include "topo/map.hpp"
+#include "kerf/map.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -74,7 +74,7 @@ struct Case {
     if (has("kohn_vogelius")) pulled(diagonal(1.2, 0.2));
     if (has("clamped")) {
       held(hole, constant(Vec2::Zero()));
-      // Its centre does not move: like a rigid inclusion.
+      // Its center does not move: like a rigid inclusion.
       change = {Perturbation::Kind::Inclusion, {1e12 * matrix.mu, 1e-12 * matrix.c}};
     }
     if (has("inclusion")) {
@@ -133,7 +133,7 @@ double value(const Case& c, Inside inside, double eps, double size) {
   const Model m = prepare(disc(inside, eps, size), element("bdms", 2), scene, 2);
   const State s = solve(m);
   EXPECT_TRUE(certified(s));
-  return analyse(c.functional, m, s, true).value;
+  return analyze(c.functional, m, s, true).value;
 }
 
 double coefficient(const Case& c, double size) {
@@ -142,8 +142,8 @@ double coefficient(const Case& c, double size) {
   const Model m = prepare(disc(Inside::Same, 0, size), element("bdms", 1), scene, 2);
   const State s = solve(m);
   EXPECT_TRUE(certified(s));
-  const std::vector<Vec2> centre = {Vec2::Zero()};
-  return map_at(analyse(c.functional, m, s), c.functional, {.perturbation = c.change}, centre)[0].value;
+  const std::vector<Vec2> center = {Vec2::Zero()};
+  return map_at(analyze(c.functional, m, s), c.functional, {.perturbation = c.change}, center)[0].value;
 }
 
 // The hole is a polygon of the right area, at any size of the other edges: it costs up to 7e-4 of the change of J, for
@@ -163,7 +163,7 @@ TEST(Disc, ValuesWithTheChangeMeshed) {
   EXPECT_EQ(count, 64);
 }
 
-// Stresses and adjoint stresses of most cases are uniform: no discretisation error. The others converge, where the
+// Stresses and adjoint stresses of most cases are uniform: no discretization error. The others converge, where the
 // data are given on the curved rim with the order 2 of the polygon.
 TEST(Disc, CoefficientsAtThreeRefinements) {
   int count = 0;

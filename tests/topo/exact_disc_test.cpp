@@ -1,8 +1,8 @@
-// Every exact case of tests/data/topological_derivatives.json: discs with a small change at the centre, where state and
+// Every exact case of tests/data/topological_derivatives.json: discs with a small change at the center, where state and
 // adjoint of the full disc are known by hand. J to 20 digits, T to 1e-12.
 
-#include "topo/clamped.hpp"
-#include "topo/von_mises.hpp"
+#include "topo/formulas/clamped.hpp"
+#include "topo/formulas/von_mises.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -71,7 +71,7 @@ double bulge(const Material& m) {
   return 2 * m.c / (8 * m.mu * m.c + 1);
 }
 
-// The adjoint stress at the centre of a free disc under the body force e x: ansatz A x + B r^2 x for the mean part of
+// The adjoint stress at the center of a free disc under the body force e x: ansatz A x + B r^2 x for the mean part of
 // e, (Ex/4 - r^2 Ex/6 + (x.Ex) x/12)/mu for its deviator E.
 Mat2 tracking_adjoint(const Material& m, const Mat2& e) {
   const double mean = 0.5 * e.trace(), k = 4 * m.mu * m.c;
@@ -100,7 +100,7 @@ double derivative(const Disc& d, const json& c) {
     p.inclusion = d.material(problem.at("E_star"), problem.at("nu_star"));
     return form(p, d.m, 0, d.s, d.s);
   }
-  // The centre does not move: like a rigid inclusion.
+  // The center does not move: like a rigid inclusion.
   const double infinity = std::numeric_limits<double>::infinity();
   if (ends("clamped_hole_traction_compliance")) return inclusion_form(d.m, {infinity, 0}, d.s, d.s);
   const auto at = d.name.find("vonMises_p");
@@ -152,8 +152,8 @@ TEST(ExactDisc, EveryDerivativeAndTheOrderOfItsRemainder) {
   EXPECT_EQ(count, 28);
 }
 
-// The clamp at the centre of a disc held on r = 1 by u0, or under a body force.
-TEST(ExactDisc, ClampedHolesAreSecondOrderAfterRenormalisation) {
+// The clamp at the center of a disc held on r = 1 by u0, or under a body force.
+TEST(ExactDisc, ClampedHolesAreSecondOrderAfterRenormalization) {
   int count = 0;
   for (const json& c : cases()) {
     if (!c.contains("values")) continue;
@@ -173,7 +173,7 @@ TEST(ExactDisc, ClampedHolesAreSecondOrderAfterRenormalisation) {
     for (const json& v : c.at("values")) {
       const double eps = v.at("eps");
       const double change = 0.5 * u0.dot(clamped_force(d.m, eps, hreg, u0));
-      EXPECT_NEAR(change / static_cast<double>(number(v.at("renormalised"))), 1, 1e-12) << eps;
+      EXPECT_NEAR(change / static_cast<double>(number(v.at("renormalized"))), 1, 1e-12) << eps;
       const double truth = static_cast<double>(number(v.at(body ? "dJ" : "J")));
       error.push_back(std::abs(change - truth));
     }

@@ -1,7 +1,7 @@
-#include "topo/analysis.hpp"
+#include "kerf/analysis.hpp"
 
-#include "tests/exact.hpp"
-#include "topo/integrate.hpp"
+#include "tests/support/exact.hpp"
+#include "topo/functional/integrate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -66,13 +66,13 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
   const Model model = make(setup);
   const State state = solve(model);
   ASSERT_TRUE(certified(state));
-  const Analysis a = analyse(j, model, state);
+  const Analysis a = analyze(j, model, state);
   if (!a.adjoint) GTEST_SKIP() << "nothing to differentiate";
   const auto value = [&](const Load& s) {
     const Model m = make(s);
-    return analyse(j, m, solve(m), true).value;
+    return analyze(j, m, solve(m), true).value;
   };
-  const auto frozen = [&](const Load& s) { return analyse(j, make(s), state, true).value; };
+  const auto frozen = [&](const Load& s) { return analyze(j, make(s), state, true).value; };
   const double scale = std::abs(a.value);
   // Fourth order, with steps that keep the rounding of near-incompressible solves small.
   const auto slope = [&](const auto& of, double Load::*what) {
@@ -87,7 +87,8 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
   {  // the load
     const double expected = slope(value, &Load::load);
     const double derivative =
-        a.adjoint->skeleton.dot(traction_loads(model.mesh, model.kernel, model.skeleton, model.scene)) / setup.load +
+        a.adjoint->skeleton.dot(traction_loads(model.mesh, model.inner->kernel, model.inner->skeleton, model.scene)) /
+            setup.load +
         slope(frozen, &Load::load);
     EXPECT_NEAR(derivative, expected, 1e-6 * std::max(std::abs(expected), 0.01 * scale));
   }
@@ -97,11 +98,11 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
     for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
       if (model.mesh.region[t] == none) continue;
       const Triangle shape = triangle(model, t);
-      const Points x = rule_points(model.kernel.rule, shape);
+      const Points x = rule_points(model.inner->kernel.rule, shape);
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const Mat2 s = tensor(stress_at(model.kernel, shape, state.interior.col(t), x.col(q)));
-        const Mat2 z = tensor(stress_at(model.kernel, shape, a.adjoint->interior.col(t), x.col(q)));
-        derivative -= area(shape) * model.kernel.rule.w[q] / setup.young *
+        const Mat2 s = tensor(stress_at(model.inner->kernel, shape, state.interior.col(t), x.col(q)));
+        const Mat2 z = tensor(stress_at(model.inner->kernel, shape, a.adjoint->interior.col(t), x.col(q)));
+        derivative -= area(shape) * model.inner->kernel.rule.w[q] / setup.young *
                       strain(model.scene.regions[0], s).cwiseProduct(z).sum();
       }
     }

@@ -1,8 +1,8 @@
-#include "topo/green.hpp"
+#include "topo/map/green.hpp"
 
-#include "geometry/mesher.hpp"
-#include "solver/recover.hpp"
-#include "topo/map.hpp"
+#include "kerf/map.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/recover.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ Green green_at(const Solved& s, const Vec2& x) {
 }
 
 double predicted(const Solved& s, const Functional& j, double eps, const Vec2& x) {
-  const Analysis a = analyse(j, s.model, s.state);
+  const Analysis a = analyze(j, s.model, s.state);
   const MapRequest r{.perturbation = {.kind = Perturbation::Kind::ClampedHole}, .radius = eps};
   return map_at(a, j, r, std::vector<Vec2>{x})[0].value;
 }
@@ -171,7 +171,7 @@ TEST_P(FiniteHole, BetweenAnOpenAndAClosedCrackChangesJAsPredicted) {
   const Sizing sizing{.size = 0.15, .crack_tip_size = 0.01};
   const Solved whole = solved(body.shape, sizing, body.scene);
   std::vector<Analysis> before;
-  for (const Functional& j : all) before.push_back(analyse(j, whole.model, whole.state));
+  for (const Functional& j : all) before.push_back(analyze(j, whole.model, whole.state));
   const std::size_t n = before.size();
   std::vector<double> error, difference;
   for (const double eps : {0.06, 0.03}) {
@@ -180,7 +180,7 @@ TEST_P(FiniteHole, BetweenAnOpenAndAClosedCrackChangesJAsPredicted) {
     drilled.scene.supports.push_back({3, false, true, true, constant({0, 0})});
     const Solved s = solved(drilled.shape, sizing, drilled.scene);
     for (std::size_t i = 0; i < n; ++i) {
-      difference.push_back(analyse(all[i], s.model, s.state, true).value - before[i].value);
+      difference.push_back(analyze(all[i], s.model, s.state, true).value - before[i].value);
       error.push_back(clamped_at(before[i], all[i], eps, std::vector<Vec2>{at})[0] - difference.back());
     }
   }
@@ -198,7 +198,7 @@ TEST(ClampedHole, EverywhereAgreesWithPointwise) {
   const Cracked body = cracked(0.3);
   const Solved s = solved(body.shape, {.size = 0.1, .crack_tip_size = 0.02}, body.scene);
   const Functional j{"energy", {energy()}};
-  const Analysis a = analyse(j, s.model, s.state);
+  const Analysis a = analyze(j, s.model, s.state);
   const MapRequest r{.perturbation = {.kind = Perturbation::Kind::ClampedHole}, .radius = 0.01};
   const FullMap map = map_everywhere(a, j, r, split_at_cracks(s.model.mesh));
   std::vector<Vec2> points;
@@ -231,7 +231,7 @@ TEST(ClampedHole, RefusesWhatItCannotDo) {
   const Functional stress{"stress_power", {stress_power(2, {}, true)}}, track{"t", {displacement_tracking({}, {})}};
   EXPECT_THROW(predicted(s, stress, 0.01, {0.1, 0.15}), Error);
   EXPECT_THROW(predicted(s, {"energy", {energy()}}, 0, {0.1, 0.15}), Error);
-  const Analysis a = analyse(track, s.model, s.state);
+  const Analysis a = analyze(track, s.model, s.state);
   const MapRequest r{.perturbation = {.kind = Perturbation::Kind::ClampedHole}, .radius = 0.01};
   EXPECT_THROW(map_everywhere(a, track, r, split_at_cracks(s.model.mesh)), Error);
   // Outside, near a crack, and where the hole is too large.

@@ -1,7 +1,7 @@
-#include "topo/map.hpp"
+#include "kerf/map.hpp"
 
-#include "geometry/mesher.hpp"
-#include "tests/exact.hpp"
+#include "kerf/mesher.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ const Functional energy_only{"energy", {energy()}};
 
 std::vector<double> energy_map(const Model& m, const State& s, std::span<const Vec2> points) {
   std::vector<double> values;
-  for (const MapPoint& p : map_at(analyse(energy_only, m, s), energy_only, {}, points)) values.push_back(p.value);
+  for (const MapPoint& p : map_at(analyze(energy_only, m, s), energy_only, {}, points)) values.push_back(p.value);
   return values;
 }
 
@@ -123,7 +123,7 @@ TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
   const auto field = exact::table_field("c05_partial_linear");
   const Solved s = solved(field, 0.2, 0.05);
   const Corners corners = split_at_cracks(s.model.mesh);
-  const FullMap map = map_everywhere(analyse(energy_only, s.model, s.state), energy_only, {}, corners);
+  const FullMap map = map_everywhere(analyze(energy_only, s.model, s.state), energy_only, {}, corners);
   std::vector<Vec2> centers;
   for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); ++t)
     centers.push_back(centroid(s.model.mesh, t));

@@ -1,7 +1,7 @@
 #pragma once
 // Bodies, and validations of them in one line, for the tests of the expansions.
 
-#include "topo/validate.hpp"
+#include "kerf/validate.hpp"
 
 #include <fmt/core.h>
 

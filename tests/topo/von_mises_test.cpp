@@ -1,4 +1,4 @@
-#include "topo/von_mises.hpp"
+#include "topo/formulas/von_mises.hpp"
 
 #include "solver/quadrature.hpp"
 

@@ -1,0 +1,181 @@
+// Narrow gaps: for points along the sides and cracks, the nearest piece that faces them across the body.
+
+#include "geometry/mesher/size_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr std::size_t max_samples = 200000;
+constexpr double leaving = 0.7;   // least cosine between the normal of the one side and the way across
+constexpr double arriving = 0.5;  // and of the other
+
+Vec2 left(const Vec2& d) {
+  return {-d.y(), d.x()};
+}
+
+struct Target {
+  Vec2 a, b;
+  Index strand;
+  bool tip_a, tip_b;  // free ends of a crack face every way
+};
+
+struct Gap {
+  double width = std::numeric_limits<double>::infinity();
+  Vec2 across = Vec2::Zero();
+  Index strand = none;
+};
+
+/// Pieces in square cells as wide as the search reaches, so that nine cells are enough.
+struct Targets {
+  std::vector<Target> all;
+  Vec2 low;
+  double cell;
+  int columns, rows;
+  std::vector<std::vector<Index>> in;
+
+  int column(double x) const {
+    return int(std::clamp((x - low.x()) / cell, 0.0, columns - 1.0));
+  }
+  int row(double y) const {
+    return int(std::clamp((y - low.y()) / cell, 0.0, rows - 1.0));
+  }
+};
+
+int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
+  if (!strand.arc) {
+    const double length = (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
+    return int(std::clamp(std::ceil(length / longest), 1.0, 1e6));
+  }
+  const double angle = std::abs(strand.arc->to - strand.arc->from);
+  return int(
+      std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / std::numbers::pi)), 1.0, 1e6));
+}
+
+Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
+  Targets targets;
+  Vec2 high = Vec2::Constant(-std::numeric_limits<double>::infinity());
+  targets.low = -high;
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Strand& strand = drawing.strands[k];
+    const int count = even_pieces(drawing, strand, reach);
+    for (int i = 0; i < count; ++i) {
+      const Vec2 a = point(drawing, strand, double(i) / count), b = point(drawing, strand, double(i + 1) / count);
+      targets.all.push_back(
+          {a, b, Index(k), i == 0 && tip[std::size_t(strand.from)], i + 1 == count && tip[std::size_t(strand.to)]});
+      targets.low = targets.low.cwiseMin(a).cwiseMin(b);
+      high = high.cwiseMax(a).cwiseMax(b);
+    }
+  }
+  targets.cell = std::max(reach, (high - targets.low).maxCoeff() / 1000);
+  targets.columns = int((high.x() - targets.low.x()) / targets.cell) + 1;
+  targets.rows = int((high.y() - targets.low.y()) / targets.cell) + 1;
+  targets.in.resize(std::size_t(targets.columns) * std::size_t(targets.rows));
+  for (std::size_t i = 0; i < targets.all.size(); ++i) {
+    const Vec2 l = targets.all[i].a.cwiseMin(targets.all[i].b), h = targets.all[i].a.cwiseMax(targets.all[i].b);
+    for (int r = targets.row(l.y()); r <= targets.row(h.y()); ++r)
+      for (int c = targets.column(l.x()); c <= targets.column(h.x()); ++c)
+        targets.in[std::size_t(r) * std::size_t(targets.columns) + std::size_t(c)].push_back(Index(i));
+  }
+  return targets;
+}
+
+/// `normal` zero: every way. Strands that share a corner with `from` make an angle, not a gap.
+Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const Vec2& normal, Index from, double reach,
+            Index corner) {
+  Gap best{.width = reach};
+  const Strand& own = drawing.strands[std::size_t(from)];
+  const int c = targets.column(x.x()), r = targets.row(x.y());
+  for (int j = std::max(0, r - 1); j <= std::min(targets.rows - 1, r + 1); ++j)
+    for (int i = std::max(0, c - 1); i <= std::min(targets.columns - 1, c + 1); ++i)
+      for (const Index t : targets.in[std::size_t(j) * std::size_t(targets.columns) + std::size_t(i)]) {
+        const Target& target = targets.all[std::size_t(t)];
+        const Strand& other = drawing.strands[std::size_t(target.strand)];
+        const Vec2 d = target.b - target.a;
+        const double s = std::clamp((x - target.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+        const Vec2 y = target.a + s * d;
+        const double width = (y - x).norm();
+        if (!(width < best.width) || width == 0) continue;
+        if (corner != none) {
+          if (other.from == corner || other.to == corner) continue;
+        } else if (target.strand == from) {
+          if (!own.arc || own.loop == none) continue;  // cracks and regions have short edges where they face themselves
+        } else if (other.from == own.from || other.from == own.to || other.to == own.from || other.to == own.to) {
+          continue;
+        }
+        if (normal != Vec2::Zero() && normal.dot(y - x) < leaving * width) continue;
+        const bool tip = (s == 0 && target.tip_a) || (s == 1 && target.tip_b);
+        const double turned = left(d).dot(x - y) / d.norm();
+        if (!tip && (other.loop == none ? std::abs(turned) : turned) < arriving * width) continue;
+        best = {width, y, target.strand};
+      }
+  return best;
+}
+
+}  // namespace
+
+void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources) {
+  const double reach = 2 * size;
+  std::vector<int> degree(drawing.corners.size(), 0);
+  std::vector<bool> tip(drawing.corners.size(), false);
+  for (const Strand& strand : drawing.strands) {
+    ++degree[std::size_t(strand.from)];
+    ++degree[std::size_t(strand.to)];
+  }
+  for (std::size_t v = 0; v < degree.size(); ++v) tip[v] = degree[v] == 1;
+  const std::vector<bool> reentrant = reentrant_corners(drawing);
+  const Targets targets = file(drawing, tip, reach);
+
+  const std::size_t limit = sources.size() + max_samples + targets.all.size();
+  const auto use = [&](const Vec2& x, const Gap& gap, Index from) {
+    if (gap.strand == none) return;
+    sources.push_back({x, gap.across, gap.width / across});
+    if (sources.size() > limit)
+      throw Error(Fault::Geometry,
+                  fmt::format("the gap between {} and {} at ({:.6g}, {:.6g}) is only {:.3g} wide over a long stretch: "
+                              "more triangles than can be meshed; widen or close it",
+                              name(shape, drawing.strands[std::size_t(from)]),
+                              name(shape, drawing.strands[std::size_t(gap.strand)]), x.x(), x.y(), gap.width));
+  };
+
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Strand& strand = drawing.strands[k];
+    for (const Index corner : {strand.from, strand.to}) {
+      if (strand.loop != none && !reentrant[std::size_t(corner)]) continue;
+      const Vec2& x = drawing.corners[std::size_t(corner)];
+      // Both strands of an inner corner ask: the same answer twice does no harm.
+      use(x, nearest(drawing, targets, x, Vec2::Zero(), Index(k), reach, corner), Index(k));
+    }
+    const int count = even_pieces(drawing, strand, size);
+    std::vector<std::array<double, 2>> open;
+    for (int i = count - 1; i >= 0; --i) open.push_back({double(i) / count, double(i + 1) / count});
+    while (!open.empty()) {
+      const auto [from, to] = open.back();
+      open.pop_back();
+      const Vec2 x = point(drawing, strand, (from + to) / 2);
+      const Vec2 along = point(drawing, strand, to) - point(drawing, strand, from);
+      const Vec2 normal = left(along).normalized();
+      double width = reach;
+      for (const double sign : {1.0, -1.0}) {
+        if (sign < 0 && strand.loop != none) break;  // a side faces the body on its left only
+        const Gap gap = nearest(drawing, targets, x, sign * normal, Index(k), reach, none);
+        use(x, gap, Index(k));
+        width = std::min(width, gap.width);
+      }
+      if (along.norm() > 1.5 * width) {
+        const double middle = (from + to) / 2;
+        open.push_back({middle, to});
+        open.push_back({from, middle});
+      }
+    }
+  }
+}
+
+}  // namespace kerf

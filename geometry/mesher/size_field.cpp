@@ -1,0 +1,342 @@
+#include "geometry/mesher/size_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
+
+namespace kerf {
+
+namespace {
+
+constexpr std::size_t few = 4;     // a square with no more sources is a leaf
+constexpr std::size_t many = 12;   // no leaf lists more
+constexpr int max_depth = 40;      // of the quadtree
+constexpr double steepness = 0.5;  // with which the target falls away from an edge that is kept
+
+double size_of(const SizeField& field, const Source& s, const Vec2& x) {
+  const double d = distance(x, s.a, s.b), linear = s.size + field.grading * d;
+  if (d >= s.reach) return linear;
+  return std::min(linear, std::max(s.size, field.cap * std::pow(d / s.reach, 0.8)));
+}
+
+void grow(SizeField& field, std::size_t node, const Vec2& low, double width, const std::vector<Index>& candidates,
+          int depth) {
+  const Vec2 center = low.array() + width / 2;
+  const double reach = field.grading * width / std::numbers::sqrt2;  // h changes no more from the center to a corner
+  double upper = field.cap;
+  std::vector<double> value;
+  value.reserve(candidates.size());
+  for (const Index s : candidates) {
+    value.push_back(size_of(field, field.sources[std::size_t(s)], center));
+    upper = std::min(upper, value.back() + reach);
+  }
+  std::vector<Index> kept;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (value[i] - reach < upper) kept.push_back(Index(i));
+  // Squares as small as the edges themselves need no sharper answer than the few sources that matter most.
+  const bool small = width < upper || depth == max_depth;
+  if (kept.size() <= few || small) {
+    if (kept.size() > many) {
+      std::stable_sort(kept.begin(), kept.end(),
+                       [&](Index i, Index j) { return value[std::size_t(i)] < value[std::size_t(j)]; });
+      kept.resize(many);
+    }
+    for (Index& i : kept) i = candidates[std::size_t(i)];
+    field.nodes[node].first = Index(field.listed.size());
+    field.nodes[node].count = Index(kept.size());
+    field.listed.insert(field.listed.end(), kept.begin(), kept.end());
+    return;
+  }
+  for (Index& i : kept) i = candidates[std::size_t(i)];
+  const std::size_t child = field.nodes.size();
+  field.nodes[node].child = Index(child);
+  field.nodes.resize(child + 4);
+  for (int q = 0; q < 4; ++q)
+    grow(field, child + std::size_t(q), low + width / 2 * Vec2(q & 1, q >> 1), width / 2, kept, depth + 1);
+}
+
+/// Lowers sizes until none exceeds a neighbor's by more than grading times the edge: in the order of the sizes, so
+/// that each vertex is settled once.
+void limit_growth(const Mesh& mesh, double grading, std::vector<double>& size) {
+  std::vector<Index> start(mesh.points.size() + 1, 0), edge(2 * mesh.edges.size());
+  for (const auto& e : mesh.edges)
+    for (const Index v : e) ++start[std::size_t(v) + 1];
+  for (std::size_t v = 0; v + 1 < start.size(); ++v) start[v + 1] += start[v];
+  std::vector<Index> fill(start.begin(), start.end() - 1);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    for (const Index v : mesh.edges[e]) edge[std::size_t(fill[std::size_t(v)]++)] = Index(e);
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  const auto pass_on = [&](std::size_t v) {
+    for (Index i = start[v]; i < start[v + 1]; ++i) {
+      const Index e = edge[std::size_t(i)];
+      const auto [a, b] = mesh.edges[std::size_t(e)];
+      const std::size_t other = std::size_t(std::size_t(a) == v ? b : a);
+      const double most = size[v] + grading * length(mesh, e);
+      if (!(size[other] > most * (1 + 1e-12))) continue;
+      size[other] = most;
+      open.push({most, Index(other)});
+    }
+  };
+  for (std::size_t v = 0; v < size.size(); ++v) pass_on(v);
+  while (!open.empty()) {
+    const auto [h, v] = open.top();
+    open.pop();
+    if (h == size[std::size_t(v)]) pass_on(std::size_t(v));
+  }
+}
+
+/// Linear in the triangle that contains x; beyond the boundary the value at the nearest point.
+double background_at(const SizeField& field, const Vec2& x) {
+  const Mesh& mesh = *field.background;
+  Index t = locate(mesh, field.locator, x);
+  Vec2 y = x;
+  if (t == none) {
+    t = nearest_triangle(mesh, field.locator, x);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& v = mesh.triangles[std::size_t(t)];
+      const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];
+      const Vec2 foot = a + std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a);
+      if ((foot - x).squaredNorm() >= least) continue;
+      least = (foot - x).squaredNorm();
+      y = foot;
+    }
+  }
+  const auto& [a, b, c] = mesh.triangles[std::size_t(t)];
+  const Vec2 &p = mesh.points[std::size_t(a)], &q = mesh.points[std::size_t(b)], &r = mesh.points[std::size_t(c)];
+  const double whole = cross(q - p, r - p), in_b = cross(y - p, r - p) / whole, in_c = cross(q - p, y - p) / whole;
+  const double ha = field.at_vertex[std::size_t(a)], hb = field.at_vertex[std::size_t(b)],
+               hc = field.at_vertex[std::size_t(c)];
+  return std::clamp(ha + in_b * (hb - ha) + in_c * (hc - ha), std::min({ha, hb, hc}), std::max({ha, hb, hc}));
+}
+
+/// Whether an edge that is kept may raise the size within the distance of x.
+bool beside_kept(const SizeField& field, const Vec2& x, double distance) {
+  return !field.kept.empty() && (x.array() + distance > field.kept_low.array()).all() &&
+         (x.array() - distance < field.kept_high.array()).all();
+}
+
+constexpr double degree = std::numbers::pi / 180;
+
+double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
+  return std::atan2(cross(in, out), in.dot(out));
+}
+
+/// Curved sides: 32 pieces per turn of a circle with the local radius of curvature.
+void add_curved(const Drawing& drawing, const Strand& strand, double size, std::vector<Source>& sources) {
+  const Arc& arc = *strand.arc;
+  const double product = std::abs(determinant(arc));
+  const auto wanted = [&](double s) {
+    const double t = arc.from + s * (arc.to - arc.from);
+    const double v = (arc.axes * Vec2(-std::sin(t), std::cos(t))).norm();
+    return 2 * std::numbers::pi / 32 * v * v * v / product;
+  };
+  // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
+  const auto p = arc.axes.col(0), q = arc.axes.col(1);
+  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = std::numbers::pi / 2;
+  const auto [low, high] = std::minmax(arc.from, arc.to);
+  std::vector<double> breaks{0, 1};
+  for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
+    breaks.push_back((t - arc.from) / (arc.to - arc.from));
+  std::sort(breaks.begin(), breaks.end());
+  std::vector<std::array<double, 2>> open;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double middle = (from + to) / 2;
+    const double least = std::min({wanted(from), wanted(middle), wanted(to)});
+    const double length = velocity(drawing, strand, middle).norm() * (to - from);
+    const double angle = (to - from) * std::abs(arc.to - arc.from);
+    if (angle > std::numbers::pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
+      open.push_back({middle, to});
+      open.push_back({from, middle});
+    } else if (least < size) {
+      sources.push_back({point(drawing, strand, from), point(drawing, strand, to), least});
+    }
+  }
+}
+
+}  // namespace
+
+SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high) {
+  SizeField field{.cap = cap,
+                  .grading = grading,
+                  .sources = std::move(sources),
+                  .low = low,
+                  .width = (high - low).maxCoeff(),
+                  .nodes = std::vector<SizeField::Node>(1)};
+  std::vector<Index> all(field.sources.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = Index(i);
+  grow(field, 0, field.low, field.width, all, 0);
+  return field;
+}
+
+void add_background(SizeField& field, const Background& background, double least) {
+  const Mesh& mesh = *background.mesh;
+  if (background.size.size() != mesh.points.size() || mesh.triangles.empty())
+    throw std::invalid_argument(fmt::format("a background of {} sizes for a mesh of {} vertices and {} triangles",
+                                            background.size.size(), mesh.points.size(), mesh.triangles.size()));
+  field.at_vertex = background.size;
+  for (double& h : field.at_vertex) {
+    if (!(h > 0)) throw std::invalid_argument(fmt::format("the background has a size of {}; it must be positive", h));
+    h = std::clamp(h, least, field.cap);
+  }
+  limit_growth(mesh, field.grading, field.at_vertex);
+  field.cap = *std::max_element(field.at_vertex.begin(), field.at_vertex.end());
+  field.background = &mesh;
+  field.locator = make_locator(mesh);
+}
+
+void add_kept(SizeField& field, const Drawing& drawing) {
+  std::vector<Source> kept;
+  for (const Strand& strand : drawing.strands) {
+    if (!strand.keep) continue;
+    const double side = length(drawing, strand);
+    double wanted = side;
+    for (const double s : {0.0, 0.5, 1.0}) wanted = std::min(wanted, size_at(field, point(drawing, strand, s)));
+    if (wanted < side * (1 - 1e-9)) kept.push_back({point(drawing, strand, 0), point(drawing, strand, 1), side});
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Source& k = kept[i];
+    const Vec2 low = k.a.cwiseMin(k.b).array() - k.size / steepness,
+               high = k.a.cwiseMax(k.b).array() + k.size / steepness;
+    field.kept_low = i == 0 ? low : field.kept_low.cwiseMin(low);
+    field.kept_high = i == 0 ? high : field.kept_high.cwiseMax(high);
+  }
+  field.kept = std::move(kept);
+}
+
+double largest_size(const SizeField& field, const Vec2& x, double distance) {
+  double largest = field.cap;
+  if (beside_kept(field, x, distance))
+    for (const Source& k : field.kept) largest = std::max(largest, k.size);
+  return largest;
+}
+
+double steepest(const SizeField& field, const Vec2& x, double distance) {
+  return beside_kept(field, x, distance) ? std::max(field.grading, steepness) : field.grading;
+}
+
+double size_at(const SizeField& field, const Vec2& x) {
+  const SizeField::Node* node = field.nodes.data();
+  Vec2 local = (x - field.low) / field.width;
+  while (node->child != none) {
+    local *= 2;
+    const int right = local.x() >= 1, top = local.y() >= 1;
+    local -= Vec2(right, top);
+    node = &field.nodes[std::size_t(node->child + right + 2 * top)];
+  }
+  double h = field.background ? std::min(field.cap, background_at(field, x)) : field.cap;
+  for (Index i = 0; i < node->count; ++i)
+    h = std::min(h, size_of(field, field.sources[std::size_t(field.listed[std::size_t(node->first + i)])], x));
+  if (beside_kept(field, x, 0))
+    for (const Source& k : field.kept) h = std::max(h, k.size - steepness * distance(x, k.a, k.b));
+  return h;
+}
+
+std::vector<bool> reentrant_corners(const Drawing& drawing) {
+  std::vector<Index> arriving(drawing.corners.size(), none);
+  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
+    if (drawing.strands[i].loop != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
+  std::vector<bool> reentrant(drawing.corners.size(), false);
+  for (const Strand& strand : drawing.strands)
+    if (strand.loop != none) {
+      // The body lies to the left of its loops: a turn to the right is a reentrant corner.
+      const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
+      if (before.smooth && strand.smooth) continue;
+      reentrant[std::size_t(strand.from)] =
+          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
+    }
+  return reentrant;
+}
+
+std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
+                                 bool singular_points) {
+  const double size = sizing.size;
+  const double corner = size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
+  const double mild = size / 10;    // and corners between materials
+  std::vector<Source> sources;
+  const auto ask = [&](Index corner, double wanted, double reach = 0) {
+    if (!singular_points) return;
+    const Vec2& x = drawing.corners[std::size_t(corner)];
+    sources.push_back({x, x, wanted, std::min(reach, extent(shape) / 8)});
+  };
+  std::vector<double> crack_length(shape.cracks.size(), 0), shortest(drawing.corners.size(), extent(shape));
+  for (const Strand& s : drawing.strands) {
+    if (s.crack != none) crack_length[std::size_t(s.crack)] += length(drawing, s);
+    const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
+    if (s.crack == none)
+      for (const Index corner : {s.from, s.to})
+        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], chord);
+  }
+  std::vector<bool> on_loop(drawing.corners.size(), false);
+  std::vector<Index> meets(drawing.corners.size(), none);  // the cracks that meet there, if several
+  std::vector<bool> junction(drawing.corners.size(), false), asked(drawing.corners.size(), false);
+  for (const Strand& s : drawing.strands)
+    for (const Index corner : {s.from, s.to}) {
+      if (s.loop != none) {
+        on_loop[std::size_t(corner)] = true;
+        continue;
+      }
+      if (s.region != none) continue;
+      Index& crack = meets[std::size_t(corner)];
+      if (crack != none && crack != s.crack) junction[std::size_t(corner)] = true;
+      crack = s.crack;
+    }
+
+  for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
+    const Strand& strand = drawing.strands[i];
+    const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
+    if (strand.arc) add_curved(drawing, strand, size, sources);
+    // A short side is an edge of the mesh as it is: its neighbors grow from its length.
+    const double side = length(drawing, strand);
+    if (side < size && strand.from != strand.to) sources.push_back({a, b, side});
+    const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
+    if (strand.crack != none) {
+      const double reach = crack_length[std::size_t(strand.crack)] / 4;
+      const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
+      const auto ask_end = [&](Index end) {
+        if (on_loop[std::size_t(end)])
+          ask(end, size / 4);
+        else if (!junction[std::size_t(end)])
+          ask(end, sizing.crack_tip_size, reach);
+      };
+      const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
+                                                 velocity(drawing, strand, 0))) > 5 * degree;
+      for (const Index end : {strand.from, strand.to})
+        if (junction[std::size_t(end)] && !on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+          asked[std::size_t(end)] = true;
+          ask(end, corner, reach / 2);
+        }
+      if (kink && !junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
+      if (!follows) ask_end(strand.from);
+      if (last) ask_end(strand.to);
+      // The two ends of an arc that nearly closes.
+      if (strand.arc && (b - a).norm() < std::min(size, side / 2)) sources.push_back({a, b, (b - a).norm() / 2});
+    }
+  }
+  std::vector<Index> arriving(drawing.corners.size(), none);
+  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
+    if (drawing.strands[i].region != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
+  for (const Strand& s : drawing.strands) {
+    if (s.region == none) continue;
+    const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
+    if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > 10 * degree)
+      ask(s.from, mild, shortest[std::size_t(s.from)] / 2);
+  }
+  std::vector<bool> reentrant = reentrant_corners(drawing);
+  for (const Strand& s : drawing.strands)
+    if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
+  for (std::size_t v = 0; v < reentrant.size(); ++v)
+    if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
+  add_gaps(shape, drawing, size, sizing.across, sources);
+  return sources;
+}
+
+}  // namespace kerf

@@ -1,0 +1,107 @@
+// Strands into pieces of the target length.
+
+#include "geometry/mesher/size_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double max_pieces = 4e6;  // per strand
+
+/// Parameters that split a strand into pieces of about the target length: equal steps of the
+/// integral of ds / h.
+std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer) {
+  std::vector<double> s{0}, steps{0};
+  std::vector<std::array<double, 2>> open{{0, 1}};
+  const double longest = strand.arc ? 1.0 / 8 : 1;
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double middle = (from + to) / 2, length = velocity(drawing, strand, middle).norm() * (to - from);
+    const double h = size_at(field, point(drawing, strand, middle));
+    if ((length > 0.5 * h || to - from > longest) && to - from > 1e-14) {
+      open.push_back({middle, to});
+      open.push_back({from, middle});
+      continue;
+    }
+    s.push_back(to);
+    steps.push_back(steps.back() + length / h);
+    if (steps.back() > max_pieces)
+      throw Error(Fault::Geometry,
+                  fmt::format("the mesh would need more than {:g} edges along one side; raise mesh.size", max_pieces));
+  }
+  const bool whole = strand.arc && strand.from == strand.to;
+  int count = std::max(whole ? 8 : 1, int(std::lround(steps.back())));
+  if (strand.arc) count *= finer;
+  std::vector<double> at{0};
+  std::size_t k = 1;
+  for (int i = 1; i < count; ++i) {
+    const double target = steps.back() * i / count;
+    while (steps[k] < target) ++k;
+    at.push_back(s[k - 1] + (s[k] - s[k - 1]) * (target - steps[k - 1]) / (steps[k] - steps[k - 1]));
+  }
+  at.push_back(1);
+  return at;
+}
+
+/// Factors that move the points of a whole ellipse away from its center, so that the polygon through them has its area.
+/// In proportion to the squares of the steps beside them: where the steps are short the points hardly move.
+std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
+  const std::size_t n = s.size() - 1;
+  std::vector<double> step(n), factor(n);
+  for (std::size_t i = 0; i < n; ++i) step[i] = (s[i + 1] - s[i]) * std::abs(arc.to - arc.from);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double before = step[(i + n - 1) % n];
+    factor[i] = (before * before + step[i] * step[i]) / 24;
+  }
+  // Twice the area is sum (1 + m f_i) (1 + m f_j) sin(step): solve for m.
+  double constant = -2 * std::numbers::pi, linear = 0, quadratic = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double sine = std::sin(step[i]), other = factor[(i + 1) % n];
+    constant += sine;
+    linear += sine * (factor[i] + other);
+    quadratic += sine * factor[i] * other;
+  }
+  const double m = -2 * constant / (linear + std::sqrt(linear * linear - 4 * quadratic * constant));
+  for (double& f : factor) f = 1 + m * f;
+  return factor;
+}
+
+}  // namespace
+
+Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) {
+  Pieces all{drawing.corners, {}};
+  std::vector<bool> mouth(drawing.corners.size(), false);
+  for (const Strand& strand : drawing.strands)
+    if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Strand& strand = drawing.strands[k];
+    const std::vector<double> s = strand.keep ? std::vector<double>{0, 1} : spaced(drawing, strand, field, finer);
+    std::vector<double> factor(s.size() - 1, 1.0);
+    if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
+      factor = area_factors(*strand.arc, s);
+    const auto moved = [&](const Vec2& x, std::size_t i) -> Vec2 {
+      return factor[i] == 1 ? x : strand.arc->center + factor[i] * (x - strand.arc->center);
+    };
+    all.points[std::size_t(strand.from)] = moved(all.points[std::size_t(strand.from)], 0);
+    Index previous = strand.from;
+    for (std::size_t i = 1; i < s.size(); ++i) {
+      Index next = strand.to;
+      if (i + 1 < s.size()) {
+        next = Index(all.points.size());
+        all.points.push_back(moved(point(drawing, strand, s[i]), i));
+      }
+      all.pieces.push_back({previous, next, Index(k), s[i - 1], s[i]});
+      previous = next;
+    }
+  }
+  return all;
+}
+
+}  // namespace kerf

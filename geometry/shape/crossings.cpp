@@ -1,0 +1,245 @@
+// Which straight pieces cross, touch or overlap: a sweep over the pieces sorted by their left ends.
+
+#include "geometry/shape/drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace kerf {
+
+namespace {
+
+enum class How { Apart, Crosses, Touches, Overlaps };
+
+struct Meeting {
+  How how = How::Apart;
+  Vec2 at = Vec2::Zero();
+};
+
+/// Two pieces that share no point.
+Meeting meeting(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double gap) {
+  int near = 0;
+  Meeting result;
+  const auto look = [&](const Vec2& x, const Vec2& p, const Vec2& q) {
+    if (!(distance(x, p, q) <= gap)) return;
+    // A second contact at the same place makes no overlap.
+    if (near > 0 && (x - result.at).norm() <= 4 * gap) return;
+    if (near++ == 0) result.at = x;
+  };
+  look(a, c, d);
+  look(b, c, d);
+  look(c, a, b);
+  look(d, a, b);
+  if (near > 0) {
+    result.how = near > 1 ? How::Overlaps : How::Touches;
+    return result;
+  }
+  const double ca = cross(d - c, a - c), cb = cross(d - c, b - c);
+  const double ac = cross(b - a, c - a), ad = cross(b - a, d - a);
+  if ((ca > 0) == (cb > 0) || (ac > 0) == (ad > 0)) return {};
+  return {How::Crosses, a + ca / (ca - cb) * (b - a)};
+}
+
+/// Two pieces o-a and o-b: they overlap when the shorter one lies on the other, or makes an angle of less than 1e-5
+/// with it while nearer than `near`: no mesher comes to an end in such a wedge.
+Meeting meeting(const Vec2& o, const Vec2& a, const Vec2& b, double gap, double near) {
+  if ((a - o).dot(b - o) <= 0) return {};
+  const auto lies_on = [&](const Vec2& x, const Vec2& y) {
+    return distance(x, o, y) <= std::max(gap, std::min(near, 1e-5 * (x - o).norm()));
+  };
+  if (lies_on(a, b)) return {How::Overlaps, a};
+  if (lies_on(b, a)) return {How::Overlaps, b};
+  return {};
+}
+
+/// Rounded to what the pieces of arcs can say about the place.
+std::string place(const Vec2& x, double extent) {
+  const double unit = std::pow(10.0, std::floor(std::log10(extent)) - 4);
+  return fmt::format("({:.6g}, {:.6g})", std::round(x.x() / unit) * unit + 0.0, std::round(x.y() / unit) * unit + 0.0);
+}
+
+/// Of the same loop, crack or region.
+bool of_one(const Strand& s, const Strand& t) {
+  return s.loop == t.loop && s.crack == t.crack && s.region == t.region;
+}
+
+std::string words(const Shape& shape, const Strand& s, const Strand& t, const Meeting& m, double extent) {
+  const std::string at = "at " + place(m.at, extent);
+  const char* verb = m.how == How::Crosses ? "crosses" : m.how == How::Touches ? "touches" : "overlaps";
+  if (s.crack == none && of_one(s, t))
+    return fmt::format("{} {} itself {}; a loop must be simple", name(shape, s), verb, at);
+  if (t.region != none)
+    return fmt::format("{} {} {} {}; regions must lie inside the body, apart from everything else in it",
+                       name(shape, t), verb, name(shape, s), at);
+  if (s.loop != none && t.loop != none)
+    return fmt::format("{} {} {} {}; holes must lie inside the body, apart from its outline and from each other",
+                       name(shape, t), verb, name(shape, s), at);
+  const std::string crack = name(shape, t);
+  if (s.loop != none) {
+    if (m.how == How::Overlaps)
+      return fmt::format("{} runs along {} {}; it must lie inside the body", crack, name(shape, s), at);
+    if (m.how == How::Touches)
+      return fmt::format("{} touches {} {} between its ends; only its ends may lie there", crack, name(shape, s), at);
+    if (s.loop == 0) return fmt::format("{} leaves the body {}; end it there or inside", crack, at);
+    return fmt::format("{} crosses {} {}; end it on the hole's boundary", crack, name(shape, s), at);
+  }
+  if (s.crack == t.crack) return fmt::format("{} {} itself {}; a crack must be a simple path", crack, verb, at);
+  const std::string both = fmt::format("cracks '{}' and '{}'", shape.cracks[std::size_t(s.crack)].name,
+                                       shape.cracks[std::size_t(t.crack)].name);
+  switch (m.how) {
+    case How::Crosses:
+      return fmt::format("{} cross {}, too close to another end, kink or crossing", both, at);
+    case How::Touches:
+      return fmt::format("{} touch {}; let them cross, let one end on the other, or draw them apart", both, at);
+    default:
+      return fmt::format("{} overlap {}; draw them as one crack or apart", both, at);
+  }
+}
+
+/// A piece with its end points, for halving.
+struct Chord {
+  Index strand;
+  double from, to;
+  Vec2 a, b;
+  double sagitta;  // how far its arc may leave it
+
+  Vec2 middle(const Drawing& drawing) const {
+    return point(drawing, drawing.strands[std::size_t(strand)], (from + to) / 2);
+  }
+};
+
+double sagitta(const Strand& strand, double from, double to) {
+  if (!strand.arc) return 0;
+  const double angle = (to - from) * (strand.arc->to - strand.arc->from);
+  return largest_radius(*strand.arc) * angle * angle / 8;
+}
+
+double separation(const Chord& p, const Chord& q) {
+  const double ca = cross(q.b - q.a, p.a - q.a), cb = cross(q.b - q.a, p.b - q.a);
+  const double ac = cross(p.b - p.a, q.a - p.a), ad = cross(p.b - p.a, q.b - p.a);
+  if ((ca > 0) != (cb > 0) && (ac > 0) != (ad > 0)) return 0;
+  return std::min({distance(p.a, q.a, q.b), distance(p.b, q.a, q.b), distance(q.a, p.a, p.b), distance(q.b, p.a, p.b)});
+}
+
+/// Which end of p is which end of q: the corner or point of the polygon that they share.
+struct Shared {
+  bool aa = false, ab = false, ba = false, bb = false;
+  bool any() const {
+    return aa || ab || ba || bb;
+  }
+};
+
+Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Shared& shared, double gap, double near) {
+  if (p.sagitta + q.sagitta > 0.1 * gap) {
+    if (!shared.any() && separation(p, q) > p.sagitta + q.sagitta + gap) return {};
+    const bool first = p.sagitta >= q.sagitta;
+    const Chord& whole = first ? p : q;
+    const Strand& strand = drawing.strands[std::size_t(whole.strand)];
+    const double half = (whole.from + whole.to) / 2;
+    const Vec2 x = whole.middle(drawing);
+    const Chord head{whole.strand, whole.from, half, whole.a, x, sagitta(strand, whole.from, half)};
+    const Chord tail{whole.strand, half, whole.to, x, whole.b, sagitta(strand, half, whole.to)};
+    const Shared at_head =
+        first ? Shared{shared.aa, shared.ab, false, false} : Shared{shared.aa, false, shared.ba, false};
+    const Shared at_tail =
+        first ? Shared{false, false, shared.ba, shared.bb} : Shared{false, shared.ab, false, shared.bb};
+    const Meeting m =
+        first ? meeting(drawing, head, q, at_head, gap, near) : meeting(drawing, p, head, at_head, gap, near);
+    if (m.how != How::Apart) return m;
+    return first ? meeting(drawing, tail, q, at_tail, gap, near) : meeting(drawing, p, tail, at_tail, gap, near);
+  }
+  if ((shared.aa && shared.bb) || (shared.ab && shared.ba)) return {How::Overlaps, p.a};
+  if (shared.aa || shared.ab) return meeting(p.a, p.b, shared.aa ? q.b : q.a, gap, near);
+  if (shared.ba || shared.bb) return meeting(p.b, p.a, shared.ba ? q.b : q.a, gap, near);
+  return meeting(p.a, p.b, q.a, q.b, gap);
+}
+
+/// Whether what touches a loop at a corner or at the end of a piece passes through it: some of it lies on either side.
+bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, const Strand& other,
+            const Vec2& contact) {
+  const auto inside = [&](const Vec2& x) {
+    bool odd = false;
+    for (const Piece& piece : pieces.pieces) {
+      if (!of_one(drawing.strands[std::size_t(piece.strand)], loop)) continue;
+      const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
+      if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+        odd = !odd;
+    }
+    return odd;
+  };
+  int within = 0, beyond = 0;
+  for (const Strand& strand : drawing.strands) {
+    if (!of_one(strand, other)) continue;
+    for (int i = 0; i < 8; ++i) {
+      const Vec2 x = point(drawing, strand, (i + 0.5) / 8);
+      if ((x - contact).norm() > 1e-3 * drawing.extent) ++(inside(x) ? within : beyond);
+    }
+  }
+  return within > 0 && beyond > 0;
+}
+
+}  // namespace
+
+std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                        const Gaps& gaps, bool curved) {
+  struct Box {
+    Vec2 low, high;
+    Index piece;
+  };
+  std::vector<Chord> chords;
+  std::vector<Box> boxes;
+  for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
+    const Piece& piece = pieces.pieces[i];
+    const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
+    chords.push_back({piece.strand, piece.from, piece.to, a, b, curved ? sagitta(strand, piece.from, piece.to) : 0});
+    const double margin = chords.back().sagitta + std::max(gaps.loop, gaps.crack);
+    boxes.push_back({a.cwiseMin(b).array() - margin, a.cwiseMax(b).array() + margin, Index(i)});
+  }
+  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
+    return std::tuple(a.low.x(), a.low.y(), a.piece) < std::tuple(b.low.x(), b.low.y(), b.piece);
+  });
+
+  // What is wrong with the loops is said before what is wrong with the cracks: the later strand decides the order. Of
+  // one pair of strands the first meeting in the sweep.
+  Meeting first;
+  std::pair<Index, Index> where{none, none};
+  const auto compare = [&](Index i, Index j) {
+    if (j < i) std::swap(i, j);
+    const Piece &p = pieces.pieces[std::size_t(i)], &q = pieces.pieces[std::size_t(j)];
+    if (first.how != How::Apart && where <= std::pair(q.strand, p.strand)) return;
+    const Shared shared{p.a == q.a, p.a == q.b, p.b == q.a, p.b == q.b};
+    const Strand &s = drawing.strands[std::size_t(p.strand)], &t = drawing.strands[std::size_t(q.strand)];
+    if (p.strand == q.strand && shared.any()) return;  // neighbors on a smooth strand
+    const bool same = of_one(s, t);
+    const Meeting m = meeting(drawing, chords[std::size_t(i)], chords[std::size_t(j)], shared,
+                              same || (s.crack == none && t.crack == none) ? gaps.loop : gaps.crack, gaps.crack);
+    if (m.how == How::Apart) return;
+    first = m;
+    where = {q.strand, p.strand};
+  };
+  std::vector<Box> active;
+  for (const Box& box : boxes) {
+    std::size_t kept = 0;
+    for (const Box& other : active) {
+      if (other.high.x() < box.low.x()) continue;
+      active[kept++] = other;
+      if (other.low.y() <= box.high.y() && box.low.y() <= other.high.y()) compare(other.piece, box.piece);
+    }
+    active.resize(kept);
+    active.push_back(box);
+  }
+  if (first.how == How::Apart) return std::nullopt;
+  const Strand &s = drawing.strands[std::size_t(where.second)], &t = drawing.strands[std::size_t(where.first)];
+  if (first.how == How::Touches && !of_one(s, t) &&
+      ((s.loop != none && passes(drawing, pieces, s, t, first.at)) ||
+       (t.region != none && passes(drawing, pieces, t, s, first.at))))
+    first.how = How::Crosses;
+  return words(shape, s, t, first, drawing.extent);
+}
+
+}  // namespace kerf

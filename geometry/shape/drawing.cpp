@@ -1,0 +1,259 @@
+#include "geometry/shape/drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+double parameter(const Arc& arc, double s) {
+  return arc.from + s * (arc.to - arc.from);
+}
+
+Vec2 on_strand(const std::vector<Vec2>& corners, const Strand& strand, double s) {
+  if (s <= 0) return corners[std::size_t(strand.from)];
+  if (s >= 1) return corners[std::size_t(strand.to)];
+  if (strand.arc) return at(*strand.arc, parameter(*strand.arc, s));
+  return corners[std::size_t(strand.from)] + s * (corners[std::size_t(strand.to)] - corners[std::size_t(strand.from)]);
+}
+
+}  // namespace
+
+/// Exact on a straight strand; samples, then bisection of the stationarity condition (x - y(t)) . y'(t) = 0, on an arc.
+Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
+  const std::vector<Vec2>& corners = drawing.corners;
+  if (!strand.arc) {
+    const Vec2 a = corners[std::size_t(strand.from)], d = corners[std::size_t(strand.to)] - a;
+    const double s = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    return {s, (a + s * d - x).norm()};
+  }
+  const Arc& arc = *strand.arc;
+  const auto slope = [&](double s) {
+    const double t = parameter(arc, s);
+    const Vec2 derivative = arc.axes * Vec2(-std::sin(t), std::cos(t)) * (arc.to - arc.from);
+    return derivative.dot(at(arc, t) - x);  // of half the squared distance
+  };
+  Foot best{0, std::numeric_limits<double>::infinity()};
+  const auto offer = [&](double s) {
+    const double distance = (on_strand(corners, strand, s) - x).norm();
+    if (distance < best.distance) best = {s, distance};
+  };
+  offer(0);
+  offer(1);
+  const double eccentricity = largest_radius(arc) / smallest_radius(arc);
+  const int samples = int(std::clamp(64 * std::sqrt(eccentricity), 64.0, 4096.0));
+  for (int i = 0; i < samples; ++i) {
+    double low = double(i) / samples, high = double(i + 1) / samples;
+    if (!(slope(low) <= 0 && slope(high) >= 0)) continue;  // no minimum between them
+    for (int step = 0; step < 60; ++step) {
+      const double middle = (low + high) / 2;
+      (slope(middle) <= 0 ? low : high) = middle;
+    }
+    offer((low + high) / 2);
+  }
+  return best;
+}
+
+namespace {
+
+/// `number` counts the outline, then the holes; or `region` counts the regions.
+void add_loop(Drawing& drawing, const Loop& loop, Index number, Index region = none) {
+  const Index first_corner = Index(drawing.corners.size()), count = Index(loop.sides.size());
+  const std::size_t first_strand = drawing.strands.size();
+  for (Index i = 0; i < count; ++i) {
+    const Side& side = loop.sides[std::size_t(i)];
+    drawing.corners.push_back(side.start);
+    drawing.strands.push_back({.from = first_corner + i,
+                               .to = first_corner + (i + 1) % count,
+                               .arc = side.arc,
+                               .label = side.label,
+                               .loop = number,
+                               .crack = none,
+                               .region = region,
+                               .keep = side.keep,
+                               .smooth = side.smooth});
+  }
+  const bool body_on_left = (signed_area(loop) > 0) == (number <= 0);
+  if (body_on_left) return;
+  std::reverse(drawing.strands.begin() + Index(first_strand), drawing.strands.end());
+  for (auto s = drawing.strands.begin() + Index(first_strand); s != drawing.strands.end(); ++s) {
+    std::swap(s->from, s->to);
+    if (s->arc) std::swap(s->arc->from, s->arc->to);
+  }
+}
+
+/// Cuts strand k at s, where `corner` lies. A whole circle is turned instead, so that it starts and ends there.
+void cut(Drawing& drawing, std::size_t k, double s, Index corner) {
+  Strand& strand = drawing.strands[k];
+  if (strand.arc && strand.from == strand.to) {
+    const double turn = s * (strand.arc->to - strand.arc->from);
+    strand.arc->from += turn;
+    strand.arc->to += turn;
+    strand.from = strand.to = corner;
+    return;
+  }
+  Strand rest = strand;
+  rest.from = strand.to = corner;
+  if (strand.arc) rest.arc->from = strand.arc->to = parameter(*strand.arc, s);
+  drawing.strands.insert(drawing.strands.begin() + Index(k) + 1, rest);
+}
+
+/// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
+Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
+  const double join = join_tolerance * drawing.extent;
+  Foot best{0, std::numeric_limits<double>::infinity()};
+  std::size_t side = 0;
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Foot foot = nearest(drawing, drawing.strands[k], x);
+    if (foot.distance < best.distance) best = foot, side = k;
+  }
+  const Index fresh = Index(drawing.corners.size());
+  if (!(best.distance <= join)) {
+    drawing.corners.push_back(x);
+    return fresh;
+  }
+  // The seam of a whole circle is no corner, unless a crack has ended there.
+  const Strand strand = drawing.strands[side];
+  const bool whole = strand.arc && strand.from == strand.to && !turned[std::size_t(strand.loop)];
+  if (!whole)
+    for (const Index corner : {strand.from, strand.to})
+      if ((drawing.corners[std::size_t(corner)] - x).norm() <= join) return corner;
+  const Vec2 foot = on_strand(drawing.corners, strand, best.s);
+  const Vec2 place = best.distance <= 1e-13 * drawing.extent ? x : foot;
+  if (whole) {
+    turned[std::size_t(strand.loop)] = true;
+    drawing.corners[std::size_t(strand.from)] = place;
+    cut(drawing, side, best.s, strand.from);
+    return strand.from;
+  }
+  if (strand.arc && strand.from == strand.to) {  // a circle that already starts at a crack: two halves
+    Strand& first = drawing.strands[side];
+    Strand second = first;
+    first.to = second.from = fresh;
+    first.arc->to = second.arc->from = parameter(*strand.arc, best.s);
+    drawing.strands.insert(drawing.strands.begin() + Index(side) + 1, second);
+  } else {
+    cut(drawing, side, best.s, fresh);
+  }
+  drawing.corners.push_back(place);
+  return fresh;
+}
+
+}  // namespace
+
+Vec2 at(const Arc& arc, double t) {
+  return arc.center + arc.axes * Vec2(std::cos(t), std::sin(t));
+}
+
+double determinant(const Arc& arc) {
+  return cross(arc.axes.col(0), arc.axes.col(1));
+}
+
+double largest_radius(const Arc& arc) {
+  const double sum = arc.axes.squaredNorm(), product = 2 * std::abs(determinant(arc));
+  return (std::sqrt(std::max(0.0, sum + product)) + std::sqrt(std::max(0.0, sum - product))) / 2;
+}
+
+double smallest_radius(const Arc& arc) {
+  return std::abs(determinant(arc)) / largest_radius(arc);
+}
+
+double signed_area(const Loop& loop) {
+  double twice = 0;  // the integral of x cross dx
+  if (loop.sides.empty()) return 0;
+  const Vec2 origin = loop.sides.front().start;
+  for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+    const Side& side = loop.sides[i];
+    const Vec2 a = side.start - origin, b = loop.sides[(i + 1) % loop.sides.size()].start - origin;
+    if (side.arc)
+      twice += cross(side.arc->center - origin, b - a) + determinant(*side.arc) * (side.arc->to - side.arc->from);
+    else
+      twice += cross(a, b);
+  }
+  return twice / 2;
+}
+
+bool closed(const Side& side) {
+  return side.arc && std::abs(std::abs(side.arc->to - side.arc->from) - 2 * std::numbers::pi) < 1e-9;
+}
+
+Vec2 point(const Drawing& drawing, const Strand& strand, double s) {
+  return on_strand(drawing.corners, strand, s);
+}
+
+Vec2 velocity(const Drawing& drawing, const Strand& strand, double s) {
+  if (!strand.arc) return drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)];
+  const Arc& arc = *strand.arc;
+  const double t = parameter(arc, s);
+  return (arc.to - arc.from) * (arc.axes * Vec2(-std::sin(t), std::cos(t)));
+}
+
+double length(const Drawing& drawing, const Strand& strand) {
+  if (strand.arc) return largest_radius(*strand.arc) * std::abs(strand.arc->to - strand.arc->from);
+  return (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
+}
+
+double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
+  const Vec2 d = b - a;
+  const double squared = d.squaredNorm();
+  if (squared == 0) return (x - a).norm();
+  return (a + std::clamp((x - a).dot(d) / squared, 0.0, 1.0) * d - x).norm();
+}
+
+Drawing draw(const Shape& shape) {
+  Drawing drawing;
+  drawing.extent = extent(shape);
+  add_loop(drawing, shape.outline, 0);
+  for (std::size_t h = 0; h < shape.holes.size(); ++h) add_loop(drawing, shape.holes[h], Index(h) + 1);
+  std::vector<bool> turned(shape.holes.size() + 1, false);
+  std::vector<std::array<Index, 2>> ends;
+  for (const Crack& crack : shape.cracks) {
+    const Index start = end_corner(drawing, turned, crack.points.front());
+    ends.push_back({start, end_corner(drawing, turned, crack.points.back())});
+  }
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    const std::vector<Vec2>& path = shape.cracks[c].points;
+    Index from = ends[c][0];
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const bool last = i + 1 == path.size();
+      const Index to = last ? ends[c][1] : Index(drawing.corners.size());
+      if (!last) drawing.corners.push_back(path[i]);
+      drawing.strands.push_back(
+          {.from = from, .to = to, .arc = shape.cracks[c].arc, .label = none, .loop = none, .crack = Index(c)});
+      from = to;
+    }
+  }
+  join_cracks(drawing);
+  for (std::size_t r = 0; r < shape.regions.size(); ++r) add_loop(drawing, shape.regions[r], none, Index(r));
+  return drawing;
+}
+
+std::string name(const Shape& shape, const Strand& strand) {
+  if (strand.crack != none) return fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name);
+  if (strand.region != none) return fmt::format("region '{}'", shape.regions[std::size_t(strand.region)].name);
+  return strand.loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
+}
+
+Pieces split_evenly(const Drawing& drawing) {
+  constexpr double step = 0.09;
+  Pieces all{drawing.corners, {}};
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    const Strand& strand = drawing.strands[k];
+    const int count = strand.arc ? std::max(3, int(std::ceil(std::abs(strand.arc->to - strand.arc->from) / step))) : 1;
+    Index previous = strand.from;
+    for (int i = 1; i <= count; ++i) {
+      const Index next = i == count ? strand.to : Index(all.points.size());
+      if (i < count) all.points.push_back(point(drawing, strand, double(i) / count));
+      all.pieces.push_back({previous, next, Index(k), double(i - 1) / count, double(i) / count});
+      previous = next;
+    }
+  }
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,84 @@
+#pragma once
+// The shape as corners and smooth strands between them, crack ends joined to the sides on which they end. What
+// find_problem looks at and the mesher splits.
+
+#include "geometry/plane.hpp"
+#include "kerf/shape.hpp"
+
+namespace kerf {
+
+/// Crack ends nearer to a side than this part of the extent end on it.
+inline constexpr double join_tolerance = 1e-6;
+/// Nothing nearer than this part of the extent counts as apart.
+inline constexpr double touch_tolerance = 1e-9;
+
+Vec2 at(const Arc& arc, double t);
+double determinant(const Arc& arc);      // of the semi-axes
+double largest_radius(const Arc& arc);   // the larger semi-axis
+double smallest_radius(const Arc& arc);  // the smaller one
+double signed_area(const Loop& loop);    // positive when counter-clockwise
+bool closed(const Side& side);           // a whole circle or ellipse
+
+/// A side (or a part of it between crack ends), the body on its left; a segment or arc of a crack between kinks, ends
+/// and junctions; or a side of a region, that on its left.
+struct Strand {
+  Index from, to;          // corners; equal for a whole circle (of a loop)
+  std::optional<Arc> arc;  // from `from` to `to`
+  Index label = none;
+  Index loop = none;    // 0 the outline, i hole i - 1
+  Index crack = none;   // or the crack
+  Index region = none;  // or the region
+  bool keep = false;    // one edge of the mesh
+  bool smooth = false;  // part of a smooth curve
+};
+
+struct Drawing {
+  std::vector<Vec2> corners;
+  std::vector<Strand> strands;  // loops in order, each closed; cracks, each in the order of its path; regions, closed
+  double extent = 0;
+};
+Drawing draw(const Shape& shape);
+
+/// "the outline", "hole 'h'", "crack 'c'", "region 'r'".
+std::string name(const Shape& shape, const Strand& strand);
+
+/// Cuts the strands of cracks where another crack ends, has a kink or crosses them; meeting strands share a corner.
+void join_cracks(Drawing& drawing);
+
+/// s in [0, 1] -> point; the corners exactly at the ends.
+Vec2 point(const Drawing& drawing, const Strand& strand, double s);
+
+Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
+double length(const Drawing& drawing, const Strand& strand);            // of an arc: at most that, a circle's exactly
+
+/// Nearest point of the strand.
+struct Foot {
+  double s, distance;
+};
+Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x);
+
+/// Straight pieces between points; points[i] for i < corners is corner i.
+struct Piece {
+  Index a, b;
+  Index strand;
+  double from, to;  // the strand's s at a and b
+};
+struct Pieces {
+  std::vector<Vec2> points;
+  std::vector<Piece> pieces;  // along the strands, in their order
+};
+
+/// Arcs split evenly in their parameter, about 70 pieces a turn.
+Pieces split_evenly(const Drawing& drawing);
+
+/// Lengths at which things touch: loops one another and themselves, a crack and anything else.
+struct Gaps {
+  double loop, crack;
+};
+
+/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces that share a point may meet there.
+/// `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
+std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                        const Gaps& gaps, bool curved);
+
+}  // namespace kerf

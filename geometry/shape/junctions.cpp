@@ -1,0 +1,229 @@
+// Where cracks meet one another: shared ends, ends and kinks on a strand, crossings.
+
+#include "geometry/shape/drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+namespace kerf {
+
+namespace {
+
+constexpr double least_sine = 0.017;  // find_problem refuses cracks that meet at less than a degree
+
+struct Cut {
+  double s;
+  Index corner;
+};
+
+/// Where two strands cross.
+struct Crossing {
+  double s, t;
+  Vec2 at;
+};
+
+struct Joiner {
+  Drawing& drawing;
+  const double join;                   // corners nearer than this are one
+  std::size_t first;                   // strand of a crack
+  std::vector<bool> fixed;             // per corner: on a loop, or moved already
+  std::vector<std::vector<Cut>> cuts;  // per strand of a crack, counted from `first`
+
+  const Strand& strand(std::size_t k) const {
+    return drawing.strands[first + k];
+  }
+  const Vec2& at(Index corner) const {
+    return drawing.corners[std::size_t(corner)];
+  }
+  bool has(std::size_t k, Index corner) const {
+    return strand(k).from == corner || strand(k).to == corner ||
+           std::any_of(cuts[k].begin(), cuts[k].end(), [&](const Cut& cut) { return cut.corner == corner; });
+  }
+  template <class Visit>
+  void each_corner(std::size_t k, Visit&& visit) const {
+    visit(strand(k).from);
+    visit(strand(k).to);
+    for (const Cut& cut : cuts[k]) visit(cut.corner);
+  }
+};
+
+struct Box {
+  Vec2 low, high;
+  std::size_t strand;
+};
+
+/// Pairs of strands whose boxes meet, in an order that depends on the drawing alone.
+template <class Visit>
+void each_pair(const Joiner& j, Visit&& visit) {
+  std::vector<Box> boxes;
+  for (std::size_t k = 0; k < j.cuts.size(); ++k) {
+    const Strand& strand = j.strand(k);
+    Vec2 low = j.at(strand.from).cwiseMin(j.at(strand.to)), high = j.at(strand.from).cwiseMax(j.at(strand.to));
+    if (strand.arc) {
+      low = strand.arc->center.array() - largest_radius(*strand.arc);
+      high = strand.arc->center.array() + largest_radius(*strand.arc);
+    }
+    boxes.push_back({low.array() - j.join, high.array() + j.join, k});
+  }
+  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
+    return std::tuple(a.low.x(), a.strand) < std::tuple(b.low.x(), b.strand);
+  });
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t k = i + 1; k < boxes.size() && boxes[k].low.x() <= boxes[i].high.x(); ++k)
+      if (boxes[k].low.y() <= boxes[i].high.y() && boxes[i].low.y() <= boxes[k].high.y() &&
+          j.strand(boxes[i].strand).crack != j.strand(boxes[k].strand).crack)
+        pairs.push_back(std::minmax(boxes[i].strand, boxes[k].strand));
+  std::sort(pairs.begin(), pairs.end());
+  for (const auto& [a, b] : pairs) visit(a, b);
+}
+
+/// One corner for those of two cracks that coincide: the one on a loop, or the earlier one.
+void merge_corners(Joiner& j) {
+  std::vector<Index> instead(j.drawing.corners.size());
+  for (std::size_t v = 0; v < instead.size(); ++v) instead[v] = Index(v);
+  each_pair(j, [&](std::size_t k, std::size_t l) {
+    for (const Index given : {j.strand(k).from, j.strand(k).to})
+      for (const Index other : {j.strand(l).from, j.strand(l).to}) {
+        const Index a = instead[std::size_t(given)], b = instead[std::size_t(other)];
+        if (a == b || (j.at(given) - j.at(other)).norm() > j.join) continue;
+        const bool keep_b = j.fixed[std::size_t(b)] && !j.fixed[std::size_t(a)];
+        for (Index& v : instead)
+          if (v == (keep_b ? a : b)) v = keep_b ? b : a;
+      }
+  });
+  for (std::size_t k = 0; k < j.cuts.size(); ++k) {
+    Strand& strand = j.drawing.strands[j.first + k];
+    strand.from = instead[std::size_t(strand.from)];
+    strand.to = instead[std::size_t(strand.to)];
+  }
+}
+
+/// Ends and kinks that lie on a strand of another crack cut it. They are moved onto it, unless they are fixed.
+void cut_at_corners(Joiner& j) {
+  each_pair(j, [&](std::size_t a, std::size_t b) {
+    for (const auto& [k, l] : {std::pair(a, b), std::pair(b, a)})
+      for (const Index v : {j.strand(k).from, j.strand(k).to}) {
+        if (j.has(l, v)) continue;
+        const Foot foot = nearest(j.drawing, j.strand(l), j.at(v));
+        if (!(foot.distance <= j.join)) continue;
+        j.cuts[l].push_back({foot.s, v});
+        if (!j.fixed[std::size_t(v)] && foot.distance > 1e-13 * j.drawing.extent)
+          j.drawing.corners[std::size_t(v)] = point(j.drawing, j.strand(l), foot.s);
+        j.fixed[std::size_t(v)] = true;
+      }
+  });
+}
+
+/// s of the point x of the arc's circle, or a number outside [0, 1].
+double parameter(const Arc& arc, const Vec2& x) {
+  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
+  const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
+  const double ahead = std::remainder(t - arc.from - turn / 2, 2 * std::numbers::pi);  // of the middle of the arc
+  return 0.5 + ahead / turn;
+}
+
+std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const Strand& q) {
+  std::vector<Crossing> found;
+  const auto offer = [&](double s, double t, const Vec2& at) {
+    if (s >= 0 && s <= 1 && t >= 0 && t <= 1) found.push_back({s, t, at});
+  };
+  const Vec2& a = drawing.corners[std::size_t(p.from)];
+  const Vec2 d = drawing.corners[std::size_t(p.to)] - a;
+  if (!p.arc && !q.arc) {
+    const Vec2& b = drawing.corners[std::size_t(q.from)];
+    const Vec2 e = drawing.corners[std::size_t(q.to)] - b;
+    const double product = cross(d, e);
+    if (std::abs(product) <= 1e-9 * d.norm() * e.norm()) return {};
+    const double s = cross(b - a, e) / product;
+    offer(s, cross(b - a, d) / product, a + s * d);
+  } else if (!p.arc) {
+    const double radius = largest_radius(*q.arc), s = (q.arc->center - a).dot(d) / d.squaredNorm();
+    const double height = (a + s * d - q.arc->center).norm();
+    if (height >= radius) return {};
+    const double half = std::sqrt((radius - height) * (radius + height)) / d.norm();
+    for (const double u : {s - half, s + half}) offer(u, parameter(*q.arc, a + u * d), a + u * d);
+  } else if (!q.arc) {
+    for (const Crossing& c : crossings(drawing, q, p)) found.push_back({c.t, c.s, c.at});
+  } else {
+    const double r = largest_radius(*p.arc), other = largest_radius(*q.arc);
+    const Vec2 way = q.arc->center - p.arc->center;
+    const double apart = way.norm();
+    if (!(apart > 1e-9 * (r + other))) return {};
+    const double along = ((r - other) * (r + other) / apart + apart) / 2;
+    if (std::abs(along) >= r) return {};
+    const Vec2 foot = p.arc->center + along / apart * way, across = Vec2(-way.y(), way.x()) / apart;
+    const double half = std::sqrt((r - along) * (r + along));
+    for (const double h : {-half, half}) {
+      const Vec2 x = foot + h * across;
+      offer(parameter(*p.arc, x), parameter(*q.arc, x), x);
+    }
+  }
+  return found;
+}
+
+void cut_at_crossings(Joiner& j) {
+  each_pair(j, [&](std::size_t k, std::size_t l) {
+    for (const Crossing& c : crossings(j.drawing, j.strand(k), j.strand(l))) {
+      const Vec2 u = velocity(j.drawing, j.strand(k), c.s).normalized(),
+                 v = velocity(j.drawing, j.strand(l), c.t).normalized();
+      // A corner that was moved by up to `join` lies that far from the crossing, divided by the sine.
+      const double reach = 2 * j.join / std::max(std::abs(cross(u, v)), least_sine);
+      bool known = false;
+      Index corner = none;
+      double least = j.join;
+      j.each_corner(k, [&](Index x) {
+        if ((j.at(x) - c.at).norm() <= reach && j.has(l, x)) known = true;
+      });
+      if (known) continue;
+      for (const std::size_t m : {k, l})
+        j.each_corner(m, [&](Index x) {
+          if ((j.at(x) - c.at).norm() > least) return;
+          least = (j.at(x) - c.at).norm();
+          corner = x;
+        });
+      if (corner == none) {
+        corner = Index(j.drawing.corners.size());
+        j.drawing.corners.push_back(c.at);
+      }
+      if (!j.has(k, corner)) j.cuts[k].push_back({c.s, corner});
+      if (!j.has(l, corner)) j.cuts[l].push_back({c.t, corner});
+    }
+  });
+}
+
+}  // namespace
+
+void join_cracks(Drawing& drawing) {
+  std::vector<bool> fixed(drawing.corners.size(), false);
+  std::size_t first = 0;
+  for (; first < drawing.strands.size() && drawing.strands[first].loop != none; ++first)
+    fixed[std::size_t(drawing.strands[first].from)] = true;
+  Joiner joiner{drawing, join_tolerance * drawing.extent, first, std::move(fixed),
+                std::vector<std::vector<Cut>>(drawing.strands.size() - first)};
+  merge_corners(joiner);
+  cut_at_corners(joiner);
+  cut_at_crossings(joiner);
+
+  std::vector<Strand> strands(drawing.strands.begin(), drawing.strands.begin() + Index(first));
+  for (std::size_t k = 0; k < joiner.cuts.size(); ++k) {
+    std::vector<Cut>& cuts = joiner.cuts[k];
+    std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+    Strand rest = joiner.strand(k);
+    cuts.push_back({1, rest.to});
+    for (const Cut& cut : cuts) {
+      Strand piece = rest;
+      piece.to = rest.from = cut.corner;
+      if (piece.arc) {
+        const Arc& whole = *joiner.strand(k).arc;
+        piece.arc->to = rest.arc->from = whole.from + cut.s * (whole.to - whole.from);
+      }
+      if (piece.from != piece.to) strands.push_back(piece);
+    }
+  }
+  drawing.strands = std::move(strands);
+}
+
+}  // namespace kerf

@@ -1,0 +1,54 @@
+#pragma once
+// Solve, estimate, refine: until the estimated error of the stress is small enough.
+
+#include "kerf/mesher.hpp"
+#include "kerf/state.hpp"
+
+namespace kerf {
+
+/// Residual indicator per triangle, in the norm of the stress [Carstensen, Dolzmann 1998; elements.md section 9]:
+///   eta^2 = |as s|^2 + (2 mu)^2 (h^2 |curl D|^2 + sum_e w_e |e| |J_e|^2) + h^2 |f + div s|^2,  D = A s + Gamma(omega),
+/// h the longest edge, J_e the jump of D tau (w = 1/2; D tau - d_tau u_D on supported components, w = 1; nothing on
+/// free boundaries; on a crack less the slope of the discrete jump, its normal part where the faces touch, its
+/// tangential part where they stick).
+struct Indicator {
+  Eigen::VectorXd eta;  // per triangle
+  double relative = 0;  // sum over the body, divided by the efficiency index and by |s|: a relative L2 stress error
+};
+/// `relative` uses Element::efficiency, measured on smooth fields and a partly closed crack: right within a factor 2
+/// there. An estimate, not a bound; not a number for displacement elements.
+Indicator error_indicator(const Model& model, const Field& state);
+
+/// Remesh: a new mesh with the sizes that the indicator asks for; few rounds, curved sides stay exact. Bisect: halve
+/// the triangles that carry half of the squared error [Doerfler 1996]; more rounds, nested meshes.
+enum class Refinement { Remesh, Bisect };
+
+struct Adaptation {
+  double error = 1e-2;  // wanted: Indicator::relative
+  Index max_triangles = 200000;
+  Refinement refinement = Refinement::Remesh;
+  ContactMethod contact = ContactMethod::DualQp;
+  bool saddle_point = false;  // solve_extended instead of solve
+  int threads = 1;
+};
+
+struct Round {
+  Index triangles = 0;
+  double estimated_error = 0;
+  double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0;  // seconds; contact within solve
+};
+
+struct Adapted {
+  Model model;
+  State state;
+  Indicator indicator;
+  std::vector<Round> rounds;
+  std::string stopped;  // why, in words; begins with "reached" when the error is
+};
+
+/// From the mesh that `sizing` asks for, which stays the coarsest allowed. `go_on` is asked after each round. Throws as
+/// triangulate and prepare do, and Error(Usage) for an element without an error indicator.
+Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
+                         const Adaptation& adaptation, const std::function<bool(const Round&)>& go_on = {});
+
+}  // namespace kerf

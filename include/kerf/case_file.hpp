@@ -1,0 +1,71 @@
+#pragma once
+// A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
+
+#include "kerf/inverse.hpp"
+#include "kerf/optimize.hpp"
+#include "kerf/validate.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+struct Probe {
+  std::string name;
+  std::vector<Vec2> points;
+};
+
+struct AdaptRequest {
+  double error = 1e-2;  // wanted, relative L2 stress error as estimated
+  Index max_triangles = 200000;
+};
+
+struct MapJob {
+  std::vector<Vec2> points;  // empty: everywhere in the body
+};
+
+struct OutputRequest {
+  bool vtk = true, png = true, html = true;
+};
+
+struct Elastic {
+  double young = 1, poisson = 0.3;
+};
+
+struct Case {
+  std::string name;   // file name without extension
+  std::string title;  // the name when the file gives none
+  Shape shape;
+  Sizing sizing;
+  Scene scene;  // one law per crack of the shape
+  double young = 1, poisson = 0.3;
+  bool plane_strain = true;
+  std::vector<Elastic> regions;  // per region of the shape; as materials in the scene
+  std::string element = "bdms";
+  int degree = 1;
+  std::string contact = "dual-qp";  // | "active-set" | "uzawa"
+  std::string backend = "cholmod";  // | "umfpack"
+  std::optional<AdaptRequest> adapt;
+  Functional functional;
+  MapRequest map_request;  // perturbation, radius and bounds of a map, asked for in the case or not
+  std::optional<MapJob> map;
+  std::optional<ValidationRequest> validate;  // the perturbation is that of the map
+  std::vector<Probe> probes;
+  OutputRequest output;
+  std::optional<OptimizeRequest> optimize;
+  std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
+  std::string fingerprint;             // of all that an optimization depends on, but for how long it may go on
+};
+
+/// The scene with the loads of the first load case, if there are load cases.
+Scene loaded_scene(const Case& c);
+
+/// Strict: an unknown, duplicated or ill-typed key, an unknown label, an unused definition is an Error(Usage) that
+/// reads `file:line:column: what is wrong; what would be right`. An unreadable file is an Error(Files). `overrides` are
+/// "key.path=value" in TOML syntax, applied in order before anything is checked.
+Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides = {});
+
+}  // namespace kerf

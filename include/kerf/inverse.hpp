@@ -1,0 +1,104 @@
+#pragma once
+// Inverse problems: measurements that are made up, starts read off the topological derivative, what was found beside
+// what is true.
+
+#include "kerf/optimize.hpp"
+
+#include <span>
+#include <vector>
+
+namespace kerf {
+
+/// The body that measurements are made up from: an inverse problem whose answer is known. Another mesh and another
+/// element than those of the search: no inverse crime.
+struct Synthetic {
+  Shape true_shape;  // what the case draws, and what it looks for
+  Scene true_scene;  // of it
+  std::string element = "afw";
+  int degree = 1;
+  Sizing sizing;
+  double noise = 0;    // standard deviation of each component at each sensor, relative to the root mean square of all
+  double spacing = 0;  // of the sensors along the boundary; 0: the edge length of the mesh
+  unsigned seed = 1;
+  Index label = none;  // where they are measured
+};
+
+/// What sensors read, and the field between them.
+struct Measurement {
+  std::vector<Vec2> at, exact, displacement;  // per sensor: place, u of the true body, the same with noise
+  double scale = 0;                           // root mean square of the components of `exact`
+  BoundaryField field;
+};
+
+/// Sensors lie at equal distances from corner to corner of the label, both corners included. Between them the field is
+/// the cubic through the next four (Catmull and Rom; parabolas at corners), so that noise is limited to the band that
+/// the sensors resolve: noise at every point would have an infinite energy, and the misfit measures energies. Noise is
+/// normal, independent from sensor to sensor, and none where the label ends at a support, which is known. It comes from
+/// the seed by a generator of our own, the same numbers on every machine.
+/// Throws Error(Usage) for an unknown label or element, Error(Numerics) when the true body cannot be solved.
+Measurement measure(const Synthetic& s, int threads = 1);
+
+/// The functional with these data for all its misfits on the label.
+Functional with_measured(Functional j, Index label, const BoundaryField& measured);
+
+/// Independent normal numbers with deviation 1: Box and Muller on mt19937, rounded to 1e-9 so that the last digit of
+/// somebody's logarithm does not show.
+std::vector<double> normal_numbers(unsigned seed, std::size_t count);
+
+/// Something small that explains a part of the data.
+struct Guess {
+  std::size_t drawn = 0;  // number in the design
+  Vec2 at = Vec2::Zero();
+  double size = 0;   // radius, half the length of a crack
+  double angle = 0;  // radians, of a crack
+  double young = 0;  // of an inclusion
+};
+
+struct OneShot {
+  Design design;  // with the starts filled in
+  std::vector<Guess> guesses;
+  double explained = 0;  // part of the data: 1 - |u_m - u(guess)|^2 / |u_m - u|^2 in the hats; NaN: no misfit
+  int solves = 0;        // states and linear ones
+};
+
+/// With a misfit: the data are the differences u_m - u between the measured displacements and those of the body without
+/// what is looked for, b_k = int phi_k . (u_m - u), phi_k hats along the label, normed in L2, so that independent noise
+/// at the sensors is independent and equal in all b. A hole of area a at x changes reading k by a T_k(x), T_k its
+/// topological derivative. The guess minimizes
+///   |b - sum_i a_i T(x_i)|^2
+/// over places, angles and areas a_i = pi size_i^2 within the boxes of the design: the expansion of the misfit to
+/// second order in the areas. Best places first among a grid of candidates (pairs together where there are few enough),
+/// then between them. The first-order part alone, which is the map of the misfit, does not tell how deep a hole lies:
+/// the stresses that it is made of are largest at the boundary.
+///
+/// Then the guess is drawn and solved for, what the expansion missed is taken off b, and the fit repeated as long as
+/// that explains more: holes are not small, and feel each other.
+///
+/// Without a misfit: the most negative values of the map of the objective, apart from one another and as far from
+/// everything else as their size needs, which stays the start's.
+///
+/// `clear`: what must remain between two of them and to everything else. Throws Error(Usage) where nothing of the boxes
+/// lies in the body, and like analyze and responses.
+OneShot one_shot(const Problem& problem, const Design& design, double clear);
+
+/// Whether there is anything to be read off a map.
+bool wants_map(const Design& design);
+
+/// One thing of the design and the nearest true one of its kind (each true one once).
+struct Identified {
+  std::string name, truth;       // "hole 'a'", "hole 'true'"; truth empty: there are more in the design than in truth
+  Eigen::VectorXd found, exact;  // center and radius (of a circle of the same area; inclusions: and Young's modulus);
+                                 // of a crack its ends, the true ones in the order that is nearer
+  double position_error = 0;     // of the center; of a crack the larger of its ends
+  double size_error = 0;         // radius, length: found less exact
+};
+
+/// `x`: variables of the design. What the true body has and the frame has not: the last ones of its holes, cracks,
+/// regions.
+std::vector<Identified> identified(const Design& design, const Eigen::VectorXd& x, const Problem& problem,
+                                   const Synthetic& truth);
+
+/// "hole 'a': center (0.621, 0.569), radius 0.0801; true: ..., off by 0.0012 and +0.0001".
+std::string in_words(const Identified& i);
+
+}  // namespace kerf

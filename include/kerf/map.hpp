@@ -1,0 +1,54 @@
+#pragma once
+// T(x) over candidate points, from the stress itself.
+
+#include "kerf/analysis.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/recover.hpp"
+
+#include <optional>
+#include <span>
+
+namespace kerf {
+
+struct MapPoint {
+  Vec2 at = Vec2::Zero();
+  double value = 0;  // T; of a clamped hole the predicted difference of J at MapRequest::radius; NaN outside the body
+  double angle = 0;  // radians, of the ellipse or the crack
+  bool masked = false;  // the expansion cannot hold here at the asked radius
+  std::optional<double> lower = {}, upper = {};
+};
+
+/// The expansion needs this many radii to the next feature (boundary, crack, tip, end of contact, region, support or
+/// load that ends, ring of the functional).
+inline constexpr double clear_radii = 4;
+
+struct MapRequest {
+  Perturbation perturbation;
+  double radius = 0;  // that the mask, and a clamped hole, are for
+  bool bounds = false;
+};
+
+std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r, std::span<const Vec2> points);
+
+/// The same everywhere: at the centroid of every triangle and at every corner of split_for_stress.
+struct FullMap {
+  Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
+  Eigen::VectorXd lower, upper;                     // at corners, or empty
+  std::vector<bool> masked_centroid, masked_corner;
+  Eigen::VectorXd margin;  // at corners: distance to the nearest feature less what the mask asks for
+};
+FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners);
+
+/// T at the centroid of every triangle from the element's own stress there, without recovery and without a mask: for
+/// loops that look at T in every step. `change`: the perturbation in each triangle.
+Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
+                                 const std::function<const Perturbation&(Index triangle)>& change);
+
+/// Error bars for a map of a: lower and upper at the corners and at the points. They come from a better solution (a
+/// higher degree on a finer mesh, 2.5 to 4 times the work of the state), are asymptotically right, cover at least 95 %
+/// of the points of known solutions, and are no guarantee: see spread.hpp. Throws Error(Usage) for elements without a
+/// better one, Error(Numerics) when that solution fails.
+void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
+              FullMap& map, std::span<MapPoint> points);
+
+}  // namespace kerf

@@ -1,0 +1,39 @@
+#pragma once
+// Shape -> mesh. CGAL lives in mesher.cpp and nowhere else.
+
+#include "kerf/mesh.hpp"
+#include "kerf/shape.hpp"
+
+namespace kerf {
+
+struct Sizing {
+  double size = 0;  // target edge length; 0: extent / 40
+  double crack_tip_size =
+      0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
+  double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
+  double min_angle_deg = 25;  // wherever the input angles allow it
+  double across = 2;          // edges across narrow gaps between sides
+};
+
+/// Target edge lengths for a further mesh of the same shape, at the vertices of an earlier one: linear in its
+/// triangles, constant beyond its boundary. The mesh must outlive the call that it is given to.
+struct Background {
+  const Mesh* mesh;
+  std::vector<double> size;  // per vertex, positive
+};
+
+/// Constrained Delaunay triangulation, seeded with a hexagonal lattice per size level, refined (Ruppert, Shewchuk) and
+/// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area. Besides tips, short
+/// edges are asked for by kinks and mouths of cracks, reentrant corners, curved sides, short sides and narrow gaps.
+/// Sides to be kept are never split; beside those longer than the target the edges grow to their length, and the angles
+/// are no longer promised.
+/// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
+Mesh triangulate(const Shape& shape, const Sizing& sizing);
+
+/// The same with the target min(sizing.size, background) instead of what tips, kinks, junctions, mouths and reentrant
+/// corners ask for. The background is limited to grow by `grading` per length along the edges of its mesh, and to no
+/// less than 1e-9 of the extent.
+/// Throws std::invalid_argument when the background does not fit its mesh.
+Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background);
+
+}  // namespace kerf

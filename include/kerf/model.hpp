@@ -1,0 +1,41 @@
+#pragma once
+// A body ready to be solved.
+
+#include "kerf/element.hpp"
+#include "kerf/mesh.hpp"
+#include "kerf/scene.hpp"
+
+#include <memory>
+
+namespace kerf {
+
+struct ModelSeconds {
+  double assemble = 0, factor = 0;
+};
+
+struct Inner;  // numbering, order, matrix and factor: not for users
+
+struct Model {
+  Mesh mesh;
+  Element element;
+  Scene scene;
+  std::vector<std::string> notes;  // what the user should know
+  int threads = 1;
+  ModelSeconds seconds;
+  std::shared_ptr<const Inner> inner;  // shared by copies
+};
+
+/// Numbers, assembles and factorizes. Throws Error(Numerics) when the supports leave a rigid motion free on which the
+/// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
+/// `factorize`: for `solve`; solve_extended (solver/saddle_point.hpp) does without.
+/// `kept_edges`: their unknowns come next to last, before the jumps in contact (Factor's kept columns); `plain`: see
+/// assemble.
+struct Preparation {
+  bool factorize = true, plain = false;
+  std::vector<Index> kept_edges = {};
+};
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how = {});
+
+double area(const Model& model);
+
+}  // namespace kerf

@@ -1,0 +1,144 @@
+#pragma once
+// Optimization: what is asked, what is reported, and the two loops. A level set moves boundaries freely; numbers move
+// holes, cracks and inclusions that are drawn.
+
+#include "kerf/design.hpp"
+#include "kerf/functional.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/state.hpp"
+
+#include <filesystem>
+
+namespace kerf {
+
+struct Problem {
+  Shape frame;  // fixed holes, cracks and regions included
+  Scene scene;  // of the frame: a law per crack, a material per region
+  Sizing sizing;
+  std::string element = "bdms";
+  int degree = 1;
+  Functional objective;
+  ContactMethod contact = ContactMethod::DualQp;
+  bool plane_strain = true;  // how Young's modulus and Poisson's ratio of a drawn inclusion become a Material
+  int threads = 1;
+};
+
+/// Where a loop keeps what it needs to go on. An empty path: nowhere. `fingerprint`: of the case, made by the caller; a
+/// checkpoint of another one is refused with Error(Usage).
+struct CheckpointPlace {
+  std::filesystem::path path;
+  std::string fingerprint;
+  bool resume = false;  // false: what lies there is overwritten
+};
+
+/// Another set of loads on the same body with the same supports: J is the sum of weight J(state under these loads).
+struct LoadCase {
+  std::string name;
+  double weight = 1;
+  std::vector<Traction> tractions;
+  VectorField body;  // empty: none
+};
+
+/// A functional that must not exceed a value. With several load cases: the worst of them.
+struct FunctionalBound {
+  std::string name;  // in messages and tables
+  Functional functional;
+  double at_most = 0;
+};
+
+/// A line through which the design is its own mirror image.
+struct Mirror {
+  Vec2 point = Vec2::Zero(), direction = Vec2::UnitX();
+};
+
+/// Circular holes to begin with: a regular pattern, or seeded random places.
+struct StartHoles {
+  int columns = 0, rows = 0;  // regular pattern in the bounding box, every other column shifted by half a row
+  int random = 0;             // or this many random holes
+  unsigned seed = 1;
+  double radius = 0.1;
+};
+
+struct LevelSetRequest {
+  enum class Move { ShapeGradient, FixedPoint } move = Move::ShapeGradient;
+  enum class Product { H1, Elasticity } product = Product::H1;
+  double smoothing = 0;    // length of the inner product that regularizes velocities; 0: chosen from the mesh size
+  double min_feature = 0;  // members and gaps thinner than this are not wanted; 0: none
+  int nucleate_every = 5;  // 0: never
+  double nucleate_fraction = 0.02;
+  std::vector<Loop> frozen;  // stays solid; may touch and leave the body
+  std::optional<Mirror> mirror;
+  std::optional<StartHoles> start;
+  double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
+};
+
+struct OptimizeRequest {
+  std::string method = "level-set";      // | mma | ccsaq | slsqp | cobyla
+  std::optional<double> volume_at_most;  // fraction of the area of the body without the design's holes
+  double volume_penalty = 0;             // J + penalty * area
+  int max_iterations = 100;              // of the level set; state evaluations of the others
+  double tolerance = 1e-3;               // relative change, KKT residual
+  double min_distance = 0;               // NLopt methods: between holes, and from holes to cracks and the outline
+  std::vector<FunctionalBound> bounds;
+  std::vector<LoadCase> load_cases;  // empty: the loads of the scene alone
+  LevelSetRequest level_set;
+  Design design;
+};
+
+/// A row of history.csv. No times: a resumed run writes the same file bit for bit.
+struct Iteration {
+  int number = 0;        // 0: the start
+  double objective = 0;  // J, volume penalty left out
+  double merit = 0;      // what is minimized: J + penalty * area
+  double volume_fraction = 0;
+  std::vector<double> bounds;  // values of the bounded functionals
+  double violation = 0;        // largest relative violation of a constraint
+  double step = 0;             // level set: largest move of the boundary; NLopt: largest relative change
+  double optimality = 0;       // level set: angle (radians) or relative gradient; NLopt: KKT residual; NaN unknown
+  int holes = 0;
+  Index triangles = 0;
+  int state_solves = 0;            // so far, line searches included
+  std::string note;                // why the objective rose, what was nucleated, dropped, ...; empty mostly
+  Eigen::VectorXd variables = {};  // NLopt methods
+};
+
+/// An accepted iterate; model and state are those of the first load case.
+struct Iterate {
+  const Iteration& row;
+  const Shape& shape;
+  const Model& model;
+  const Field& state;
+};
+/// Called after every accepted iterate, `at_end` once more with the last one. false: stop here.
+using Observer = std::function<bool(const Iterate&)>;
+
+struct OptimizeResult {
+  std::string method;
+  int iterations = 0, state_solves = 0;
+  double objective = 0, volume_fraction = 0, optimality = 0;
+  bool feasible = true;
+  bool converged = false;
+  std::string stopped;  // "converged", or why, in words
+  std::vector<std::string> notes;
+  std::vector<Iteration> history;
+  Shape shape;                     // the last one
+  Scene scene;                     // of it: laws and regions may be fewer or more than those of the case
+  Eigen::VectorXd variables = {};  // NLopt methods
+};
+
+OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
+                                  const CheckpointPlace& place);
+
+/// Minimizes J + penalty * area over the variables of request.design, under its constraints and conditions that keep
+/// designs meshable, by request.method (minimize.hpp). In rounds, each on fresh meshes (trials.hpp), until a round
+/// lowers J by less than the tolerance; request.max_iterations evaluations in all. The derivative is checked once at
+/// the start: a note, and an Error(Numerics) when it is off by more than 1%. `place`: after every evaluation a
+/// checkpoint is written; resumed, the run repeats from what was evaluated and ends with the same bits. Iterates of the
+/// history that were there already are not shown to `see` again. Accepted iterates, shown to `see`: those better than
+/// all before in their round (less violation, or feasible and lower), the first of every round, and at the end the best
+/// one once more. Throws Error(Usage) for a design or a method that does not fit, Error(Geometry) or Error(Numerics)
+/// when the start cannot be meshed or solved.
+OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
+                                   const CheckpointPlace& place);
+
+}  // namespace kerf

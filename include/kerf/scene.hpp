@@ -1,0 +1,61 @@
+#pragma once
+// What acts on the body: supports, loads, crack laws; and what it is made of.
+
+#include "kerf/material.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace kerf {
+
+/// Data on the boundary as a function of the point and the outward unit normal.
+using BoundaryField = std::function<Vec2(const Vec2& x, const Vec2& n)>;
+using VectorField = std::function<Vec2(const Vec2& x)>;
+
+/// Prescribed displacement on a label. The components are x, y, or normal, tangential when `normal_frame` is set; only
+/// the components with first/second set are prescribed, the others stay free (rollers).
+struct Support {
+  Index label = none;
+  bool normal_frame = false;
+  bool first = true, second = true;
+  BoundaryField value;  // in those components
+};
+
+struct Traction {
+  Index label = none;
+  BoundaryField value;  // x, y components of sigma n
+};
+
+/// Faces in contact slide when the shear traction reaches slip_bound + friction * pressure: Tresca's law with friction
+/// = 0, Coulomb's with slip_bound = 0; for loads that grow in proportion.
+struct CrackLaw {
+  enum class Kind { Unilateral, Open, Bonded } kind = Kind::Unilateral;
+  double friction = 0;    // Coulomb's coefficient
+  double slip_bound = 0;  // stress
+  /// Unit normal of a curved crack, either way; empty: that of its edges. Chords would lock: sliding faces of a polygon
+  /// interlock at every vertex.
+  std::function<Vec2(const Vec2& x)> normal = {};
+};
+
+/// Faces that resist sliding.
+inline bool has_friction(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral && (law.friction > 0 || law.slip_bound > 0);
+}
+
+struct Scene {
+  Material material;
+  std::vector<Material> regions;  // per region of the mesh, instead of `material`
+  VectorField body;               // force per area; empty: none
+  std::vector<Support> supports;
+  std::vector<Traction> tractions;
+  std::vector<CrackLaw> laws;  // per crack
+};
+
+/// `material` first.
+inline std::vector<Material> all_materials(const Scene& scene) {
+  std::vector<Material> all{scene.material};
+  all.insert(all.end(), scene.regions.begin(), scene.regions.end());
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,52 @@
+#pragma once
+// The solution of a model.
+
+#include "kerf/model.hpp"
+
+namespace kerf {
+
+/// How the contact on cracks is solved: the small dual problem, elimination of the constraint, projected iteration.
+enum class ContactMethod { DualQp, ActiveSet, Uzawa };
+
+struct Certificate {
+  double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)
+  double kkt = 0;       // the largest of residual and Contact::kkt, relative
+  double rounding = 0;  // eps |K| |x| / |F|: no residual in double precision can be expected to be smaller
+};
+
+struct StateSeconds {
+  double solve = 0, contact = 0;
+};
+
+/// Coefficients of fields on a model: of the state, of an adjoint, of a change.
+struct Field {
+  Eigen::VectorXd skeleton;  // base and jump unknowns, prescribed ones included
+  Eigen::MatrixXd interior;  // one column per triangle: stress, displacement, rotation coefficients
+  Eigen::VectorXd force;     // per skeleton unknown: force of contact and friction on jumps, 0 elsewhere
+};
+
+/// The field that solves the model, and how well it does.
+struct State : Field {
+  int contact_iterations = 0, linear_solves = 0;
+  bool converged = true;  // the active set settled
+  Certificate certificate;
+  StateSeconds seconds;
+};
+State solve(const Model& model, ContactMethod method = ContactMethod::DualQp);
+
+/// The contact set settled and the certificate holds: kkt at most 1e-10, or not above what rounding allows.
+bool certified(const State& state);
+
+/// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
+struct Fields {
+  Eigen::Matrix4Xd stress;      // rows s11, s12, s21, s22: symmetric only weakly
+  Points displacement;          // the element's own (piecewise constant for bdms); recover.hpp has a better one
+  Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
+};
+Fields evaluate(const Model& model, const Field& state, Index t, const Points& x);
+
+double strain_energy(const Model& model, const Field& state);     // 1/2 (A s, s)
+double work_of_loads(const Model& model, const Field& state);     // body force and tractions
+double potential_energy(const Model& model, const Field& state);  // strain energy minus work of the loads
+
+}  // namespace kerf

@@ -1,0 +1,33 @@
+#pragma once
+// Fields on triangles and on lines, to files ParaView opens. VTK lives in vtk_module.cpp and nowhere else.
+
+#include "kerf/types.hpp"
+
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+/// `values` is components x (points or cells). Two components are written as 3-vectors (z = 0) so that ParaView can
+/// warp by them; four as xx, yy, xy, yx with component names; three as xx, yy, xy.
+struct NamedField {
+  std::string name;
+  bool per_cell = false;
+  Eigen::MatrixXd values;
+};
+
+/// Loads VTK now. Throws Error(Files) when it cannot be had: better before the solve than after.
+void require_vtk();
+
+/// XML unstructured grid of triangles, raw binary (doubles hardly compress). Throws Error(Files) naming the path.
+void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
+               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields);
+
+/// XML poly data: one polyline per entry of `lines`, point fields numbered through all lines.
+void write_vtp(const std::filesystem::path& path, std::span<const std::vector<Vec2>> lines,
+               std::span<const NamedField> fields);
+
+}  // namespace kerf

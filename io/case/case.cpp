@@ -1,0 +1,109 @@
+#include "kerf/case_file.hpp"
+
+#include "io/case/fingerprint.hpp"
+#include "io/case/sections.hpp"
+#include "kerf/element.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+void read_material(const Value& document, Case& c) {
+  need(document, "material");
+  const Value material = *find_table(document, "material");
+  allow_only(material, {"young", "poisson", "state"});
+  const auto state = find(material, "state");
+  c.plane_strain = !state || choice(*state, {"plane strain", "plane stress"}) == "plane strain";
+  c.young = positive(need(material, "young"));
+  c.poisson = between(need(material, "poisson"), 0, 0.5);
+  c.scene.material = elastic(material, c.young, c.poisson, c.plane_strain);
+}
+
+void read_mesh(const Value& document, Case& c) {
+  const auto mesh = find_table(document, "mesh");
+  if (!mesh) return;
+  allow_only(*mesh, {"size", "crack_tip_size", "min_angle", "adapt"});
+  if (const auto size = find(*mesh, "size")) c.sizing.size = positive(*size);
+  if (const auto size = find(*mesh, "crack_tip_size")) c.sizing.crack_tip_size = positive(*size);
+  if (const auto angle = find(*mesh, "min_angle")) c.sizing.min_angle_deg = between(*angle, 0, 30);
+  if (const auto adapt = find_table(*mesh, "adapt")) {
+    allow_only(*adapt, {"error", "max_triangles"});
+    c.adapt.emplace();
+    c.adapt->error = positive(need(*adapt, "error"));
+    if (const auto most = find(*adapt, "max_triangles")) c.adapt->max_triangles = whole_number(*most, 1, 20000000);
+  }
+}
+
+void read_solver(const Value& document, Case& c) {
+  const auto solver = find_table(document, "solver");
+  if (!solver) return;
+  allow_only(*solver, {"element", "degree", "contact", "backend"});
+  const auto name = find(*solver, "element"), degree = find(*solver, "degree");
+  if (name)
+    c.element = choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
+                               "arnold-winther-nc", "p1", "p2"});
+  if (degree) c.degree = whole_number(*degree, 1, 9);
+  if (name || degree) {
+    try {
+      element(c.element, c.degree);
+    } catch (const Error& e) {
+      fail((degree ? degree : name)->node->position, e.what());
+    }
+  }
+  if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp", "active-set", "uzawa"});
+  if (const auto backend = find(*solver, "backend")) c.backend = choice(*backend, {"cholmod", "umfpack"}, {"petsc"});
+}
+
+void read_output(const Value& document, Case& c) {
+  const auto output = find_table(document, "output");
+  if (!output) return;
+  allow_only(*output, {"vtk", "png", "html"});
+  if (const auto wanted = find(*output, "vtk")) c.output.vtk = boolean(*wanted);
+  if (const auto wanted = find(*output, "png")) c.output.png = boolean(*wanted);
+  if (const auto wanted = find(*output, "html")) c.output.html = boolean(*wanted);
+}
+
+}  // namespace
+
+Material elastic(const Value& table, double young, double poisson, bool in_plane_strain) {
+  const Material m = in_plane_strain ? plane_strain(young, poisson) : plane_stress(young, poisson);
+  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
+    fail(table.node->position, fmt::format("{}: young = {} is out of range; choose other units", table.name, young));
+  return m;
+}
+
+Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  Node root = read_document(path);
+  for (const std::string& assignment : overrides) override_value(root, assignment);
+  const Value document{&root, ""};
+  allow_only(document,
+             {"title", "domain", "hole", "crack", "material", "region", "boundary", "body", "define", "mesh", "solver",
+              "functional", "map", "validate", "probe", "output", "optimize", "load_case", "synthetic"});
+
+  Case c;
+  c.name = path.stem().string();
+  const auto title = find(document, "title");
+  c.title = title ? text(*title) : c.name;
+  read_shape(document, c);
+  read_material(document, c);
+  std::vector<Loop> frozen = read_regions(document, c);
+  Definitions definitions = read_definitions(document, c);
+  read_conditions(document, definitions, c);
+  read_functional(document, path.parent_path(), definitions, c);
+  read_mesh(document, c);
+  read_solver(document, c);
+  read_synthetic(document, c);
+  read_optimize(document, path.parent_path(), std::move(frozen), definitions, c);
+  check_all_used(definitions);
+  read_map(document, c);
+  read_probes(document, path.parent_path(), c);
+  read_output(document, c);
+  if (c.optimize) c.fingerprint = fingerprint(root, path.parent_path());
+  return c;
+}
+
+}  // namespace kerf

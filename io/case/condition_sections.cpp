@@ -1,0 +1,215 @@
+#include "io/case/formula.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace kerf {
+
+namespace {
+
+const std::vector<std::string> loads = {"traction", "pressure"};
+const std::vector<std::string> supports = {"displacement", "displacement_x", "displacement_y", "displacement_normal"};
+
+/// What one label carries: per key where it stands and its one or two components.
+struct Condition {
+  Position position;
+  std::array<Formula, 2> value;
+};
+using Conditions = std::map<std::string, Condition>;
+
+bool clash(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  const auto either = [&](const char* p, const char* q) { return (a == p && b == q) || (a == q && b == p); };
+  const bool a_loads = a == loads[0] || a == loads[1], b_loads = b == loads[0] || b == loads[1];
+  if (a_loads && b_loads) return true;
+  if (a == "displacement" || b == "displacement") return true;
+  if (a_loads || b_loads) return either("pressure", "displacement_normal");
+  return !either("displacement_x", "displacement_y");
+}
+
+void add(Conditions& on_label, const std::string& key, const Condition& condition, const std::string& label) {
+  const auto conflict = [&](const std::string& what, const Position& other) {
+    fail(condition.position,
+         fmt::format("label {}: {} (the other is at {}); keep one of them", quote(label), what, to_string(other)));
+  };
+  for (const auto& [other, present] : on_label)
+    if (clash(key, other))
+      conflict(key == other ? "two conditions " + key : key + " conflicts with " + other, present.position);
+  on_label.emplace(key, condition);
+  // x and y together prescribe the whole displacement: nothing is left for a load.
+  if (on_label.count("displacement_x") && on_label.count("displacement_y"))
+    for (const std::string& load : loads)
+      if (const auto found = on_label.find(load); found != on_label.end())
+        conflict(load + " conflicts with the displacement, of which both components are prescribed",
+                 key == load ? on_label.at("displacement_x").position : found->second.position);
+}
+
+/// A load that acts where one component of the displacement is prescribed: only the free component does work, so the
+/// other is left out. A traction that is plainly not zero there is an error of the user's.
+BoundaryField free_part(const Conditions& on_label, const BoundaryField& load, const std::string& label) {
+  if (on_label.count("displacement_normal"))
+    return [load](const Vec2& x, const Vec2& n) {
+      const Vec2 t = load(x, n);
+      return Vec2(t - t.dot(n) * n);
+    };
+  for (const int d : {0, 1}) {
+    const std::string key = d == 0 ? "displacement_x" : "displacement_y";
+    const auto roller = on_label.find(key);
+    if (roller == on_label.end()) continue;
+    if (const auto traction = on_label.find("traction"); traction != on_label.end())
+      if (traction->second.value[d].constant != 0.0)
+        fail(traction->second.position,
+             fmt::format("label {}: component {} of the traction must be 0, because {} is prescribed there (at {})",
+                         quote(label), d == 0 ? "x" : "y", key, to_string(roller->second.position)));
+    return [load, d](const Vec2& x, const Vec2& n) {
+      Vec2 t = load(x, n);
+      t[d] = 0;
+      return t;
+    };
+  }
+  return load;
+}
+
+const Condition* get(const Conditions& on_label, const char* key) {
+  const auto found = on_label.find(key);
+  return found == on_label.end() ? nullptr : &found->second;
+}
+
+void add_support(const Conditions& on_label, Index label, std::vector<Support>& supports) {
+  const Expression zero = [](const Vec2&, const Vec2&) { return 0.0; };
+  if (const auto* full = get(on_label, "displacement")) {
+    supports.push_back({label, false, true, true, vector_field(full->value[0].value, full->value[1].value)});
+  } else if (const auto* normal = get(on_label, "displacement_normal")) {
+    supports.push_back({label, true, true, false, vector_field(normal->value[0].value, zero)});
+  } else {
+    const auto *x = get(on_label, "displacement_x"), *y = get(on_label, "displacement_y");
+    if (x || y)
+      supports.push_back({label, false, x != nullptr, y != nullptr,
+                          vector_field(x ? x->value[0].value : zero, y ? y->value[0].value : zero)});
+  }
+}
+
+void add_load(const Conditions& on_label, Index label, const std::string& name, std::vector<Traction>& tractions) {
+  BoundaryField load;
+  if (const auto* traction = get(on_label, "traction"))
+    load = vector_field(traction->value[0].value, traction->value[1].value);
+  if (const auto* pressure = get(on_label, "pressure"))
+    load = [p = pressure->value[0].value](const Vec2& x, const Vec2& n) { return Vec2(-p(x, n) * n); };
+  if (load) tractions.push_back({label, free_part(on_label, load, name)});
+}
+
+std::vector<std::string> together(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  std::vector<std::string> all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  return all;
+}
+
+/// The entries of [[boundary]] tables that have one of the keys, added to what the labels carry.
+void add_conditions(const std::vector<Value>& tables, const std::vector<std::string>& keys, Definitions& definitions,
+                    const Shape& shape, std::vector<Conditions>& per_label) {
+  for (const Value& entry : tables) {
+    const std::vector<Index> labels = find_labels(need(entry, "on"), shape);
+    bool anything = false;
+    for (const std::string& key : keys) {
+      const auto field = find(entry, key);
+      if (!field) continue;
+      anything = true;
+      const bool is_vector = key == "traction" || key == "displacement";
+      const Condition condition{field->node->position, is_vector ? formulas(*field, definitions)
+                                                                 : std::array{formula(*field, definitions), Formula{}}};
+      for (const Index label : labels) add(per_label[label], key, condition, shape.labels[label]);
+    }
+    if (!anything)
+      fail(entry.node->position,
+           fmt::format("{} prescribes nothing; give {}", entry.name,
+                       keys == loads ? fmt::format("{}", fmt::join(loads, " or "))
+                                     : fmt::format("{} or {}", fmt::join(loads, ", "), fmt::join(supports, ", "))));
+  }
+}
+
+VectorField body_force(const Value& table, Definitions& definitions) {
+  allow_only(table, {"force"});
+  const auto force = formulas(need(table, "force"), definitions, false);
+  return [fx = force[0].value, fy = force[1].value](const Vec2& x) {
+    return Vec2(fx(x, Vec2::Zero()), fy(x, Vec2::Zero()));
+  };
+}
+
+}  // namespace
+
+void read_conditions(const Value& document, Definitions& definitions, Case& c) {
+  std::vector<Conditions> per_label(c.shape.labels.size());
+  const std::vector<Value> tables = find_tables(document, "boundary");
+  const std::vector<std::string> keys = together(loads, supports);
+  for (const Value& entry : tables) allow_only(entry, together({"on"}, keys));
+  add_conditions(tables, keys, definitions, c.shape, per_label);
+  for (std::size_t label = 0; label < per_label.size(); ++label) {
+    add_support(per_label[label], static_cast<Index>(label), c.scene.supports);
+    add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], c.scene.tractions);
+  }
+  if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
+}
+
+std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c) {
+  std::vector<LoadCase> out;
+  const std::vector<Value> tables = find_tables(document, "load_case");
+  if (tables.empty()) return out;
+  const std::vector<Value> boundary = find_tables(document, "boundary");
+  for (const Value& entry : boundary)
+    for (const std::string& key : loads)
+      if (const auto load = find(entry, key))
+        fail(load->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases; move it to each "
+                                               "load case in which it acts",
+                                               load->name));
+  if (const auto body = find_table(document, "body"))
+    fail(body->node->position,
+         "[body]: with [[load_case]] all loads belong to load cases; write body = { force = ... } "
+         "in each load case in which it acts");
+  std::vector<Conditions> supported(c.shape.labels.size());
+  add_conditions(boundary, supports, definitions, c.shape, supported);
+  for (const Value& table : tables) {
+    allow_only(table, {"name", "weight", "boundary", "body"});
+    LoadCase load_case;
+    const Value name = need(table, "name");
+    load_case.name = safe_name(name);
+    for (const LoadCase& other : out)
+      if (other.name == load_case.name)
+        fail(name.node->position,
+             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(load_case.name)));
+    if (const auto weight = find(table, "weight")) load_case.weight = positive(*weight);
+    const std::vector<Value> entries = find_tables(table, "boundary");
+    for (const Value& entry : entries) {
+      for (const std::string& key : supports)
+        if (const auto field = find(entry, key))
+          fail(field->node->position,
+               fmt::format("{}: all load cases have the supports of [[boundary]]; move it there", field->name));
+      allow_only(entry, together({"on"}, loads));
+    }
+    std::vector<Conditions> per_label = supported;
+    add_conditions(entries, loads, definitions, c.shape, per_label);
+    for (std::size_t label = 0; label < per_label.size(); ++label)
+      add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], load_case.tractions);
+    if (const auto body = find(table, "body")) load_case.body = body_force(*body, definitions);
+    if (load_case.tractions.empty() && !load_case.body)
+      fail(table.node->position,
+           fmt::format("{} {} has no load; add [[load_case.boundary]] with {}, or body = {{ force = ... }}", table.name,
+                       quote(load_case.name), fmt::join(loads, " or ")));
+    out.push_back(std::move(load_case));
+  }
+  return out;
+}
+
+Scene loaded_scene(const Case& c) {
+  Scene scene = c.scene;
+  if (!c.optimize || c.optimize->load_cases.empty()) return scene;
+  const LoadCase& first = c.optimize->load_cases.front();
+  scene.tractions.insert(scene.tractions.end(), first.tractions.begin(), first.tractions.end());
+  if (first.body) scene.body = first.body;
+  return scene;
+}
+
+}  // namespace kerf

@@ -1,0 +1,290 @@
+#include "io/case/sections.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The variables of one drawn thing, as they are read.
+struct Boxes {
+  std::vector<double> lower, upper, start;
+};
+
+/// [low, high], or a number: fixed. Not below `least`.
+void add_box(const Value& field, double least, Boxes& boxes) {
+  const auto check = [&](const Value& value) {
+    const double x = number(value);
+    if (!(x > least))
+      fail(value.node->position, fmt::format("{} must be larger than {:g}, not {:g}", value.name, least, x));
+    return x;
+  };
+  if (field.node->kind == Node::Kind::Array) {
+    const std::vector<Value> ends = items(field);
+    if (ends.size() != 2)
+      fail(field.node->position, fmt::format("{} must be a number, which fixes it, or a box [low, high]", field.name));
+    boxes.lower.push_back(check(ends[0]));
+    boxes.upper.push_back(check(ends[1]));
+    if (!(boxes.lower.back() <= boxes.upper.back()))
+      fail(field.node->position, fmt::format("{}: the lower end {:g} of the box is above the upper end {:g}; swap them",
+                                             field.name, boxes.lower.back(), boxes.upper.back()));
+  } else {
+    boxes.lower.push_back(check(field));
+    boxes.upper.push_back(boxes.lower.back());
+  }
+  boxes.start.push_back(boxes.lower.back() + 0.5 * (boxes.upper.back() - boxes.lower.back()));
+}
+
+constexpr double anything = -std::numeric_limits<double>::infinity();
+
+/// [x, y], each a number or a box.
+void add_place(const Value& field, Boxes& boxes) {
+  for (const Value& item : pair(field)) add_box(item, anything, boxes);
+}
+
+/// Variable k begins at the value of a field.
+void begin_at(const Value& field, double value, std::size_t k, Boxes& boxes, double unit = 1) {
+  if (!(value >= boxes.lower[k] && value <= boxes.upper[k]))
+    fail(field.node->position, fmt::format("{} = {:g} lies outside its box [{:g}, {:g}]", field.name, value / unit,
+                                           boxes.lower[k] / unit, boxes.upper[k] / unit));
+  boxes.start[k] = value;
+}
+
+void begin_at_place(const Value& field, std::size_t k, Boxes& boxes) {
+  const std::vector<Value> xy = pair(field);
+  for (std::size_t d = 0; d < 2; ++d) begin_at(xy[d], number(xy[d]), k + d, boxes);
+}
+
+Boxes read_circle(const Value& form, const std::optional<Value>& start) {
+  allow_only(form, {"center", "radius"});
+  Boxes boxes;
+  add_place(need(form, "center"), boxes);
+  add_box(need(form, "radius"), 0, boxes);
+  if (!start) return boxes;
+  if (const auto center = find(*start, "center")) begin_at_place(*center, 0, boxes);
+  if (const auto radius = find(*start, "radius")) begin_at(*radius, number(*radius), 2, boxes);
+  return boxes;
+}
+
+Boxes read_ellipse(const Value& form, const std::optional<Value>& start) {
+  allow_only(form, {"center", "semi_axes", "angle_deg"});
+  Boxes boxes;
+  add_place(need(form, "center"), boxes);
+  for (const Value& axis : pair(need(form, "semi_axes"))) add_box(axis, 0, boxes);
+  if (const auto angle = find(form, "angle_deg")) {
+    add_box(*angle, anything, boxes);
+    for (auto* values : {&boxes.lower, &boxes.upper, &boxes.start}) values->back() *= pi / 180;
+  } else {
+    for (auto* values : {&boxes.lower, &boxes.upper, &boxes.start}) values->push_back(0);
+  }
+  if (!start) return boxes;
+  allow_only(*start, {"center", "semi_axes", "angle_deg"});
+  if (const auto center = find(*start, "center")) begin_at_place(*center, 0, boxes);
+  if (const auto axes = find(*start, "semi_axes")) begin_at_place(*axes, 2, boxes);
+  if (const auto angle = find(*start, "angle_deg")) begin_at(*angle, number(*angle) * pi / 180, 4, boxes, pi / 180);
+  return boxes;
+}
+
+double signed_area(const std::vector<double>& xy) {
+  double twice = 0;
+  const std::size_t n = xy.size() / 2;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t j = (i + 1) % n;
+    twice += xy[2 * i] * xy[2 * j + 1] - xy[2 * j] * xy[2 * i + 1];
+  }
+  return 0.5 * twice;
+}
+
+/// The table `start`. "map": none, and the start is to be read off the topological derivative.
+std::optional<Value> read_start(const Value& table, bool& from_map) {
+  const auto start = find(table, "start");
+  from_map = start && start->node->kind == Node::Kind::String;
+  if (!from_map) return start;
+  choice(*start, {"map"});
+  return std::nullopt;
+}
+
+Boxes read_spline(const Value& form, const std::optional<Value>& start, double size, bool from_map) {
+  allow_only(form, {"points"});
+  const Value points = need(form, "points");
+  const std::vector<Value> entries = items(points, 4);
+  Boxes boxes;
+  for (const Value& entry : entries) add_place(entry, boxes);
+  if (from_map && !(signed_area(boxes.start) > 1e-12 * size * size))  // only its shape counts: a circle
+    for (std::size_t i = 0; i < boxes.start.size(); ++i) {
+      const double angle = 2 * pi * static_cast<double>(i / 2) / static_cast<double>(entries.size());
+      boxes.start[i] += 0.25 * (boxes.upper[i] - boxes.lower[i]) * (i % 2 == 0 ? std::cos(angle) : std::sin(angle));
+    }
+  if (start && one_of(*start, {"points", "center"}) == "points") {
+    allow_only(*start, {"points"});
+    const Value given = need(*start, "points");
+    const std::vector<Value> places = items(given);
+    if (places.size() != entries.size())
+      fail(given.node->position,
+           fmt::format("{} has {} points; the spline has {}", given.name, places.size(), entries.size()));
+    for (std::size_t i = 0; i < places.size(); ++i) begin_at_place(places[i], 2 * i, boxes);
+  } else if (start) {
+    allow_only(*start, {"center", "radius"});
+    const Vec2 center = point(need(*start, "center"));
+    const Value radius = need(*start, "radius");
+    const double r = positive(radius);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const double angle = 2 * pi * static_cast<double>(i) / static_cast<double>(entries.size());
+      const Vec2 x = center + r * Vec2(std::cos(angle), std::sin(angle));
+      for (std::size_t d = 0; d < 2; ++d) {
+        const Value where{start->node,
+                          fmt::format("{}: {} of control point {}", start->name, d == 0 ? "x" : "y", i + 1)};
+        begin_at(where, x[static_cast<Eigen::Index>(d)], 2 * i + d, boxes);
+      }
+    }
+  }
+  if (!(signed_area(boxes.start) > 1e-12 * size * size))
+    fail((start ? *start : points).node->position,
+         fmt::format("{}: the control points {} counter-clockwise around a hole; {}", (start ? *start : points).name,
+                     start ? "must run" : "begin in the middle of their boxes and do not run",
+                     start ? "turn their order round" : "add start = { center = [x, y], radius = r }"));
+  return boxes;
+}
+
+Boxes read_path(const Value& path, const std::optional<Value>& start, bool from_map) {
+  Boxes boxes;
+  const std::vector<Value> entries = items(path, 2);
+  for (const Value& entry : entries) add_place(entry, boxes);
+  if (from_map)  // anything that is a path
+    for (std::size_t i = 0; i < boxes.start.size(); ++i)
+      boxes.start[i] += (static_cast<double>(i / 2) / static_cast<double>(entries.size() - 1) - 0.5) * 0.5 *
+                        (boxes.upper[i] - boxes.lower[i]);
+  if (start) {
+    allow_only(*start, {"path"});
+    const Value given = need(*start, "path");
+    const std::vector<Value> places = items(given);
+    if (places.size() != entries.size())
+      fail(given.node->position,
+           fmt::format("{} has {} points; the path has {}", given.name, places.size(), entries.size()));
+    for (std::size_t i = 0; i < places.size(); ++i) begin_at_place(places[i], 2 * i, boxes);
+  }
+  for (std::size_t i = 0; i + 3 < boxes.start.size(); i += 2)
+    if (boxes.start[i] == boxes.start[i + 2] && boxes.start[i + 1] == boxes.start[i + 3])
+      fail((start ? *start : path).node->position,
+           fmt::format("{}: points {} and {} begin at the same place{}", (start ? *start : path).name, i / 2 + 1,
+                       i / 2 + 2, start ? "" : ", the middle of their boxes; add start = { path = [[x, y], ...] }"));
+  return boxes;
+}
+
+Eigen::VectorXd vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// Names of holes, cracks or regions that are drawn.
+struct Names {
+  std::string kind;                // "hole"
+  std::vector<std::string> taken;  // by the body, and so far
+  std::vector<std::string> given;  // in the tables, so that no made-up name takes one of them
+
+  /// The key `name`, or the first of hole_1, hole_2, ... that is free.
+  std::string next(const Value& table) {
+    const auto in = [](const std::vector<std::string>& words, const std::string& word) {
+      return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    std::string name;
+    if (const auto field = find(table, "name")) {
+      name = safe_name(*field);
+      if (in(taken, name))
+        fail(field->node->position,
+             fmt::format("{}: the name {} is taken; give each its own", field->name, quote(name)));
+    } else {
+      for (int k = 1; name.empty() || in(taken, name) || in(given, name); ++k) name = fmt::format("{}_{}", kind, k);
+    }
+    taken.push_back(name);
+    return name;
+  }
+};
+
+template <typename Named>
+Names names(const std::string& kind, const std::vector<Value>& tables, const std::vector<Named>& present) {
+  Names out{kind, {}, {}};
+  for (const Named& thing : present) out.taken.push_back(thing.name);
+  for (const Value& table : tables)
+    if (const auto name = find(table, "name"); name && name->node->kind == Node::Kind::String)
+      out.given.push_back(name->node->text);
+  return out;
+}
+
+}  // namespace
+
+Design read_design(const Value& optimize, const Case& c) {
+  using Kind = Drawn::Kind;
+  const double size = extent(c.shape);
+  Design design;
+  const auto add = [&](Kind kind, std::string name, const Boxes& boxes) -> Drawn& {
+    Drawn drawn{.kind = kind, .name = std::move(name)};
+    drawn.lower = vector(boxes.lower);
+    drawn.upper = vector(boxes.upper);
+    drawn.start = vector(boxes.start);
+    design.drawn.push_back(std::move(drawn));
+    return design.drawn.back();
+  };
+
+  const std::vector<Value> holes = find_tables(optimize, "hole");
+  Names hole_names = names("hole", holes, c.shape.holes);
+  for (const Value& table : holes) {
+    allow_only(table, {"name", "circle", "ellipse", "spline", "start"});
+    const std::string kind = one_of(table, {"circle", "ellipse", "spline"});
+    const Value form = need(table, kind);
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
+    const std::string name = hole_names.next(table);
+    if (kind == "circle") {
+      if (start) allow_only(*start, {"center", "radius"});
+      add(Kind::Circle, name, read_circle(form, start));
+    } else if (kind == "ellipse") {
+      add(Kind::Ellipse, name, read_ellipse(form, start));
+    } else {
+      add(Kind::Spline, name, read_spline(form, start, size, from_map));
+    }
+    design.drawn.back().from_map = from_map;
+  }
+
+  const std::vector<Value> cracks = find_tables(optimize, "crack");
+  Names crack_names = names("crack", cracks, c.shape.cracks);
+  for (const Value& table : cracks) {
+    allow_only(table, {"name", "path", "contact", "start"});
+    const std::string name = crack_names.next(table);
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
+    Drawn& drawn = add(Kind::Crack, name, read_path(need(table, "path"), start, from_map));
+    drawn.from_map = from_map;
+    if (const auto contact = find(table, "contact"))
+      drawn.law.kind =
+          choice(*contact, {"unilateral", "open"}) == "open" ? CrackLaw::Kind::Open : CrackLaw::Kind::Unilateral;
+  }
+
+  const std::vector<Value> regions = find_tables(optimize, "region");
+  Names region_names = names("region", regions, c.shape.regions);
+  for (const Value& table : regions) {
+    allow_only(table, {"name", "circle", "young", "poisson", "start"});
+    const std::string name = region_names.next(table);
+    bool from_map = false;
+    const auto start = read_start(table, from_map);
+    if (start) allow_only(*start, {"center", "radius", "young"});
+    Boxes boxes = read_circle(need(table, "circle"), start);
+    add_box(need(table, "young"), 0, boxes);
+    if (start)
+      if (const auto young = find(*start, "young")) begin_at(*young, number(*young), 3, boxes);
+    const double poisson = between(need(table, "poisson"), 0, 0.5);
+    for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, young, poisson, c.plane_strain);
+    Drawn& drawn = add(Kind::Inclusion, name, boxes);
+    drawn.poisson = poisson;
+    drawn.from_map = from_map;
+  }
+  return design;
+}
+
+}  // namespace kerf

@@ -1,0 +1,37 @@
+#pragma once
+// "1 + x", "x > 0 ? sin(pi*y) : 0" -> a function of (x, y, nx, ny). muParser lives in expression.cpp and nowhere else.
+
+#include "kerf/types.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerf {
+
+using Expression = std::function<double(const Vec2& x, const Vec2& n)>;
+
+/// A named subexpression of [define]; may use the ones before it.
+struct Definition {
+  std::string name;
+  std::string text;
+};
+
+/// Variables x, y, nx, ny; constants pi, E, nu; functions of interface.md (log is the natural logarithm). The result
+/// may be called from several threads at once. Throws Error(Usage): what is wrong, the column in the expression, what
+/// would be right. The result throws Error(Usage) with the expression and the point where its value is not finite;
+/// values of definitions in between may be infinite or NaN, so that a branch not taken does no harm.
+struct ExpressionContext {
+  std::vector<Definition> definitions;
+  double young = 0, poisson = 0;
+  bool on_boundary = true;  // else nx and ny are no names: there is no normal
+};
+Expression parse_expression(std::string_view text, const ExpressionContext& context);
+
+/// Throws as parse_expression does when definition k is wrong by itself; the ones before it are taken to be right.
+void check_definition(const ExpressionContext& context, std::size_t k);
+
+/// The names that an expression refers to (functions left out), each once, in order.
+std::vector<std::string> names_in(std::string_view text);
+
+}  // namespace kerf

@@ -1,0 +1,120 @@
+#include "io/case/formula.hpp"
+
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+void mark_used(Definitions& definitions, std::vector<std::string> names) {
+  // A definition needs only earlier ones: once backwards reaches them all.
+  for (std::size_t k = definitions.used.size(); k-- > 0;) {
+    const Definition& d = definitions.context.definitions[k];
+    if (std::find(names.begin(), names.end(), d.name) == names.end()) continue;
+    definitions.used[k] = true;
+    for (std::string& name : names_in(d.text)) names.push_back(std::move(name));
+  }
+}
+
+}  // namespace
+
+Formula formula(const Value& field, Definitions& definitions, bool on_boundary) {
+  const auto fixed = [](double value) { return Formula{[value](const Vec2&, const Vec2&) { return value; }, value}; };
+  if (field.node->kind == Node::Kind::Integer || field.node->kind == Node::Kind::Float) return fixed(number(field));
+  if (field.node->kind != Node::Kind::String)
+    fail(field.node->position, field.name + " must be a number or an expression in a string, \"1 + x\"");
+  const std::string where = to_string(field.node->position) + ": " + field.name + ": ";
+  try {
+    definitions.context.on_boundary = on_boundary;
+    const Expression parsed = parse_expression(field.node->text, definitions.context);
+    const std::vector<std::string> names = names_in(field.node->text);
+    mark_used(definitions, names);
+    if (names.empty()) return fixed(parsed(Vec2::Zero(), Vec2::Zero()));
+    const auto placed = [parsed, where](const Vec2& x, const Vec2& n) {
+      try {
+        return parsed(x, n);
+      } catch (const Error& e) {
+        throw Error(e.fault, where + e.what());
+      }
+    };
+    return {placed, std::nullopt};
+  } catch (const Error& e) {
+    throw Error(e.fault, where + e.what());
+  }
+}
+
+std::array<Formula, 2> formulas(const Value& field, Definitions& definitions, bool on_boundary) {
+  const std::vector<Value> xy = pair(field);
+  return {formula(xy[0], definitions, on_boundary), formula(xy[1], definitions, on_boundary)};
+}
+
+BoundaryField vector_field(const Expression& first, const Expression& second) {
+  return [first, second](const Vec2& x, const Vec2& n) { return Vec2(first(x, n), second(x, n)); };
+}
+
+Index find_label(const Value& field, const Shape& shape) {
+  const std::string word = text(field);
+  std::vector<std::string> known = shape.labels;
+  for (const Loop& hole : shape.holes) known.push_back(hole.name);
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    if (known[k] != word) continue;
+    if (k < shape.labels.size()) return static_cast<Index>(k);
+    return shape.holes[k - shape.labels.size()].sides[0].label;
+  }
+  fail(field.node->position,
+       fmt::format("{}: there is no label {}; {}", field.name, quote(word), suggest(word, shape.labels)));
+}
+
+std::vector<Index> find_labels(const Value& field, const Shape& shape) {
+  const std::vector<Value> names = field.node->kind == Node::Kind::Array ? items(field, 1) : std::vector<Value>{field};
+  std::vector<Index> labels;
+  for (const Value& name : names) {
+    labels.push_back(find_label(name, shape));
+    if (std::count(labels.begin(), labels.end(), labels.back()) > 1)
+      fail(name.node->position, fmt::format("{}: label {} appears twice", name.name, quote(text(name))));
+  }
+  return labels;
+}
+
+Definitions read_definitions(const Value& document, const Case& c) {
+  Definitions out;
+  out.context.young = c.young;
+  out.context.poisson = c.poisson;
+  const auto table = find_table(document, "define");
+  if (!table) return out;
+  constexpr std::size_t most = 1000;  // every evaluation may need them all
+  if (table->node->entries.size() > most)
+    fail(table->node->position, fmt::format("[define] holds at most {} names", most));
+  for (const Entry& entry : table->node->entries) {
+    const Value field = *find(*table, entry.key);
+    // A number is a definition too.
+    const bool is_number = field.node->kind == Node::Kind::Integer || field.node->kind == Node::Kind::Float;
+    if (!is_number && field.node->kind != Node::Kind::String)
+      fail(field.node->position, field.name + " must be a number or an expression in a string, \"1 + x\"");
+    out.context.definitions.push_back({entry.key, is_number ? fmt::format("({})", number(field)) : text(field)});
+    out.positions.push_back(entry.position);
+    out.used.push_back(false);
+  }
+  // Each by itself, so that an error is found where it stands, whoever uses it.
+  for (std::size_t k = 0; k < out.positions.size(); ++k) {
+    try {
+      check_definition(out.context, k);
+    } catch (const Error& e) {
+      fail(out.positions[k], fmt::format("{} in [define]: {}", out.context.definitions[k].name, e.what()));
+    }
+  }
+  return out;
+}
+
+void check_all_used(const Definitions& definitions) {
+  for (std::size_t k = 0; k < definitions.used.size(); ++k)
+    if (!definitions.used[k])
+      fail(definitions.positions[k], fmt::format("unused key {} in [define]; use it in an expression or remove it",
+                                                 quote(definitions.context.definitions[k].name)));
+}
+
+}  // namespace kerf

@@ -1,0 +1,243 @@
+#include "io/case/formula.hpp"
+#include "io/case/measured.hpp"
+#include "io/case/tip.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace kerf {
+
+namespace {
+
+struct Kind {
+  std::string name;
+  std::vector<std::string> needed, optional;
+};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all = {{"energy", {}, {}},
+                                        {"compliance", {}, {}},
+                                        {"volume", {}, {}},
+                                        {"displacement_tracking", {"target"}, {"weight"}},
+                                        {"boundary_tracking", {"on", "target"}, {"weight"}},
+                                        {"stress_power", {"p"}, {"weight"}},
+                                        {"stress_pnorm", {"p"}, {"weight"}},
+                                        {"misfit", {"on", "measured"}, {}},
+                                        {"energy_release_rate", {"crack", "tip"}, {"ring"}},
+                                        {"crack_opening", {"crack"}, {"weight"}},
+                                        {"crack_pressure", {"crack", "target"}, {"weight"}},
+                                        {"sum", {"terms"}, {}}};
+  return all;
+}
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// The kind, with the keys of the table checked against it. `extra`: keys that go with every kind.
+const Kind& read_kind(const Value& table, const std::vector<std::string>& extra) {
+  std::vector<std::string> names, any = extra;
+  for (const Kind& kind : kinds()) {
+    names.push_back(kind.name);
+    any.insert(any.end(), kind.needed.begin(), kind.needed.end());
+    any.insert(any.end(), kind.optional.begin(), kind.optional.end());
+  }
+  const std::string name = choice(need(table, "kind"), names);
+  const Kind& kind = *std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.name == name; });
+  std::vector<std::string> known = kind.needed;
+  known.insert(known.end(), kind.optional.begin(), kind.optional.end());
+  known.insert(known.end(), extra.begin(), extra.end());
+  for (const Entry& entry : table.node->entries)
+    if (entry.key != "kind" && !contains(known, entry.key) && contains(any, entry.key))
+      fail(entry.position,
+           fmt::format("{} in {} does not go with kind = \"{}\", which takes {}", quote(entry.key), table.name, name,
+                       known.empty() ? "no other key" : fmt::format("{}", fmt::join(known, ", "))));
+  known.push_back("kind");
+  allow_only(table, known);
+  for (const std::string& key : kind.needed)
+    if (!find(table, key))
+      fail(table.node->position,
+           fmt::format("kind = \"{}\" in {} needs the key {}; add it", name, table.name, quote(key)));
+  return kind;
+}
+
+bool is_synthetic(const Value& measured) {
+  return measured.node->kind == Node::Kind::String && measured.node->text == "synthetic";
+}
+
+struct Reader {
+  const std::filesystem::path& folder;
+  Definitions& definitions;
+  const Case& c;
+
+  ScalarField scalar(const Value& field) const {
+    return [f = formula(field, definitions, false).value](const Vec2& x) { return f(x, Vec2::Zero()); };
+  }
+
+  ScalarField weight(const Value& table) const {
+    const auto given = find(table, "weight");
+    return given ? scalar(*given) : ScalarField{};
+  }
+
+  /// A crack with faces, by its name.
+  Index crack(const Value& table) const {
+    const Value field = need(table, "crack");
+    const std::string word = text(field);
+    std::vector<std::string> names;
+    for (const Crack& crack : c.shape.cracks) names.push_back(crack.name);
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end())
+      fail(field.node->position, fmt::format("{}: there is no crack {}; {}", field.name, quote(word),
+                                             names.empty() ? "the case has none" : suggest(word, names)));
+    const auto number = static_cast<std::size_t>(found - names.begin());
+    if (c.scene.laws[number].kind == CrackLaw::Kind::Bonded)
+      fail(field.node->position,
+           fmt::format("{}: crack {} is bonded and has no faces; choose another or change its contact", field.name,
+                       quote(word)));
+    return static_cast<Index>(number);
+  }
+
+  std::vector<Term> boundary_terms(const Value& table) const {
+    const std::vector<Index> labels = find_labels(need(table, "on"), c.shape);
+    const auto target = formulas(need(table, "target"), definitions);
+    BoundaryWeight weight;
+    if (const auto given = find(table, "weight")) weight = formula(*given, definitions).value;
+    std::vector<Term> terms;
+    for (const Index label : labels)
+      terms.push_back(boundary_tracking(label, vector_field(target[0].value, target[1].value), weight));
+    return terms;
+  }
+
+  Term misfit_term(const Value& table) const {
+    const Value on = need(table, "on");
+    const std::vector<Index> labels = find_labels(on, c.shape);
+    if (labels.size() > 1)
+      fail(on.node->position,
+           fmt::format("{}: a misfit compares along one label; give the sides measured on the same label", on.name));
+    for (const Support& support : c.scene.supports)
+      if (support.label == labels[0])
+        fail(on.node->position, fmt::format("{}: a displacement is prescribed on label {} already; measure where the "
+                                            "body is loaded or free",
+                                            on.name, quote(c.shape.labels[labels[0]])));
+    const Value measured = need(table, "measured");
+    if (is_synthetic(measured))
+      return misfit(labels[0], [](const Vec2&, const Vec2&) -> Vec2 {
+        throw std::logic_error("the synthetic data have not been computed yet");
+      });
+    if (measured.node->kind == Node::Kind::String)
+      return misfit(labels[0], read_measured(folder / text(measured), measured, c.shape, labels[0]));
+    if (measured.node->kind != Node::Kind::Array)
+      fail(
+          measured.node->position,
+          measured.name + " must be a file with the columns x,y,u_x,u_y, two expressions [u_x, u_y], or \"synthetic\"");
+    const auto u = formulas(measured, definitions);
+    return misfit(labels[0], vector_field(u[0].value, u[1].value));
+  }
+
+  Term tip_term(const Value& table) const {
+    const Index number = crack(table);
+    const Value which = need(table, "tip");
+    const bool at_start = choice(which, {"start", "end"}) == "start";
+    const TipPlace tip = crack_tip(c.shape, number, at_start);
+    const std::string name = fmt::format("the {} of crack {}", at_start ? "start" : "end",
+                                         quote(c.shape.cracks[static_cast<std::size_t>(number)].name));
+    if (tip.clearance <= 1e-6 * extent(c.shape))
+      fail(which.node->position, fmt::format("{}: {} lies on {}: there is no tip", which.name, name, tip.nearest));
+    std::array<double, 2> ring = tip.ring;
+    if (const auto given = find(table, "ring")) {
+      const std::vector<Value> radii = items(*given);
+      if (radii.size() != 2) fail(given->node->position, given->name + " must be two radii [inner, outer]");
+      ring = {positive(radii[0]), positive(radii[1])};
+      if (!(ring[0] < ring[1]))
+        fail(given->node->position, fmt::format("{}: the outer radius {:g} must be larger than the inner one {:g}",
+                                                given->name, ring[1], ring[0]));
+      if (!(ring[1] < tip.clearance))
+        fail(given->node->position, fmt::format("{}: {} is only {:.6g} from {}; the outer radius must be smaller",
+                                                given->name, tip.nearest, tip.clearance, name));
+    }
+    return energy_release_rate(tip.at, tip.direction, ring, c.scene.body);
+  }
+
+  std::vector<Term> terms(const Value& table, const std::string& kind) const {
+    if (kind == "energy") return {energy()};
+    if (kind == "compliance") return {compliance()};
+    if (kind == "volume") return {volume()};
+    if (kind == "displacement_tracking") {
+      const auto target = formulas(need(table, "target"), definitions, false);
+      const BoundaryField field = vector_field(target[0].value, target[1].value);
+      return {displacement_tracking([field](const Vec2& x) { return field(x, Vec2::Zero()); }, weight(table))};
+    }
+    if (kind == "boundary_tracking") return boundary_terms(table);
+    if (kind == "stress_power" || kind == "stress_pnorm") {
+      const double p = between(need(table, "p"), 2, 100);
+      return {kind == "stress_power" ? stress_power(p, weight(table), c.plane_strain)
+                                     : stress_pnorm(p, weight(table), c.plane_strain)};
+    }
+    if (kind == "misfit") return {misfit_term(table)};
+    if (kind == "energy_release_rate") return {tip_term(table)};
+    if (kind == "crack_opening") return {crack_opening(crack(table), weight(table))};
+    const Index number = crack(table);
+    if (c.scene.laws[static_cast<std::size_t>(number)].kind != CrackLaw::Kind::Unilateral) {
+      const Value field = need(table, "crack");
+      fail(field.node->position, fmt::format("{}: crack {} has contact = \"open\" and no pressure; contact = "
+                                             "\"unilateral\" has",
+                                             field.name, quote(text(field))));
+    }
+    return {crack_pressure(number, scalar(need(table, "target")), weight(table))};
+  }
+};
+
+}  // namespace
+
+Functional read_functional_table(const Value& table, const std::vector<std::string>& extra,
+                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c) {
+  const Reader reader{folder, definitions, c};
+  const Kind& kind = read_kind(table, extra);
+  Functional functional{kind.name, {}};
+  if (kind.name != "sum") {
+    functional.terms = reader.terms(table, kind.name);
+    return functional;
+  }
+  const Value* measured = nullptr;
+  const std::vector<Value> entries = items(need(table, "terms"), 1);
+  for (const Value& entry : entries) {
+    const Kind& part = read_kind(entry, {"factor"});
+    if (part.name == "sum") fail(entry.node->position, entry.name + ": a sum cannot hold a sum; list its terms here");
+    if (part.name == "misfit") {
+      if (measured)
+        fail(entry.node->position, fmt::format("{}: there is room for one misfit (the other is at {})", entry.name,
+                                               to_string(measured->node->position)));
+      measured = &entry;
+    }
+    double factor = 1;
+    if (const auto given = find(entry, "factor")) {
+      factor = number(*given);
+      if (factor == 0) fail(given->node->position, given->name + " is 0; leave the term out");
+    }
+    for (Term& term : reader.terms(entry, part.name)) {
+      term.factor = factor;
+      functional.terms.push_back(std::move(term));
+    }
+  }
+  return functional;
+}
+
+void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
+  const auto table = find_table(document, "functional");
+  c.functional = table ? read_functional_table(*table, {}, folder, definitions, c) : Functional{"energy", {energy()}};
+}
+
+std::optional<Value> synthetic_misfit(const Value& document) {
+  const auto table = find_table(document, "functional");
+  if (!table) return std::nullopt;
+  std::vector<Value> tables = {*table};
+  if (const auto terms = find(*table, "terms")) tables = items(*terms);
+  for (const Value& part : tables)
+    if (const auto measured = find(part, "measured"); measured && is_synthetic(*measured)) return measured;
+  return std::nullopt;
+}
+
+}  // namespace kerf

@@ -1,0 +1,112 @@
+#include "io/case/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace kerf {
+
+namespace {
+
+Perturbation read_perturbation(const Value& field, const Case& c) {
+  using Kind = Perturbation::Kind;
+  Perturbation p;
+  if (field.node->kind == Node::Kind::Table) {
+    allow_only(field, {"young", "poisson", "aspect"});
+    if (one_of(field, {"young", "aspect"}) == "aspect") {
+      allow_only(field, {"aspect"});
+      p.kind = Kind::Ellipse;
+      p.aspect = between(need(field, "aspect"), 1, 100);
+      return p;
+    }
+    allow_only(field, {"young", "poisson"});
+    p.kind = Kind::Inclusion;
+    const double young = positive(need(field, "young"));
+    p.inclusion = elastic(field, young, between(need(field, "poisson"), 0, 0.5), c.plane_strain);
+    return p;
+  }
+  if (field.node->kind != Node::Kind::String)
+    fail(field.node->position, field.name +
+                                   " must be \"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = "
+                                   "... } or { aspect = ... }");
+  const std::string word = choice(field, {"hole", "clamped_hole", "crack"});
+  p.kind = word == "hole" ? Kind::Hole : word == "crack" ? Kind::Crack : Kind::ClampedHole;
+  return p;
+}
+
+/// A radius of what is put into the body.
+double radius(const Value& field, const Case& c) {
+  const double value = positive(field);
+  const double size = extent(c.shape);
+  if (!(value < size))
+    fail(field.node->position,
+         fmt::format("{} = {:g} must be smaller than the body, whose diagonal is {:g}", field.name, value, size));
+  return value;
+}
+
+std::vector<double> read_radii(const Value& field, const Case& c) {
+  std::vector<double> radii;
+  if (field.node->kind == Node::Kind::Table) {
+    allow_only(field, {"largest", "ratio", "count"});
+    const double largest = radius(need(field, "largest"), c);
+    const Value share = need(field, "ratio"), many = need(field, "count");
+    const double ratio = number(share);
+    if (!(ratio > 0 && ratio < 1))
+      fail(share.node->position, fmt::format("{} must lie between 0 and 1, not {:g}", share.name, ratio));
+    const int count = whole_number(many, 1, 30);
+    for (int k = 0; k < count; ++k) radii.push_back(largest * std::pow(ratio, k));
+    constexpr double least = 1e-9;  // of the extent; no mesh has shorter edges
+    if (!(radii.back() > least * extent(c.shape)))
+      fail(
+          many.node->position,
+          fmt::format("{}: the last of {} radii is {:.3g}, too small to mesh; choose a smaller count or a larger ratio",
+                      many.name, count, radii.back()));
+    return radii;
+  }
+  if (field.node->kind != Node::Kind::Array)
+    fail(field.node->position, field.name + " must be a list of radii or { largest = ..., ratio = ..., count = ... }");
+  for (const Value& item : items(field, 1)) {
+    radii.push_back(radius(item, c));
+    if (std::count(radii.begin(), radii.end(), radii.back()) > 1)
+      fail(item.node->position, fmt::format("{}: the radius {:g} appears twice", item.name, radii.back()));
+  }
+  std::sort(radii.begin(), radii.end(), std::greater<>());
+  return radii;
+}
+
+}  // namespace
+
+void read_map(const Value& document, Case& c) {
+  double default_radius = 0.005 * extent(c.shape);
+  const auto map = find_table(document, "map"), validate = find_table(document, "validate");
+  if (map) {
+    allow_only(*map, {"perturbation", "points", "bounds", "radius"});
+    if (const auto given = find(*map, "perturbation")) c.map_request.perturbation = read_perturbation(*given, c);
+    c.map.emplace();
+    if (const auto at = find(*map, "points")) {
+      if (at->node->kind == Node::Kind::Array && at->node->items.empty())
+        fail(at->node->position, at->name + " is empty; leave it out for a map everywhere in the body");
+      c.map->points = points(*at, 1);
+    }
+    if (const auto bounds = find(*map, "bounds")) c.map_request.bounds = boolean(*bounds);
+    if (const auto given = find(*map, "radius")) c.map_request.radius = radius(*given, c);
+  }
+  if (validate) {
+    allow_only(*validate, {"points", "radii"});
+    c.validate.emplace();
+    const Value at = need(*validate, "points");
+    for (const Value& item : items(at, 1)) {
+      c.validate->points.push_back(point(item));
+      if (std::count(c.validate->points.begin(), c.validate->points.end(), c.validate->points.back()) > 1)
+        fail(item.node->position, item.name + " appears twice");
+    }
+    c.validate->radii = read_radii(need(*validate, "radii"), c);
+    c.validate->perturbation = c.map_request.perturbation;
+    default_radius = c.validate->radii.back();
+  }
+  if (c.map_request.radius == 0) c.map_request.radius = default_radius;
+}
+
+}  // namespace kerf

@@ -1,0 +1,348 @@
+#include "io/case/sections.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+const std::vector<std::string> everywhere = {"method", "volume", "max_iterations", "tolerance", "bound"};
+const std::vector<std::string> of_level_set = {"nucleate", "frozen",      "move",  "inner_product", "smoothing",
+                                               "symmetry", "min_feature", "start", "ersatz"};
+const std::vector<std::string> of_parameters = {"min_distance", "hole", "crack", "region"};
+
+/// A length of a part of the design.
+double length(const Value& field, double size) {
+  const double value = positive(field);
+  if (!(value < size))
+    fail(field.node->position,
+         fmt::format("{} = {:g} must be smaller than the body, whose diagonal is {:g}", field.name, value, size));
+  return value;
+}
+
+void read_volume(const Value& volume, OptimizeRequest& r) {
+  if (volume.node->kind != Node::Kind::Table)
+    fail(volume.node->position, volume.name +
+                                    " must be { at_most = 0.4 } (of the area), { penalty = 100 } (J + penalty "
+                                    "times area), or both in one table");
+  allow_only(volume, {"at_most", "penalty"});
+  const auto at_most = find(volume, "at_most"), penalty = find(volume, "penalty");
+  if (!at_most && !penalty) fail(volume.node->position, volume.name + " needs at_most, penalty or both");
+  if (at_most) {
+    r.volume_at_most = positive(*at_most);
+    if (*r.volume_at_most > 1)
+      fail(at_most->node->position, fmt::format("{} = {:g} is a share of the body's area; it must not be larger than 1",
+                                                at_most->name, *r.volume_at_most));
+  }
+  if (penalty) r.volume_penalty = positive(*penalty);
+}
+
+void read_nucleate(const Value& field, LevelSetRequest& r) {
+  if (field.node->kind == Node::Kind::Boolean) {
+    if (!field.node->boolean) r.nucleate_every = 0;
+    return;
+  }
+  if (field.node->kind != Node::Kind::Table)
+    fail(field.node->position, field.name + " must be { every = 5, fraction = 0.02 }, true or false");
+  allow_only(field, {"every", "fraction"});
+  if (const auto every = find(field, "every")) r.nucleate_every = whole_number(*every, 1, 100000);
+  if (const auto fraction = find(field, "fraction")) {
+    r.nucleate_fraction = positive(*fraction);
+    if (!(r.nucleate_fraction <= 0.5))
+      fail(fraction->node->position, fmt::format("{} = {:g} is the share of the area that one nucleation may take; it "
+                                                 "must not be larger than 0.5",
+                                                 fraction->name, r.nucleate_fraction));
+  }
+}
+
+StartHoles read_start(const Value& field, double size) {
+  StartHoles start;
+  if (one_of(field, {"holes", "random"}) == "holes") {
+    allow_only(field, {"holes", "radius"});
+    const Value holes = need(field, "holes");
+    if (holes.node->kind != Node::Kind::Array || holes.node->items.size() != 2)
+      fail(holes.node->position, holes.name + " must be [columns, rows]");
+    const std::vector<Value> counts = items(holes);
+    start.columns = whole_number(counts[0], 1, 1000);
+    start.rows = whole_number(counts[1], 1, 1000);
+  } else {
+    allow_only(field, {"random", "seed", "radius"});
+    start.random = whole_number(need(field, "random"), 1, 100000);
+    if (const auto seed = find(field, "seed")) start.seed = static_cast<unsigned>(whole_number(*seed, 0, 2147483647));
+  }
+  start.radius = length(need(field, "radius"), size);
+  return start;
+}
+
+/// Points along all loops and cracks.
+std::vector<Vec2> points_along(const Shape& shape, double step) {
+  std::vector<Vec2> out;
+  const auto add = [&](const Vec2& a, const Vec2& b) {
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
+    for (int k = 0; k < pieces; ++k) out.push_back(a + (b - a) * k / pieces);
+  };
+  const auto add_loop = [&](const Loop& loop) {
+    const Polygon p = flatten(loop, 1e-3 * step, step);
+    for (std::size_t i = 0; i < p.points.size(); ++i) add(p.points[i], p.points[(i + 1) % p.points.size()]);
+  };
+  add_loop(shape.outline);
+  for (const auto* loops : {&shape.holes, &shape.regions})
+    for (const Loop& loop : *loops) add_loop(loop);
+  for (const Crack& crack : shape.cracks) {
+    if (crack.arc) {
+      const Arc& arc = *crack.arc;
+      const int pieces = std::max(1, static_cast<int>(std::ceil(path_length(crack) / step)));
+      for (int k = 0; k <= pieces; ++k) {
+        const double t = arc.from + (arc.to - arc.from) * k / pieces;
+        out.push_back(arc.center + arc.axes * Vec2(std::cos(t), std::sin(t)));
+      }
+      continue;
+    }
+    for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) add(crack.points[i], crack.points[i + 1]);
+    out.push_back(crack.points.back());
+  }
+  return out;
+}
+
+Vec2 reflected(const Mirror& mirror, const Vec2& x) {
+  const Vec2 away = x - mirror.point;
+  return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;
+}
+
+Mirror read_mirror(const Value& field, const Case& c) {
+  Mirror mirror;
+  const std::string kind = one_of(field, {"x", "y", "point"});
+  if (kind == "point") {
+    allow_only(field, {"point", "direction"});
+    mirror.point = point(need(field, "point"));
+    const Value direction = need(field, "direction");
+    const Vec2 d = point(direction);
+    if (!(d.norm() > 0) || !std::isfinite(d.norm()))
+      fail(direction.node->position, direction.name + " must not be zero; [1, 0] is along x");
+    mirror.direction = d.normalized();
+  } else {
+    allow_only(field, {kind});
+    const double at = number(need(field, kind));
+    mirror.point = kind == "x" ? Vec2(at, 0) : Vec2(0, at);
+    mirror.direction = kind == "x" ? Vec2::UnitY() : Vec2::UnitX();
+  }
+  if (find_problem(c.shape)) return mirror;  // which is what the user will hear of
+  // The body must be its own mirror image: each point's image lies near some other point, as near as they lie.
+  const double size = extent(c.shape), step = 0.005 * size;
+  std::vector<Vec2> points = points_along(c.shape, step);
+  std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
+  for (const Vec2& x : points) {
+    const Vec2 image = reflected(mirror, x);
+    auto near = std::lower_bound(points.begin(), points.end(), image.x() - step,
+                                 [](const Vec2& p, double limit) { return p.x() < limit; });
+    while (near != points.end() && near->x() < image.x() + step && !((*near - image).norm() < step)) ++near;
+    if (near == points.end() || !(near->x() < image.x() + step))
+      fail(
+          field.node->position,
+          fmt::format("{}: the body is not its own mirror image about that line: nothing is drawn at ({:.6g}, {:.6g}), "
+                      "the image of ({:.6g}, {:.6g})",
+                      field.name, image.x(), image.y(), x.x(), x.y()));
+  }
+  return mirror;
+}
+
+bool inside(const std::vector<Vec2>& polygon, const Vec2& x) {
+  bool in = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      in = !in;
+  }
+  return in;
+}
+
+/// A mask may leave the body, but it must have an inside, some of the body in it and some outside.
+void check_frozen(const Value& field, const Loop& loop, const Case& c) {
+  Shape alone;
+  alone.outline = loop;
+  if (auto problem = find_problem(alone)) {
+    const std::string blamed = "the outline";
+    for (std::size_t at; (at = problem->find(blamed)) != std::string::npos;)
+      problem->replace(at, blamed.size(), "its border");
+    fail(field.node->position, fmt::format("{}: region {}: {}", field.name, quote(loop.name), *problem));
+  }
+  if (find_problem(c.shape)) return;  // which is what the user will hear of
+  const double step = 0.005 * extent(c.shape), own_step = 0.005 * extent(alone);
+  Shape body;
+  body.outline = c.shape.outline;
+  const std::vector<Vec2> border = points_along(body, step), mask = points_along(alone, own_step);
+  const auto count = [](const std::vector<Vec2>& points, const std::vector<Vec2>& polygon) {
+    return std::count_if(points.begin(), points.end(), [&](const Vec2& x) { return inside(polygon, x); });
+  };
+  const auto in_mask = count(border, mask);
+  if (in_mask == 0 && count(mask, border) == 0)
+    fail(field.node->position,
+         fmt::format("{}: region {} lies outside the body: there is nothing to freeze", field.name, quote(loop.name)));
+  if (in_mask == static_cast<std::ptrdiff_t>(border.size()))
+    fail(field.node->position,
+         fmt::format("{}: region {} covers the whole body: nothing is left to design", field.name, quote(loop.name)));
+}
+
+void read_level_set(const Value& table, std::vector<Loop> frozen, const Case& c, OptimizeRequest& request) {
+  LevelSetRequest& r = request.level_set;
+  const double size = extent(c.shape);
+  if (const auto field = find(table, "nucleate")) read_nucleate(*field, r);
+  if (const auto field = find(table, "move"))
+    r.move = choice(*field, {"shape-gradient", "fixed-point"}) == "fixed-point" ? LevelSetRequest::Move::FixedPoint
+                                                                                : LevelSetRequest::Move::ShapeGradient;
+  if (const auto field = find(table, "inner_product"))
+    r.product = choice(*field, {"h1", "elasticity"}) == "elasticity" ? LevelSetRequest::Product::Elasticity
+                                                                     : LevelSetRequest::Product::H1;
+  if (const auto field = find(table, "smoothing")) r.smoothing = length(*field, size);
+  if (const auto field = find(table, "min_feature")) r.min_feature = length(*field, size);
+  if (const auto field = find(table, "symmetry")) r.mirror = read_mirror(*field, c);
+  if (const auto field = find(table, "start")) r.start = read_start(*field, size);
+  if (const auto field = find(table, "ersatz")) r.ersatz = between(*field, 1e-9, 0.5);
+  if (const auto field = find(table, "frozen")) {
+    std::vector<std::string> seen;
+    for (const Value& item : items(*field)) {
+      const std::string name = text(item);
+      if (std::find(seen.begin(), seen.end(), name) != seen.end())
+        fail(item.node->position, fmt::format("{}: region {} appears twice", item.name, quote(name)));
+      seen.push_back(name);
+      check_frozen(item, *std::find_if(frozen.begin(), frozen.end(), [&](const Loop& l) { return l.name == name; }), c);
+    }
+  }
+  r.frozen = std::move(frozen);
+}
+
+/// Without anything that holds the volume down, the full body is best for what only loses by holes.
+void require_volume(const Value& table, const Case& c, const OptimizeRequest& r) {
+  if (r.volume_at_most || r.volume_penalty > 0) return;
+  const auto& terms = c.functional.terms;
+  const bool stiffness = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.work && t.factor > 0; });
+  if (stiffness)
+    fail(table.node->position,
+         "[optimize]: without volume = { at_most = ... } or { penalty = ... } the full body has the least compliance, "
+         "and "
+         "there is nothing to optimize; add one of them");
+  const bool area = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.kind == "volume"; });
+  if (area && r.bounds.empty())
+    fail(table.node->position,
+         "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body "
+         "has to bear, such as kind = \"compliance\" with at_most");
+}
+
+std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesystem::path& folder,
+                                         Definitions& definitions, const Case& c) {
+  std::vector<FunctionalBound> bounds;
+  for (const Value& entry : find_tables(table, "bound")) {
+    FunctionalBound bound;
+    bound.functional = read_functional_table(entry, {"at_most", "name"}, folder, definitions, c);
+    for (const Term& term : bound.functional.terms)
+      if (term.measured)
+        fail(entry.node->position, entry.name + ": a misfit cannot be bounded; minimize it in [functional]");
+    const auto is_taken = [&](const std::string& name) {
+      return std::any_of(bounds.begin(), bounds.end(), [&](const FunctionalBound& b) { return b.name == name; });
+    };
+    if (const auto name = find(entry, "name")) {
+      bound.name = safe_name(*name);
+      if (is_taken(bound.name))
+        fail(name->node->position,
+             fmt::format("{}: the name {} is taken; give each its own", name->name, quote(bound.name)));
+    } else {
+      bound.name = bound.functional.kind;
+      for (int k = 2; is_taken(bound.name); ++k) bound.name = fmt::format("{}_{}", bound.functional.kind, k);
+    }
+    const Value at_most = need(entry, "at_most");
+    bound.at_most = number(at_most);
+    const std::string& kind = bound.functional.kind;
+    const bool any_sign = kind == "energy" || kind == "crack_opening" || kind == "sum";
+    if (any_sign ? bound.at_most == 0 : !(bound.at_most > 0))
+      fail(at_most.node->position, fmt::format("{} must {}: violations are measured relative to it", at_most.name,
+                                               any_sign ? "not be 0" : "be positive"));
+    bounds.push_back(std::move(bound));
+  }
+  return bounds;
+}
+
+/// Terms that know one set of loads only.
+void check_load_cases(const Value& document, const Case& c, const OptimizeRequest& r) {
+  if (r.load_cases.empty()) return;
+  const Position& position = find_tables(document, "load_case").front().node->position;
+  const bool forces = std::any_of(r.load_cases.begin(), r.load_cases.end(),
+                                  [](const LoadCase& load_case) { return static_cast<bool>(load_case.body); });
+  const auto check = [&](const Functional& j) {
+    for (const Term& term : j.terms) {
+      if (term.measured)
+        fail(position, "[[load_case]]: a misfit belongs to one set of loads; write them as [[boundary]] and [body]");
+      if (term.kind == "energy_release_rate" && forces)
+        fail(position,
+             "[[load_case]]: energy_release_rate takes no body forces of load cases; write the loads as "
+             "[[boundary]] and [body]");
+    }
+  };
+  check(c.functional);
+  for (const FunctionalBound& bound : r.bounds) check(bound.functional);
+}
+
+}  // namespace
+
+void read_optimize(const Value& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
+                   Definitions& definitions, Case& c) {
+  std::vector<LoadCase> load_cases = read_load_cases(document, definitions, c);
+  const auto found = find_table(document, "optimize");
+  if (!found) {
+    if (!load_cases.empty())
+      fail(find_tables(document, "load_case").front().node->position,
+           "[[load_case]] goes with [optimize]; without it write the loads as [[boundary]] and [body]");
+    return;
+  }
+  const Value& table = *found;
+  std::vector<std::string> known = everywhere;
+  known.insert(known.end(), of_level_set.begin(), of_level_set.end());
+  known.insert(known.end(), of_parameters.begin(), of_parameters.end());
+  allow_only(table, known);
+
+  OptimizeRequest r;
+  if (const auto method = find(table, "method"))
+    r.method = choice(*method, {"level-set", "mma", "ccsaq", "slsqp", "cobyla"});
+  const bool level_set = r.method == "level-set";
+  for (const std::string& key : level_set ? of_parameters : of_level_set)
+    if (const auto other = find(table, key))
+      fail(other->node->position,
+           level_set
+               ? fmt::format("{} goes with method = \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\", which move drawn "
+                             "holes, cracks and regions, not with \"level-set\"{}",
+                             other->name, key == "min_distance" ? "; use min_feature" : "")
+               : fmt::format("{} goes with method = \"level-set\", not with \"{}\"", other->name, r.method));
+  if (!find_table(document, "functional"))
+    fail(table.node->position,
+         "[optimize] needs [functional]: what is to be made small; kind = \"compliance\" gives a stiff "
+         "body");
+  if (const auto volume = find(table, "volume")) read_volume(*volume, r);
+  if (const auto most = find(table, "max_iterations")) r.max_iterations = whole_number(*most, 1, 1000000);
+  if (const auto tolerance = find(table, "tolerance")) r.tolerance = between(*tolerance, 1e-12, 0.5);
+  r.bounds = read_bounds(table, folder, definitions, c);
+  r.load_cases = std::move(load_cases);
+  check_load_cases(document, c, r);
+  if (level_set) {
+    read_level_set(table, std::move(frozen), c, r);
+    require_volume(table, c, r);
+  } else {
+    if (const auto distance = find(table, "min_distance")) r.min_distance = length(*distance, extent(c.shape));
+    r.design = read_design(table, c);
+    if (r.design.drawn.empty())
+      fail(table.node->position, fmt::format("[optimize]: method = \"{}\" needs something that it can move: add "
+                                             "[[optimize.hole]], [[optimize.crack]] or [[optimize.region]], or use "
+                                             "method = \"level-set\"",
+                                             r.method));
+    const bool free = std::any_of(r.design.drawn.begin(), r.design.drawn.end(),
+                                  [](const Drawn& d) { return (d.lower.array() < d.upper.array()).any(); });
+    if (!free)
+      fail(table.node->position,
+           "[optimize]: every variable of the design is fixed; give at least one a box [low, high]");
+  }
+  c.optimize = std::move(r);
+}
+
+}  // namespace kerf

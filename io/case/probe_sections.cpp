@@ -1,0 +1,50 @@
+#include "io/case/sections.hpp"
+#include "io/case/table.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int most_points = 1000000;
+
+}  // namespace
+
+void read_probes(const Value& document, const std::filesystem::path& folder, Case& c) {
+  for (const Value& entry : find_tables(document, "probe")) {
+    allow_only(entry, {"name", "points", "from", "to", "count", "file"});
+    const Value name = need(entry, "name");
+    Probe probe{safe_name(name), {}};
+    for (const Probe& other : c.probes)
+      if (other.name == probe.name)
+        fail(name.node->position,
+             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(probe.name)));
+    const std::string kind = one_of(entry, {"points", "from", "file"});
+    for (const char* key : {"to", "count"})
+      if (const auto extra = find(entry, key); extra && kind != "from")
+        fail(extra->node->position, fmt::format("{} goes with from, not with {}", extra->name, kind));
+    if (kind == "points") {
+      probe.points = points(need(entry, "points"), 1);
+    } else if (kind == "file") {
+      const Value file = need(entry, "file");
+      for (const std::vector<double>& row : read_table(folder / text(file), file, {"x", "y"}))
+        probe.points.emplace_back(row[0], row[1]);
+    } else {
+      const Vec2 from = point(need(entry, "from")), to = point(need(entry, "to"));
+      const int count = whole_number(need(entry, "count"), 2, most_points);
+      for (int k = 0; k < count; ++k) {
+        const double t = static_cast<double>(k) / (count - 1);
+        probe.points.push_back((1 - t) * from + t * to);
+      }
+    }
+    c.probes.push_back(std::move(probe));
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,228 @@
+#include "io/case/reader.hpp"
+
+#include "io/words.hpp"
+#include "kerf/types.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+namespace kerf {
+
+namespace {
+
+constexpr std::uintmax_t largest_file = 64u << 20;
+constexpr int deepest_key = 32;
+
+/// Parts of the longest dotted key outside strings and comments. toml++ makes a table of each part and recurses into
+/// them; strings end at the line end here if they are not triple, as toml++ refuses those that do not.
+int longest_dotted_key(std::string_view text) {
+  int longest = 1, parts = 1;
+  const auto starts = [&](std::size_t k, std::string_view what) { return text.substr(k, what.size()) == what; };
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    if (c == '#') {
+      k = std::min(text.find('\n', k), text.size() - 1);
+      parts = 1;
+    } else if (c == '"' || c == '\'') {
+      const std::string triple(3, c);
+      const bool is_triple = starts(k, triple);
+      k += is_triple ? 3 : 1;
+      while (k < text.size() && !(is_triple ? starts(k, triple) : text[k] == c || text[k] == '\n'))
+        k += c == '"' && text[k] == '\\' ? 2 : 1;
+      if (is_triple) k += 2;
+    } else if (c == '.') {
+      longest = std::max(longest, ++parts);
+    } else if (std::string_view(",=[]{}\n").find(c) != std::string_view::npos) {
+      parts = 1;
+    }
+  }
+  return longest;
+}
+
+Node convert(const toml::node& node, const Position& whole) {
+  // `whole` without a line stands for an override: everything in it is there.
+  const auto place = [&](const toml::source_region& region) {
+    return whole.line == 0 || !region.begin ? whole : Position{whole.source, region.begin.line, region.begin.column};
+  };
+  Node out;
+  out.position = place(node.source());
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table)
+      out.entries.push_back({std::string(key.str()), place(key.source()), convert(value, whole)});
+    const auto earlier = [](const Entry& a, const Entry& b) {
+      return std::pair(a.position.line, a.position.column) < std::pair(b.position.line, b.position.column);
+    };
+    std::stable_sort(out.entries.begin(), out.entries.end(), earlier);
+  } else if (const toml::array* array = node.as_array()) {
+    out.kind = Node::Kind::Array;
+    for (const toml::node& item : *array) out.items.push_back(convert(item, whole));
+  } else if (const auto* text = node.as_string()) {
+    out.kind = Node::Kind::String;
+    out.text = text->get();
+  } else if (const auto* integer = node.as_integer()) {
+    out.kind = Node::Kind::Integer;
+    out.number = static_cast<double>(integer->get());
+  } else if (const auto* number = node.as_floating_point()) {
+    out.kind = Node::Kind::Float;
+    out.number = number->get();
+  } else if (const auto* boolean = node.as_boolean()) {
+    out.kind = Node::Kind::Boolean;
+    out.boolean = boolean->get();
+  } else {
+    out.kind = Node::Kind::Date;
+  }
+  return out;
+}
+
+toml::table parse(std::string_view text, const Position& start) {
+  try {
+    if (longest_dotted_key(text) > deepest_key)
+      throw Error(Fault::Usage, fmt::format("{}: a dotted key has more than {} parts", to_string(start), deepest_key));
+    return toml::parse(text, std::string_view(*start.source));
+  } catch (const toml::parse_error& e) {
+    const auto where = e.source().begin;
+    std::string description(e.description());  // may quote a line end
+    std::replace_if(
+        description.begin(), description.end(), [](char c) { return c >= 0 && c < 32; }, ' ');
+    throw Error(Fault::Usage,
+                fmt::format("{}: not valid TOML: {}",
+                            to_string({start.source, start.line == 0 ? 0 : where.line, where.column}), description));
+  }
+}
+
+std::string_view trim(std::string_view text) {
+  const std::string_view spaces = " \t\r\n";
+  const auto first = text.find_first_not_of(spaces);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(spaces) - first + 1);
+}
+
+struct Step {
+  std::string key;  // or, if empty:
+  std::size_t index = 0;
+};
+
+/// "crack[0].contact" -> crack, 0, contact
+std::vector<Step> parse_path(std::string_view path, const std::string& override_name) {
+  const auto fail = [&]() {
+    throw Error(Fault::Usage, fmt::format("{}: {} is not the path of a key; write for example mesh.size=0.02 or "
+                                          "crack[0].contact='\"open\"'",
+                                          override_name, quote(path)));
+  };
+  const auto is_key = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  std::vector<Step> steps;
+  std::size_t k = 0;
+  while (k < path.size()) {
+    if (path[k] == '[' && !steps.empty()) {
+      Step step;
+      const auto [end, error] = std::from_chars(path.data() + k + 1, path.data() + path.size(), step.index);
+      k = static_cast<std::size_t>(end - path.data());
+      if (error != std::errc() || k >= path.size() || path[k] != ']') fail();
+      steps.push_back(step);
+      ++k;
+    } else {
+      if (!steps.empty() && path[k++] != '.') fail();
+      const std::size_t start = k;
+      while (k < path.size() && is_key(path[k])) ++k;
+      if (k == start) fail();
+      steps.push_back({std::string(path.substr(start, k - start)), 0});
+    }
+  }
+  if (steps.empty() || steps.size() > static_cast<std::size_t>(deepest_key)) fail();
+  return steps;
+}
+
+}  // namespace
+
+std::string to_string(const Position& p) {
+  const std::string source = p.source ? *p.source : std::string("case");
+  return p.line == 0 ? source : fmt::format("{}:{}:{}", source, p.line, p.column);
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  const auto fail = [&](const std::string& what) { throw Error(Fault::Files, fmt::format("{}: {}", name, what)); };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) fail("no such file");
+  if (error) fail("cannot be read: " + error.message());
+  if (std::filesystem::is_directory(status)) fail("is a directory; name a file in it");
+  // A pipe or a device may never end.
+  if (!std::filesystem::is_regular_file(status)) fail("is not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) fail("cannot be read: " + error.message());
+  if (size > largest_file) fail(fmt::format("is too large; at most {} MiB are read", largest_file >> 20));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail("cannot be opened; check its permissions");
+  std::string text(size, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(size));
+  if (file.bad()) fail("cannot be read");
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+Node read_document(const std::filesystem::path& path) {
+  const std::string text = read_text(path);
+  const Position start{std::make_shared<const std::string>(path.string()), 1, 1};
+  return convert(parse(text, start), start);
+}
+
+void override_value(Node& document, std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos)
+    throw Error(Fault::Usage, fmt::format("--set {}: a value is missing; write key=value", quote(assignment)));
+  const std::string_view path = trim(assignment.substr(0, equals)), text = trim(assignment.substr(equals + 1));
+  const bool printable = !path.empty() && path.size() < 100 &&
+                         std::all_of(path.begin(), path.end(), [](char c) { return c > 32 && c < 127; });
+  const std::string name = "--set " + (printable ? std::string(path) : quote(assignment));
+  const std::vector<Step> steps = parse_path(path, name);
+  const Position origin{std::make_shared<const std::string>(name), 0, 0};
+
+  Node value;
+  try {
+    const Node parsed = convert(parse(fmt::format("value = {}", text), origin), origin);
+    if (parsed.entries.size() != 1) throw Error(Fault::Usage, "more than one value");
+    value = parsed.entries[0].value;
+  } catch (const Error&) {
+    throw Error(Fault::Usage, fmt::format("{}: {} is not a TOML value; a string needs its own quotes: "
+                                          "--set 'solver.element=\"bdms\"'",
+                                          name, quote(text)));
+  }
+
+  Node* node = &document;
+  for (const Step& step : steps) {
+    if (step.key.empty()) {
+      if (node->kind != Node::Kind::Array) throw Error(Fault::Usage, name + ": an index into what is no list");
+      if (step.index >= node->items.size())
+        throw Error(Fault::Usage, fmt::format("{}: there is no [{}]; the list has {} entries, counted from 0", name,
+                                              step.index, node->items.size()));
+      node = &node->items[step.index];
+    } else {
+      if (node->kind == Node::Kind::Array)
+        throw Error(Fault::Usage, fmt::format("{}: {} needs an index before it, counted from 0: [0].{}", name,
+                                              quote(step.key), step.key));
+      if (node->kind != Node::Kind::Table)
+        throw Error(Fault::Usage,
+                    fmt::format("{}: {} would lie inside a value that is no table", name, quote(step.key)));
+      const auto found = std::find_if(node->entries.begin(), node->entries.end(),
+                                      [&](const Entry& entry) { return entry.key == step.key; });
+      if (found != node->entries.end()) {
+        node = &found->value;
+      } else {
+        Node table;
+        table.position = origin;
+        node->entries.push_back({step.key, origin, table});
+        node = &node->entries.back().value;
+      }
+    }
+  }
+  *node = std::move(value);
+}
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+#pragma once
+// The sections of a case file, each read by one function. Which keys exist is said here and nowhere else.
+
+#include "io/case/expression.hpp"
+#include "io/case/fields.hpp"
+#include "kerf/case_file.hpp"
+
+namespace kerf {
+
+/// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole.
+void read_shape(const Value& document, Case& c);
+
+/// More of these tables, with names of their own.
+void add_holes(const std::vector<Value>& tables, Shape& shape);
+void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws);
+std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool plane_strain, Shape& shape,
+                                 std::vector<Material>& materials);
+
+/// [[region]], in the plane state that [material] has. Returns those that [optimize] names as frozen; they are regions
+/// of the shape only if they have a material.
+std::vector<Loop> read_regions(const Value& document, Case& c);
+
+/// [define]: the named subexpressions, each checked, and which of them have been used.
+struct Definitions {
+  ExpressionContext context;
+  std::vector<Position> positions;
+  std::vector<bool> used;
+};
+Definitions read_definitions(const Value& document, const Case& c);
+void check_all_used(const Definitions& definitions);
+
+/// [[boundary]] and [body].
+void read_conditions(const Value& document, Definitions& definitions, Case& c);
+
+/// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
+void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
+
+/// The same for any table; `extra`: keys that it has besides.
+Functional read_functional_table(const Value& table, const std::vector<std::string>& extra,
+                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c);
+
+/// The key `measured` of [functional] that asks for synthetic data.
+std::optional<Value> synthetic_misfit(const Value& document);
+
+/// [synthetic]. After [functional], [mesh] and [solver].
+void read_synthetic(const Value& document, Case& c);
+
+/// [[load_case]]. After the conditions.
+std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c);
+
+/// [optimize] with [[load_case]]. After all that these refer to; `frozen` comes from read_regions.
+void read_optimize(const Value& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
+                   Definitions& definitions, Case& c);
+
+/// [[optimize.hole]], [[optimize.crack]] and [[optimize.region]].
+Design read_design(const Value& optimize, const Case& c);
+
+/// [map] and [validate].
+void read_map(const Value& document, Case& c);
+
+/// The material of a table with young and poisson, which fails there when it is out of the range of numbers.
+Material elastic(const Value& table, double young, double poisson, bool in_plane_strain);
+
+/// [[probe]]; files lie relative to `folder`.
+void read_probes(const Value& document, const std::filesystem::path& folder, Case& c);
+
+}  // namespace kerf

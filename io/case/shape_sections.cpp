@@ -1,0 +1,225 @@
+#include "io/case/sections.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The arc from a to b about (nearly) `center`, the shorter way round; half a turn runs counter-clockwise. The center
+/// is moved along the chord until both ends have exactly the same distance to it.
+Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given, const Value& field) {
+  const double ra = (a - given).norm(), rb = (b - given).norm(), chord = (b - a).norm();
+  if (!(std::abs(ra - rb) <= 1e-6 * std::max(ra, rb)) || !(ra > 0))
+    fail(field.node->position, fmt::format("{}: the center must have the same distance to both ends of the arc, not "
+                                           "{:.9g} to ({:.9g}, {:.9g}) and {:.9g} to ({:.9g}, {:.9g})",
+                                           field.name, ra, a.x(), a.y(), rb, b.x(), b.y()));
+  if (!(chord > 1e-9 * ra))
+    fail(field.node->position, fmt::format("{}: the arc begins and ends at the same point; split a full turn into two "
+                                           "arcs, or use a [[hole]]",
+                                           field.name));
+  const Vec2 along = (b - a) / chord;
+  const Vec2 center = given + along * along.dot(0.5 * (a + b) - given);
+  const Vec2 p = a - center, q = b - center;
+  double turn = std::atan2(cross(p, q), p.dot(q));
+  if (std::abs(turn) > pi - 1e-6) turn = std::abs(turn);
+  const double from = std::atan2(p.y(), p.x());
+  return {center, p.norm() * Mat2::Identity(), from, from + turn};
+}
+
+/// Entry i of `outline` is vertex i, or an arc that arrives at vertex i from vertex i - 1 (cyclic). Edge i runs from
+/// vertex i to vertex i + 1 and is labeled sides[i]: an arc at entry i + 1 makes edge i an arc, and a first entry that
+/// is an arc makes the last edge one.
+void read_outline(const Value& domain, Shape& shape) {
+  const Value outline = need(domain, "outline");
+  std::vector<Vec2> vertices;
+  std::vector<std::optional<Vec2>> center;  // of the edge that arrives at the vertex
+  const std::vector<Value> entries = items(outline);
+  const bool curved = std::any_of(entries.begin(), entries.end(),
+                                  [](const Value& entry) { return entry.node->kind == Node::Kind::Table; });
+  if (entries.size() < (curved ? 2u : 3u))
+    fail(outline.node->position, fmt::format("{} has {} {}; a body needs at least 3, or 2 with an arc", outline.name,
+                                             entries.size(), entries.size() == 1 ? "vertex" : "vertices"));
+  for (const Value& entry : entries) {
+    if (entry.node->kind == Node::Kind::Table) {
+      allow_only(entry, {"arc_to", "center"});
+      vertices.push_back(point(need(entry, "arc_to")));
+      center.emplace_back(point(need(entry, "center")));
+    } else {
+      vertices.push_back(point(entry));
+      center.emplace_back();
+    }
+  }
+
+  const Value sides = need(domain, "sides");
+  const std::vector<Value> labels = items(sides);
+  if (labels.size() != vertices.size())
+    fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
+                                           sides.name, labels.size(), vertices.size()));
+  shape.outline.name = "outline";
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const std::string label = safe_name(labels[i]);
+    const auto known = std::find(shape.labels.begin(), shape.labels.end(), label);
+    const auto number = static_cast<Index>(known - shape.labels.begin());
+    if (known == shape.labels.end()) shape.labels.push_back(label);
+    const std::size_t next = (i + 1) % vertices.size();
+    Side side{vertices[i], number, std::nullopt};
+    if (center[next]) side.arc = arc_between(vertices[i], vertices[next], *center[next], entries[next]);
+    shape.outline.sides.push_back(std::move(side));
+  }
+}
+
+void check_unique(const std::string& name, const Value& field, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end())
+    fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
+  names.push_back(name);
+}
+
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& things) {
+  std::vector<std::string> names;
+  for (const Named& thing : things) names.push_back(thing.name);
+  return names;
+}
+
+const std::vector<std::string> region_keys = {"name", "circle", "ellipse", "polygon", "young", "poisson"};
+
+/// The entries of `frozen` in [optimize].
+std::vector<Value> frozen_names(const Value& document) {
+  const auto optimize = find_table(document, "optimize");
+  const auto frozen = optimize ? find(*optimize, "frozen") : std::nullopt;
+  return frozen ? items(*frozen, 1) : std::vector<Value>{};
+}
+
+Loop read_loop(const Value& hole, const std::string& name, Index label) {
+  const std::string kind = one_of(hole, {"circle", "ellipse", "polygon"});
+  const Value form = need(hole, kind);
+  if (kind == "circle") {
+    allow_only(form, {"center", "radius"});
+    return circle(name, point(need(form, "center")), positive(need(form, "radius")), label);
+  }
+  if (kind == "ellipse") {
+    allow_only(form, {"center", "semi_axes", "angle_deg"});
+    const std::vector<Value> axes = pair(need(form, "semi_axes"));
+    const auto angle = find(form, "angle_deg");
+    return ellipse(name, point(need(form, "center")), {positive(axes[0]), positive(axes[1])},
+                   (angle ? number(*angle) : 0.0) * pi / 180, label);
+  }
+  return polygon(name, points(form, 3), label);
+}
+
+Crack read_path(const Value& crack, const std::string& name) {
+  if (one_of(crack, {"path", "arc"}) == "path") return {name, points(need(crack, "path"), 2), {}};
+  const Value form = need(crack, "arc");
+  allow_only(form, {"center", "radius", "from_deg", "to_deg"});
+  const double from = number(need(form, "from_deg")), to = number(need(form, "to_deg"));
+  if (from == to || std::abs(to - from) >= 360)
+    fail(form.node->position,
+         fmt::format("{} runs from {:g} to {:g} degrees; an arc turns by more than 0 and less than 360", form.name,
+                     from, to));
+  return arc_crack(name, point(need(form, "center")), positive(need(form, "radius")), from * pi / 180, to * pi / 180);
+}
+
+}  // namespace
+
+void read_shape(const Value& document, Case& c) {
+  need(document, "domain");
+  const Value domain = *find_table(document, "domain");
+  allow_only(domain, {"outline", "sides"}, {{"file", "draw the body with outline, sides and [[hole]]"}});
+  read_outline(domain, c.shape);
+
+  add_holes(find_tables(document, "hole"), c.shape);
+  add_cracks(find_tables(document, "crack"), c.shape, c.scene.laws);
+}
+
+void add_holes(const std::vector<Value>& tables, Shape& shape) {
+  std::vector<std::string> names = names_of(shape.holes);
+  for (const Value& hole : tables) {
+    allow_only(hole, {"name", "circle", "ellipse", "polygon"});
+    const Value field = need(hole, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const auto label = static_cast<Index>(shape.labels.size());
+    shape.labels.push_back("hole:" + name);
+    shape.holes.push_back(read_loop(hole, name, label));
+  }
+}
+
+void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
+  std::vector<std::string> names = names_of(shape.cracks);
+  for (const Value& crack : tables) {
+    allow_only(crack, {"name", "path", "arc", "contact", "friction", "tresca"});
+    const Value field = need(crack, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const auto contact = find(crack, "contact");
+    const std::string law = contact ? choice(*contact, {"unilateral", "open", "bonded"}) : "unilateral";
+    CrackLaw crack_law{law == "open"     ? CrackLaw::Kind::Open
+                       : law == "bonded" ? CrackLaw::Kind::Bonded
+                                         : CrackLaw::Kind::Unilateral};
+    for (const auto& [key, value] :
+         {std::pair{"friction", &crack_law.friction}, std::pair{"tresca", &crack_law.slip_bound}})
+      if (const auto given = find(crack, key)) {
+        *value = number(*given);
+        if (*value < 0) fail(given->node->position, given->name + " must not be negative");
+        if (*value > 0 && law != "unilateral")
+          fail(given->node->position, fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, law));
+      }
+    Crack path = read_path(crack, name);
+    if (path.arc)
+      crack_law.normal = [center = path.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+    shape.cracks.push_back(std::move(path));
+    laws.push_back(std::move(crack_law));
+  }
+}
+
+std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane_strain, Shape& shape,
+                                 std::vector<Material>& materials) {
+  std::vector<std::string> names = names_of(shape.regions);
+  std::vector<Elastic> elastics;
+  for (const Value& region : tables) {
+    allow_only(region, region_keys);
+    const Value field = need(region, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    shape.regions.push_back(read_loop(region, name, none));
+    const Elastic e{positive(need(region, "young")), between(need(region, "poisson"), 0, 0.5)};
+    elastics.push_back(e);
+    materials.push_back(elastic(region, e.young, e.poisson, in_plane_strain));
+  }
+  return elastics;
+}
+
+std::vector<Loop> read_regions(const Value& document, Case& c) {
+  std::vector<Value> materials;
+  std::vector<std::string> names;
+  std::vector<Loop> frozen;
+  const std::vector<Value> tables = find_tables(document, "region"), wanted = frozen_names(document);
+  const auto is_frozen = [&](const std::string& name) {
+    return std::any_of(wanted.begin(), wanted.end(), [&](const Value& field) { return text(field) == name; });
+  };
+  for (const Value& region : tables) {
+    allow_only(region, region_keys);
+    const Value field = need(region, "name");
+    const std::string name = safe_name(field);
+    check_unique(name, field, names);
+    const bool mask = is_frozen(name);
+    if (mask) frozen.push_back(read_loop(region, name, none));
+    if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);
+  }
+  for (const Value& field : wanted)
+    if (std::find(names.begin(), names.end(), text(field)) == names.end())
+      fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
+                                             names.empty() ? "the case has none" : suggest(text(field), names)));
+  c.regions = add_regions(materials, c.plane_strain, c.shape, c.scene.regions);
+  return frozen;
+}
+
+}  // namespace kerf

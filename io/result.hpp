@@ -1,0 +1,144 @@
+#pragma once
+// Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
+
+#include "kerf/inverse.hpp"
+#include "kerf/optimize.hpp"
+#include "kerf/validate.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+struct Seconds {
+  double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, map = 0, validate = 0, optimize = 0, output = 0,
+         total = 0;
+};
+
+struct PlacedValue {
+  Vec2 at = Vec2::Zero();
+  double value = 0;
+};
+
+/// Along a crack, in path order: n points to the left of the path, jump = left face minus right face.
+struct CrackRow {
+  double s;  // arc length from the start of the path
+  Vec2 at;
+  double jump_n, jump_t, sigma_n, sigma_t;
+  bool closed;
+};
+
+struct TipResult {
+  Vec2 at = Vec2::Zero();
+  std::optional<double> K_I, K_II, G, T;  // absent: not computed; written as null
+  struct Spread {                         // relative, between domains of different size; beyond 0.01: do not trust
+    double K_I, K_II, T;
+  };
+  std::optional<Spread> spread = {};
+};
+
+struct CrackResult {
+  std::string name;
+  double length = 0, max_opening = 0, max_pressure = 0;
+  double open_length = 0, closed_length = 0, biactive_length = 0;  // in the sums of "contact"
+  double penetration = 0;                                          // of faces without a contact condition
+  struct Transition {
+    Vec2 at;
+    std::string from, to;  // "open" | "closed"
+  };
+  std::vector<Transition> transitions;
+  std::vector<TipResult> tips;
+  std::vector<CrackRow> rows;  // to crack_<name>.csv and .vtp, not to result.json
+};
+
+struct StateResult {
+  std::string element;
+  int degree = 1;
+  Index unknowns = 0, condensed_unknowns = 0;
+  double residual = 0, energy = 0, compliance = 0, area = 0;
+  std::optional<double> estimated_error;               // absent: null
+  std::optional<std::array<double, 2>> energy_bounds;  // absent: null
+  std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
+};
+
+struct AdaptResult {
+  std::vector<std::pair<Index, double>> rounds;  // triangles, estimated error
+  std::string stopped;                           // why
+};
+
+struct ContactResultSummary {
+  std::string method;
+  int iterations = 0, linear_solves = 0;
+  double kkt = 0, open_length = 0, closed_length = 0, biactive_length = 0;
+};
+
+struct FunctionalResult {
+  std::string kind;
+  double value = 0;
+  struct TermResult {
+    std::string kind;
+    double factor = 1, value = 0;  // the factor is left out of the value
+  };
+  std::vector<TermResult> terms = {};  // of a sum
+};
+
+struct MapResult {
+  std::string perturbation;
+  PlacedValue min, max;          // where nothing is masked, if that is anywhere
+  double excluded_radius = 0;    // min and max leave out this neighborhood of crack tips and reentrant corners
+  std::vector<MapPoint> points;  // the asked points; empty when the map was asked everywhere
+  double radius = 0;             // that the mask is for
+  double masked_share = 0;       // of the area
+  double biactive_length = 0;
+  bool oriented = false;  // the perturbation has an angle
+};
+
+struct ValidationResult {
+  std::string perturbation;
+  std::vector<Validation> points;
+};
+
+/// What the numbers of an optimization are called, and their limits.
+struct OptimizeNames {
+  std::vector<std::string> bounds;
+  std::vector<double> at_most;  // of the bounds
+  std::optional<double> volume_at_most;
+  std::vector<std::string> variables;
+};
+
+struct Result {
+  std::string version, case_name, title, status = "ok";
+  std::optional<std::string> reason;  // when status is not ok
+  Index triangles = 0, vertices = 0;
+  Quality mesh;
+  std::optional<AdaptResult> adapt;  // under "mesh"
+  std::optional<StateResult> state;
+  std::optional<ContactResultSummary> contact;
+  std::vector<CrackResult> cracks;
+  std::optional<FunctionalResult> functional;
+  std::optional<MapResult> map;
+  std::optional<ValidationResult> validate;
+  std::optional<OptimizeResult> optimize;  // mesh, state, ... are then those of its design
+  OptimizeNames optimize_names;
+  std::vector<Identified> identified;  // what was found beside what is true, with synthetic data
+  Seconds seconds;
+  double peak_memory_mb = 0;
+};
+
+/// result.json, schema 1 of the interface: 17 digits, written to a temporary file and renamed.
+void write_json(const std::filesystem::path& path, const Result& result);
+
+/// Comma-separated table, 17 digits; a value that is not finite is an empty cell.
+void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,
+               const std::vector<std::vector<double>>& rows);
+
+/// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed.
+void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
+
+/// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
+/// columns.
+std::string summary(const Result& result);
+
+}  // namespace kerf

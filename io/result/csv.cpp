@@ -1,0 +1,55 @@
+#include "io/csv.hpp"
+
+#include "io/files.hpp"
+#include "io/result.hpp"
+
+#include <cmath>
+
+namespace kerf {
+
+void append_cell(fmt::memory_buffer& out, double value) {
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value);
+}
+
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
+}
+
+void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,
+               const std::vector<std::vector<double>>& rows) {
+  fmt::memory_buffer out;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    fmt::format_to(std::back_inserter(out), "{}{}", i > 0 ? "," : "", csv_text(columns[i]));
+  }
+  out.push_back('\n');
+  for (const auto& row : rows) {
+    if (row.size() != columns.size()) {
+      throw std::invalid_argument(
+          fmt::format("a row of '{}' has {} values; {} would be right", path.string(), row.size(), columns.size()));
+    }
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i > 0) out.push_back(',');
+      append_cell(out, row[i]);
+    }
+    out.push_back('\n');
+  }
+  write_file(path, {out.data(), out.size()});
+}
+
+void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n");
+  for (const CrackRow& row : crack.rows) {
+    for (const double value : {row.s, row.at.x(), row.at.y(), row.jump_n, row.jump_t, row.sigma_n, row.sigma_t}) {
+      append_cell(out, value);
+      out.push_back(',');
+    }
+    fmt::format_to(std::back_inserter(out), "{}\n", row.closed ? "closed" : "open");
+  }
+  write_file(path, {out.data(), out.size()});
+}
+
+}  // namespace kerf

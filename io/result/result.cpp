@@ -1,0 +1,228 @@
+#include "io/result.hpp"
+
+#include "io/files.hpp"
+#include "io/text.hpp"
+#include "io/validation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json number(const std::optional<double>& value) {
+  return value ? number(*value) : Json(nullptr);
+}
+
+Json place(const Vec2& at) {
+  return Json::array({number(at.x()), number(at.y())});
+}
+
+Json placed(const PlacedValue& value) {
+  return {{"at", place(value.at)}, {"value", number(value.value)}};
+}
+
+Json mesh_section(const Result& result) {
+  Json section = {{"triangles", result.triangles},
+                  {"vertices", result.vertices},
+                  {"h_min", number(result.mesh.h_min)},
+                  {"h_max", number(result.mesh.h_max)},
+                  {"min_angle_deg", number(result.mesh.min_angle_deg)},
+                  {"mean_quality", number(result.mesh.mean_quality)}};
+  if (result.adapt) {
+    Json rounds = Json::array();
+    for (const auto& [triangles, error] : result.adapt->rounds)
+      rounds.push_back({{"triangles", triangles}, {"estimated_error", number(error)}});
+    section["adapt"] = {{"rounds", rounds}, {"stopped", result.adapt->stopped}};
+  }
+  return section;
+}
+
+Json state_section(const StateResult& state) {
+  Json bounds = nullptr;
+  if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
+  Json out = {{"element", state.element},
+              {"unknowns", state.unknowns},
+              {"condensed_unknowns", state.condensed_unknowns},
+              {"residual", number(state.residual)},
+              {"energy", number(state.energy)},
+              {"compliance", number(state.compliance)},
+              {"area", number(state.area)},
+              {"estimated_error", number(state.estimated_error)},
+              {"energy_bounds", std::move(bounds)}};
+  out["degree"] = state.degree;
+  if (!state.notes.empty()) out["notes"] = state.notes;
+  return out;
+}
+
+Json contact_section(const ContactResultSummary& contact) {
+  return {{"method", contact.method},
+          {"iterations", contact.iterations},
+          {"linear_solves", contact.linear_solves},
+          {"kkt", number(contact.kkt)},
+          {"open_length", number(contact.open_length)},
+          {"closed_length", number(contact.closed_length)},
+          {"biactive_length", number(contact.biactive_length)}};
+}
+
+Json crack_section(const CrackResult& crack) {
+  Json transitions = Json::array(), tips = Json::array();
+  for (const auto& t : crack.transitions) {
+    transitions.push_back({{"at", place(t.at)}, {"from", t.from}, {"to", t.to}});
+  }
+  for (const TipResult& tip : crack.tips) {
+    Json spread = nullptr;
+    if (const auto& s = tip.spread) spread = {{"K_I", number(s->K_I)}, {"K_II", number(s->K_II)}, {"T", number(s->T)}};
+    tips.push_back({{"at", place(tip.at)},
+                    {"K_I", number(tip.K_I)},
+                    {"K_II", number(tip.K_II)},
+                    {"G", number(tip.G)},
+                    {"T", number(tip.T)},
+                    {"spread", std::move(spread)}});
+  }
+  return {{"name", crack.name},
+          {"length", number(crack.length)},
+          {"max_opening", number(crack.max_opening)},
+          {"max_pressure", number(crack.max_pressure)},
+          {"transitions", std::move(transitions)},
+          {"tips", std::move(tips)}};
+}
+
+Json functional_section(const FunctionalResult& functional) {
+  Json out = {{"kind", functional.kind}, {"value", number(functional.value)}};
+  for (const auto& term : functional.terms)
+    out["terms"].push_back({{"kind", term.kind}, {"factor", number(term.factor)}, {"value", number(term.value)}});
+  return out;
+}
+
+Json map_section(const MapResult& map) {
+  Json points = Json::array();
+  for (const MapPoint& p : map.points) {
+    const Json angle = map.oriented && std::isfinite(p.value) ? number(degrees(p.angle)) : Json(nullptr);
+    points.push_back({{"at", place(p.at)},
+                      {"value", number(p.value)},
+                      {"lower", number(p.lower)},
+                      {"upper", number(p.upper)},
+                      {"masked", p.masked},
+                      {"angle_deg", angle}});
+  }
+  return {{"perturbation", map.perturbation},
+          {"min", placed(map.min)},
+          {"max", placed(map.max)},
+          {"points", std::move(points)},
+          {"excluded_radius", number(map.excluded_radius)},
+          {"radius", number(map.radius)},
+          {"masked_share", number(map.masked_share)},
+          {"biactive_length", number(map.biactive_length)}};
+}
+
+Json validate_section(const ValidationResult& validation) {
+  Json points = Json::array();
+  for (const Validation& v : validation.points) {
+    Json rows = Json::array();
+    for (const ValidationRow& row : v.rows)
+      rows.push_back({{"radius", number(row.radius)},
+                      {"J", number(row.J)},
+                      {"difference", number(row.difference)},
+                      {"predicted", number(row.predicted)},
+                      {"remainder", number(row.remainder)},
+                      {"order", number(row.order)},
+                      {"same_contact", row.same_contact}});
+    points.push_back({{"at", place(v.at)},
+                      {"coefficient", number(v.coefficient)},
+                      {"order", number(v.order)},
+                      {"verdict", word(v.verdict)},
+                      {"rows", std::move(rows)},
+                      {"reason", v.reason},
+                      {"intercept", number(v.intercept)},
+                      {"plateau", number(v.plateau)},
+                      {"c2", number(v.c2)},
+                      {"c3", number(v.c3)}});
+  }
+  return points;
+}
+
+Json identified_section(const std::vector<Identified>& all) {
+  const auto values = [](const Eigen::VectorXd& x) {
+    Json out = Json::array();
+    for (const double value : x) out.push_back(number(value));
+    return out;
+  };
+  Json out = Json::array();
+  for (const Identified& i : all)
+    out.push_back({{"name", i.name},
+                   {"found", values(i.found)},
+                   {"truth", i.truth},
+                   {"exact", values(i.exact)},
+                   {"position_error", i.truth.empty() ? Json(nullptr) : number(i.position_error)},
+                   {"size_error", i.truth.empty() ? Json(nullptr) : number(i.size_error)}});
+  return out;
+}
+
+Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
+  Json out = {{"method", o.method},
+              {"iterations", o.iterations},
+              {"state_solves", o.state_solves},
+              {"objective", number(o.objective)},
+              {"volume_fraction", number(o.volume_fraction)},
+              {"feasible", o.feasible},
+              {"stopped", o.stopped},
+              {"converged", o.converged},
+              {"optimality", number(o.optimality)}};
+  if (!o.history.empty()) {
+    const Iteration &first = o.history.front(), &last = o.history.back();
+    out["start"] = {{"objective", number(first.objective)}, {"volume_fraction", number(first.volume_fraction)}};
+    out["merit"] = number(last.merit);
+    out["violation"] = number(last.violation);
+    out["holes"] = last.holes;
+    out["triangles"] = last.triangles;
+    for (std::size_t i = 0; i < std::min(names.bounds.size(), last.bounds.size()); ++i)
+      out["bounds"].push_back(
+          {{"name", names.bounds[i]}, {"value", number(last.bounds[i])}, {"at_most", number(names.at_most[i])}});
+  }
+  for (std::size_t i = 0; i < std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size())); ++i)
+    out["variables"].push_back(
+        {{"name", names.variables[i]}, {"value", number(o.variables[static_cast<Eigen::Index>(i)])}});
+  if (!o.notes.empty()) out["notes"] = o.notes;
+  return out;
+}
+
+Json time_section(const Seconds& s) {
+  return {{"mesh", number(s.mesh)},         {"assemble", number(s.assemble)}, {"factor", number(s.factor)},
+          {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
+          {"validate", number(s.validate)}, {"optimize", number(s.optimize)}, {"output", number(s.output)},
+          {"total", number(s.total)}};
+}
+
+}  // namespace
+
+void write_json(const std::filesystem::path& path, const Result& result) {
+  Json out = {{"schema", 1}, {"version", result.version}, {"case", result.case_name}, {"status", result.status}};
+  if (result.triangles > 0) out["mesh"] = mesh_section(result);
+  if (result.state) out["state"] = state_section(*result.state);
+  if (result.contact) out["contact"] = contact_section(*result.contact);
+  for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
+  if (result.functional) out["functional"] = functional_section(*result.functional);
+  if (result.map) out["map"] = map_section(*result.map);
+  if (result.validate) out["validate"] = validate_section(*result.validate);
+  if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
+  if (!result.identified.empty()) out["optimize"]["identified"] = identified_section(result.identified);
+  out["time_s"] = time_section(result.seconds);
+  out["peak_memory_mb"] = number(result.peak_memory_mb);
+  if (!result.title.empty()) out["title"] = result.title;
+  if (result.reason) out["reason"] = *result.reason;
+  // Names come from users: bytes that are no UTF-8 are replaced, not thrown about.
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+}  // namespace kerf

@@ -1,0 +1,237 @@
+#include "io/history.hpp"
+#include "io/result.hpp"
+#include "io/text.hpp"
+#include "io/validation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr std::size_t columns = 100, indent = 12;
+
+std::size_t letters(const std::string& text) {
+  std::size_t count = 0;
+  for (const char c : text) count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  return count;
+}
+
+/// A word too long for its line goes over several.
+std::vector<std::string> pieces_of(const std::string& word, std::size_t width) {
+  std::vector<std::string> out(1);
+  for (const char c : word) {
+    const bool starts = (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    if (starts && letters(out.back()) == width) out.emplace_back();
+    out.back() += c;
+  }
+  return out;
+}
+
+/// "  heading   text that goes on", wrapped at `columns`, further lines indented. Two blanks between items stay.
+void add(std::string& out, const std::string& heading, const std::vector<std::string>& items) {
+  std::string line = fmt::format("{:<{}}", heading, indent);
+  bool fresh = true;
+  for (const std::string& item : items) {
+    for (const std::string& piece : pieces_of(item, columns - indent)) {
+      if (!fresh && letters(line) + 2 + letters(piece) > columns) {
+        out += line + '\n';
+        line = std::string(indent, ' ');
+        fresh = true;
+      }
+      line += (fresh ? "" : "  ") + piece;
+      fresh = false;
+    }
+  }
+  while (!line.empty() && line.back() == ' ') line.pop_back();
+  out += line + '\n';
+}
+
+/// One sentence, wrapped between words.
+void add_sentence(std::string& out, const std::string& heading, const std::string& text) {
+  std::string line = fmt::format("{:<{}}", heading, indent), word;
+  const std::size_t start = line.size();
+  const auto flush = [&] {
+    for (const std::string& piece : pieces_of(word, columns - indent)) {
+      if (line.size() > start && letters(line) + 1 + letters(piece) > columns) {
+        out += line + '\n';
+        line = std::string(start, ' ');
+      }
+      line += (line.size() > start ? " " : "") + piece;
+    }
+    word.clear();
+  };
+  for (const char c : clean_text(text)) {
+    if (c != ' ') {
+      word += c;
+    } else if (!word.empty()) {
+      flush();
+    }
+  }
+  if (!word.empty()) flush();
+  out += line + '\n';
+}
+
+std::string item(const std::string& name, double value) {
+  return fmt::format("{} {}", name, six(value));
+}
+
+std::string at(const Vec2& p) {
+  return fmt::format("at ({}, {})", six(p.x()), six(p.y()));
+}
+
+void add_crack(std::string& out, const CrackResult& crack) {
+  add(out, "crack",
+      {clean_text(crack.name), item("length", crack.length), item("max opening", crack.max_opening),
+       item("max pressure", crack.max_pressure)});
+  for (const auto& t : crack.transitions)
+    add(out, "", {clean_text(t.from) + " -> " + clean_text(t.to) + ' ' + at(t.at)});
+  for (const TipResult& tip : crack.tips) {
+    if (!tip.K_I && !tip.K_II && !tip.G) continue;
+    std::vector<std::string> items = {"tip " + at(tip.at)};
+    if (tip.K_I) items.push_back(item("K_I", *tip.K_I));
+    if (tip.K_II) items.push_back(item("K_II", *tip.K_II));
+    if (tip.G) items.push_back(item("G", *tip.G));
+    if (tip.T) items.push_back(item("T", *tip.T));
+    add(out, "", items);
+  }
+}
+
+void add_map(std::string& out, const MapResult& map) {
+  add(out, "map", {clean_text(map.perturbation), item("min", map.min.value) + ' ' + at(map.min.at)});
+  add(out, "", {item("max", map.max.value) + ' ' + at(map.max.at)});
+  if (map.excluded_radius > 0) {
+    add_sentence(
+        out, "",
+        fmt::format("min and max leave out {} around crack tips and reentrant corners", six(map.excluded_radius)));
+  }
+  if (map.masked_share > 0)
+    add_sentence(
+        out, "",
+        fmt::format("masked: the expansion cannot hold at radius {} on {:.3g} % of the area; min and max leave "
+                    "it out",
+                    six(map.radius), 100 * map.masked_share));
+  if (map.biactive_length > 0)
+    add_sentence(out, "",
+                 fmt::format("a length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "
+                             "the map is of these",
+                             six(map.biactive_length)));
+  constexpr std::size_t shown = 10;
+  for (std::size_t i = 0; i < std::min(map.points.size(), shown); ++i) {
+    const MapPoint& p = map.points[i];
+    if (!std::isfinite(p.value)) {
+      add(out, "", {at(p.at) + "  no value: outside the body, or on a crack"});
+      continue;
+    }
+    std::string text = at(p.at) + "  " + six(p.value);
+    if (p.lower && p.upper) text += fmt::format("  in [{}, {}]", six(*p.lower), six(*p.upper));
+    if (map.oriented) text += fmt::format("  angle {:.1f} deg", degrees(p.angle));
+    if (p.masked) text += "  masked";
+    add(out, "", {text});
+  }
+  if (map.points.size() > shown)
+    add(out, "", {fmt::format("and {} more points in map.csv", map.points.size() - shown)});
+}
+
+void add_functional(std::string& out, const FunctionalResult& functional) {
+  add(out, "functional", {item(functional.kind, functional.value)});
+  for (const auto& term : functional.terms)
+    add(out, "", {fmt::format("{} times", six(term.factor)), item(term.kind, term.value)});
+}
+
+void add_validation(std::string& out, const ValidationResult& validation) {
+  std::size_t hold = 0;
+  for (const Validation& v : validation.points) hold += v.verdict == Verdict::Holds;
+  add(out, "validate",
+      {clean_text(validation.perturbation), fmt::format("holds at {} of {} points", hold, validation.points.size())});
+  for (const Validation& v : validation.points) add_sentence(out, "", sentence(v));
+}
+
+void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeNames& names) {
+  add_sentence(out, "optimize", sentence(o));
+  std::vector<std::string> items = {item("objective", o.objective), item("volume fraction", o.volume_fraction)};
+  if (!o.history.empty()) items[0] += " from " + six(o.history.front().objective);
+  if (std::isfinite(o.optimality)) items.push_back(item("optimality", o.optimality));
+  if (!o.history.empty())
+    items.push_back(fmt::format("{} hole{}", o.history.back().holes, o.history.back().holes == 1 ? "" : "s"));
+  add(out, "", items);
+  if (!o.history.empty())
+    for (std::size_t i = 0; i < std::min(names.bounds.size(), o.history.back().bounds.size()); ++i)
+      add(out, "", {item(clean_text(names.bounds[i]), o.history.back().bounds[i]), item("at most", names.at_most[i])});
+  items.clear();
+  constexpr std::size_t shown = 30;
+  const std::size_t count = std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size()));
+  for (std::size_t i = 0; i < std::min(count, shown); ++i)
+    items.push_back(item(clean_text(names.variables[i]), o.variables[static_cast<Eigen::Index>(i)]));
+  if (count > shown) items.push_back(fmt::format("and {} more variables in result.json", count - shown));
+  if (!items.empty()) add(out, "", items);
+  for (const std::string& note : o.notes) add_sentence(out, "", "note: " + note);
+}
+
+void add_times(std::string& out, const Result& result) {
+  const Seconds& s = result.seconds;
+  std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
+  for (const auto& [name, value] :
+       {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
+        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("map", s.map),
+        std::pair("validate", s.validate), std::pair("optimize", s.optimize), std::pair("output", s.output)}) {
+    if (value > 0) items.push_back(fmt::format("{} {:.3f}", name, value));
+  }
+  add(out, "time", items);
+  if (result.peak_memory_mb > 0) add(out, "memory", {fmt::format("peak {:.1f} MB", result.peak_memory_mb)});
+}
+
+}  // namespace
+
+std::string summary(const Result& result) {
+  std::string out;
+  const std::string title = clean_text(result.title);
+  add_sentence(out, "case",
+               clean_text(result.case_name) + (title.empty() || title == result.case_name ? "" : ": " + title));
+  if (result.status != "ok" || result.reason) {
+    add_sentence(out, "status", result.status + (result.reason ? ": " + *result.reason : ""));
+  }
+  if (result.triangles > 0) {
+    add(out, "mesh",
+        {fmt::format("{} triangles", result.triangles), fmt::format("{} vertices", result.vertices),
+         item("h", result.mesh.h_min) + " .. " + six(result.mesh.h_max),
+         fmt::format("min angle {:.1f} deg", result.mesh.min_angle_deg),
+         fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
+  }
+  if (result.adapt)
+    add_sentence(out, "adapt", fmt::format("{} after {} rounds", result.adapt->stopped, result.adapt->rounds.size()));
+  if (result.state) {
+    const StateResult& s = *result.state;
+    add(out, "state",
+        {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
+         fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
+    add(out, "", {item("energy", s.energy), item("compliance", s.compliance), item("area", s.area)});
+    if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
+    if (s.energy_bounds) {
+      add(out, "", {fmt::format("energy in [{}, {}]", six((*s.energy_bounds)[0]), six((*s.energy_bounds)[1]))});
+    }
+    for (const std::string& note : s.notes) add_sentence(out, "note", note);
+  }
+  if (result.contact) {
+    const ContactResultSummary& c = *result.contact;
+    add(out, "contact",
+        {c.method, fmt::format("{} iterations", c.iterations), fmt::format("{} linear solves", c.linear_solves),
+         item("kkt", c.kkt)});
+    std::vector<std::string> lengths = {item("open", c.open_length), item("closed", c.closed_length)};
+    if (c.biactive_length > 0) lengths.push_back(item("biactive", c.biactive_length));
+    add(out, "", lengths);
+  }
+  for (const CrackResult& crack : result.cracks) add_crack(out, crack);
+  if (result.functional) add_functional(out, *result.functional);
+  if (result.map) add_map(out, *result.map);
+  if (result.validate) add_validation(out, *result.validate);
+  if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names);
+  for (const Identified& i : result.identified) add_sentence(out, "found", in_words(i));
+  add_times(out, result);
+  return out;
+}
+
+}  // namespace kerf

@@ -1,0 +1,84 @@
+#include "io/validation.hpp"
+
+#include "io/csv.hpp"
+#include "io/files.hpp"
+#include "io/text.hpp"
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// " + 5.6 eps^2", or nothing for a number that says nothing.
+std::string summand(double value, const char* power) {
+  if (!std::isfinite(value) || value == 0) return "";
+  return fmt::format(" {} {:.3g} {}", value < 0 ? '-' : '+', std::abs(value), power);
+}
+
+}  // namespace
+
+std::string word(Verdict verdict) {
+  return verdict == Verdict::Holds ? "holds" : verdict == Verdict::Fails ? "fails" : "out of range";
+}
+
+std::string word(Perturbation::Kind kind) {
+  switch (kind) {
+    case Perturbation::Kind::ClampedHole:
+      return "clamped_hole";
+    case Perturbation::Kind::Inclusion:
+      return "inclusion";
+    case Perturbation::Kind::Ellipse:
+      return "ellipse";
+    case Perturbation::Kind::Crack:
+      return "crack";
+    default:
+      return "hole";
+  }
+}
+
+std::string sentence(const Validation& v) {
+  std::string out = "At " + place(v.at);
+  const bool expansion = std::isfinite(v.coefficient);  // not of a clamped hole
+  const std::string order =
+      std::isfinite(v.order) ? fmt::format("observed order {:.2f}", v.order) : "no observed order";
+  if (v.verdict == Verdict::OutOfRange)
+    return out + " nothing can be said" + (v.reason.empty() ? "." : ": " + v.reason + ".");
+  const char* verdict = v.verdict == Verdict::Holds ? "holds" : "fails";
+  out += fmt::format(" the {} {}: ", expansion ? "expansion" : "renormalized prediction", verdict);
+  if (v.verdict == Verdict::Fails) {
+    if (!v.reason.empty()) out += v.reason + "; ";
+    if (expansion) out += fmt::format("T = {}, intercept {}, ", six(v.coefficient), six(v.intercept));
+    return out + order + ".";
+  }
+  if (expansion)
+    out += fmt::format("J(eps) - J(0) = pi eps^2 ({:.4g}{}{}), ", v.coefficient, summand(v.c2, "eps^2"),
+                       summand(v.c3, "eps^2 ln eps"));
+  out += order;
+  const double gap = std::abs(v.intercept - v.coefficient);
+  if (expansion && std::isfinite(gap))
+    out += v.coefficient == 0 ? fmt::format(", intercept {}", six(v.intercept))
+                              : fmt::format(", intercept within {:.2g} % of T", 100 * gap / std::abs(v.coefficient));
+  return out + ".";
+}
+
+void write_validation_csv(const std::filesystem::path& path, const ValidationResult& result) {
+  fmt::memory_buffer out;
+  const auto text = [&out](std::string_view piece) { out.append(piece.data(), piece.data() + piece.size()); };
+  text("point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,verdict,reason\n");
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    const Validation& v = result.points[i];
+    for (const ValidationRow& row : v.rows) {
+      text(fmt::format("{},", i + 1));
+      for (const double value : {v.at.x(), v.at.y(), row.radius, row.J, row.J - row.difference, row.difference,
+                                 row.predicted, row.remainder, row.order, v.coefficient, v.intercept}) {
+        append_cell(out, value);
+        out.push_back(',');
+      }
+      text(word(v.verdict) + "," + csv_text(clean_text(v.reason)) + "\n");
+    }
+  }
+  write_file(path, {out.data(), out.size()});
+}
+
+}  // namespace kerf

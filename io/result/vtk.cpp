@@ -1,0 +1,146 @@
+#include "kerf/vtk.hpp"
+
+#include "io/files.hpp"
+#include "io/result/vtk_module.hpp"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include <climits>
+#include <system_error>
+
+namespace kerf {
+
+namespace {
+
+struct Module {
+  KerfVtkWriter triangles, lines;
+};
+
+/// Beside the program (build tree) or in ../lib/kerf (installed). It stays loaded until the program ends.
+Module load() {
+  std::vector<std::filesystem::path> places = {"kerf_vtk.so"};
+  std::error_code code;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", code);
+  if (!code) {
+    places.push_back(program.parent_path() / "kerf_vtk.so");
+    places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / "kerf_vtk.so");
+  }
+  std::string reason;
+  for (const auto& place : places) {
+    void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!handle) {
+      // Of three reasons the one that is not "no such file" says most.
+      const std::string why = dlerror();
+      if (reason.empty() || why.find("cannot open shared object file") == std::string::npos) reason = why;
+      continue;
+    }
+    const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(handle, name)); };
+    const Module module = {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};
+    if (module.triangles && module.lines) return module;
+    reason = place.string() + " is not the VTK module of this program";
+    dlclose(handle);
+  }
+  throw Error(Fault::Files,
+              fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
+                          "install libvtk9.1, or switch VTK files off with [output] vtk = false",
+                          reason));
+}
+
+const Module& loaded() {
+  static const Module module = load();  // tried again after a failure
+  return module;
+}
+
+void check(std::span<const NamedField> fields, std::size_t points, std::size_t cells) {
+  for (const NamedField& field : fields) {
+    const std::size_t wanted = field.per_cell ? cells : points;
+    if (field.values.rows() == 0 || static_cast<std::size_t>(field.values.cols()) != wanted) {
+      throw std::invalid_argument(fmt::format("field '{}' has {} x {} values; {} columns would be right", field.name,
+                                              field.values.rows(), field.values.cols(), wanted));
+    }
+  }
+}
+
+std::vector<KerfVtkField> plain(std::span<const NamedField> fields) {
+  std::vector<KerfVtkField> out;
+  for (const NamedField& field : fields) {
+    out.push_back({field.name.c_str(), field.per_cell, static_cast<int>(field.values.rows()), field.values.cols(),
+                   field.values.data()});
+  }
+  return out;
+}
+
+void write(const std::filesystem::path& path, KerfVtkWriter writer, const KerfVtkData& data) {
+  struct Target {
+    const std::filesystem::path& path;
+    std::exception_ptr failure;
+  } target{path, nullptr};
+  const auto sink = [](void* to, const char* bytes, std::int64_t count) {
+    auto& file = *static_cast<Target*>(to);
+    try {
+      write_file(file.path, {bytes, static_cast<std::size_t>(count)});
+    } catch (...) {  // carried past VTK's frames by hand
+      file.failure = std::current_exception();
+    }
+  };
+  if (!writer(&data, sink, &target)) {
+    throw Error(Fault::Files, fmt::format("VTK cannot write '{}'; is there enough memory?", path.string()));
+  }
+  if (target.failure) std::rethrow_exception(target.failure);
+}
+
+}  // namespace
+
+void require_vtk() {
+  loaded();
+}
+
+void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
+               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields) {
+  check(fields, points.size(), triangles.size());
+  if (triangles.size() > INT_MAX / 3) throw std::invalid_argument("more triangles than 32-bit numbers can name");
+  for (const auto& triangle : triangles) {
+    for (const Index p : triangle) {
+      if (p < 0 || static_cast<std::size_t>(p) >= points.size()) {
+        throw std::invalid_argument(fmt::format("a triangle names point {} of {}", p, points.size()));
+      }
+    }
+  }
+  static_assert(sizeof(Vec2) == 2 * sizeof(double) && sizeof(std::array<Index, 3>) == 3 * sizeof(std::int32_t));
+  const std::vector<KerfVtkField> list = plain(fields);
+  KerfVtkData data{};
+  data.points = static_cast<std::int64_t>(points.size());
+  data.xy = points.empty() ? nullptr : points.front().data();
+  data.cells = static_cast<std::int64_t>(triangles.size());
+  data.entries = triangles.empty() ? nullptr : triangles.front().data();
+  data.fields = static_cast<std::int64_t>(list.size());
+  data.field = list.data();
+  write(path, loaded().triangles, data);
+}
+
+void write_vtp(const std::filesystem::path& path, std::span<const std::vector<Vec2>> lines,
+               std::span<const NamedField> fields) {
+  std::vector<Vec2> points;
+  std::vector<std::int32_t> entries, ends;
+  for (const auto& line : lines) {
+    for (const Vec2& point : line) {
+      entries.push_back(static_cast<std::int32_t>(points.size()));
+      points.push_back(point);
+    }
+    ends.push_back(static_cast<std::int32_t>(points.size()));
+  }
+  check(fields, points.size(), lines.size());
+  const std::vector<KerfVtkField> list = plain(fields);
+  KerfVtkData data{};
+  data.points = static_cast<std::int64_t>(points.size());
+  data.xy = points.empty() ? nullptr : points.front().data();
+  data.cells = static_cast<std::int64_t>(lines.size());
+  data.entries = entries.data();
+  data.cell_ends = ends.data();
+  data.fields = static_cast<std::int64_t>(list.size());
+  data.field = list.data();
+  write(path, loaded().lines, data);
+}
+
+}  // namespace kerf

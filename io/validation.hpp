@@ -1,0 +1,21 @@
+#pragma once
+// A validation in words and as a table.
+
+#include "io/result.hpp"
+
+namespace kerf {
+
+/// As in result.json: "holds" | "fails" | "out of range".
+std::string word(Verdict verdict);
+
+/// As in result.json and, but for tables, in case files: "hole", "clamped_hole", "inclusion", "ellipse", "crack".
+std::string word(Perturbation::Kind kind);
+
+/// One sentence to quote: the expansion with its numbers, or what is wrong with it. ASCII unless the reason is not.
+std::string sentence(const Validation& validation);
+
+/// validate.csv: point (counted from 1),x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,
+/// verdict,reason.
+void write_validation_csv(const std::filesystem::path& path, const ValidationResult& result);
+
+}  // namespace kerf

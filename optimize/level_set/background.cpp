@@ -1,0 +1,300 @@
+#include "optimize/level_set/background.hpp"
+
+#include "geometry/plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace kerf {
+
+namespace {
+
+constexpr double far = std::numeric_limits<double>::infinity();
+constexpr double band = 20;  // edges of the canvas; farther from the boundary nothing needs to be exact
+
+/// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
+/// vertex v to source i.
+struct Carried {
+  Eigen::VectorXd distance;
+  std::vector<Index> source;
+};
+template <typename DistanceTo>
+Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, double reach,
+              const DistanceTo& distance_to) {
+  const std::size_t n = b.mesh.points.size();
+  Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), far), std::vector<Index>(n, none)};
+  struct Candidate {
+    double distance;
+    Index vertex, source;
+    bool operator>(const Candidate& o) const {
+      return std::tie(distance, vertex, source) > std::tie(o.distance, o.vertex, o.source);
+    }
+  };
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> front;
+  for (const auto& [v, i] : seeds) front.push({distance_to(v, i), v, i});
+  while (!front.empty()) {
+    const Candidate at = front.top();
+    front.pop();
+    if (at.distance > reach) break;
+    if (!(at.distance < c.distance[at.vertex])) continue;
+    c.distance[at.vertex] = at.distance;
+    c.source[static_cast<std::size_t>(at.vertex)] = at.source;
+    for (Index k = b.start[static_cast<std::size_t>(at.vertex)]; k < b.start[static_cast<std::size_t>(at.vertex) + 1];
+         ++k) {
+      const Index v = b.around[static_cast<std::size_t>(k)];
+      const double d = distance_to(v, at.source);
+      if (d < c.distance[v]) front.push({d, v, at.source});
+    }
+  }
+  return c;
+}
+
+bool inside(const Polygon& p, const Vec2& x) {
+  bool odd = false;
+  for (std::size_t i = 0, k = p.points.size() - 1; i < p.points.size(); k = i++) {
+    const Vec2 &a = p.points[i], &c = p.points[k];
+    if ((a.y() > x.y()) != (c.y() > x.y()) && x.x() < (c.x() - a.x()) * (x.y() - a.y()) / (c.y() - a.y()) + a.x())
+      odd = !odd;
+  }
+  return odd;
+}
+
+double to_polygon(const Polygon& p, const Vec2& x) {
+  double least = far;
+  for (std::size_t i = 0; i < p.points.size(); ++i)
+    least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
+  return inside(p, x) ? -least : least;
+}
+
+Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
+  if (solid.loops.empty() && solid.labels.empty() && solid.discs.empty()) return {};
+  Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), far);
+  std::vector<std::pair<Polygon, double>> polygons;
+  for (const auto& [loop, margin] : solid.loops)
+    polygons.emplace_back(flatten(loop, chord, extent({.outline = loop}) / 20), margin);
+  std::vector<Index> strip;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (std::find(solid.labels.begin(), solid.labels.end(), mesh.label[static_cast<std::size_t>(e)]) !=
+            solid.labels.end() &&
+        mesh.label[static_cast<std::size_t>(e)] != none)
+      strip.push_back(e);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    double& least = d[static_cast<Eigen::Index>(v)];
+    for (const auto& [polygon, margin] : polygons)
+      least = std::min(least, to_polygon(polygon, mesh.points[v]) - margin);
+    for (const auto& [center, radius] : solid.discs) least = std::min(least, (mesh.points[v] - center).norm() - radius);
+    for (const Index e : strip)
+      least = std::min(least, distance(mesh.points[v], mesh.points[static_cast<std::size_t>(mesh.edges[e][0])],
+                                       mesh.points[static_cast<std::size_t>(mesh.edges[e][1])]) -
+                                  solid.width);
+  }
+  return d;
+}
+
+Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& x) {
+  const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
+  const Vec2 &a = mesh.points[v[0]], &b = mesh.points[v[1]], &c = mesh.points[v[2]];
+  const double whole = cross(b - a, c - a);
+  return Eigen::Vector3d(cross(b - x, c - x), cross(c - x, a - x), cross(a - x, b - x)) / whole;
+}
+
+}  // namespace
+
+Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
+  Canvas b{.mesh = std::move(mesh)};
+  const std::size_t n = b.mesh.points.size();
+  b.lumped.setZero(static_cast<Eigen::Index>(n));
+  double lengths = 0;
+  for (Index t = 0; t < static_cast<Index>(b.mesh.triangles.size()); ++t)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(t)]) b.lumped[v] += area(b.mesh, t) / 3;
+  std::vector<Index> count(n + 1, 0);
+  for (const auto& [v, w] : b.mesh.edges) ++count[static_cast<std::size_t>(v)], ++count[static_cast<std::size_t>(w)];
+  b.start.assign(n + 1, 0);
+  for (std::size_t v = 0; v < n; ++v) b.start[v + 1] = b.start[v] + count[v];
+  b.around.resize(static_cast<std::size_t>(b.start[n]));
+  std::vector<Index> next(b.start.begin(), b.start.end() - 1);
+  for (Index e = 0; e < static_cast<Index>(b.mesh.edges.size()); ++e) {
+    const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
+    b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = w;
+    b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(w)]++)] = v;
+    lengths += length(b.mesh, e);
+  }
+  b.size = lengths / static_cast<double>(b.mesh.edges.size());
+  b.frozen = distance_to_solid(b.mesh, solid, 0.01 * b.size);
+  b.locator = make_locator(b.mesh);
+  const auto listed = [](const std::vector<Index>& labels, Index label) {
+    return std::find(labels.begin(), labels.end(), label) != labels.end();
+  };
+  for (Index e = 0; e < static_cast<Index>(b.mesh.edges.size()); ++e) {
+    const auto& [left, right] = b.mesh.sides[static_cast<std::size_t>(e)];
+    const Index label = b.mesh.label[static_cast<std::size_t>(e)];
+    if ((left == none || right == none) && !listed(solid.held, label) && !listed(solid.labels, label))
+      b.rim.push_back(e);
+  }
+  if (mirror) {
+    const Vec2 along = mirror->direction.normalized();
+    for (const Vec2& x : b.mesh.points) {
+      const Vec2 d = x - mirror->point, y = mirror->point + 2 * along.dot(d) * along - d;
+      // A point next to the boundary may have its image a rounding outside.
+      Canvas::Image image{nearest_triangle(b.mesh, b.locator, y)};
+      image.weight = barycentric(b.mesh, image.triangle, y);
+      if (image.weight.minCoeff() < -1e-3) image.triangle = none;
+      b.image.push_back(image);
+    }
+  }
+  return b;
+}
+
+Eigen::VectorXd signed_distance(const Canvas& b, const Eigen::VectorXd& phi) {
+  std::vector<ZeroPiece> pieces = zero_line(b.mesh, phi);
+  for (const Index e : b.rim) {
+    const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
+    if (!(phi[v] < 0 && phi[w] < 0)) continue;
+    const auto& [left, right] = b.mesh.sides[static_cast<std::size_t>(e)];
+    pieces.push_back({b.mesh.points[static_cast<std::size_t>(v)], b.mesh.points[static_cast<std::size_t>(w)],
+                      left != none ? left : right});
+  }
+  std::vector<std::pair<Index, Index>> seeds;
+  for (Index i = 0; i < static_cast<Index>(pieces.size()); ++i)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(pieces[static_cast<std::size_t>(i)].triangle)])
+      seeds.emplace_back(v, i);
+  const Carried c = carry(b, seeds, band * b.size, [&](Index v, Index i) {
+    const ZeroPiece& p = pieces[static_cast<std::size_t>(i)];
+    return distance(b.mesh.points[static_cast<std::size_t>(v)], p.a, p.b);
+  });
+  // On the rim the distance is 0, and must not lose its sign.
+  const double least = 1e-3 * b.size, most = band * b.size;
+  Eigen::VectorXd d = c.distance.cwiseMin(most);
+  for (Eigen::Index v = 0; v < phi.size(); ++v)
+    if (phi[v] < 0) d[v] = -std::max(d[v], least);
+  return d;
+}
+
+double value_at(const Canvas& b, const Eigen::VectorXd& f, const Vec2& x) {
+  const Index t = nearest_triangle(b.mesh, b.locator, x);
+  const auto& v = b.mesh.triangles[static_cast<std::size_t>(t)];
+  return barycentric(b.mesh, t, x).dot(Eigen::Vector3d(f[v[0]], f[v[1]], f[v[2]]));
+}
+
+Eigen::VectorXd spread_onto(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Index t = nearest_triangle(b.mesh, b.locator, points[i]);
+    const Eigen::Vector3d share = barycentric(b.mesh, t, points[i]).cwiseMax(0);
+    for (int k = 0; k < 3; ++k)
+      load[b.mesh.triangles[static_cast<std::size_t>(t)][k]] +=
+          amounts[static_cast<Eigen::Index>(i)] * share[k] / share.sum();
+  }
+  return load;
+}
+
+Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi) {
+  if (!b.image.empty()) {
+    const Eigen::VectorXd given = phi;
+    for (Eigen::Index v = 0; v < phi.size(); ++v) {
+      const Canvas::Image& image = b.image[static_cast<std::size_t>(v)];
+      if (image.triangle == none) continue;
+      const auto& corner = b.mesh.triangles[static_cast<std::size_t>(image.triangle)];
+      phi[v] =
+          0.5 * (given[v] + image.weight.dot(Eigen::Vector3d(given[corner[0]], given[corner[1]], given[corner[2]])));
+    }
+  }
+  if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
+  return phi;
+}
+
+void drop_islands(const Canvas& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
+  const std::size_t n = b.mesh.points.size();
+  std::vector<Index> piece(n, none), open;
+  std::vector<double> weight;
+  for (std::size_t v = 0; v < n; ++v) {
+    if (!(phi[static_cast<Eigen::Index>(v)] < 0) || piece[v] != none) continue;
+    const Index number = static_cast<Index>(weight.size());
+    weight.push_back(0);
+    piece[v] = number;
+    open.push_back(static_cast<Index>(v));
+    while (!open.empty()) {
+      const Index at = open.back();
+      open.pop_back();
+      weight.back() += b.lumped[at];
+      for (Index k = b.start[static_cast<std::size_t>(at)]; k < b.start[static_cast<std::size_t>(at) + 1]; ++k) {
+        const Index w = b.around[static_cast<std::size_t>(k)];
+        if (!(phi[w] < 0) || piece[static_cast<std::size_t>(w)] != none) continue;
+        piece[static_cast<std::size_t>(w)] = number;
+        open.push_back(w);
+      }
+    }
+  }
+  if (weight.size() < 2) return;
+  std::vector<bool> wanted(weight.size(), false);
+  if (labels.empty()) {
+    wanted[static_cast<std::size_t>(std::max_element(weight.begin(), weight.end()) - weight.begin())] = true;
+  } else {
+    for (std::size_t e = 0; e < b.mesh.edges.size(); ++e)
+      if (b.mesh.label[e] != none && std::find(labels.begin(), labels.end(), b.mesh.label[e]) != labels.end())
+        for (const Index v : b.mesh.edges[e])
+          if (piece[static_cast<std::size_t>(v)] != none)
+            wanted[static_cast<std::size_t>(piece[static_cast<std::size_t>(v)])] = true;
+    if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) return;
+  }
+  for (std::size_t v = 0; v < n; ++v)
+    if (piece[v] != none && !wanted[static_cast<std::size_t>(piece[v])]) {
+      double& value = phi[static_cast<Eigen::Index>(v)];
+      value = std::max(-value, 0.1 * b.size);
+    }
+}
+
+Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area) {
+  const auto shifted = [&](double c) {
+    Eigen::VectorXd s = phi.array() + c;
+    if (b.frozen.size() > 0) s = s.cwiseMin(b.frozen);
+    return s;
+  };
+  const double whole = b.lumped.sum(), enough = 1e-9 * whole;
+  double low = -phi.maxCoeff() - b.size, high = -phi.minCoeff() + b.size;  // all material, none
+  double at = 0, excess = negative_area(b.mesh, shifted(at)) - area;
+  // Secants while they stay in the bracket: the derivative by c is minus the length of the zero line.
+  double before = 0, excess_before = 0;
+  for (int i = 0; i < 60 && std::abs(excess) > enough; ++i) {
+    (excess > 0 ? low : high) = at;
+    double next = 0.5 * (low + high);
+    if (i > 0 && excess != excess_before) {
+      const double secant = at - excess * (at - before) / (excess - excess_before);
+      if (secant > low && secant < high) next = secant;
+    } else if (i == 0) {
+      const double guess = at + std::copysign(0.1 * b.size, excess);
+      if (guess > low && guess < high) next = guess;
+    }
+    before = at, excess_before = excess;
+    at = next;
+    excess = negative_area(b.mesh, shifted(at)) - area;
+  }
+  return shifted(at);
+}
+
+void cut_discs(const Canvas& b, std::span<const Disc> discs, Eigen::VectorXd& phi) {
+  for (const Disc& disc : discs)
+    for (Eigen::Index v = 0; v < phi.size(); ++v)
+      phi[v] = std::max(phi[v], disc.radius - (b.mesh.points[static_cast<std::size_t>(v)] - disc.center).norm());
+  if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
+}
+
+Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
+  // Points and the three corners of the triangle around (or next to) each.
+  std::vector<std::pair<Index, Index>> seeds;
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
+    for (const Index v : b.mesh.triangles[static_cast<std::size_t>(
+             nearest_triangle(b.mesh, b.locator, points[static_cast<std::size_t>(i)]))])
+      seeds.emplace_back(v, i);
+  const Carried c = carry(b, seeds, band * b.size, [&](Index v, Index i) {
+    return (b.mesh.points[static_cast<std::size_t>(v)] - points[static_cast<std::size_t>(i)]).norm();
+  });
+  Eigen::VectorXd extended = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
+  for (Eigen::Index v = 0; v < extended.size(); ++v)
+    if (const Index i = c.source[static_cast<std::size_t>(v)]; i != none) extended[v] = values[i];
+  return extended;
+}
+
+}  // namespace kerf

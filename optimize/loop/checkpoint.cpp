@@ -1,0 +1,211 @@
+#include "optimize/checkpoint.hpp"
+
+#include "kerf/types.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+
+namespace kerf {
+
+namespace {
+
+// The file: magic, version (4 bytes), length of the body (8), body, checksum of all before it (8). The body: the
+// fingerprint, the number of texts, each with its name, the number of vectors, each with its name. Texts and vectors
+// begin with their length. Numbers are in the order of bytes of the machines that kerf runs on.
+static_assert(std::endian::native == std::endian::little);
+constexpr std::string_view magic = "KERFCKPT";
+constexpr std::uint32_t version = 1;
+constexpr std::size_t head = 8 + 4 + 8, tail = 8;
+
+template <typename Number>
+void append(std::string& out, Number value) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  out.append(bytes, sizeof value);
+}
+
+void append_text(std::string& out, std::string_view text) {
+  append<std::uint64_t>(out, text.size());
+  out.append(text);
+}
+
+std::string encode(const Checkpoint& checkpoint) {
+  std::string body;
+  append_text(body, checkpoint.fingerprint);
+  append<std::uint64_t>(body, checkpoint.texts.size());
+  for (const auto& [name, text] : checkpoint.texts) {
+    append_text(body, name);
+    append_text(body, text);
+  }
+  append<std::uint64_t>(body, checkpoint.numbers.size());
+  for (const auto& [name, values] : checkpoint.numbers) {
+    append_text(body, name);
+    append<std::uint64_t>(body, static_cast<std::uint64_t>(values.size()));
+    body.append(reinterpret_cast<const char*>(values.data()), sizeof(double) * static_cast<std::size_t>(values.size()));
+  }
+  std::string out(magic);
+  append(out, version);
+  append<std::uint64_t>(out, body.size());
+  out += body;
+  append(out, checksum(out));
+  return out;
+}
+
+/// Takes a file's bytes apart; what goes past their end is refused.
+struct Decoder {
+  std::string_view bytes;
+  const std::filesystem::path& path;
+
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw Error(Fault::Files, fmt::format("the checkpoint '{}' {}; start without --resume", path.string(), why));
+  }
+  std::string_view take(std::uint64_t count) {
+    if (count > bytes.size()) refuse("is damaged (it says that it holds more than it does)");
+    const std::string_view out = bytes.substr(0, count);
+    bytes.remove_prefix(count);
+    return out;
+  }
+  template <typename Number>
+  Number number() {
+    Number value;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::string text() {
+    return std::string(take(number<std::uint64_t>()));
+  }
+  Eigen::VectorXd vector() {
+    const auto count = number<std::uint64_t>();
+    if (count > bytes.size() / sizeof(double)) refuse("is damaged (it says that it holds more than it does)");
+    Eigen::VectorXd values(static_cast<Eigen::Index>(count));
+    if (count > 0) std::memcpy(values.data(), take(count * sizeof(double)).data(), count * sizeof(double));
+    return values;
+  }
+};
+
+Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
+  Decoder in{file, path};
+  if (file.substr(0, magic.size()) != magic.substr(0, file.size())) in.refuse("is no checkpoint of kerf");
+  if (file.size() < head + tail) in.refuse(fmt::format("is cut off after {} bytes", file.size()));
+  in.take(magic.size());
+  if (const auto found = in.number<std::uint32_t>(); found != version)
+    in.refuse(fmt::format("has the format {}, this kerf reads format {}", found, version));
+  const auto size = in.number<std::uint64_t>();
+  if (const std::size_t there = file.size() - head - tail; size != there)
+    in.refuse(size > there ? fmt::format("is cut off after {} bytes", file.size())
+                           : "is damaged (it is longer than it says)");
+  Decoder sum{file.substr(file.size() - tail), path};
+  if (sum.number<std::uint64_t>() != checksum(file.substr(0, file.size() - tail)))
+    in.refuse("is damaged (its checksum is wrong)");
+  in.bytes.remove_suffix(tail);
+  Checkpoint out;
+  out.fingerprint = in.text();
+  for (auto count = in.number<std::uint64_t>(); count > 0; --count) {
+    std::string name = in.text();
+    out.texts[std::move(name)] = in.text();
+  }
+  for (auto count = in.number<std::uint64_t>(); count > 0; --count) {
+    std::string name = in.text();
+    out.numbers[std::move(name)] = in.vector();
+  }
+  if (!in.bytes.empty()) in.refuse("is damaged (it is longer than it says)");
+  return out;
+}
+
+/// An open file, closed at the end.
+class Handle {
+ public:
+  Handle(const std::filesystem::path& path, int flags) : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (number_ >= 0) ::close(number_);
+  }
+  bool open() const {
+    return number_ >= 0;
+  }
+  bool write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t done = ::write(number_, bytes.data(), bytes.size());
+      if (done < 0 && errno == EINTR) continue;
+      if (done <= 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(done));
+    }
+    return true;
+  }
+  bool flush() const {
+    return ::fsync(number_) == 0;
+  }
+  bool close() {
+    const int number = number_;
+    number_ = -1;
+    return ::close(number) == 0;
+  }
+  /// Everything that is left to read, or nothing on failure.
+  std::optional<std::string> read() const {
+    std::string bytes;
+    char block[1 << 16];
+    for (;;) {
+      const ssize_t count = ::read(number_, block, sizeof block);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) return std::nullopt;
+      if (count == 0) return bytes;
+      bytes.append(block, static_cast<std::size_t>(count));
+    }
+  }
+
+ private:
+  int number_;
+};
+
+}  // namespace
+
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t sum = 14695981039346656037u;
+  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return sum;
+}
+
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+  const auto refuse = [&](int reason) {
+    return Error(Fault::Files,
+                 fmt::format("cannot write the checkpoint '{}': {}", path.string(), std::strerror(reason)));
+  };
+  std::filesystem::path part = path;
+  part += ".part";
+  const std::string bytes = encode(checkpoint);
+  Handle file(part, O_WRONLY | O_CREAT | O_TRUNC);
+  if (!file.open()) throw refuse(errno);
+  if (!file.write(bytes) || !file.flush() || !file.close() || std::rename(part.c_str(), path.c_str()) != 0) {
+    const int reason = errno;
+    ::unlink(part.c_str());
+    throw refuse(reason);
+  }
+  // The new name is on the disk when the folder is. A file system that cannot flush a folder says so (EINVAL).
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Handle names(folder, O_RDONLY | O_DIRECTORY);
+  if (names.open() && !names.flush() && errno != EINVAL && errno != EROFS) throw refuse(errno);
+}
+
+std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
+  const auto refuse = [&](const std::string& reason) {
+    return Error(Fault::Files, fmt::format("cannot read the checkpoint '{}': {}", path.string(), reason));
+  };
+  std::error_code failed;
+  const std::filesystem::file_status status = std::filesystem::status(path, failed);
+  if (status.type() == std::filesystem::file_type::not_found) return std::nullopt;
+  if (failed) throw refuse(failed.message());
+  if (status.type() != std::filesystem::file_type::regular) throw refuse("it is no regular file");
+  const Handle file(path, O_RDONLY);
+  if (!file.open()) throw refuse(std::strerror(errno));
+  const std::optional<std::string> bytes = file.read();
+  if (!bytes) throw refuse(std::strerror(errno));
+  return decode(*bytes, path);
+}
+
+}  // namespace kerf

@@ -1,0 +1,106 @@
+#include "optimize/loop/evaluate.hpp"
+
+#include "kerf/mesher.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+VectorField sum(const VectorField& a, const VectorField& b) {
+  if (!a) return b;
+  if (!b) return a;
+  return [a, b](const Vec2& x) -> Vec2 { return a(x) + b(x); };
+}
+
+}  // namespace
+
+std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r) {
+  if (r.load_cases.empty()) return {p.scene};
+  std::vector<Scene> scenes;
+  for (const LoadCase& load : r.load_cases) {
+    Scene scene = p.scene;
+    scene.tractions.insert(scene.tractions.end(), load.tractions.begin(), load.tractions.end());
+    scene.body = sum(scene.body, load.body);
+    scenes.push_back(std::move(scene));
+  }
+  return scenes;
+}
+
+Functional on_parts(const Functional& j, const std::vector<Index>& crack_of) {
+  Functional parts{j.kind, {}};
+  for (const Term& term : j.terms) {
+    if (term.crack == none) {
+      parts.terms.push_back(term);
+      continue;
+    }
+    for (Index part = 0; part < static_cast<Index>(crack_of.size()); ++part)
+      if (crack_of[static_cast<std::size_t>(part)] == term.crack) {
+        parts.terms.push_back(term);
+        parts.terms.back().crack = part;
+      }
+  }
+  return parts;
+}
+
+Scene with_cracks(Scene scene, const std::vector<Index>& crack_of) {
+  std::vector<CrackLaw> laws;
+  for (const Index k : crack_of) laws.push_back(scene.laws.at(static_cast<std::size_t>(k)));
+  scene.laws = std::move(laws);
+  return scene;
+}
+
+Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of) {
+  Stopwatch watch;
+  Mesh mesh = triangulate(shape, p.sizing);
+  const double seconds = watch.lap();
+  Evaluated e = evaluate_mesh(p, r, std::move(shape), std::move(mesh), crack_of);
+  e.seconds_mesh = seconds;
+  return e;
+}
+
+Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
+                        const std::vector<Index>& crack_of) {
+  Stopwatch watch;
+  Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
+  for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
+  e.bounds.assign(r.bounds.size(), -std::numeric_limits<double>::infinity());
+  e.worst.assign(r.bounds.size(), 0);
+  const std::vector<Scene> scenes = scenes_of(p, r);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    Model model = prepare(mesh, element(p.element, p.degree), with_cracks(scenes[i], crack_of), p.threads);
+    State state = solve(model, p.contact);
+    if (!certified(state))
+      throw Error(Fault::Numerics, "the state of the design could not be solved: its residual stays large");
+    e.cases.push_back({r.load_cases.empty() ? 1 : r.load_cases[i].weight, std::move(model), std::move(state)});
+  }
+  e.area = area(e.cases.front().model);
+  for (std::size_t i = 0; i < e.cases.size(); ++i) {
+    const SolvedCase& c = e.cases[i];
+    e.J += c.weight * analyze(e.objective, c.model, c.state, true).value;
+    for (std::size_t k = 0; k < e.bounded.size(); ++k)
+      if (const double value = analyze(e.bounded[k], c.model, c.state, true).value; value > e.bounds[k]) {
+        e.bounds[k] = value;
+        e.worst[k] = static_cast<Index>(i);
+      }
+  }
+  e.seconds_solve = watch.lap();
+  return e;
+}
+
+std::vector<WeightedAnalysis> analyze_objective(const Evaluated& e) {
+  std::vector<WeightedAnalysis> all;
+  for (const SolvedCase& c : e.cases) all.push_back({&e.objective, analyze(e.objective, c.model, c.state), c.weight});
+  return all;
+}
+
+std::vector<WeightedAnalysis> analyze_bound(const Evaluated& e, std::size_t bound) {
+  const SolvedCase& c = e.cases[static_cast<std::size_t>(e.worst[bound])];
+  std::vector<WeightedAnalysis> all;
+  all.push_back({&e.bounded[bound], analyze(e.bounded[bound], c.model, c.state), 1});
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,432 @@
+#include "optimize/parametric/evaluations.hpp"
+
+#include "kerf/element.hpp"
+#include "kerf/shape_gradient.hpp"
+#include "optimize/loop/evaluate.hpp"
+#include "solver/system.hpp"
+#include "topo/young_gradient.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double most_stretch = 1.6;   // of a triangle of a moved mesh, and pressing
+constexpr double least_angle = 13;     // degrees, of moved meshes
+constexpr double too_close = 0.5;      // a violated condition that leaves designs unsolved: half the distance
+constexpr std::size_t most_built = 6;  // meshes kept with their extension
+
+/// A design that was meshed, from which others are moved. Built when first needed: a replay may never need it.
+struct Base {
+  VectorXd at;
+  struct Built {
+    Mesh mesh;
+    Followers followers;
+    Extension extension;
+    std::vector<double> angles;
+    Points start;  // of the followers
+  };
+  std::unique_ptr<Built> built = {};
+  int used = 0;
+};
+
+std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Problem& p, const Shape& shape) {
+  Mesh mesh = triangulate(shape, p.sizing);
+  Followers f = followers(d, x, p, mesh);
+  Extension extension = make_extension(mesh, vertices_that_mean_something(mesh));
+  std::vector<double> angles = smallest_angles(mesh);
+  Points start = positions(d, f, x);
+  return std::make_unique<Base::Built>(
+      Base::Built{std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)});
+}
+
+/// Whether a triangle has been stretched or pressed too much: what was fine enough, across a gap that narrows, is not
+/// any more.
+bool distorted(const Mesh& before, const Mesh& after, std::size_t t) {
+  const auto sides = [t](const Mesh& mesh) {
+    const auto& v = mesh.triangles[t];
+    const Vec2& x = mesh.points[static_cast<std::size_t>(v[0])];
+    Mat2 both;
+    both << mesh.points[static_cast<std::size_t>(v[1])] - x, mesh.points[static_cast<std::size_t>(v[2])] - x;
+    return both;
+  };
+  const Mat2 a = sides(before), b = sides(after);
+  const Mat2 f = b * Mat2{{a(1, 1), -a(0, 1)}, {-a(1, 0), a(0, 0)}} / cross(a.col(0), a.col(1));
+  // Singular values: half the sum and the difference of these.
+  const double plus = std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)),
+               minus = std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1));
+  return plus + minus > 2 * most_stretch || plus - minus < 2 / most_stretch;
+}
+
+/// The mesh with its followers where x wants them, or nothing when it suffers.
+std::optional<Mesh> moved(const Base::Built& base, const Design& d, const VectorXd& x) {
+  Points motion = Points::Zero(2, static_cast<Eigen::Index>(base.mesh.points.size()));
+  const Points to = positions(d, base.followers, x);
+  for (std::size_t k = 0; k < base.followers.all.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    motion.col(base.followers.all[k].vertex) = to.col(column) - base.start.col(column);
+  }
+  Mesh mesh = base.mesh;
+  if (!motion.isZero(0)) {
+    motion = extend(base.extension, motion);
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.points[v] += motion.col(static_cast<Eigen::Index>(v));
+  }
+  const std::vector<double> angles = smallest_angles(mesh);
+  for (std::size_t t = 0; t < angles.size(); ++t)
+    if (!(angles[t] >= std::min(least_angle, 0.6 * base.angles[t])) || distorted(base.mesh, mesh, t))
+      return std::nullopt;
+  return mesh;
+}
+
+std::optional<std::string> why_blind(const Problem& p, const Design& d) {
+  const auto friction = [](const CrackLaw& law) { return has_friction(law); };
+  bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
+  for (const Drawn& one : d.drawn) rubs |= one.kind == Drawn::Kind::Crack && has_friction(one.law);
+  if (rubs) return "cracks with friction have none";
+  const Element& e = element(p.element, p.degree);
+  const bool moves = e.name == "bdms" || e.name == "bdms-c" || e.name == "peers" || e.name == "afw";
+  if (!moves) return fmt::format("element \"{}\" has none (bdms, bdms-c, peers and afw have)", e.name);
+  return std::nullopt;
+}
+
+/// A tip that moves leaves the ring of its functional behind.
+void refuse_moving_tips(const Functional& j, const Design& d) {
+  for (const Term& term : j.terms) {
+    if (!(term.feature_radius > 0)) continue;
+    for (const Drawn& one : d.drawn) {
+      if (one.kind != Drawn::Kind::Crack) continue;
+      for (Eigen::Index i = 0; i < one.start.size(); i += 2)
+        if ((one.start.segment<2>(i) - term.feature).norm() < term.feature_radius &&
+            one.lower.segment<2>(i) != one.upper.segment<2>(i))
+          throw Error(Fault::Usage,
+                      fmt::format("{} moves with the design, and the ring of \"{}\" around its tip does not: fix that "
+                                  "point of the crack, or take the tip of another crack",
+                                  name(one), term.kind));
+    }
+  }
+}
+
+}  // namespace
+
+struct Trials::Impl {
+  const Problem& problem;
+  const OptimizeRequest& request;
+  const Design& design;
+  VectorXd lower, upper;
+  double frame = 0;
+  std::vector<LoadCase> loads;  // one at least, with what the scene itself bears
+  std::vector<Condition> conditions;
+  std::vector<std::string> names;  // of constraints
+  std::vector<double> bound_scale;
+  std::optional<std::string> blind;
+  int round = -1;
+  std::vector<Base> bases, before;  // of this round and the one before
+  int clock = 0;
+  std::shared_ptr<const SolvedTrial> last;
+  VectorXd last_at;
+
+  Impl(const Problem& p, const OptimizeRequest& r) : problem(p), request(r), design(r.design) {
+    check_design(design, p);
+    lower = lower_bounds(design);
+    upper = upper_bounds(design);
+    frame = area(p.frame);
+    loads = r.load_cases;
+    if (loads.empty()) loads.push_back({"", 1, {}, {}});
+    const std::vector<Scene> scenes = scenes_of(p, r);
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+      loads[l].tractions = scenes[l].tractions;
+      loads[l].body = scenes[l].body;
+    }
+    std::vector<Forbidden> forbidden;
+    const auto look_at = [&](const Functional& j) {
+      refuse_moving_tips(j, design);
+      for (const Term& term : j.terms)
+        if (term.measured && !r.load_cases.empty())
+          throw Error(Fault::Usage,
+                      "a misfit compares with displacements that one load caused: leave out the load cases");
+      for (const Term& term : j.terms)
+        if (term.feature_radius > 0)
+          forbidden.push_back(
+              {fmt::format("the ring of {} at ({:.4g}, {:.4g})", term.kind, term.feature.x(), term.feature.y()),
+               term.feature, term.feature_radius});
+    };
+    look_at(p.objective);
+    for (const FunctionalBound& bound : r.bounds) look_at(bound.functional);
+    if (r.volume_at_most) names.push_back(fmt::format("the volume fraction exceeds {:g}", *r.volume_at_most));
+    for (const FunctionalBound& bound : r.bounds) {
+      for (const LoadCase& load : loads)
+        names.push_back(fmt::format("{} exceeds {:g}{}", bound.name, bound.at_most,
+                                    loads.size() > 1 ? fmt::format(" under {}", load.name) : ""));
+      bound_scale.push_back(std::abs(bound.at_most));
+    }
+    const double size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+    conditions = kerf::conditions(design, p, r.min_distance > 0 ? r.min_distance : size / 2, forbidden);
+    for (const Condition& c : conditions) names.push_back(c.name);
+    blind = why_blind(p, design);
+  }
+
+  Eigen::Index count() const {
+    return static_cast<Eigen::Index>(names.size());
+  }
+
+  Base* nearest(const VectorXd& x) {
+    Base* best = nullptr;
+    double least = 0;
+    for (Base& base : bases) {
+      double d = 0;
+      for (Eigen::Index i = 0; i < x.size(); ++i)
+        if (upper[i] > lower[i]) d += std::pow((x[i] - base.at[i]) / (upper[i] - lower[i]), 2);
+      if (!best || d < least) {
+        best = &base;
+        least = d;
+      }
+    }
+    return best;
+  }
+
+  Base::Built& built(Base& base) {
+    if (!base.built) base.built = build(design, base.at, problem, draw(design, base.at, problem).shape);
+    base.used = ++clock;
+    while (true) {
+      std::size_t alive = 0;
+      Base* oldest = nullptr;
+      for (std::vector<Base>* all : {&before, &bases})
+        for (Base& other : *all) {
+          if (!other.built) continue;
+          ++alive;
+          if (!oldest || other.used < oldest->used) oldest = &other;
+        }
+      if (alive <= most_built || oldest == &base) break;
+      oldest->built.reset();
+    }
+    return *base.built;
+  }
+
+  /// Geometry: volume and conditions, which need no mesh. Returns the worst condition.
+  void draw_conditions(const VectorXd& x, bool gradients, Trial& trial) const {
+    Evaluation& e = trial.evaluation;
+    e.x = x;
+    e.values = VectorXd::Constant(1 + count(), nan);
+    e.gradients = MatrixXd::Constant(x.size(), gradients ? 1 + count() : 0, nan);
+    VectorXd by;
+    const double holes = area_of_holes(design, x, &by);
+    trial.volume_fraction = (frame - holes) / frame;
+    if (request.volume_at_most) {
+      e.values[1] = trial.volume_fraction / *request.volume_at_most - 1;
+      if (gradients) e.gradients.col(1) = -by / (frame * *request.volume_at_most);
+    }
+    const Eigen::Index first = 1 + count() - static_cast<Eigen::Index>(conditions.size());
+    for (std::size_t i = 0; i < conditions.size(); ++i) {
+      const Eigen::Index k = first + static_cast<Eigen::Index>(i);
+      VectorXd g;
+      e.values[k] = conditions[i].value(x, gradients ? &g : nullptr);
+      if (gradients) e.gradients.col(k) = g;
+    }
+  }
+
+  std::string worst_condition(const Evaluation& e) const {
+    const auto many = static_cast<Eigen::Index>(conditions.size());
+    Eigen::Index worst = 0;
+    if (many == 0 || !(e.values.tail(many).maxCoeff(&worst) > too_close)) return {};
+    return conditions[static_cast<std::size_t>(worst)].name;
+  }
+
+  /// J and the bounds of one functional on a solved body, and its derivative by x.
+  double value_of(const Functional& j, Model& model, const State& state, const Base::Built& base, const VectorXd& x,
+                  VectorXd* gradient) const {
+    const Analysis a = analyze(j, model, state, gradient == nullptr);
+    if (!gradient) return a.value;
+    const Points force = gather(base.extension, shape_gradient(a, j));
+    Points on(2, static_cast<Eigen::Index>(base.followers.all.size()));
+    for (std::size_t k = 0; k < base.followers.all.size(); ++k)
+      on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers.all[k].vertex);
+    *gradient = pull_back(design, base.followers, x, on);
+    auto region = static_cast<Index>(problem.frame.regions.size());
+    const std::vector<Eigen::Index> first = first_variables(design);
+    for (std::size_t k = 0; k < design.drawn.size(); ++k) {
+      if (design.drawn[k].kind != Drawn::Kind::Inclusion) continue;
+      const Eigen::Index at = first[k] + 3;
+      if (upper[at] > lower[at]) (*gradient)[at] = young_gradient(a, j, model, region, x[at]);
+      ++region;
+    }
+    return a.value;
+  }
+
+  Eigen::Index row_of_bound(std::size_t bound, std::size_t load) const {
+    return 1 + (request.volume_at_most ? 1 : 0) + static_cast<Eigen::Index>(bound * loads.size() + load);
+  }
+
+  /// Bounds of 0 are relative to the first values.
+  void scale_bounds(const std::vector<double>& values) {
+    for (std::size_t b = 0; b < values.size(); ++b)
+      if (!(bound_scale[b] > 0)) bound_scale[b] = values[b] != 0 ? std::abs(values[b]) : 1;
+  }
+
+  /// Everything that needs the state, on a mesh that fits x. Throws Error(Numerics) when it cannot be solved.
+  void solve_on(const Mesh& mesh, const Base::Built& base, const VectorXd& x, bool gradients, Trial& trial) {
+    Evaluation& e = trial.evaluation;
+    DrawnBody body = draw(design, x, problem);
+    trial.triangles = static_cast<Index>(mesh.triangles.size());
+    trial.holes = static_cast<int>(body.shape.holes.size());
+    double merit = 0;
+    VectorXd by_merit = VectorXd::Zero(x.size()), by;
+    trial.bounds.assign(request.bounds.size(), -std::numeric_limits<double>::infinity());
+    std::vector<double> values;
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+      Scene scene = body.scene;
+      scene.tractions = loads[l].tractions;
+      scene.body = loads[l].body;
+      Model model = prepare(mesh, element(problem.element, problem.degree), scene, problem.threads);
+      State state = kerf::solve(model, problem.contact);
+      ++trial.state_solves;
+      if (!certified(state))
+        throw Error(Fault::Numerics,
+                    "the state could not be solved for: contact does not settle, or equilibrium holds "
+                    "only roughly");
+      VectorXd* gradient = gradients ? &by : nullptr;
+      const double value = value_of(problem.objective, model, state, base, x, gradient);
+      merit += loads[l].weight * value;
+      if (gradients) by_merit += loads[l].weight * by;
+      for (std::size_t b = 0; b < request.bounds.size(); ++b) {
+        const double bounded = value_of(request.bounds[b].functional, model, state, base, x, gradient);
+        trial.bounds[b] = std::max(trial.bounds[b], bounded);
+        const Eigen::Index k = row_of_bound(b, l);
+        e.values[k] = bounded - request.bounds[b].at_most;
+        if (gradients) e.gradients.col(k) = by;
+      }
+      if (l == 0) last = std::make_shared<SolvedTrial>(SolvedTrial{body, std::move(model), std::move(state)});
+      last_at = x;
+    }
+    scale_bounds(trial.bounds);
+    for (std::size_t b = 0; b < request.bounds.size(); ++b)
+      for (std::size_t l = 0; l < loads.size(); ++l) {
+        e.values[row_of_bound(b, l)] /= bound_scale[b];
+        if (gradients) e.gradients.col(row_of_bound(b, l)) /= bound_scale[b];
+      }
+    trial.objective = merit;
+    const double holes = area_of_holes(design, x, &by);
+    e.values[0] = merit + request.volume_penalty * (frame - holes);
+    if (gradients) e.gradients.col(0) = by_merit - request.volume_penalty * by;
+  }
+};
+
+Trials::Trials(const Problem& problem, const OptimizeRequest& request)
+    : impl_(std::make_unique<Impl>(problem, request)) {}
+Trials::~Trials() = default;
+
+Eigen::Index Trials::constraints() const {
+  return impl_->count();
+}
+
+const std::string& Trials::constraint(Eigen::Index i) const {
+  return impl_->names[static_cast<std::size_t>(i)];
+}
+
+const std::optional<std::string>& Trials::blind() const {
+  return impl_->blind;
+}
+
+double Trials::frame_area() const {
+  return impl_->frame;
+}
+
+void Trials::begin_round() {
+  ++impl_->round;
+  impl_->before = std::move(impl_->bases);
+  impl_->bases.clear();
+}
+
+Trial Trials::evaluate(const VectorXd& x, bool gradients) {
+  Impl& s = *impl_;
+  Trial trial;
+  trial.round = s.round;
+  s.last.reset();
+  s.draw_conditions(x, gradients, trial);
+  Evaluation& e = trial.evaluation;
+  if (const std::string close = s.worst_condition(e); !close.empty() && !s.bases.empty()) {
+    e.failure = close;
+    return trial;
+  }
+  try {
+    std::optional<Mesh> mesh;
+    if (Base* base = s.nearest(x)) {
+      trial.base = static_cast<Index>(base - s.bases.data());
+      mesh = moved(s.built(*base), s.design, x);
+    }
+    if (!mesh) {
+      std::unique_ptr<Base::Built> fresh = build(s.design, x, s.problem, draw(s.design, x, s.problem).shape);
+      trial.base = static_cast<Index>(s.bases.size());
+      trial.fresh = true;
+      s.bases.push_back({x, std::move(fresh)});
+      mesh = s.bases.back().built->mesh;
+    }
+    s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(trial.base)]), x, gradients, trial);
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    e.failure = error.what();
+    trial.fault = error.fault;
+    s.last.reset();
+  }
+  return trial;
+}
+
+void Trials::replay(const Trial& trial) {
+  impl_->last.reset();
+  if (trial.fresh) impl_->bases.push_back({trial.evaluation.x});
+  if (trial.evaluation.failure.empty()) impl_->scale_bounds(trial.bounds);
+}
+
+std::shared_ptr<const SolvedTrial> Trials::solved(const Trial& trial) {
+  Impl& s = *impl_;
+  const VectorXd& x = trial.evaluation.x;
+  if (s.last && s.last_at == x) return s.last;
+  const Base::Built& base =
+      s.built((trial.round == s.round ? s.bases : s.before).at(static_cast<std::size_t>(trial.base)));
+  Trial again;
+  s.draw_conditions(x, false, again);
+  s.solve_on(trial.fresh ? base.mesh : moved(base, s.design, x).value(), base, x, false, again);
+  return s.last;
+}
+
+Trials::Check Trials::check_derivatives(const Trial& at, const VectorXd& direction, double step) {
+  Impl& s = *impl_;
+  const VectorXd& x = at.evaluation.x;
+  const VectorXd along = direction.cwiseProduct(s.upper - s.lower);
+  const Eigen::Index many =
+      1 + s.count() - static_cast<Eigen::Index>(s.conditions.size());  // the conditions need no state
+  const std::shared_ptr<const SolvedTrial> last = s.last;
+  const VectorXd last_at = s.last_at;
+  Check check;
+  const Base::Built& base = s.built(*s.nearest(x));
+  std::vector<VectorXd> values;
+  for (const double sign : {1.0, -1.0}) {
+    const VectorXd y = x + sign * step * along;
+    const std::optional<Mesh> mesh = moved(base, s.design, y);
+    if (!mesh) throw Error(Fault::Numerics, "the mesh of the start does not survive the step of the derivative check");
+    Trial trial;
+    s.draw_conditions(y, false, trial);
+    s.solve_on(*mesh, base, y, false, trial);
+    check.state_solves += trial.state_solves;
+    values.push_back(trial.evaluation.values.head(many));
+  }
+  s.last = last;
+  s.last_at = last_at;
+  for (Eigen::Index k = 0; k < many; ++k) {
+    const VectorXd& g = at.evaluation.gradients.col(k);
+    const double exact = g.dot(along), difference = (values[0][k] - values[1][k]) / (2 * step);
+    const double size = std::max(g.cwiseProduct(along).cwiseAbs().sum(), 1e-6 * std::abs(at.evaluation.values[k]));
+    check.error.push_back(size > 0 ? std::abs(exact - difference) / size : std::abs(difference));
+  }
+  return check;
+}
+
+}  // namespace kerf

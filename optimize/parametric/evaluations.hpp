@@ -1,0 +1,73 @@
+#pragma once
+// A design evaluated: drawn, meshed or its mesh moved, solved under every load case, differentiated.
+
+#include "kerf/model.hpp"
+#include "kerf/optimize.hpp"
+#include "optimize/parametric/constraints.hpp"
+#include "optimize/parametric/extend.hpp"
+#include "optimize/parametric/minimize.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace kerf {
+
+/// What an evaluation leaves behind; all that a replay needs.
+struct Trial {
+  Evaluation evaluation;  // merit and constraints: volume, bounds by load case, conditions
+  int round = 0;
+  Index base = none;              // which mesh of the round was moved
+  bool fresh = false;             // that one was made for this design
+  Fault fault = Fault::Geometry;  // of a failure; not part of a replay
+  double objective = std::numeric_limits<double>::quiet_NaN(), volume_fraction = 0;
+  std::vector<double> bounds;  // of the bounded functionals, the worst load case
+  Index triangles = 0;
+  int holes = 0, state_solves = 0;
+};
+
+/// The body of a trial and its state under the first load case.
+struct SolvedTrial {
+  DrawnBody body;
+  Model model;
+  State state;
+};
+
+/// Evaluates designs in rounds. A round begins with a mesh of its first design; the others move the mesh of the nearest
+/// design that was meshed in the round (harmonic extension of the motion of what is drawn), so that J is a smooth
+/// function with an exact derivative. Where that would leave angles below 13 degrees, a fresh mesh is made.
+class Trials {
+ public:
+  /// Both must outlive it. Throws Error(Usage) for what cannot be optimized: check_design; functionals of a tip that
+  /// moves; a misfit together with load cases.
+  Trials(const Problem& problem, const OptimizeRequest& request);
+  ~Trials();
+
+  Eigen::Index constraints() const;
+  const std::string& constraint(Eigen::Index i) const;  // what is wrong when it is violated, in words
+  /// Why there are no derivatives, or nothing: cracks with friction, elements without.
+  const std::optional<std::string>& blind() const;
+  double frame_area() const;
+
+  void begin_round();
+  /// Designs that cannot be drawn, meshed or solved come back with Evaluation::failure, and what is known of them.
+  Trial evaluate(const Eigen::VectorXd& x, bool gradients);
+  /// Takes note of a trial that was evaluated by an earlier run, instead of evaluating it.
+  void replay(const Trial& trial);
+  /// The body of a trial of this round or the one before and its state, solved for again unless it was the last one to
+  /// be evaluated.
+  std::shared_ptr<const SolvedTrial> solved(const Trial& trial);
+
+  /// Relative errors of derivatives along a direction (in boxes) at a design of this round, against central differences
+  /// on its moved mesh; the merit first, then what is constrained and needs the state. `state_solves`: what it took.
+  struct Check {
+    std::vector<double> error;
+    int state_solves = 0;
+  };
+  Check check_derivatives(const Trial& at, const Eigen::VectorXd& direction, double step);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,534 @@
+#include "optimize/parametric/minimize.hpp"
+
+#include "kerf/types.hpp"
+
+#include <fmt/core.h>
+#include <nlopt.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+bool same(const VectorXd& a, const VectorXd& b) {
+  return a.size() == b.size() && (a.array() == b.array()).all();
+}
+
+double violation_of(const Evaluation& e) {
+  return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
+}
+
+nlopt_algorithm algorithm(const std::string& method) {
+  if (method == "mma") return NLOPT_LD_MMA;
+  if (method == "ccsaq") return NLOPT_LD_CCSAQ;
+  if (method == "slsqp") return NLOPT_LD_SLSQP;
+  if (method == "cobyla") return NLOPT_LN_COBYLA;
+  throw Error(Fault::Usage,
+              fmt::format("method \"{}\" is unknown; use \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\"", method));
+}
+
+std::string words(nlopt_result code) {
+  switch (code) {
+    case NLOPT_SUCCESS:
+      return "it says that it is done";
+    case NLOPT_STOPVAL_REACHED:
+      return "the objective is low enough";
+    case NLOPT_FTOL_REACHED:
+      return "the objective hardly changes any more";
+    case NLOPT_XTOL_REACHED:
+      return "the variables hardly change any more";
+    case NLOPT_MAXEVAL_REACHED:
+      return "all evaluations are used";
+    case NLOPT_MAXTIME_REACHED:
+      return "the time is over";
+    case NLOPT_FORCED_STOP:
+      return "it was told to stop";
+    case NLOPT_ROUNDOFF_LIMITED:
+      return "rounding errors leave no progress";
+    case NLOPT_INVALID_ARGS:
+      return "it does not accept the problem";
+    case NLOPT_OUT_OF_MEMORY:
+      return "memory ran out";
+    default:
+      return "it failed without a reason";
+  }
+}
+
+/// Columns and rows of the variables that are not fixed.
+std::vector<Eigen::Index> free_variables(const VectorXd& lower, const VectorXd& upper) {
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < lower.size(); ++i)
+    if (upper[i] > lower[i]) free.push_back(i);
+  return free;
+}
+
+/// One minimization: everything that was evaluated, and what NLopt's callbacks need.
+class Run {
+ public:
+  Run(const Program& program, const Stop& stop, const VectorXd& start)
+      : program_(program), stop_(stop), start_(start), width_(program.upper - program.lower) {
+    free_ = free_variables(program.lower, program.upper);
+  }
+
+  Minimum minimize(const std::string& method);
+
+ private:
+  enum class End { None, Converged, Asked, Evaluations, Thrown };
+
+  VectorXd unscaled(const double* z) const {
+    if (std::equal(begun_z_.begin(), begun_z_.end(), z)) return begun_x_;  // there and back may cost the last digit
+    VectorXd x = start_;
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      const Eigen::Index i = free_[k];
+      x[i] = std::clamp(program_.lower[i] + z[k] * (program_.upper[i] - program_.lower[i]), program_.lower[i],
+                        program_.upper[i]);
+    }
+    return x;
+  }
+  double distance(const VectorXd& a, const VectorXd& b) const {
+    double sum = 0;
+    for (const Eigen::Index i : free_) sum += std::pow((a[i] - b[i]) / width_[i], 2);
+    return std::sqrt(sum);
+  }
+
+  const Evaluation* find(const VectorXd& x, bool gradients) const;
+  const Evaluation& evaluate(const VectorXd& x, bool gradients);
+  void answer(Evaluation& failed, bool gradients) const;
+  void weigh_up(const Evaluation& e);
+  bool better(const Evaluation& a, const Evaluation& b) const;
+  nlopt_result run(const std::string& method, const VectorXd& from);
+  Evaluation violations(const Evaluation& e) const;
+
+  static double objective(unsigned n, const double* z, double* gradient, void* self);
+  static void constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self);
+  const Evaluation* guarded(const double* z);
+
+  const Program& program_;
+  const Stop& stop_;
+  VectorXd start_, width_;
+  std::vector<Eigen::Index> free_;
+  std::vector<double> begun_z_;  // where NLopt begins, scaled
+  VectorXd begun_x_;
+  std::vector<std::unique_ptr<Evaluation>> seen_;  // addresses stay
+  const Evaluation* best_ = nullptr;
+  double best_kkt_ = nan;
+  double first_scale_ = 0, nlopt_scale_ = 1;
+  int evaluations_ = 0;
+  End end_ = End::None;
+  bool with_gradients_ = true;  // always, or never: a line search asks for values first, and for the rest afterwards
+  bool restoring_ = false;      // minimize violations instead of the objective, until there is none
+  std::exception_ptr thrown_;
+  nlopt_opt opt_ = nullptr;
+  std::vector<std::string> failures_;
+};
+
+const Evaluation* Run::find(const VectorXd& x, bool gradients) const {
+  for (auto e = seen_.rbegin(); e != seen_.rend(); ++e)
+    if (same((*e)->x, x) && (!gradients || (*e)->gradients.cols() > 0)) return e->get();
+  return nullptr;
+}
+
+/// Lowest of the feasible ones, else the one of least violation.
+bool Run::better(const Evaluation& a, const Evaluation& b) const {
+  const double va = violation_of(a), vb = violation_of(b);
+  const bool fa = va <= stop_.feasibility, fb = vb <= stop_.feasibility;
+  if (fa != fb) return fa;
+  return fa ? a.values[0] < b.values[0] : va < vb;
+}
+
+void Run::answer(Evaluation& failed, bool gradients) const {
+  const Evaluation* near = nullptr;
+  double least = 0;
+  for (const auto& e : seen_) {
+    if (!e->failure.empty() || (gradients && e->gradients.cols() == 0)) continue;
+    const double d = distance(e->x, failed.x);
+    if (!near || d < least) {
+      near = e.get();
+      least = d;
+    }
+  }
+  const Eigen::Index count = 1 + program_.constraints, n = failed.x.size();
+  if (failed.values.size() != count) failed.values = VectorXd::Constant(count, nan);
+  if (gradients && failed.gradients.cols() != count) failed.gradients = MatrixXd::Constant(n, count, nan);
+  if (!gradients) failed.gradients.resize(n, 0);
+  bool violated = false;
+  for (Eigen::Index j = 1; j < count; ++j) violated |= failed.values[j] > stop_.feasibility;
+  const VectorXd step = failed.x - near->x;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const bool known = std::isfinite(failed.values[j]) && (!gradients || failed.gradients.col(j).allFinite());
+    if (known) continue;
+    failed.values[j] = near->values[j];
+    if (gradients) {
+      failed.values[j] += near->gradients.col(j).dot(step);
+      failed.gradients.col(j) = near->gradients.col(j);
+    }
+    if (violated) continue;  // constraints push back
+    // Uphill from the neighbor, steeper than any descent there.
+    const double slope = 10 * (j == 0 ? scale_of(*near, program_.lower, program_.upper) : 1.0);
+    failed.values[j] = std::max(failed.values[j], near->values[j]) + slope * least;
+    if (!gradients) continue;
+    VectorXd uphill = VectorXd::Zero(n);
+    for (const Eigen::Index i : free_)
+      if (least > 0) uphill[i] = slope * step[i] / (least * width_[i] * width_[i]);
+    failed.gradients.col(j) = near->gradients.col(j) + uphill;
+  }
+}
+
+void Run::weigh_up(const Evaluation& e) {
+  double kkt = nan;
+  if (e.gradients.cols() > 0) {
+    const double scale = std::max({scale_of(e, program_.lower, program_.upper), first_scale_, stop_.scale});
+    kkt = kkt_residual(e, program_.lower, program_.upper, scale);
+  }
+  if (e.failure.empty() && (!best_ || better(e, *best_) || (same(e.x, best_->x) && !std::isnan(kkt)))) {
+    best_ = &e;
+    best_kkt_ = kkt;
+  }
+  if (program_.see && !program_.see(e, kkt)) end_ = End::Asked;
+  if (e.failure.empty() && kkt <= stop_.kkt && violation_of(e) <= stop_.feasibility) {
+    best_ = &e;
+    best_kkt_ = kkt;
+    if (end_ == End::None) end_ = End::Converged;
+  }
+}
+
+const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
+  if (const Evaluation* e = find(x, gradients)) return *e;
+  auto e = std::make_unique<Evaluation>(program_.evaluate(x, gradients));
+  e->x = x;
+  const bool first = seen_.empty();
+  if (e->failure.empty()) {
+    if (e->values.size() != 1 + program_.constraints || !e->values.allFinite() || !e->gradients.allFinite())
+      throw Error(Fault::Numerics, "the functionals are not finite at a design");
+  } else {
+    if (first) throw Error(Fault::Geometry, "the start of the design cannot be evaluated: " + e->failure);
+    if (std::find(failures_.begin(), failures_.end(), e->failure) == failures_.end()) failures_.push_back(e->failure);
+    answer(*e, gradients);
+  }
+  if (first) {
+    first_scale_ = scale_of(*e, program_.lower, program_.upper);
+    nlopt_scale_ = first_scale_ > 0 ? first_scale_ : 1;
+  }
+  ++evaluations_;
+  seen_.push_back(std::move(e));
+  weigh_up(*seen_.back());
+  return *seen_.back();
+}
+
+/// Nothing may be thrown through NLopt: nullptr when it has to stop.
+const Evaluation* Run::guarded(const double* z) {
+  if (end_ != End::None) return nullptr;
+  const VectorXd x = unscaled(z);
+  try {
+    if (!find(x, with_gradients_) && evaluations_ >= stop_.evaluations)
+      end_ = End::Evaluations;
+    else {
+      const Evaluation& e = evaluate(x, with_gradients_);
+      const bool restored = restoring_ && violation_of(*best_) <= stop_.feasibility;
+      if (end_ == End::None && !restored) return &e;
+    }
+  } catch (...) {
+    thrown_ = std::current_exception();
+    end_ = End::Thrown;
+  }
+  nlopt_force_stop(opt_);
+  return nullptr;
+}
+
+/// Sum of squares of violations, with a margin so that its minima lie inside.
+Evaluation Run::violations(const Evaluation& e) const {
+  constexpr double margin = 1e-3;
+  Evaluation sum{e.x, VectorXd::Zero(1), MatrixXd::Zero(e.x.size(), e.gradients.cols() > 0 ? 1 : 0)};
+  for (Eigen::Index j = 1; j < e.values.size(); ++j) {
+    const double c = e.values[j] + margin;
+    if (c <= 0) continue;
+    sum.values[0] += c * c;
+    if (e.gradients.cols() > 0) sum.gradients.col(0) += 2 * c * e.gradients.col(j);
+  }
+  return sum;
+}
+
+double Run::objective(unsigned n, const double* z, double* gradient, void* self) {
+  Run& run = *static_cast<Run*>(self);
+  const Evaluation* e = run.guarded(z);
+  Evaluation sum;
+  if (e && run.restoring_) {
+    sum = run.violations(*e);
+    e = &sum;
+  }
+  const double scale = run.restoring_ ? 1 : run.nlopt_scale_;
+  if (gradient)
+    for (unsigned k = 0; k < n; ++k) {
+      const Eigen::Index i = run.free_[k];
+      gradient[k] = e ? e->gradients(i, 0) * run.width_[i] / scale : 0;
+    }
+  return e ? e->values[0] / scale : HUGE_VAL;
+}
+
+void Run::constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self) {
+  Run& run = *static_cast<Run*>(self);
+  const Evaluation* e = run.guarded(z);
+  for (unsigned j = 0; j < m; ++j) {
+    values[j] = e ? e->values[1 + j] : 0;
+    if (gradient)
+      for (unsigned k = 0; k < n; ++k) {
+        const Eigen::Index i = run.free_[k];
+        gradient[j * n + k] = e ? e->gradients(i, 1 + j) * run.width_[i] : 0;
+      }
+  }
+}
+
+nlopt_result Run::run(const std::string& method, const VectorXd& from) {
+  const auto n = static_cast<unsigned>(free_.size());
+  const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
+  const bool simplex = method == "cobyla";
+  with_gradients_ = !simplex;
+  const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> opt(
+      nlopt_create(algorithm(method), n), nlopt_destroy);
+  opt_ = opt.get();
+  const std::vector<double> zero(n, 0.0), one(n, 1.0), tolerance(m, stop_.feasibility);
+  nlopt_set_min_objective(opt_, objective, this);
+  nlopt_set_lower_bounds(opt_, zero.data());
+  nlopt_set_upper_bounds(opt_, one.data());
+  if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
+  nlopt_set_xtol_abs1(opt_, simplex ? std::max(stop_.step, 1e-4) : stop_.step);
+  nlopt_set_ftol_rel(opt_, stop_.value);
+  if (simplex) nlopt_set_initial_step1(opt_, stop_.simplex);
+  std::vector<double> z(n);
+  for (unsigned k = 0; k < n; ++k) {
+    const Eigen::Index i = free_[k];
+    z[k] = std::clamp((from[i] - program_.lower[i]) / width_[i], 0.0, 1.0);
+  }
+  begun_z_ = z;
+  begun_x_ = from;
+  double value = 0;
+  const nlopt_result code = nlopt_optimize(opt_, z.data(), &value);
+  opt_ = nullptr;
+  if (thrown_) std::rethrow_exception(thrown_);
+  return code;
+}
+
+Minimum Run::minimize(const std::string& method) {
+  Minimum found;
+  const bool gradients = method != "cobyla";
+  evaluate(start_, gradients);
+  std::string now = method;
+  constexpr int most_restarts = 6;
+  bool restored = false;
+  for (int restart = 0; end_ == End::None && !free_.empty(); ++restart) {
+    const Evaluation* before = best_;
+    const nlopt_result code = run(now, best_->x);
+    if (end_ != End::None) break;
+    const std::string said = fmt::format("NLopt's {} ended because {}", now, words(code));
+    if (code == NLOPT_INVALID_ARGS || code == NLOPT_OUT_OF_MEMORY) {
+      found.reason = said;
+      break;
+    }
+    bool feasible = violation_of(*best_) <= stop_.feasibility;
+    if (!feasible && !restored) {
+      restored = restoring_ = true;
+      const double from = violation_of(*best_);
+      run(program_.gradients ? "mma" : "cobyla", best_->x);
+      restoring_ = false;
+      if (end_ != End::None) break;
+      feasible = violation_of(*best_) <= stop_.feasibility;
+      found.notes.push_back(fmt::format("{}, but constraints were violated by {:.2g} there: minimized violations, {}",
+                                        said, from,
+                                        feasible ? "to none" : fmt::format("to {:.2g}", violation_of(*best_))));
+      if (!feasible) {
+        found.reason = "no design near by violates them less";
+        break;
+      }
+      if (program_.gradients) now = "mma";
+      continue;
+    }
+    if (!program_.gradients) {
+      found.reason = feasible ? "converged as far as can be told without gradients: " + said : said;
+      found.converged = feasible && code > 0;
+      break;
+    }
+    if (std::isnan(best_kkt_)) {  // cobyla
+      evaluate(best_->x, true);
+      if (end_ != End::None) break;
+    }
+    const double gain = feasible ? before->values[0] - best_->values[0] : violation_of(*before) - violation_of(*best_);
+    const double worth =
+        feasible ? 1e-3 * stop_.kkt * scale_of(*best_, program_.lower, program_.upper) : 1e-3 * violation_of(*best_);
+    const bool progress = gain > worth || (feasible && violation_of(*before) > stop_.feasibility);
+    const std::string wrong = feasible ? fmt::format("the KKT residual there is {:.2g}", best_kkt_)
+                                       : fmt::format("constraints are violated by {:.2g} there", violation_of(*best_));
+    if ((now == "mma" && !progress) || restart == most_restarts) {
+      found.reason = fmt::format("{}, but {}", said, wrong);
+      break;
+    }
+    found.notes.push_back(fmt::format("{}, but {}: went on from there with mma", said, wrong));
+    now = "mma";
+  }
+  if (free_.empty() && end_ == End::Converged) end_ = End::None;
+  found.best = *best_;
+  found.evaluations = evaluations_;
+  found.kkt = best_kkt_;
+  found.violation = violation_of(*best_);
+  found.feasible = found.violation <= stop_.feasibility;
+  found.failure = failures_;
+  switch (end_) {
+    case End::Converged:
+      found.converged = true;
+      found.reason = "converged";
+      break;
+    case End::Asked:
+      found.asked_to_stop = true;
+      found.reason = "told to stop";
+      break;
+    case End::Evaluations:
+      found.reason = "all evaluations are used";
+      break;
+    default:
+      if (free_.empty()) {
+        found.reason = "no variable is free";
+        found.converged = found.feasible;
+      }
+  }
+  if (!found.feasible)
+    found.reason = fmt::format("infeasible, constraints are violated by {:.2g}: {}", found.violation, found.reason);
+  return found;
+}
+
+}  // namespace
+
+Minimum minimize(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop) {
+  algorithm(method);
+  if (!program.gradients && method != "cobyla")
+    throw Error(Fault::Usage,
+                fmt::format("method \"{}\" needs gradients, which there are none of here; use \"cobyla\"", method));
+  if (program.lower.size() != program.upper.size() || program.lower.size() != start.size() ||
+      !program.lower.allFinite() || !program.upper.allFinite() || (program.lower.array() > program.upper.array()).any())
+    throw Error(Fault::Usage, "every variable needs a finite lower and upper bound, the lower one first");
+  for (Eigen::Index i = 0; i < start.size(); ++i)
+    if (!(start[i] >= program.lower[i] && start[i] <= program.upper[i]))
+      throw Error(Fault::Usage, fmt::format("the start of variable {} is {:g}; it has to lie between {:g} and {:g}",
+                                            i + 1, start[i], program.lower[i], program.upper[i]));
+  return Run(program, stop, start).minimize(method);
+}
+
+double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+  double scale = std::abs(e.values[0]);
+  if (e.gradients.cols() > 0)
+    scale = std::max(scale, e.gradients.col(0).cwiseProduct(upper - lower).lpNorm<Eigen::Infinity>());
+  return scale;
+}
+
+double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double scale) {
+  const std::vector<Eigen::Index> free = free_variables(lower, upper);
+  const auto n = static_cast<Eigen::Index>(free.size());
+  if (n == 0) return 0;
+  constexpr double slack = -0.5;  // constraints farther from their bound carry no multiplier
+  std::vector<Eigen::Index> near;
+  for (Eigen::Index j = 1; j < e.values.size(); ++j)
+    if (e.values[j] > slack) near.push_back(j);
+  const auto m = static_cast<Eigen::Index>(near.size());
+  MatrixXd A(n, m);
+  VectorXd g(n), above(n), below(n), complement(m);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index i = free[static_cast<std::size_t>(k)];
+    const double width = upper[i] - lower[i], z = std::clamp((e.x[i] - lower[i]) / width, 0.0, 1.0);
+    g[k] = e.gradients(i, 0) * width;
+    for (Eigen::Index j = 0; j < m; ++j) A(k, j) = e.gradients(i, near[static_cast<std::size_t>(j)]) * width;
+    // The best multiplier of a bound leaves of the slope r: |(r - m, m d)| = |r| d/sqrt(1 + d^2).
+    above[k] = z / std::hypot(1, z);
+    below[k] = (1 - z) / std::hypot(1, 1 - z);
+  }
+  for (Eigen::Index j = 0; j < m; ++j) complement[j] = std::max(0.0, -e.values[near[static_cast<std::size_t>(j)]]);
+  // For given signs of the slopes a problem of nonnegative least squares. Any multipliers bound the residual.
+  VectorXd multipliers = VectorXd::Zero(m), best = multipliers;
+  double least = std::numeric_limits<double>::infinity();
+  const auto left = [&](const VectorXd& l) {
+    const VectorXd r = g + A * l;
+    VectorXd all(n + m);
+    all << (r.array() > 0).select(r.array() * above.array(), -r.array() * below.array()).matrix(),
+        l.cwiseProduct(complement);
+    return all;
+  };
+  constexpr int most = 20;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const VectorXd r = g + A * multipliers, weight = (r.array() > 0).select(above, below);
+    const double size = left(multipliers).norm();
+    if (size < least) {
+      least = size;
+      best = multipliers;
+    }
+    if (m == 0) break;
+    MatrixXd rows(n + m, m);
+    rows << weight.asDiagonal() * A, MatrixXd(complement.asDiagonal());
+    VectorXd right = VectorXd::Zero(n + m);
+    right.head(n) = -weight.cwiseProduct(g);
+    VectorXd next = nonnegative_least_squares(rows, right);
+    if (left(next).norm() >= size * (1 - 1e-12)) next = 0.5 * (next + multipliers);
+    if (left(next).norm() >= size * (1 - 1e-12)) break;
+    multipliers = std::move(next);
+  }
+  const double residual = left(best).lpNorm<Eigen::Infinity>();
+  return scale > 0 ? residual / scale : residual;
+}
+
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  const Eigen::Index n = A.cols();
+  VectorXd x = VectorXd::Zero(n);
+  std::vector<Eigen::Index> passive;
+  std::vector<bool> is_passive(static_cast<std::size_t>(n), false);
+  const VectorXd size = A.colwise().norm();
+  const double small = 1e-14 * b.norm();
+  for (Eigen::Index iteration = 0; iteration < 3 * n + 10; ++iteration) {
+    const VectorXd slope = A.transpose() * (b - A * x);
+    Eigen::Index enters = -1;
+    double most = 0;
+    for (Eigen::Index j = 0; j < n; ++j)
+      if (!is_passive[static_cast<std::size_t>(j)] && size[j] > 0 && slope[j] / size[j] > std::max(most, small)) {
+        most = slope[j] / size[j];
+        enters = j;
+      }
+    if (enters < 0) break;
+    passive.push_back(enters);
+    is_passive[static_cast<std::size_t>(enters)] = true;
+    while (!passive.empty()) {
+      const VectorXd z = A(Eigen::all, passive).colPivHouseholderQr().solve(b);
+      double share = 1;
+      Eigen::Index leaves = -1;
+      for (std::size_t k = 0; k < passive.size(); ++k) {
+        const double from = x[passive[k]], to = z[static_cast<Eigen::Index>(k)];
+        if (to <= 0 && (leaves < 0 || from / (from - to) < share)) {
+          share = from - to > 0 ? from / (from - to) : 0;
+          leaves = static_cast<Eigen::Index>(k);
+        }
+      }
+      for (std::size_t k = 0; k < passive.size(); ++k)
+        x[passive[k]] += share * (z[static_cast<Eigen::Index>(k)] - x[passive[k]]);
+      if (leaves < 0) break;
+      std::vector<Eigen::Index> stay;
+      for (std::size_t k = 0; k < passive.size(); ++k) {
+        const Eigen::Index j = passive[k];
+        if (static_cast<Eigen::Index>(k) != leaves && x[j] > 0)
+          stay.push_back(j);
+        else {
+          x[j] = 0;
+          is_passive[static_cast<std::size_t>(j)] = false;
+        }
+      }
+      passive = std::move(stay);
+    }
+  }
+  return x;
+}
+
+}  // namespace kerf

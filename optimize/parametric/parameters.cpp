@@ -1,0 +1,361 @@
+#include "kerf/optimize.hpp"
+
+#include "optimize/checkpoint.hpp"
+#include "optimize/parametric/evaluations.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <utility>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double feasibility = 1e-6;  // relative violations that do not count
+
+// Trials as numbers, for the checkpoint.
+constexpr Eigen::Index head = 11;
+VectorXd packed(const Trial& t) {
+  const Evaluation& e = t.evaluation;
+  const auto bounds = static_cast<Eigen::Index>(t.bounds.size());
+  VectorXd v(head + bounds + e.x.size() + e.values.size() + e.gradients.size());
+  v.head<head>() << t.round, t.base, t.fresh ? 1 : 0, t.objective, t.volume_fraction, t.triangles, t.holes,
+      t.state_solves, static_cast<double>(bounds), static_cast<double>(e.x.size()),
+      static_cast<double>(e.gradients.cols());
+  Eigen::Index at = head;
+  for (const double b : t.bounds) v[at++] = b;
+  v.segment(at, e.x.size()) = e.x;
+  at += e.x.size();
+  v.tail(e.gradients.size()) = e.gradients.reshaped();
+  v.segment(at, e.values.size()) = e.values;
+  return v;
+}
+
+Trial unpacked(const VectorXd& v, const std::string& failure) {
+  const Error broken(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
+  if (v.size() < head) throw broken;
+  Trial t;
+  t.round = static_cast<int>(v[0]);
+  t.base = static_cast<Index>(v[1]);
+  t.fresh = v[2] != 0;
+  t.objective = v[3];
+  t.volume_fraction = v[4];
+  t.triangles = static_cast<Index>(v[5]);
+  t.holes = static_cast<int>(v[6]);
+  t.state_solves = static_cast<int>(v[7]);
+  const auto bounds = static_cast<Eigen::Index>(v[8]), n = static_cast<Eigen::Index>(v[9]),
+             columns = static_cast<Eigen::Index>(v[10]);
+  const Eigen::Index values = v.size() - head - bounds - n - n * columns;
+  if (bounds < 0 || n < 0 || columns < 0 || values < 1 || (columns > 0 && columns != values)) throw broken;
+  t.bounds.assign(v.data() + head, v.data() + head + bounds);
+  t.evaluation.x = v.segment(head + bounds, n);
+  t.evaluation.values = v.segment(head + bounds + n, values);
+  t.evaluation.gradients = v.tail(n * columns).reshaped(n, columns);
+  t.evaluation.failure = failure;
+  return t;
+}
+
+double violation_of(const Evaluation& e) {
+  return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
+}
+
+/// A direction in boxes with entries of size 1/2 to 1, the same everywhere.
+VectorXd some_direction(Eigen::Index n) {
+  std::mt19937 bits(20240229u);
+  VectorXd d(n);
+  for (double& v : d) {
+    const double size = 0.5 + 0.5 * (static_cast<double>(bits()) / 4294967296.0);
+    v = bits() % 2 == 0 ? size : -size;
+  }
+  return d;
+}
+
+class Rounds {
+ public:
+  Rounds(const Problem& problem, const OptimizeRequest& request, const Observer& see, const CheckpointPlace& place)
+      : problem_(problem),
+        request_(request),
+        see_(see),
+        place_(place),
+        trials_(problem, request),
+        lower_(lower_bounds(request.design)),
+        upper_(upper_bounds(request.design)) {}
+
+  OptimizeResult run();
+
+ private:
+  Trial evaluate(const VectorXd& x, bool gradients);
+  void check_derivatives(const Trial& start);
+  bool look_at(const Evaluation& e, double kkt);
+  void show(const Iteration& row, const Trial& trial);
+  void keep();
+  void restore();
+
+  const Problem& problem_;
+  const OptimizeRequest& request_;
+  const Observer& see_;
+  const CheckpointPlace& place_;
+  Trials trials_;
+  VectorXd lower_, upper_;
+  std::vector<Trial> done_;              // evaluated, in this run or before it was interrupted
+  std::size_t restored_ = 0, next_ = 0;  // how many of them are from before, and how many this run has seen
+  Checkpoint checkpoint_;
+  int state_solves_ = 0;
+  std::optional<std::string> checked_;  // note of the derivative check
+  int checked_solves_ = 0;
+  OptimizeResult result_;
+  std::vector<std::size_t> trial_of_row_;  // of the history
+  bool first_of_round_ = true, stopped_ = false;
+  double accepted_merit_ = nan, accepted_violation_ = nan;
+};
+
+void Rounds::restore() {
+  if (place_.path.empty() || !place_.resume) return;
+  const std::optional<Checkpoint> found = read_checkpoint(place_.path);
+  if (!found) return;
+  const auto method = found->texts.find("method");
+  if (found->fingerprint != place_.fingerprint || method == found->texts.end() || method->second != request_.method)
+    throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case or method; start without --resume",
+                                          place_.path.string()));
+  checkpoint_ = *found;
+  if (const auto note = found->texts.find("checked"); note != found->texts.end()) checked_ = note->second;
+  if (const auto solves = found->numbers.find("checked"); solves != found->numbers.end() && solves->second.size() == 1)
+    checked_solves_ = static_cast<int>(solves->second[0]);
+  for (std::size_t i = 0;; ++i) {
+    const std::string key = fmt::format("trial {:06}", i);
+    const auto numbers = found->numbers.find(key);
+    if (numbers == found->numbers.end()) break;
+    const auto failure = found->texts.find(key);
+    done_.push_back(unpacked(numbers->second, failure == found->texts.end() ? "" : failure->second));
+  }
+  restored_ = done_.size();
+}
+
+/// Everything that was evaluated so far goes to disk.
+void Rounds::keep() {
+  if (place_.path.empty() || done_.empty()) return;
+  checkpoint_.fingerprint = place_.fingerprint;
+  checkpoint_.texts["method"] = request_.method;
+  if (checked_) {
+    checkpoint_.texts["checked"] = *checked_;
+    checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);
+  }
+  const std::size_t i = done_.size() - 1;
+  const std::string key = fmt::format("trial {:06}", i);
+  checkpoint_.numbers[key] = packed(done_[i]);
+  if (!done_[i].evaluation.failure.empty()) checkpoint_.texts[key] = done_[i].evaluation.failure;
+  write_checkpoint(place_.path, checkpoint_);
+}
+
+Trial Rounds::evaluate(const VectorXd& x, bool gradients) {
+  if (next_ < done_.size()) {
+    const Trial& known = done_[next_];
+    const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
+                      known.evaluation.values.size() == 1 + trials_.constraints() &&
+                      (known.evaluation.gradients.cols() > 0) == gradients;
+    if (!fits)
+      throw Error(Fault::Usage, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
+                                            "(another version or machine?); start without --resume",
+                                            next_ + 1, place_.path.string()));
+    trials_.replay(known);
+  } else {
+    done_.push_back(trials_.evaluate(x, gradients));
+  }
+  ++next_;
+  state_solves_ += done_[next_ - 1].state_solves;
+  return done_[next_ - 1];
+}
+
+void Rounds::check_derivatives(const Trial& start) {
+  if (!checked_) {
+    constexpr double allowed = 1e-2;
+    const VectorXd direction = some_direction(lower_.size());
+    double worst = 0;
+    std::string where;
+    // Contact may change within the longer steps.
+    for (const double step : {1e-4, 1e-5, 1e-6}) {
+      const Trials::Check check = trials_.check_derivatives(start, direction, step);
+      checked_solves_ += check.state_solves;
+      const auto most = std::max_element(check.error.begin(), check.error.end());
+      const auto k = static_cast<Eigen::Index>(most - check.error.begin());
+      if (where.empty() || *most < worst) {
+        worst = *most;
+        where = k == 0 ? "the objective" : fmt::format("the constraint \"{}\"", trials_.constraint(k - 1));
+      }
+      if (worst <= allowed) break;
+    }
+    if (!(worst <= allowed))
+      throw Error(Fault::Numerics,
+                  fmt::format("the derivative of {} is off by {:.2g} (relative) from central differences at the start; "
+                              "contact may be about to change there: move the start, or use method = \"cobyla\"",
+                              where, worst));
+    checked_ = fmt::format("derivative check at the start: within {:.1e} of central differences", worst);
+  }
+  state_solves_ += checked_solves_;
+  result_.notes.push_back(*checked_);
+}
+
+void Rounds::show(const Iteration& row, const Trial& trial) {
+  if (!see_) return;
+  const std::shared_ptr<const SolvedTrial> solved = trials_.solved(trial);
+  if (!see_({row, solved->body.shape, solved->model, solved->state})) stopped_ = true;
+}
+
+/// After every evaluation: a row of the history when it is accepted, the observer, the checkpoint.
+bool Rounds::look_at(const Evaluation& e, double kkt) {
+  const std::size_t number = next_ - 1;
+  const Trial& trial = done_[number];
+  const bool replayed = number < restored_;
+  const double violation = violation_of(e);
+  const bool feasible = violation <= feasibility, was_feasible = accepted_violation_ <= feasibility;
+  const bool better = feasible ? !was_feasible || trial.evaluation.values[0] < accepted_merit_
+                               : !was_feasible && violation < accepted_violation_;
+  if (e.failure.empty() && e.x == trial.evaluation.x && (first_of_round_ || better)) {
+    std::vector<Iteration>& history = result_.history;
+    Iteration row;
+    row.number = static_cast<int>(history.size());
+    row.objective = trial.objective;
+    row.merit = trial.evaluation.values[0];
+    row.volume_fraction = trial.volume_fraction;
+    row.bounds = trial.bounds;
+    row.violation = violation;
+    if (!history.empty())
+      for (Eigen::Index i = 0; i < lower_.size(); ++i)
+        if (upper_[i] > lower_[i])
+          row.step = std::max(row.step, std::abs(e.x[i] - history.back().variables[i]) / (upper_[i] - lower_[i]));
+    row.optimality = kkt;
+    row.holes = trial.holes;
+    row.triangles = trial.triangles;
+    row.state_solves = state_solves_;
+    row.variables = e.x;
+    if (first_of_round_ && !history.empty()) row.note = "a fresh mesh";
+    if (!history.empty() && row.merit > history.back().merit)
+      row.note += fmt::format("{}the objective rose because {}", row.note.empty() ? "" : ": ",
+                              first_of_round_ ? "the mesh is another one" : "a constraint was violated before");
+    accepted_merit_ = row.merit;
+    accepted_violation_ = violation;
+    first_of_round_ = false;
+    history.push_back(std::move(row));
+    trial_of_row_.push_back(number);
+    if (!replayed) show(history.back(), trial);
+  } else if (!std::isnan(kkt)) {  // cobyla: derivatives asked for afterwards
+    for (Iteration& row : result_.history)
+      if (std::isnan(row.optimality) && row.variables == e.x) row.optimality = kkt;
+  }
+  if (!replayed) keep();
+  return !stopped_;
+}
+
+OptimizeResult Rounds::run() {
+  restore();
+  const std::string& method = request_.method;
+  const bool wants_gradients = method != "cobyla";
+  if (wants_gradients && trials_.blind())
+    throw Error(Fault::Usage,
+                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *trials_.blind()));
+  if (request_.max_iterations < 1)
+    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
+  Program program;
+  program.lower = lower_;
+  program.upper = upper_;
+  program.constraints = trials_.constraints();
+  program.gradients = !trials_.blind();
+  std::optional<Trial> begun;  // the first evaluation of a round
+  program.evaluate = [&](const VectorXd& x, bool gradients) {
+    if (begun) return std::exchange(begun, std::nullopt)->evaluation;
+    return evaluate(x, gradients).evaluation;
+  };
+  program.see = [&](const Evaluation& e, double kkt) { return look_at(e, kkt); };
+
+  VectorXd x = start_of(request_.design);
+  Minimum found;
+  std::size_t best = 0;  // row of the history
+  double scale = 0;      // of derivatives, at the start of all
+  constexpr int most_rounds = 25;
+  for (int round = 0;; ++round) {
+    trials_.begin_round();
+    first_of_round_ = true;
+    accepted_merit_ = accepted_violation_ = nan;
+    const std::size_t first = result_.history.size();
+    const int left = request_.max_iterations - static_cast<int>(next_);
+    if (round > 0 && left < 1) {
+      found.reason = "all evaluations are used";
+      found.converged = false;
+      break;
+    }
+    begun = evaluate(x, wants_gradients);
+    if (const std::string& failure = begun->evaluation.failure; !failure.empty()) {
+      if (round == 0)
+        throw Error(begun->fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
+      if (next_ > restored_) keep();
+      found.converged = false;
+      found.reason = "the best design cannot be evaluated on a fresh mesh: " + failure;
+      break;
+    }
+    if (round == 0 && wants_gradients) check_derivatives(*begun);
+    if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
+    found = minimize(program, x, method,
+                     {.evaluations = left,
+                      .kkt = request_.tolerance,
+                      .scale = scale,
+                      .feasibility = feasibility,
+                      .value = 1e-3 * request_.tolerance,
+                      .simplex = round == 0 ? 0.1 : 0.02});
+    for (const std::string& note : found.notes) result_.notes.push_back(note);
+    for (const std::string& failure : found.failure) {
+      const std::string note = "a trial could not be evaluated: " + failure;
+      if (std::ranges::find(result_.notes, note) == result_.notes.end()) result_.notes.push_back(note);
+    }
+    x = found.best.x;
+    best = first;
+    for (std::size_t i = first; i < result_.history.size(); ++i)
+      if (result_.history[i].variables == x) best = i;
+    if (found.asked_to_stop || next_ >= static_cast<std::size_t>(request_.max_iterations)) break;
+    const Iteration &begin = result_.history[first], &end = result_.history[best];
+    const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
+    const bool was_feasible = begin.violation <= feasibility;
+    const bool settled = was_feasible == found.feasible &&
+                         (found.feasible ? begin.merit - end.merit <= request_.tolerance * scale
+                                         : begin.violation - end.violation <= request_.tolerance * begin.violation);
+    if (settled) break;
+    if (round + 1 == most_rounds) {
+      found.converged = false;
+      found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);
+      break;
+    }
+  }
+
+  const Iteration& row = result_.history[best];
+  show(row, done_[trial_of_row_[best]]);  // once more, at the end
+  result_.method = method;
+  result_.iterations = static_cast<int>(result_.history.size()) - 1;
+  result_.state_solves = state_solves_;
+  result_.objective = row.objective;
+  result_.volume_fraction = row.volume_fraction;
+  result_.optimality = found.kkt;
+  result_.feasible = found.feasible;
+  result_.converged = found.converged;
+  result_.stopped = found.reason;
+  result_.variables = row.variables;
+  DrawnBody body = draw(request_.design, row.variables, problem_);
+  result_.shape = std::move(body.shape);
+  result_.scene = std::move(body.scene);
+  return std::move(result_);
+}
+
+}  // namespace
+
+OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
+                                   const CheckpointPlace& place) {
+  return Rounds(problem, request, see, place).run();
+}
+
+}  // namespace kerf

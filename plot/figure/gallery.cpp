@@ -1,0 +1,132 @@
+#include "plot/gallery.hpp"
+
+#include "io/text.hpp"
+#include "plot/figure/pen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+constexpr double page_width = 2000, margin = 40, gap = 36, length_scale = 205;  // pixels per length, at most
+constexpr std::uint32_t own_body = 0x1f5a8a, other_body = 0x6b747d, void_gray = 0xf1f3f5, frame_line = 0xc3cad1,
+                        support_green = 0x00785a, load_orange = 0xd55e00;
+const Font title_font{34, true}, subtitle_font{24}, row_font{28, true}, panel_font{22, true}, caption_font{20};
+
+struct Extent {
+  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  void take(const std::vector<Polyline>& lines) {
+    for (const Polyline& line : lines)
+      for (const Vec2& p : line) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+  }
+  Vec2 size() const {
+    return (high - low).cwiseMax(Vec2::Constant(1e-9));
+  }
+};
+
+Extent extent(const GalleryPanel& panel) {
+  Extent e;
+  e.take(panel.frame);
+  e.take(panel.body);
+  if (!e.low.allFinite() || !e.high.allFinite()) e.low = Vec2::Zero(), e.high = Vec2::Ones();
+  return e;
+}
+
+struct Placed {
+  const GalleryPanel* panel;
+  Extent extent;
+  double x, y, width, height;  // of the body
+  double scale;                // pixels per length
+};
+
+void trace(cairo_t* pen, const Placed& at, const Polyline& line, bool closed) {
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vec2 p = at.scale * (line[i] - at.extent.low);
+    const double x = at.x + p.x(), y = at.y + at.height - p.y();
+    i == 0 ? cairo_move_to(pen, x, y) : cairo_line_to(pen, x, y);
+  }
+  if (closed) cairo_close_path(pen);
+}
+
+void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measure& measure) {
+  const GalleryPanel& panel = *at.panel;
+  const auto paths = [&](const std::vector<Polyline>& lines, bool closed) {
+    cairo_new_path(pen);
+    for (const Polyline& line : lines) trace(pen, at, line, closed);
+  };
+  cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
+  paths(panel.frame, true);
+  color(pen, void_gray);
+  cairo_fill_preserve(pen);
+  stroke(pen, 1.5, frame_line);
+  paths(panel.body, true);
+  color(pen, panel.accent ? own_body : other_body);
+  cairo_fill(pen);
+  cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
+  paths(panel.supports, false);
+  stroke(pen, 7, support_green);
+  paths(panel.loads, false);
+  stroke(pen, 7, load_orange);
+  const Lines title = wrap(panel.title, panel_font, 13, title_width, 1, measure);
+  const Lines caption = wrap(panel.caption, caption_font, 13, title_width, 1, measure);
+  write_block(pen, {at.x, at.y + at.height + 8}, title, 0);
+  write_block(pen, {at.x, at.y + at.height + 8 + 1.3 * panel_font.size}, caption, 0, gray);
+}
+
+}  // namespace
+
+void draw(const std::filesystem::path& path, const Gallery& gallery) {
+  const Measure measure = ruler();
+  double widest = 0;
+  for (const GalleryRow& row : gallery.rows)
+    for (const GalleryPanel& panel : row.panels) widest = std::max(widest, row.scale * extent(panel).size().x());
+  const double room = page_width - 2 * margin;
+  const double scale = widest > 0 ? std::min(length_scale, room / widest) : length_scale;
+  constexpr double least_width = 300;  // of a panel, so that its texts can be read
+
+  const Lines title = wrap(gallery.title, title_font, 22, room, 2, measure);
+  const Lines subtitle = wrap(gallery.subtitle, subtitle_font, 18, room, 2, measure);
+  const double texts = 8 + 1.3 * (panel_font.size + caption_font.size);
+  double y = margin + title.height() + subtitle.height() + 14;
+  std::vector<Placed> placed;
+  std::vector<std::pair<double, const GalleryRow*>> headings;
+  for (const GalleryRow& row : gallery.rows) {
+    y += 22;
+    headings.emplace_back(y, &row);
+    y += 1.3 * row_font.size + 10;
+    double x = margin, line = 0;
+    for (const GalleryPanel& panel : row.panels) {
+      const Extent e = extent(panel);
+      const Vec2 size = row.scale * scale * e.size();
+      const double width = std::max(size.x(), least_width);
+      if (x > margin && x + width > margin + room) {
+        x = margin;
+        y += line + texts + 18;
+        line = 0;
+      }
+      placed.push_back({&panel, e, x, y, size.x(), size.y(), row.scale * scale});
+      x += width + gap;
+      line = std::max(line, size.y());
+    }
+    y += line + texts + 10;
+  }
+
+  const Sheet page = sheet(static_cast<int>(page_width), static_cast<int>(y + margin));
+  cairo_t* pen = page.pen();
+  color(pen, paper);
+  cairo_paint(pen);
+  write_block(pen, {margin, margin}, title, 0);
+  write_block(pen, {margin, margin + title.height()}, subtitle, 0, gray);
+  for (const auto& [at, row] : headings)
+    write_block(pen, {margin, at}, wrap(row->title, row_font, 18, room, 1, measure), 0);
+  for (const Placed& p : placed) draw_panel(pen, p, std::max(p.width, least_width), measure);
+  save(path, page);
+}
+
+}  // namespace kerf

@@ -1,0 +1,101 @@
+#include "plot/figure/pen.hpp"
+
+#include "io/files.hpp"
+
+#include <fmt/core.h>
+
+#include <numbers>
+
+namespace kerf {
+
+void Destroy::operator()(cairo_surface_t* surface) const {
+  cairo_surface_destroy(surface);
+}
+void Destroy::operator()(cairo_t* context) const {
+  cairo_destroy(context);
+}
+
+Sheet sheet(int width, int height) {
+  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  Context context(cairo_create(surface.get()));
+  cairo_font_options_t* options = cairo_font_options_create();
+  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(context.get(), options);
+  cairo_font_options_destroy(options);
+  cairo_set_line_cap(context.get(), CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
+  return {std::move(surface), std::move(context)};
+}
+
+void color(cairo_t* pen, std::uint32_t rgb, double alpha) {
+  cairo_set_source_rgba(pen, (rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, alpha);
+}
+
+void choose(cairo_t* pen, const Font& font) {
+  cairo_select_font_face(pen, "DejaVu Sans", font.italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,
+                         font.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(pen, font.size);
+}
+
+double text_width(cairo_t* pen, const std::string& text, const Font& font) {
+  choose(pen, font);
+  cairo_text_extents_t extents;
+  cairo_text_extents(pen, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+/// `anchor` 0, 1/2, 1: `at` is the left end, the middle or the right end of the text, half way up its capitals.
+void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, double anchor, std::uint32_t rgb,
+           bool upright) {
+  const double width = text_width(pen, text, font);
+  cairo_save(pen);
+  cairo_translate(pen, at.x(), at.y());
+  if (upright) cairo_rotate(pen, -0.5 * std::numbers::pi);
+  cairo_move_to(pen, -anchor * width, 0.365 * font.size);
+  color(pen, rgb);
+  cairo_show_text(pen, text.c_str());
+  cairo_restore(pen);
+}
+
+/// Lines below each other, the first at the top of the block at `y`; upright: beside each other from `at` to the right.
+void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, double anchor, std::uint32_t rgb, bool upright) {
+  const double pitch = 1.3 * lines.font.size;
+  for (std::size_t i = 0; i < lines.text.size(); ++i) {
+    const double off = (static_cast<double>(i) + 0.5) * pitch;
+    write(pen, upright ? Vec2(at.x() + off, at.y()) : Vec2(at.x(), at.y() + off), lines.text[i], lines.font, anchor,
+          rgb, upright);
+  }
+}
+
+void stroke(cairo_t* pen, double width, std::uint32_t rgb, double alpha) {
+  cairo_set_line_width(pen, width);
+  color(pen, rgb, alpha);
+  cairo_stroke(pen);
+}
+
+Measure ruler() {
+  const auto page = std::make_shared<const Sheet>(sheet(1, 1));
+  return [page](const std::string& text, const Font& font) { return text_width(page->pen(), text, font); };
+}
+
+namespace {
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int count) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+void save(const std::filesystem::path& path, const Sheet& page) {
+  std::string bytes;
+  cairo_status_t status = cairo_status(page.pen());
+  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png_stream(page.surface.get(), append, &bytes);
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw Error(Fault::Files, fmt::format("cannot draw '{}': {}", path.string(), cairo_status_to_string(status)));
+  write_file(path, bytes);
+}
+
+}  // namespace kerf

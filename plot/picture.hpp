@@ -1,0 +1,43 @@
+#pragma once
+// A field on triangles as a PNG one would show to a colleague. Cairo is included by pen.hpp alone.
+
+#include "kerf/types.hpp"
+
+#include <array>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+enum class Scale {
+  Linear,     // viridis-like, from the clipped minimum to the clipped maximum
+  Diverging,  // blue - white - red, symmetric about 0
+};
+
+struct Picture {
+  std::string title, subtitle;
+  std::vector<Vec2> points;                     // where to draw (displaced already, if at all)
+  std::vector<std::array<Index, 3>> triangles;  // into `points`
+  Eigen::Matrix3Xd values;                      // per triangle its three corner values; no columns: mesh only
+  Eigen::Matrix3Xd margin;                      // like `values`: gray where it is negative; no columns: nowhere
+  std::string value_label;                      // beside the color bar
+  Scale scale = Scale::Linear;
+  double clip = 0.005;                        // share of the area whose values may lie beyond each end of the color bar
+  bool edges = false;                         // draw the edges of the triangles
+  std::vector<std::vector<Vec2>> outlines;    // thin dark lines: boundary
+  std::vector<std::vector<Vec2>> interfaces;  // thin colored lines: between materials
+  std::vector<std::vector<Vec2>> cracks;      // strong lines; one per face when displaced
+  std::vector<std::pair<Vec2, std::string>> marks;  // small labeled crosses
+
+  // Of a drawing of the body without values.
+  bool solid = false;                                // one dark color, no triangles; cracks red
+  std::vector<std::vector<Vec2>> supports, rollers;  // the body to the left; all or one component held
+  std::vector<std::array<Vec2, 2>> arrows;           // loads: from, to
+};
+
+/// Throws Error(Files) naming the path. Values that are not finite are drawn in gray.
+void draw(const std::filesystem::path& path, const Picture& picture);
+
+}  // namespace kerf

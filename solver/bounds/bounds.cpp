@@ -1,0 +1,476 @@
+#include "kerf/bounds.hpp"
+
+#include "solver/system.hpp"
+
+#include "solver/bounds/conforming.hpp"
+#include "solver/bounds/right_inverse.hpp"
+#include "solver/bounds/statics.hpp"
+#include "solver/parallel.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// |grad w - its mean rotation| <= K |eps(w)| on a triangle, K^2 = 1 + 2/beta^2 with a lower bound of the inf-sup
+// constant beta of a body that sees the disk of radius r and lies in the one of radius R [Costabel, Dauge 2015]: the
+// rotation has grad omega = div of a tensor as large as eps(w).
+double local_korn(const Triangle& t) {
+  double perimeter = 0;
+  Vec2 center = Vec2::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double side = (t.x[(i + 2) % 3] - t.x[(i + 1) % 3]).norm();
+    perimeter += side;
+    center += side * t.x[i];
+  }
+  center /= perimeter;
+  double outer = 0;
+  for (const Vec2& x : t.x) outer = std::max(outer, (x - center).norm());
+  const double ratio = std::pow(2 * area(t) / perimeter / outer, 2);
+  const double beta_squared = ratio / (2 * (1 + std::sqrt(1 - ratio)));
+  return std::sqrt(1 + 2 / beta_squared);
+}
+
+// Everything that does not depend on the triangle. Stresses, divergences and forces are polynomials of degree n by
+// their values on lattice(n), displacements of degree n + 1 by theirs on lattice(n + 1).
+struct Reference {
+  int n;
+  TriangleRule rule;
+  Points nodes, field_nodes;
+  Eigen::MatrixXd at_rule, field_at_rule;                                  // values
+  std::array<Eigen::MatrixXd, 2> slope, field_slope, field_slope_at_rule;  // derivatives
+  Eigen::MatrixXd raise;                                                   // conforming displacement -> lattice(n + 1)
+  Eigen::MatrixXd force, mean_force;                                       // body force, what the element sees of it
+  RightInverse inverse;
+  Eigen::MatrixXd normal_free;
+  std::array<std::array<Eigen::MatrixXd, 2>, 3> at_edge;  // values at the Gauss points, edges backward and forward
+};
+
+Reference reference(const Element& e, int n, const Forces& f) {
+  Reference r;
+  r.n = n;
+  r.rule = split_rule(2 * n);
+  r.nodes = lattice(n);
+  r.field_nodes = lattice(n + 1);
+  r.at_rule = interpolation(n, r.rule.x);
+  r.field_at_rule = interpolation(n + 1, r.rule.x);
+  r.slope = differentiation(n, r.nodes);
+  r.field_slope = differentiation(n + 1, r.nodes);
+  r.field_slope_at_rule = differentiation(n + 1, r.rule.x);
+  r.raise = interpolation(e.trace + 1, r.field_nodes);
+  r.force = interpolation(f.degree, r.nodes);
+  const TriangleRule exact = triangle_rule(f.degree + e.displacement);
+  r.mean_force =
+      interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
+  r.inverse = right_inverse(n, r.rule);
+  r.normal_free = normal_free_right_inverse(n);
+  const EdgeRule trace = gauss(points_per_edge(e));
+  for (int side = 0; side < 3; ++side)
+    for (int forward = 0; forward < 2; ++forward) {
+      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
+      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
+      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
+      r.at_edge[side][forward] = interpolation(n, l.bottomRows<2>());
+    }
+  return r;
+}
+
+// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
+using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
+
+struct Share {  // of one triangle
+  double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
+  double rough = 0;                     // |grad v - polynomials that (f - f_h) does not see|
+  double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
+  Tractions tractions;
+};
+
+struct Bounding {
+  const Model& m;
+  const Field& s;
+  const Forces& f;
+  const std::vector<EdgeData>& data;
+  const Conforming& conforming;
+  const Eigen::MatrixXd& statics;
+  EdgeRule carrier = gauss(data_carriers);
+
+  /// The coordinate (1 + l_b - l_a)/2 along a boundary edge and l_a l_b, at a point (l1, l2).
+  struct Along {
+    double s, bump;
+  };
+  Along along(const EdgeData& d, const Vec2& l) const {
+    const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
+    const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
+    const double from = full[(d.side + (forward ? 1 : 2)) % 3], to = full[(d.side + (forward ? 2 : 1)) % 3];
+    return {0.5 * (1 + to - from), from * to};
+  }
+
+  /// Symmetric stress in equilibrium: its complementary energy and the work of the supports.
+  void lower(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
+    const Triangle shape = triangle(m, t);
+    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+    const double det = J.determinant();
+    Points x(2, r.nodes.cols());
+    for (Eigen::Index q = 0; q < x.cols(); ++q)
+      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, statics.col(t), x).stress;
+    if (f.couple.size() > 0) {
+      const Mat2 c = antisymmetric(f.couple[t]);
+      stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
+    }
+    share.tractions = tractions(r, shape, stress);
+    work_of_supports(share.tractions, edges, share);
+
+    // Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
+    bool correct = f.nodal.cols() > 0 && !f.balanced;
+    Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
+      correct = true;
+      const Vec2& apex = shape.x[d.side];
+      const double l = length(m.mesh, d.edge);
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
+        const Vec2 load =
+            m.inner->skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
+        rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
+      }
+    }
+    if (correct) {
+      Points wanted = Points::Zero(2, x.cols());
+      if (f.nodal.cols() > 0) {
+        const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+        wanted = force * (r.mean_force - r.force).transpose();
+      }
+      for (int row = 0; row < 2; ++row) {
+        const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
+          return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
+                 inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
+        };
+        const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
+        const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
+        const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
+        rows.middleRows<2>(2 * row) += own;
+      }
+      stress += rows;
+    }
+
+    const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
+    const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
+    const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
+    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    double energy = 0;
+    for (Eigen::Index i = 0; i < at.cols(); ++i) {
+      const Mat2 gradient =
+          J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
+      const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
+                   s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
+      energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
+      share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
+      share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
+    }
+    energy *= 0.5 * area(shape);
+    share.lower -= energy;
+    share.size += energy;
+  }
+
+  /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
+  void work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
+    const Eigen::Index points = m.inner->kernel.trace.w.size();
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      const double l = length(m.mesh, d.edge);
+      for (int k = 0; k < 2; ++k) {
+        if (!d.held[k]) continue;
+        for (Eigen::Index g = 0; g < points; ++g) {
+          const Index unknown = d.edge * m.inner->skeleton.per_edge + 2 * static_cast<Index>(g) + k;
+          const double work = l * m.inner->kernel.trace.w[g] * tractions(k, points * d.side + g) *
+                              m.inner->skeleton.prescribed[unknown];
+          share.lower += work;
+          share.size += std::abs(work);
+        }
+        for (int g = 0; g < data_carriers; ++g)
+          share.lower -= l * carrier.w[g] * d.load(k, g) * conforming.value[i](k, g);
+      }
+    }
+  }
+
+  Tractions tractions(const Reference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const {
+    const Eigen::Index points = m.inner->kernel.trace.w.size();
+    Tractions result(2, 3 * points);
+    for (int e = 0; e < 3; ++e) {
+      const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
+      const Vec2 n = Vec2(side.y(), -side.x()).normalized();
+      const Eigen::Matrix4Xd there = stress * r.at_edge[e][shape.forward[e] ? 1 : 0].transpose();
+      for (Eigen::Index g = 0; g < points; ++g)
+        result.col(points * e + g) = shape.frame[e].transpose() * (tensor(there.col(g)) * n);
+    }
+    return result;
+  }
+
+  /// Energy of the conforming displacement with its divergence moved towards that of the stress.
+  void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
+    const Triangle shape = triangle(m, t);
+    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    const double det = J.determinant();
+    const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
+    Points v = nodal * r.raise.transpose();
+    const Points low = v;
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      if (!d.held[0] && !d.held[1]) continue;
+      for (Eigen::Index q = 0; q < v.cols(); ++q) {
+        const Along a = along(d, r.field_nodes.col(q));
+        v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
+      }
+    }
+    // The divergence wanted is 2 c tr s: tr strain = 2 c tr s.
+    Points x(2, r.nodes.cols());
+    for (Eigen::Index q = 0; q < x.cols(); ++q)
+      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), x).stress;
+    Eigen::RowVectorXd wanted = 2 * c * (stress.row(0) + stress.row(3));
+    for (int axis = 0; axis < 2; ++axis)
+      for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
+    const Eigen::VectorXd scaled = det * wanted.transpose();
+    const Eigen::VectorXd correction = r.inverse.derivative * scaled;
+    const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
+    // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
+    double e = 0, b = 0, a = 0, size = 0;
+    std::array<double, 2> worst{0, 0};
+    // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
+    double zz = 0, zw = 0, ww = 0;
+    Points zx, zy;
+    if (!edges.empty()) {
+      zx = (v - low) * r.field_slope_at_rule[0].transpose();
+      zy = (v - low) * r.field_slope_at_rule[1].transpose();
+    }
+    for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
+      const double w = r.rule.w[q] * area(shape);
+      Mat2 g;
+      g << dx.col(q), dy.col(q);
+      g = (g * inverse).eval();
+      const Eigen::Vector4d d = correction.segment<4>(4 * q);
+      const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
+      const double volume = g.trace(), own_volume = h.trace();
+      const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
+                   own_shear = h(0, 1) + h(1, 0);
+      e += w * 0.5 * mu * (difference * difference + shear * shear);
+      b += w * mu * (difference * own_difference + shear * own_shear);
+      a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
+      if (c > 0) {
+        e += w * volume * volume / (8 * c);
+        b += w * 2 * volume * own_volume / (8 * c);
+        a += w * own_volume * own_volume / (8 * c);
+      }
+      ww += w * h.squaredNorm();
+      if (!edges.empty()) {
+        Mat2 z;
+        z << zx.col(q), zy.col(q);
+        z = (z * inverse).eval();
+        zz += w * z.squaredNorm();
+        zw += w * z.cwiseProduct(h).sum();
+      }
+      worst[0] = std::max(worst[0], std::abs(volume + own_volume));
+      worst[1] = std::max(worst[1], g.cwiseAbs().maxCoeff());
+    }
+    size += e;
+    if (f.nodal.cols() > 0) {
+      const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+      const Points at = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
+      const Eigen::VectorXd own = r.inverse.value * scaled;
+      for (Eigen::Index q = 0; q < at.cols(); ++q) {
+        const double w = r.rule.w[q] * area(shape), work = at.col(q).dot(value.col(q));
+        e -= w * work;
+        size += w * std::abs(work);
+        b -= w * at.col(q).dot(J * own.segment<2>(2 * q)) / det;
+      }
+    }
+    for (const Index i : edges)
+      for (int g = 0; g < data_carriers; ++g) {
+        const double work =
+            length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
+        e -= work;
+        size += std::abs(work);
+      }
+    const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
+    share.upper = e + alpha * (b + alpha * a);
+    const double square = zz + alpha * (2 * zw + alpha * ww);
+    share.rough = std::sqrt(std::max(0.0, square));
+    share.size += size;
+    share.divergence = c == 0 ? worst[0] : 0;
+    share.gradient = worst[1];
+  }
+};
+
+// What the equilibrium of the tractions and the sign of those on cracks lack, times the displacements, and the work of
+// pressure on penetration: rounding.
+double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& data, const Conforming& conforming,
+                 const std::vector<Share>& shares) {
+  const Index points = points_per_edge(m.element);
+  std::vector<Index> place(m.mesh.edges.size(), none);
+  for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
+  const EdgeRule carrier = gauss(data_carriers);
+  double total = 0;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    std::array<Tractions, 2> side;
+    for (int k = 0; k < 2; ++k) {
+      side[k] = Tractions::Zero(2, points);
+      const Index t = m.mesh.sides[e][k];
+      if (t == none) continue;
+      int i = 0;
+      while (m.mesh.edges_of[t][i] != e) ++i;
+      side[k] = shares[t].tractions.middleCols(points * i, points);
+    }
+    const CrackLaw::Kind kind = m.mesh.crack[e] == none ? CrackLaw::Kind::Bonded : m.scene.laws[m.mesh.crack[e]].kind;
+    const EdgeData* d = place[e] == none ? nullptr : &data[place[e]];
+    for (Index g = 0; g < points; ++g)
+      for (int k = 0; k < 2; ++k) {
+        if (d && d->held[k]) continue;
+        double rest = side[0](k, g) + side[1](k, g);
+        if (d)
+          for (int q = 0; q < data_carriers; ++q)
+            rest -= carrier.w[q] / m.inner->kernel.trace.w[g] * trace_basis(m.inner->kernel.trace, carrier.s[q])[g] *
+                    d->load(k, q);
+        const Index unknown = 2 * g + k;
+        double work = std::abs(rest * s.skeleton[e * m.inner->skeleton.per_edge + unknown]);
+        if (kind != CrackLaw::Kind::Bonded) {
+          const double wrong =
+              k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, side[0](k, g)) : side[0](k, g);
+          work += std::abs(wrong * s.skeleton[m.inner->skeleton.jump[e] + unknown]);
+          if (k == 0) work += std::abs(side[0](k, g)) * conforming.penetration[e];
+        }
+        total += length(m.mesh, e) * m.inner->kernel.trace.w[g] * work;
+      }
+  }
+  return total;
+}
+
+// A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
+bool unseen_couples(const Forces& f) {
+  return f.nodal.cols() > 0 && f.degree == 0;
+}
+
+// What the polynomials do not see of body force and tractions. v a displacement, f_h and g_h the polynomials:
+//   (f - f_h, u - v)_T <= (h/pi) |f - f_h| K |eps(u - v)| by Poincare's and Korn's inequalities on the triangle,
+//   |w|_e^2 <= |e| h^2/|T| (1/pi^2 + 1/pi) |grad w|_T^2 for w of zero mean over T by the divergence theorem,
+// and (f - f_h, v) is small because f - f_h is orthogonal to the polynomials in v.
+struct Oscillation {
+  double eta = 0, correction = 0;
+};
+Oscillation oscillation(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
+                        const std::vector<Share>& shares, const std::vector<std::vector<Index>>& edges) {
+  Oscillation o;
+  double square = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const Index t = static_cast<Index>(i);
+    double rest = 0;
+    if (f.nodal.cols() > 0) {
+      rest = f.left_out[t];
+      o.correction += rest * shares[i].rough;
+    }
+    const Triangle shape = triangle(m, t);
+    for (const Index k : edges[i]) {
+      const double h = diameter(shape), factor = length(m.mesh, data[k].edge) * h * h / area(shape);
+      constexpr double pi = std::numbers::pi;
+      rest += std::sqrt(factor * (1 / (pi * pi) + 1 / pi) * data[k].left_out);
+    }
+    if (rest > 0) square += std::pow(local_korn(shape) * rest, 2);
+  }
+  o.eta = std::sqrt(square);
+  return o;
+}
+
+std::string unavailable(const Model& m) {
+  const Element& e = m.element;
+  if (e.at_vertices != AtVertices::Nothing || is_symmetric(e))
+    return fmt::format("no bounds of the energy: they need the rotation of \"bdms\" or \"afw\", not \"{}\"", e.name);
+  for (const CrackLaw& law : m.scene.laws) {
+    if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
+      return "no bounds of the energy: the chords of a curved crack in contact do not slide";
+    if (has_friction(law)) return "no bounds of the energy: with friction the solution does not minimize one";
+  }
+  return {};
+}
+
+}  // namespace
+
+EnergyBounds energy_bounds(const Model& m, const Field& s) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
+  const Element& element = m.element;
+  const std::vector<EdgeData> data = edge_data(m);
+  const Forces f = forces(m);
+  const Conforming conforming = conforming_displacement(m, s, data);
+  const Eigen::MatrixXd statics = static_interior(m, s, f.couple);
+  const Bounding bounding{m, s, f, data, conforming, statics};
+
+  // Boundary data are of higher degree than the fields inside.
+  const int inside = std::max(stress_degree(element), element.trace + (f.nodal.cols() > 0 && !f.balanced ? 2 : 1));
+  const Reference plain = reference(element, inside, f), rich = reference(element, std::max(inside, data_carriers), f);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  std::vector<std::vector<Index>> edges(triangles);
+  for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
+  std::vector<Share> shares(triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Reference& r = edges[t].empty() ? plain : rich;
+      bounding.lower(r, t, edges[t], shares[t]);
+      bounding.upper(r, t, edges[t], shares[t]);
+    }
+  });
+
+  EnergyBounds result;
+  Share sum;
+  for (const Share& share : shares) {
+    sum.lower += share.lower;
+    sum.upper += share.upper;
+    sum.size += share.size;
+    sum.asymmetry = std::max(sum.asymmetry, share.asymmetry);
+    sum.stress = std::max(sum.stress, share.stress);
+    sum.divergence = std::max(sum.divergence, share.divergence);
+    sum.gradient = std::max(sum.gradient, share.gradient);
+  }
+  result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
+  result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
+  const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
+  double mu = m.scene.material.mu;  // the least: |eps|^2 <= energy/mu
+  for (const Material& material : m.scene.regions) mu = std::min(mu, material.mu);
+  const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
+  const Oscillation o = oscillation(m, data, f, shares, edges);
+  // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
+  const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
+  // An extension of the rest of the prescribed displacement; its energy is estimated.
+  constexpr double extension = 4;
+  const double mismatch = extension * std::sqrt(conforming.mismatch);
+  const double displaced = mismatch * std::sqrt(2 * gap) + mismatch * mismatch, above = o.correction + displaced;
+  result.oscillation = std::max(below, above);
+  result.lower = sum.lower - rounding - below;
+  result.upper = sum.upper + rounding + above;
+  if (!(result.lower <= result.upper))
+    return {nan, nan, result.oscillation, false, "no bounds of the energy: they are lost to rounding"};
+  constexpr double isochoric = 1e-9;
+  if (sum.divergence > isochoric * sum.gradient)
+    return {nan, nan, result.oscillation, false,
+            "no bounds of the energy: no admissible displacement without change of volume was found"};
+  constexpr double negligible = 0.01;
+  const bool asymptotic = unseen_couples(f) && below > negligible * gap;
+  result.guaranteed = displaced <= negligible * gap && !asymptotic;
+  if (!result.guaranteed)
+    result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
+                              asymptotic ? "body force is" : "prescribed displacements are");
+  return result;
+}
+
+}  // namespace kerf

@@ -1,0 +1,437 @@
+#include "solver/bounds/conforming.hpp"
+
+#include "solver/system.hpp"
+
+#include "kerf/recover.hpp"
+#include "solver/bounds/right_inverse.hpp"
+#include "solver/parallel.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace kerf {
+
+namespace {
+
+EdgeRule even(int n) {
+  EdgeRule rule{Eigen::VectorXd::LinSpaced(n + 1, 0, 1), Eigen::VectorXd(n + 1)};
+  const EdgeRule exact = gauss(n + 1);
+  rule.w = traces(rule, exact.s) * exact.w;
+  return rule;
+}
+
+int corner_at(const Mesh& mesh, Index t, Index vertex) {
+  const auto& v = mesh.triangles[t];
+  return v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
+}
+
+// 0 <= (v_right - v_left).n <= most, at the corners of a vertex on a unilateral crack.
+struct Opening {
+  Index edge, left, right;
+  Vec2 n;
+  double most;
+};
+
+// The point nearest to j with 0 <= n_i.j <= most_i. Zero is one.
+Vec2 project(const Vec2& j, const std::vector<Opening>& openings) {
+  struct Line {
+    Vec2 n;
+    double at;
+  };
+  std::vector<Line> lines;
+  for (const Opening& o : openings) lines.insert(lines.end(), {{o.n, 0}, {o.n, o.most}});
+  std::vector<Vec2> candidates{j};
+  for (const Line& a : lines) {
+    candidates.push_back(j + (a.at - a.n.dot(j)) * a.n);
+    for (const Line& b : lines) {
+      constexpr double parallel = 1e-6;
+      if (std::abs(cross(a.n, b.n)) < parallel) continue;
+      candidates.push_back(Vec2(a.at * b.n.y() - b.at * a.n.y(), b.at * a.n.x() - a.at * b.n.x()) / cross(a.n, b.n));
+    }
+  }
+  Vec2 best = Vec2::Zero();
+  const double rounding = 1e-10 * j.norm();  // the edges of a straight crack are not quite parallel
+  for (const Vec2& c : candidates) {
+    const bool allowed = std::all_of(openings.begin(), openings.end(), [&](const Opening& o) {
+      return o.n.dot(c) >= -rounding && o.n.dot(c) <= o.most + rounding;
+    });
+    if (allowed && (c - j).norm() < (best - j).norm()) best = c;
+  }
+  return best;
+}
+
+// The copies of a vertex where several cracks meet, moved as little as possible until 0 <= opening <= most on every
+// edge: those without room, and then those found to take too much, are held at it.
+void open_junction(const std::vector<Index>& copies, const std::vector<Opening>& openings, Points& v) {
+  const Eigen::Index n = 2 * static_cast<Eigen::Index>(copies.size());
+  const Index count = static_cast<Index>(openings.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, n);
+  Eigen::VectorXd start(n), most(count);
+  for (Eigen::Index i = 0; 2 * i < n; ++i) start.segment<2>(2 * i) = v.col(copies[i]);
+  for (Index i = 0; i < count; ++i) {
+    const auto place = [&](Index corner) {
+      return 2 * (std::find(copies.begin(), copies.end(), corner) - copies.begin());
+    };
+    rows.row(i).segment<2>(place(openings[i].right)) += openings[i].n.transpose();
+    rows.row(i).segment<2>(place(openings[i].left)) -= openings[i].n.transpose();
+    most[i] = openings[i].most;
+  }
+  const double rounding = 1e-10 * start.norm();
+  std::vector<bool> held(count);
+  for (Index i = 0; i < count; ++i) held[i] = most[i] <= rounding;
+  Eigen::VectorXd x;
+  for (bool changed = true; changed;) {
+    std::vector<Index> fixed, free;
+    for (Index i = 0; i < count; ++i) (held[i] ? fixed : free).push_back(i);
+    x = start;
+    Eigen::MatrixXd within = Eigen::MatrixXd::Identity(n, n);
+    if (!fixed.empty()) {
+      const Eigen::MatrixXd equal = rows(fixed, Eigen::all);
+      const Eigen::MatrixXd inverse = equal.completeOrthogonalDecomposition().pseudoInverse();
+      x += inverse * (most(fixed) - equal * x);
+      within -= inverse * equal;
+    }
+    if (!free.empty()) {
+      const Eigen::MatrixXd open = rows(free, Eigen::all) * within;
+      constexpr double regular = 1e-12;
+      const Eigen::MatrixXd gram =
+          open * open.transpose() + regular * Eigen::MatrixXd::Identity(open.rows(), open.rows());
+      x += open.transpose() * solve_unilateral(gram, -rows(free, Eigen::all) * x).jump;
+    }
+    changed = false;
+    for (const Index i : free)
+      if (rows.row(i).dot(x) > most[i] + rounding) held[i] = changed = true;
+  }
+  const Eigen::VectorXd opening = rows * x;
+  Vec2 mean = Vec2::Zero();
+  for (Eigen::Index i = 0; 2 * i < n; ++i) mean += 2 * x.segment<2>(2 * i) / static_cast<double>(n);
+  const bool possible = (opening.array() >= -rounding).all() && (opening.array() <= most.array() + rounding).all();
+  for (Eigen::Index i = 0; 2 * i < n; ++i) v.col(copies[i]) = possible ? Vec2(x.segment<2>(2 * i)) : mean;
+}
+
+// A component that a support prescribes at a corner.
+struct Held {
+  Vec2 direction;
+  double value;
+};
+
+Vec2 obey(Vec2 v, const std::vector<Held>& held) {
+  const Held* first = nullptr;
+  for (const Held& h : held) {
+    if (!first) {
+      v += (h.value - h.direction.dot(v)) * h.direction;
+      first = &h;
+      continue;
+    }
+    constexpr double parallel = 1e-6;
+    const double turn = cross(first->direction, h.direction);
+    if (std::abs(turn) < parallel) continue;
+    return Vec2(first->value * h.direction.y() - h.value * first->direction.y(),
+                h.value * first->direction.x() - first->value * h.direction.x()) /
+           turn;
+  }
+  return v;
+}
+
+// The nodes: corners (one per side of a crack that may open), then degree - 1 per edge (twice at such cracks), in the
+// direction of the edge. Interior ones are no concern of the neighbors.
+struct Nodes {
+  int degree;
+  Mesh mesh;  // bonded cracks are none
+  Corners corners;
+  std::vector<std::array<Index, 2>> slot;  // per edge: on its left and right
+  Index count = 0;
+
+  Index on_edge(Index e, int side, int i) const {  // i = 1 .. degree - 1
+    return static_cast<Index>(corners.vertex.size()) + slot[e][side] * (degree - 1) + i - 1;
+  }
+  Index corner(Index t, Index vertex) const {
+    return corners.of[t][corner_at(mesh, t, vertex)];
+  }
+  std::vector<Index> of(Index t) const {
+    std::vector<Index> nodes(dim(degree), none);
+    for (int i = 0; i < 3; ++i) {
+      const Index e = mesh.edges_of[t][i];
+      const int side = mesh.sides[e][0] == t ? 0 : 1;
+      for (int r = 0; r <= degree; ++r) {
+        std::array<int, 3> l{0, 0, 0};
+        l[(i + 1) % 3] = degree - r;
+        l[(i + 2) % 3] = r;
+        nodes[lattice_place(degree, l[1], l[2])] = r == 0        ? corners.of[t][(i + 1) % 3]
+                                                   : r == degree ? corners.of[t][(i + 2) % 3]
+                                                                 : on_edge(e, side, side == 0 ? r : degree - r);
+      }
+    }
+    return nodes;
+  }
+};
+
+Nodes make_nodes(const Model& m, int degree) {
+  Nodes n{degree, m.mesh, {}, {}, 0};
+  for (Index& crack : n.mesh.crack)
+    if (crack != none && m.scene.laws[crack].kind == CrackLaw::Kind::Bonded) crack = none;
+  n.corners = split_at_cracks(n.mesh);
+  Index slots = 0;
+  for (std::size_t e = 0; e < n.mesh.edges.size(); ++e) {
+    const Index left = slots++;
+    n.slot.push_back({left, n.mesh.crack[e] == none ? left : slots++});
+  }
+  n.count = static_cast<Index>(n.corners.vertex.size()) + slots * (degree - 1);
+  return n;
+}
+
+// Averages, weighted by area and stiffness, at the nodes of u*, which stays in `nodal` at the interior ones.
+Points averages(const Model& m, const Field& s, const Nodes& nodes, Eigen::MatrixXd& nodal) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const Points at = lattice(nodes.degree);
+  const TriangleRule rule{at, Eigen::VectorXd(at.cols())};
+  nodal.resize(2 * at.cols(), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Points u = recovered_displacement(m, s, t, rule_points(rule, triangle(m, t)));
+      nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+    }
+  });
+  Points sum = Points::Zero(2, nodes.count);
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(nodes.count);
+  for (Index t = 0; t < triangles; ++t) {
+    const std::vector<Index> of = nodes.of(t);
+    const double w = area(m.mesh, t) * material_of(m.mesh, m.scene, t).mu;
+    for (std::size_t i = 0; i < of.size(); ++i)
+      if (of[i] != none) {
+        sum.col(of[i]) += w * nodal.col(t).segment<2>(2 * static_cast<Eigen::Index>(i));
+        weight[of[i]] += w;
+      }
+  }
+  for (Index i = 0; i < nodes.count; ++i) sum.col(i) /= weight[i];
+  return sum;
+}
+
+// Mean over an edge of the multiplier on one of its sides, in the frame of the edge.
+Vec2 mean_trace(const Model& m, const Field& s, Index e, int side) {
+  Vec2 mean = Vec2::Zero();
+  for (Eigen::Index g = 0; g < m.inner->kernel.trace.w.size(); ++g)
+    for (int d = 0; d < 2; ++d) {
+      const Index local = 2 * static_cast<Index>(g) + d;
+      double value = s.skeleton[e * m.inner->skeleton.per_edge + local];
+      if (side == 1 && m.inner->skeleton.jump[e] != none) value += s.skeleton[m.inner->skeleton.jump[e] + local];
+      mean[d] += m.inner->kernel.trace.w[g] * value;
+    }
+  return mean;
+}
+
+double mean_opening(const Model& m, const Field& s, Index e) {
+  return std::max(0.0, mean_trace(m, s, e, 1).x() - mean_trace(m, s, e, 0).x());
+}
+
+template <class Visit>  // visit(edge) for every edge of a unilateral crack
+void on_unilateral_edges(const Model& m, Visit&& visit) {
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
+    if (m.scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+      for (const CrackEdge& crack : m.mesh.cracks[c]) visit(crack.edge);
+}
+
+// Supports at the corners, and openings there that leave every crack edge room for its mean opening: with the Bernstein
+// coefficients c_i of an opening of degree n, mean = sum c_i/(n + 1), all c_i can be >= 0 when c_0 + c_n <= (n + 1)
+// mean.
+void correct_corners(const Model& m, const Field& s, const Nodes& nodes, const std::vector<EdgeData>& data, Points& v) {
+  std::map<Index, std::vector<Held>> held;  // per corner
+  std::map<Index, std::vector<Held>> at_vertex;
+  for (const EdgeData& d : data)
+    for (int end = 0; end < 2; ++end)
+      for (int k = 0; k < 2; ++k)
+        if (d.held[k]) {
+          const Index vertex = m.mesh.edges[d.edge][end];
+          const Held here{m.inner->skeleton.frame[d.edge].col(k), d.ends(k, end)};
+          held[nodes.corner(d.triangle, vertex)].push_back(here);
+          at_vertex[vertex].push_back(here);
+        }
+  std::map<Index, std::vector<Opening>> openings;  // per vertex
+  on_unilateral_edges(m, [&](Index e) {
+    for (const Index vertex : m.mesh.edges[e]) {
+      const Opening o{e, nodes.corner(m.mesh.sides[e][0], vertex), nodes.corner(m.mesh.sides[e][1], vertex),
+                      m.inner->skeleton.frame[e].col(0), (nodes.degree + 1) * mean_opening(m, s, e)};
+      if (o.left != o.right) openings[vertex].push_back(o);
+    }
+  });
+  // The room of an edge is shared between its ends in proportion to what each would take alone.
+  std::map<Index, double> taken;
+  const auto alone = [&](const std::vector<Opening>& list, const Opening& o) {
+    std::vector<Opening> same;
+    for (const Opening& other : list)
+      if (other.left == o.left && other.right == o.right) same.push_back(other);
+    return std::max(0.0, o.n.dot(project(v.col(o.right) - v.col(o.left), same)));
+  };
+  for (const auto& [vertex, list] : openings)
+    for (const Opening& o : list) taken[o.edge] += alone(list, o);
+  for (auto& [vertex, list] : openings) {
+    std::vector<Opening> shared = list;
+    for (Opening& o : shared)
+      if (taken[o.edge] > o.most) o.most *= alone(list, o) / taken[o.edge];
+    list = shared;
+  }
+  for (auto& [vertex, list] : openings) {
+    std::vector<Index> copies;
+    for (const Opening& o : list)
+      for (const Index c : {o.left, o.right})
+        if (std::find(copies.begin(), copies.end(), c) == copies.end()) copies.push_back(c);
+    Vec2 mean = Vec2::Zero();
+    for (const Index c : copies) mean += v.col(c) / static_cast<double>(copies.size());
+    if (const auto fixed = at_vertex.find(vertex); fixed != at_vertex.end()) {  // the mouth of a crack in a support
+      for (const Index c : copies) v.col(c) = obey(mean, fixed->second);
+      continue;
+    }
+    if (copies.size() == 2) {
+      for (Opening& o : list)
+        if (o.left != copies[0]) o.n = -o.n;
+      const Vec2 jump = project(v.col(copies[1]) - v.col(copies[0]), list);
+      v.col(copies[0]) = mean - 0.5 * jump;
+      v.col(copies[1]) = mean + 0.5 * jump;
+      continue;
+    }
+    open_junction(copies, list, v);
+  }
+  for (const auto& [corner, list] : held)
+    if (!openings.contains(nodes.corners.vertex[corner])) v.col(corner) = obey(v.col(corner), list);
+}
+
+// The nodes of an edge on one side, with its corners.
+Points edge_values(const Nodes& nodes, const Points& v, Index e, int side) {
+  const Index t = nodes.mesh.sides[e][side];
+  Points value(2, nodes.degree + 1);
+  for (int i = 1; i < nodes.degree; ++i) value.col(i) = v.col(nodes.on_edge(e, side, i));
+  value.col(0) = v.col(nodes.corner(t, nodes.mesh.edges[e][0]));
+  value.col(nodes.degree) = v.col(nodes.corner(t, nodes.mesh.edges[e][1]));
+  return value;
+}
+
+// Bernstein coefficients of the opening made >= 0 with the mean kept, half the change on either side.
+// Returns how far the coefficients at the ends are below 0: rounding.
+double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const Vec2& n, Index e, Points& v) {
+  const int degree = nodes.degree;
+  const Eigen::VectorXd values = (edge_values(nodes, v, e, 1) - edge_values(nodes, v, e, 0)).transpose() * n;
+  const Eigen::VectorXd c = bernstein.partialPivLu().solve(values);
+  const auto inner = c.segment(1, degree - 1);
+  const double below = std::max({0.0, -c[0], -c[degree]});
+  if ((inner.array() >= 0).all()) return below;
+  const double sum = std::max(0.0, inner.sum()), positive = inner.cwiseMax(0).sum();
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(degree + 1);
+  change.segment(1, degree - 1) = (positive > 0 ? sum / positive : 0) * inner.cwiseMax(0) - inner;
+  change = bernstein * change;
+  for (int i = 1; i < degree; ++i) {
+    v.col(nodes.on_edge(e, 0, i)) -= 0.5 * change[i] * n;
+    v.col(nodes.on_edge(e, 1, i)) += 0.5 * change[i] * n;
+  }
+  return below;
+}
+
+// Prescribed components of an edge as linear + s (1 - s) p, p of degree 5 by moments, the ends given.
+struct Fit {
+  EdgeRule carrier = gauss(data_carriers), sample = gauss(data_samples);
+  Eigen::MatrixXd basis = traces(carrier, sample.s);
+  Eigen::VectorXd bump = sample.s.cwiseProduct((1 - sample.s.array()).matrix());
+  Eigen::LLT<Eigen::MatrixXd> mass{
+      Eigen::MatrixXd(basis * sample.w.cwiseProduct(bump).asDiagonal() * basis.transpose())};
+
+  struct Result {
+    Eigen::RowVectorXd p;
+    double square;  // mean square of what is left
+  };
+  Result fit(const Eigen::RowVectorXd& data, double first, double last) const {
+    const Eigen::RowVectorXd rest =
+        data - (first * (1 - sample.s.array()) + last * sample.s.array()).matrix().transpose();
+    const Eigen::VectorXd moment = basis * sample.w.asDiagonal() * rest.transpose();
+    Result r{mass.solve(moment).transpose(), 0};
+    const Eigen::RowVectorXd left = rest - (r.p * basis).cwiseProduct(bump.transpose());
+    r.square = left.cwiseAbs2().dot(sample.w.transpose());
+    return r;
+  }
+};
+
+}  // namespace
+
+Conforming conforming_displacement(const Model& m, const Field& s, const std::vector<EdgeData>& data) {
+  const int degree = m.element.trace + 1;
+  const Nodes nodes = make_nodes(m, degree);
+  Conforming result{degree, {}, {}, {}, {}, 0};
+  Points v = averages(m, s, nodes, result.nodal);
+  correct_corners(m, s, nodes, data, v);
+
+  const EdgeRule rule = even(degree);
+  std::vector<Index> place(m.mesh.edges.size(), none);
+  for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
+  const Fit fit;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const EdgeData* d = place[e] == none ? nullptr : &data[place[e]];
+    for (int side = 0; side < 2; ++side) {
+      if (m.mesh.sides[e][side] == none || (side == 1 && m.mesh.sides[e][0] != none && nodes.mesh.crack[e] == none))
+        continue;
+      const Points here = m.inner->skeleton.frame[e].transpose() * edge_values(nodes, v, e, side);
+      const Vec2 wanted = mean_trace(m, s, e, side);
+      for (int k = 0; k < 2; ++k) {
+        Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(degree + 1);
+        if (d && d->held[k]) {
+          const Fit::Result f = fit.fit(d->displacement.row(k), here(k, 0), here(k, degree));
+          for (int i = 1; i < degree; ++i) {
+            const double at = rule.s[i];
+            change[i] = here(k, 0) * (1 - at) + here(k, degree) * at +
+                        at * (1 - at) * f.p.dot(trace_basis(fit.carrier, at)) - here(k, i);
+          }
+        } else {
+          const double rest = wanted[k] - here.row(k).dot(rule.w);
+          for (int i = 1; i < degree; ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
+        }
+        for (int i = 1; i < degree; ++i)
+          v.col(nodes.on_edge(e, side, i)) += change[i] * m.inner->skeleton.frame[e].col(k);
+      }
+    }
+  }
+
+  Eigen::MatrixXd bernstein(degree + 1, degree + 1);
+  for (int i = 0; i <= degree; ++i)
+    for (int k = 0; k <= degree; ++k)
+      bernstein(i, k) = std::round(std::tgamma(degree + 1) / (std::tgamma(k + 1) * std::tgamma(degree - k + 1))) *
+                        std::pow(rule.s[i], k) * std::pow(1 - rule.s[i], degree - k);
+  result.penetration.assign(m.mesh.edges.size(), 0);
+  on_unilateral_edges(m, [&](Index e) {
+    result.penetration[e] = correct_opening(nodes, bernstein, m.inner->skeleton.frame[e].col(0), e, v);
+  });
+
+  // What the supported edges still miss.
+  const Eigen::MatrixXd at_carrier = traces(rule, fit.carrier.s);
+  for (const EdgeData& d : data) {
+    const Points here = m.inner->skeleton.frame[d.edge].transpose() *
+                        edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == none ? 1 : 0);
+    EdgePolynomial value = here * at_carrier, bubble = EdgePolynomial::Zero();
+    for (int k = 0; k < 2; ++k) {
+      if (!d.held[k]) continue;
+      const Fit::Result f = fit.fit(d.displacement.row(k), here(k, 0), here(k, degree));
+      const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
+      result.mismatch += 2 * material_of(m.mesh, m.scene, d.triangle).mu * (f.square + ends);
+      for (int g = 0; g < data_carriers; ++g) {
+        const double at = fit.carrier.s[g];
+        const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;
+        bubble(k, g) = f.p[g] - (value(k, g) - linear) / (at * (1 - at));
+        value(k, g) = linear + at * (1 - at) * f.p[g];
+      }
+    }
+    result.bubble.emplace_back(m.inner->skeleton.frame[d.edge] * bubble);
+    result.value.push_back(value);
+  }
+
+  parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const std::vector<Index> of = nodes.of(t);
+      for (std::size_t i = 0; i < of.size(); ++i)
+        if (of[i] != none) result.nodal.col(t).segment<2>(2 * static_cast<Eigen::Index>(i)) = v.col(of[i]);
+    }
+  });
+  return result;
+}
+
+}  // namespace kerf

@@ -1,0 +1,131 @@
+#include "solver/bounds/polynomial_data.hpp"
+
+#include "solver/system.hpp"
+
+#include "solver/bounds/right_inverse.hpp"
+#include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+Eigen::MatrixXd projection(int degree, const TriangleRule& rule) {
+  const Eigen::MatrixXd basis = interpolation(degree, rule.x);  // of the Lagrange functions at the points
+  const Eigen::MatrixXd weighted = rule.w.asDiagonal() * basis;
+  return Eigen::MatrixXd(basis.transpose() * weighted).partialPivLu().solve(weighted.transpose());
+}
+
+Eigen::MatrixXd traces(const EdgeRule& carrier, const Eigen::VectorXd& s) {
+  Eigen::MatrixXd value(carrier.s.size(), s.size());
+  for (Eigen::Index q = 0; q < s.size(); ++q) value.col(q) = trace_basis(carrier, s[q]);
+  return value;
+}
+
+double diameter(const Triangle& t) {
+  double h = 0;
+  for (int i = 0; i < 3; ++i) h = std::max(h, (t.x[(i + 1) % 3] - t.x[i]).norm());
+  return h;
+}
+
+Forces forces(const Model& m) {
+  const Element& e = m.element;
+  Forces f;
+  if (!m.scene.body) return f;
+  f.degree = !m.inner->floating.empty() && e.displacement == 0 ? 0 : e.trace + 1;
+  const TriangleRule& rule = m.inner->kernel.load;
+  const Eigen::MatrixXd project = projection(f.degree, rule), back = interpolation(f.degree, rule.x),
+                        mean = interpolation(e.displacement, rule.x) * projection(e.displacement, rule);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  f.nodal.resize(2 * dim(f.degree), triangles);
+  f.couple = Eigen::VectorXd::Zero(triangles);
+  f.left_out.resize(triangles);
+  Eigen::VectorXd size(triangles), rest(triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Triangle shape = triangle(m, t);
+      const Points x = rule_points(rule, shape);
+      Points value(2, x.cols());
+      for (Eigen::Index q = 0; q < x.cols(); ++q) value.col(q) = m.scene.body(x.col(q));
+      const Points nodal = value * project.transpose(), seen = nodal * back.transpose();
+      const Points unseen = seen - value * mean.transpose();  // by the element
+      f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
+      const double square = area(shape) * (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
+      f.left_out[t] = diameter(shape) / std::numbers::pi * std::sqrt(square);
+      size[t] = value.cwiseAbs().maxCoeff();
+      rest[t] = unseen.cwiseAbs().maxCoeff();
+      if (e.displacement == 0)
+        for (Eigen::Index q = 0; q < x.cols(); ++q)
+          f.couple[t] -= rule.w[q] * cross(unseen.col(q), x.col(q) - centroid(shape));
+    }
+  });
+  f.balanced = rest.maxCoeff() <= 1e3 * std::numeric_limits<double>::epsilon() * size.maxCoeff();
+  if (f.balanced || e.displacement > 0) f.couple.resize(0);
+  return f;
+}
+
+std::vector<EdgeData> edge_data(const Model& m) {
+  const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_samples);
+  const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(m.inner->kernel.trace, sample.s),
+                        trace_at_carrier = traces(m.inner->kernel.trace, carrier.s);
+  std::vector<Index> place(m.mesh.edges.size(), none);
+  std::vector<EdgeData> data;
+  std::vector<Eigen::Matrix<double, 2, data_samples>> load;
+  const auto entry = [&](Index e) {
+    if (place[e] == none) {
+      place[e] = static_cast<Index>(data.size());
+      EdgeData d;
+      d.edge = e;
+      d.triangle = m.mesh.sides[e][m.mesh.sides[e][0] == none ? 1 : 0];
+      while (m.mesh.edges_of[d.triangle][d.side] != e) ++d.side;
+      d.displacement.setZero();
+      data.push_back(d);
+      load.emplace_back(decltype(load)::value_type::Zero());
+    }
+    return place[e];
+  };
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    if (m.mesh.label[e] == none) continue;
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    const Vec2 n = m.mesh.sides[e][1] == none ? normal(m.mesh, e) : Vec2(-normal(m.mesh, e));
+    for (const Support& support : m.scene.supports) {
+      if (support.label != m.mesh.label[e]) continue;
+      EdgeData& d = data[entry(e)];
+      for (int k = 0; k < 2; ++k) {
+        if (!(k == 0 ? support.first : support.second)) continue;
+        d.held[k] = true;
+        for (int q = 0; q < data_samples; ++q) d.displacement(k, q) = support.value(a + sample.s[q] * side, n)[k];
+        d.ends.row(k) << support.value(a, n)[k], support.value(a + side, n)[k];
+      }
+    }
+    for (const Traction& traction : m.scene.tractions) {
+      if (traction.label != m.mesh.label[e]) continue;
+      auto& l = load[entry(e)];
+      for (int q = 0; q < data_samples; ++q)
+        l.col(q) += m.inner->skeleton.frame[e].transpose() * traction.value(a + sample.s[q] * side, n);
+    }
+  }
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    EdgeData& d = data[i];
+    const Eigen::Matrix<double, 2, data_samples> weighted = load[i] * sample.w.asDiagonal();
+    d.load = weighted * basis.transpose() * carrier.w.cwiseInverse().asDiagonal();
+    d.unbalanced =
+        d.load - weighted * trace.transpose() * m.inner->kernel.trace.w.cwiseInverse().asDiagonal() * trace_at_carrier;
+    const Eigen::Matrix<double, 2, data_samples> rest = load[i] - d.load * basis;
+    for (int k = 0; k < 2; ++k) {
+      if (d.held[k])
+        d.unbalanced.row(k).setZero();
+      else
+        d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
+    }
+  }
+  return data;
+}
+
+}  // namespace kerf

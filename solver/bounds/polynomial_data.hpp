@@ -1,0 +1,44 @@
+#pragma once
+// Body force and boundary data as the bounds of the energy see them: polynomials per triangle and per edge.
+
+#include "solver/system.hpp"
+
+namespace kerf {
+
+/// From values at the points of a rule to values on lattice(degree) of the L2 projection onto P_degree.
+Eigen::MatrixXd projection(int degree, const TriangleRule& rule);
+/// Values at the points s in [0, 1] of the polynomials carried by the points of a rule: a column per point.
+Eigen::MatrixXd traces(const EdgeRule& carrier, const Eigen::VectorXd& s);
+double diameter(const Triangle& t);
+
+/// Body force as polynomials f_h of degree trace + 1. A body held by nothing is in equilibrium with the forces that the
+/// element sees, which are taken instead where displacements are constant.
+struct Forces {
+  int degree = 0;
+  Eigen::MatrixXd nodal;   // x, y at lattice(degree), a column per triangle; no columns without a body force
+  bool balanced = true;    // div s_h = -f already, so that no local correction is needed
+  Eigen::VectorXd couple;  // per triangle, the mean asymmetry that its correction has; only with constant displacements
+  Eigen::VectorXd left_out;  // per triangle h/pi |f - its polynomial|
+};
+
+Forces forces(const Model& model);
+
+/// Points per edge that carry boundary data as polynomials, and that sample them.
+inline constexpr int data_carriers = 6, data_samples = 8;
+using EdgePolynomial = Eigen::Matrix<double, 2, data_carriers>;  // values at gauss(data_carriers)
+
+/// Data of one boundary edge that a support or a traction names, in the components of its frame.
+struct EdgeData {
+  Index edge = none;
+  Index triangle = none;
+  int side = 0;                                         // number of the edge in the triangle
+  std::array<bool, 2> held{false, false};               // prescribed components
+  Eigen::Matrix<double, 2, data_samples> displacement;  // prescribed values at gauss(data_samples), else 0
+  Mat2 ends = Mat2::Zero();                             // and at the two ends (columns)
+  EdgePolynomial load = EdgePolynomial::Zero();         // tractions, projected onto P5
+  EdgePolynomial unbalanced = EdgePolynomial::Zero();   // load minus its projection onto P_trace; 0 where held
+  double left_out = 0;                                  // integral of the square of what P5 does not see
+};
+std::vector<EdgeData> edge_data(const Model& model);
+
+}  // namespace kerf

@@ -1,0 +1,17 @@
+#pragma once
+// The solution made ready to become a statically admissible stress.
+
+#include "solver/system.hpp"
+
+namespace kerf {
+
+/// The antisymmetric stress with s12 - s21 = asymmetry. It has no divergence.
+Mat2 antisymmetric(double asymmetry);
+
+/// Interior fields of the solution plus its response to two changes. On unilateral cracks the normal stress is nowhere
+/// tension: its Bernstein coefficients on every edge are <= 0, which pressure at the Gauss points does not imply. And
+/// with antisymmetric(couple[t]) on top of each triangle (no couples: empty) the tractions balance. Uses the factor of
+/// the model and nothing else of how the state was found.
+Eigen::MatrixXd static_interior(const Model& model, const Field& state, const Eigen::VectorXd& couple);
+
+}  // namespace kerf

@@ -1,0 +1,105 @@
+#include "solver/contact/contact.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+// S_MM = C C' on the moving rows M. C grows at its end; rows that may soon be held are put there, so that most of C
+// stays when they leave.
+class MovingBlock {
+ public:
+  MovingBlock(const Eigen::MatrixXd& S, const Eigen::VectorXd& r)
+      : S_(S), r_(r), factor_(S.rows(), S.cols()), size_(r.cwiseQuotient(S.diagonal()).cwiseAbs()) {}
+
+  Response solve(const std::vector<Motion>& motion, const Eigen::VectorXd& force) {
+    factorize(motion);
+    Response response{Eigen::VectorXd::Zero(r_.size()), -r_};
+    if (rows_.empty()) return response;
+    Eigen::VectorXd value = r_(rows_) + force(rows_);
+    const auto c = factor_.topLeftCorner(value.size(), value.size()).triangularView<Eigen::Lower>();
+    c.solveInPlace(value);
+    c.transpose().solveInPlace(value);
+    response.jump(rows_) = value;
+    response.force.noalias() += S_ * response.jump;
+    size_ = response.jump.cwiseAbs();
+    return response;
+  }
+
+ private:
+  void factorize(const std::vector<Motion>& motion) {
+    const auto moves = [&](Index i) { return motion[i] != Motion::Held; };
+    rows_.erase(std::find_if_not(rows_.begin(), rows_.end(), moves), rows_.end());
+    std::vector<bool> here(motion.size(), false);
+    for (const Index i : rows_) here[i] = true;
+    std::vector<Index> next;
+    for (Index i = 0; i < static_cast<Index>(motion.size()); ++i)
+      if (moves(i) && !here[i]) next.push_back(i);
+    if (next.empty()) return;
+    std::stable_sort(next.begin(), next.end(), [&](Index a, Index b) { return size_[a] > size_[b]; });
+    const Eigen::Index kept = static_cast<Eigen::Index>(rows_.size()), added = static_cast<Eigen::Index>(next.size());
+    auto corner = factor_.block(kept, kept, added, added);
+    corner = S_(next, next);
+    if (kept > 0) {
+      Eigen::MatrixXd beside = S_(rows_, next);
+      factor_.topLeftCorner(kept, kept).triangularView<Eigen::Lower>().solveInPlace(beside);
+      corner.selfadjointView<Eigen::Lower>().rankUpdate(beside.transpose(), -1);
+      factor_.block(kept, 0, added, kept) = beside.transpose();
+    }
+    Eigen::Ref<Eigen::MatrixXd> block = corner;
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(block);
+    if (in_place.info() != Eigen::Success) block.setConstant(std::numeric_limits<double>::quiet_NaN());
+    rows_.insert(rows_.end(), next.begin(), next.end());
+  }
+
+  const Eigen::MatrixXd& S_;
+  const Eigen::VectorXd& r_;
+  Eigen::MatrixXd factor_;
+  std::vector<Index> rows_;
+  Eigen::VectorXd size_;  // |jump| of the last response
+};
+
+}  // namespace
+
+Contact dual_qp(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points,
+                const std::vector<Motion>& guess) {
+  // A set costs up to n^3: a budget in work, so that no contact problem can run for ever.
+  constexpr double most_work = 1e13;
+  const double n = static_cast<double>(r.size());
+  MovingBlock block(S, r);
+  const Eliminated system{
+      static_cast<Index>(r.size()),
+      [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) { return block.solve(motion, force); },
+      static_cast<int>(std::clamp(most_work / (n * n * n), 100.0, 5000.0))};
+  return active_set(system, points, guess);
+}
+
+Unilateral solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed) {
+  std::vector<ContactPoint> points(r.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].normal = static_cast<Index>(i);
+  std::vector<Motion> guess(closed.size());
+  for (std::size_t i = 0; i < closed.size(); ++i) guess[i] = closed[i] ? Motion::Held : Motion::Forward;
+  Contact c = dual_qp(S, r, points, guess);
+  std::vector<bool> held(c.motion.size());
+  for (std::size_t i = 0; i < held.size(); ++i) held[i] = c.motion[i] == Motion::Held;
+  return {std::move(c.jump), std::move(c.force), std::move(held), c.iterations, c.converged};
+}
+
+Eigen::VectorXd open_jumps(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed) {
+  std::vector<Index> open;
+  for (std::size_t i = 0; i < closed.size(); ++i)
+    if (!closed[i]) open.push_back(static_cast<Index>(i));
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(r.size());
+  if (open.empty()) return jump;
+  const Eigen::MatrixXd part = S(open, open);
+  const Eigen::VectorXd load = r(open), value = part.llt().solve(load);
+  jump(open) = value;
+  return jump;
+}
+
+}  // namespace kerf

@@ -1,0 +1,34 @@
+#include "solver/contact/law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+Admissible admissible(const std::vector<ContactPoint>& points, const Eigen::VectorXd& force) {
+  Admissible a{Eigen::VectorXd::Zero(force.size()), Eigen::VectorXd::Zero(force.size())};
+  for (const ContactPoint& p : points) {
+    a.high[p.normal] = std::numeric_limits<double>::infinity();
+    if (p.tangential == none) continue;
+    a.high[p.tangential] = p.slip_bound + p.friction * std::max(force[p.normal], 0.0);
+    a.low[p.tangential] = -a.high[p.tangential];
+  }
+  return a;
+}
+
+double optimality(const std::vector<ContactPoint>& points, const Eigen::VectorXd& jump, const Eigen::VectorXd& force,
+                  double load) {
+  if (!jump.allFinite() || !force.allFinite()) return std::numeric_limits<double>::infinity();
+  if (jump.size() == 0 || load == 0) return 0;
+  const Admissible a = admissible(points, force);
+  const double largest = jump.cwiseAbs().maxCoeff();
+  double worst = 0;
+  for (Eigen::Index i = 0; i < jump.size(); ++i) {
+    const double p = force[i] / load, j = largest > 0 ? jump[i] / largest : 0;
+    worst = std::max(worst, std::abs(p - std::clamp(p - j, a.low[i] / load, a.high[i] / load)));
+  }
+  return worst;
+}
+
+}  // namespace kerf

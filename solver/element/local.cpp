@@ -1,0 +1,208 @@
+#include "solver/element/local.hpp"
+
+#include "solver/polynomial.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+// One file per family instantiates the kernel.
+const Operations* bdms_operations(int degree);
+const Operations* afw_operations(int degree);
+const Operations* continuous_rotation_operations(Cut cut);
+const Operations* arnold_winther_operations(Cut cut);
+const Operations* vertex_stress_operations();
+const Operations* displacement_operations(int degree);
+
+namespace {
+
+const Operations* operations(const Element& e) {
+  switch (e.at_vertices) {
+    case AtVertices::Displacement:
+      return displacement_operations(e.displacement);
+    case AtVertices::Stress:
+      return vertex_stress_operations();
+    case AtVertices::Rotation:
+      return continuous_rotation_operations(e.cut);
+    case AtVertices::Nothing:
+      break;
+  }
+  if (is_symmetric(e)) return arnold_winther_operations(e.cut);
+  return e.bubble < 0 ? afw_operations(e.degree) : bdms_operations(e.degree);
+}
+
+// Orthonormal basis of the vectors that the rows of `conditions` annihilate.
+Eigen::MatrixXd null_space(const Eigen::MatrixXd& conditions) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(conditions.transpose());
+  const Eigen::MatrixXd q = qr.householderQ();
+  return q.rightCols(q.cols() - qr.rank());
+}
+
+Eigen::MatrixXd constant_cut(const Element& e) {
+  const int monomials = dim(e.stress), full = stress_count(e);
+  switch (e.cut) {
+    case Cut::None:
+      break;
+    case Cut::RaviartThomas: {
+      // The constants, xi in either row, the bubbles.
+      Eigen::MatrixXd span = Eigen::MatrixXd::Zero(full, stress_dimension(e));
+      span.topLeftCorner<4, 4>().setIdentity();
+      for (int row = 0; row < 2; ++row)
+        for (int axis = 0; axis < 2; ++axis) span(4 * (1 + axis) + 2 * row + axis, 4 + row) = 1;
+      const int bubbles = full - 4 * monomials;
+      span.bottomRightCorner(bubbles, bubbles).setIdentity();
+      return span;
+    }
+    case Cut::LinearNormal:
+    case Cut::LinearDivergence: {
+      // Symmetry; then no derivatives of the divergence beyond P_1. The conditions of LinearNormal depend on the
+      // triangle.
+      const int high = e.cut == Cut::LinearDivergence ? dim(e.stress - 1) - dim(1) : 0;
+      Eigen::MatrixXd conditions = Eigen::MatrixXd::Zero(monomials + 2 * high, full);
+      for (int m = 0; m < monomials; ++m) {
+        conditions(m, 4 * m + 1) = 1;
+        conditions(m, 4 * m + 2) = -1;
+      }
+      const Eigen::MatrixXd d[2] = {derivative(e.stress, 0), derivative(e.stress, 1)};
+      for (int row = 0; row < 2; ++row)
+        for (int k = 0; k < high; ++k)
+          for (int axis = 0; axis < 2; ++axis)
+            for (int m = 0; m < monomials; ++m)
+              conditions(monomials + 2 * k + row, 4 * m + 2 * row + axis) = d[axis](dim(1) + k, m);
+      return null_space(conditions);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+double area(const Triangle& t) {
+  return 0.5 * cross(t.x[1] - t.x[0], t.x[2] - t.x[0]);
+}
+
+Vec2 centroid(const Triangle& t) {
+  return (t.x[0] + t.x[1] + t.x[2]) / 3;
+}
+
+Kernel kernel(const Element& e) {
+  const int points = points_per_edge(e);
+  Kernel k{e,
+           operations(e),
+           constant_cut(e),
+           triangle_rule(2 * stress_degree(e)),
+           triangle_rule(8 + e.displacement),
+           points > 0 ? gauss(points) : EdgeRule{},
+           gauss(std::max({1, e.stress, points})),
+           {}};
+  k.trace_at_edge.resize(points, k.edge.s.size());
+  for (Eigen::Index q = 0; q < k.edge.s.size(); ++q) k.trace_at_edge.col(q) = trace_basis(k.trace, k.edge.s[q]);
+  return k;
+}
+
+Points rule_points(const TriangleRule& rule, const Triangle& t) {
+  Points x(2, rule.w.size());
+  for (Eigen::Index q = 0; q < x.cols(); ++q)
+    x.col(q) = (1 - rule.x(0, q) - rule.x(1, q)) * t.x[0] + rule.x(0, q) * t.x[1] + rule.x(1, q) * t.x[2];
+  return x;
+}
+
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force) {
+  const Points x = rule_points(k.load, t);
+  const Eigen::MatrixXd v = monomials(k.element.displacement, (x.colwise() - centroid(t)) / std::sqrt(2 * area(t)));
+  ForceMoments moments = ForceMoments::Zero(displacement_count(k.element));
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const Vec2 at = x.col(q), value = force(at);
+    if (!value.allFinite())
+      throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", at.x(), at.y()));
+    for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += k.load.w[q] * v(b, q) * value;
+  }
+  return moments;
+}
+
+double legendre(int k, double s) {
+  const double x = 2 * s - 1;
+  double before = 0, value = 1;
+  for (int n = 0; n < k; ++n) {
+    const double next = ((2 * n + 1) * x * value - n * before) / (n + 1);
+    before = value;
+    value = next;
+  }
+  return std::sqrt(2.0 * k + 1) * value;
+}
+
+Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
+  const Vec2& from = t.x[(edge + 1) % 3];
+  const Vec2& to = t.x[(edge + 2) % 3];
+  const double along = t.forward[edge] ? k.trace.s[point] : 1 - k.trace.s[point];
+  return from + along * (to - from);
+}
+
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                   const Penalty& penalty) {
+  return k.run->condense(k, t, material, force, penalty);
+}
+
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m, const Penalty& penalty) {
+  return k.run->interior(k, t, material, force, m, penalty);
+}
+
+Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m) {
+  if (k.run->interiors) return k.run->interiors(k, t, material, m);
+  Eigen::MatrixXd all(interior_count(k.element), m.cols());
+  for (Eigen::Index i = 0; i < m.cols(); ++i) all.col(i) = interior(k, t, material, {}, m.col(i));
+  return all;
+}
+
+LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
+  if (k.run->local_system) return k.run->local_system(k, t, material, force);
+  throw Error(Fault::Usage,
+              fmt::format("element \"{}\" has no saddle-point system of its own (backend \"umfpack\"); use a mixed "
+                          "element, such as \"bdms\", or the backend \"cholmod\"",
+                          k.element.name));
+}
+
+Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
+                            const SkeletonVector& m) {
+  return k.run->interior_of(k, t, material, local, m);
+}
+
+namespace {
+void require_dual(const Kernel& k) {
+  if (!k.run->condense_dual)
+    throw Error(Fault::Usage,
+                fmt::format("element \"{}\" has no adjoint; use a mixed element, such as \"bdms\"", k.element.name));
+}
+}  // namespace
+
+DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                       const Penalty& penalty) {
+  require_dual(k);
+  return k.run->condense_dual(k, t, material, J, penalty);
+}
+
+Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                              const SkeletonVector& mu, const Penalty& penalty) {
+  require_dual(k);
+  return k.run->interior_dual(k, t, material, J, mu, penalty);
+}
+
+Eigen::VectorXd weigh(const Kernel& k, const Triangle& t, const Points& x, const Fields& w) {
+  return k.run->weigh(t, x, w);
+}
+
+Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x) {
+  return k.run->evaluate(t, interior, x);
+}
+
+Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior,
+                          const Vec2& x) {
+  return k.run->stress_at(t, interior, x);
+}
+
+}  // namespace kerf

@@ -1,0 +1,155 @@
+#pragma once
+// One triangle: the dense stationary system of the element, its condensation onto the edges, and the way back. The only
+// place where unknowns are eliminated.
+
+#include "kerf/scene.hpp"
+#include "kerf/state.hpp"
+#include "solver/element/spaces.hpp"
+#include "solver/quadrature.hpp"
+
+#include <array>
+
+namespace kerf {
+
+struct Triangle {
+  std::array<Vec2, 3> x;        // counter-clockwise; edge i is opposite vertex i
+  std::array<Mat2, 3> frame;    // per edge: columns are the directions of its two components
+  std::array<bool, 3> forward;  // the edge's own direction (smaller to larger vertex) is counter-clockwise here
+  // Per vertex, columns are what its unknowns stand for: displacements (2 x 2), or stresses s11, s22, sqrt(2) s12.
+  std::array<Eigen::Matrix3d, 3> corner = {Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity(),
+                                           Eigen::Matrix3d::Identity()};
+  // Per edge its frames at the Gauss points where they differ along it (curved cracks), or nothing.
+  std::array<const Mat2*, 3> bent = {nullptr, nullptr, nullptr};
+};
+
+inline const Mat2& frame_at(const Triangle& t, int edge, int point) {
+  return t.bent[edge] ? t.bent[edge][point] : t.frame[edge];
+}
+
+/// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame;
+/// then per vertex.
+inline constexpr int max_skeleton = 24;
+using SkeletonMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
+using SkeletonVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_skeleton, 1>;
+
+struct Operations;  // of one element on one triangle
+
+/// What the local problems of one element share: quadrature and trace points. Made once per model.
+struct Kernel {
+  Element element;
+  const Operations* run;
+  Eigen::MatrixXd cut;            // per stress function its coefficients in the full tensors, where the cut is constant
+  TriangleRule rule;              // exact for products of two stresses
+  TriangleRule load;              // for data: exact to degree 8
+  EdgeRule trace;                 // the Gauss points that carry the multipliers; the middle in p2
+  EdgeRule edge;                  // exact for the moments of a normal stress of higher degree than the trace
+  Eigen::MatrixXd trace_at_edge;  // the trace functions at its points
+};
+Kernel kernel(const Element& e);
+
+/// Means over T of f v for v in P_displacement(T)^2 (monomials scaled to the triangle): all that the element sees of f.
+/// With stresses at vertices the data of supported edges follow, whose normal stress is cubic but whose trace is
+/// linear: per edge the x, y components of the Legendre coefficients 2 and 3 of the prescribed displacement, along the
+/// edge.
+using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
+inline constexpr int cubic_trace_count = 12;
+/// The means alone.
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
+/// Orthonormal Legendre polynomial of degree k on [0, 1].
+double legendre(int k, double s);
+
+/// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| /
+/// 2, t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found
+/// by a short iteration [iterated penalty, elements.md section 5]. a = 0: neither.
+struct Penalty {
+  double a = 0;      // compliance
+  double theta = 0;  // strain, from the sweep before
+};
+
+/// Stationary point over (s, u, r) for given edge displacements m of
+///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
+/// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
+/// `force` holds the moments of f (see force_moments), or is empty when there is none.
+struct Condensed {
+  SkeletonMatrix K;  // symmetric, positive semidefinite: the rigid motions are its kernel
+  SkeletonVector F;
+  // With a penalty: theta changes F by -theta trace, and mean(tr s) = trace.m/|T| + own + theta by_theta.
+  SkeletonVector trace;
+  double own = 0, by_theta = 0;
+};
+Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                   const Penalty& penalty = {});
+
+/// Coefficients (s, u, r) from the edge displacements; the same elimination, backwards.
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m, const Penalty& penalty = {});
+
+/// The same for several traces without a body force (columns), one elimination.
+Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
+
+/// The dual local problem: the same matrix under right-hand sides -J, J the derivative of a quantity by the interior
+/// coefficients (s, u, r; as long as an interior column).
+struct DualLoad {
+  SkeletonVector F;  // K mu = sum_T F + derivatives by the skeleton
+  double own = 0;    // as Condensed::own
+};
+/// Both throw Error(Usage) for elements that are not mixed or have stresses at vertices.
+DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                       const Penalty& penalty = {});
+Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
+                              const SkeletonVector& mu, const Penalty& penalty = {});
+
+Fields evaluate(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior, const Points& x);
+/// Its transpose: the derivative by the interior coefficients of sum_q w_q . fields(x_q).
+Eigen::VectorXd weigh(const Kernel& k, const Triangle& t, const Points& x, const Fields& w);
+
+/// The local problem as it stands, for formulations that do not condense it. In xi = (x - centroid)/h with u = h u_xi,
+/// m = h m_xi (rotations at vertices, the last columns of Ct, as they are), h^2 times it is the problem in x:
+///   M s + Bt (u_xi, r) = Ct m_xi,   Bt' s = given,   tractions = h Ct' s.
+struct LocalSystem {
+  double h;
+  Eigen::MatrixXd M, Bt, Ct;
+  Eigen::VectorXd given, trace;  // trace: int tr s, in xi
+};
+/// Throws Error(Usage) for an element that has no such problem.
+LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force);
+/// Coefficients (s, u, r) from a solution s, (u_xi, r) of it; of m only what lives at vertices.
+Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
+                            const SkeletonVector& m);
+
+/// How local.cpp reaches the code of an element.
+struct Operations {
+  Condensed (*condense)(const Kernel&, const Triangle&, const Material&, const ForceMoments&, const Penalty&);
+  Eigen::VectorXd (*interior)(const Kernel&, const Triangle&, const Material&, const ForceMoments&,
+                              const SkeletonVector&, const Penalty&);
+  Fields (*evaluate)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Points&);
+  Eigen::Vector4d (*stress_at)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Vec2&);
+  Eigen::VectorXd (*weigh)(const Triangle&, const Points&, const Fields&);
+  // Of mixed elements without stresses at vertices:
+  LocalSystem (*local_system)(const Kernel&, const Triangle&, const Material&, const ForceMoments&) = nullptr;
+  Eigen::VectorXd (*interior_of)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                                 const SkeletonVector&) = nullptr;
+  DualLoad (*condense_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                            const Penalty&) = nullptr;
+  Eigen::VectorXd (*interior_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
+                                   const SkeletonVector&, const Penalty&) = nullptr;
+  Eigen::MatrixXd (*interiors)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&) = nullptr;
+};
+
+/// s11, s12, s21, s22 as a matrix.
+inline Mat2 tensor(const Eigen::Vector4d& s) {
+  return (Mat2() << s[0], s[1], s[2], s[3]).finished();
+}
+
+/// Stress alone at one point: what maps ask for, without allocation.
+Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const Eigen::VectorXd> interior,
+                          const Vec2& x);
+
+double area(const Triangle& t);
+Vec2 centroid(const Triangle& t);
+Points rule_points(const TriangleRule& rule, const Triangle& t);
+/// The k-th Gauss point of edge i.
+Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point);
+
+}  // namespace kerf

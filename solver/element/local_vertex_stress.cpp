@@ -1,0 +1,141 @@
+// The conforming Arnold-Winther element: the stress tensors at the vertices are skeleton unknowns beside P_1 traces on
+// the edges. With s = I z + E v, v the vertex values, the local problem is stationary in (z, u); what is left is
+// positive in the traces and negative in v: quasi-definite. Small dense matrices: an element to check others with.
+#include "solver/element/mixed.hpp"
+
+#include <Eigen/LU>
+
+namespace kerf {
+
+namespace {
+
+constexpr const Element& E = arnold_winther_conforming;
+using Base = MixedTriangle<E>;
+
+struct Split {
+  Base::System<Base::S> system;
+  Eigen::MatrixXd span;          // F x S
+  Eigen::VectorXd edge;          // S: int (u_D - its linear part) . s n, in xi
+  Eigen::MatrixXd inner, outer;  // S x (S - 9) and S x 9: no values at the vertices; unit values in the vertex frames
+};
+
+Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matrix<double, cubic_trace_count, 1>& data) {
+  static const EdgeRule rule = gauss(4);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(Base::F);
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 side = s.x[(e + 2) % 3] - s.x[(e + 1) % 3], n(side.y(), -side.x());
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const Vec2 u =
+          legendre(2, rule.s[q]) * data.segment<2>(4 * e) + legendre(3, rule.s[q]) * data.segment<2>(4 * e + 2);
+      const double along = t.forward[e] ? rule.s[q] : 1 - rule.s[q];
+      const auto v = Base::monomials_at(s.x[(e + 1) % 3] + along * side);
+      for (int m = 0; m < Base::P; ++m)
+        for (int c = 0; c < 4; ++c) load[4 * m + c] += rule.w[q] / s.h * v[m] * u[c / 2] * n[c % 2];
+    }
+  }
+  return load;
+}
+
+Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
+  const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
+  Split r{Base::assemble(k, t, s, material, body), Base::span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
+  if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<cubic_trace_count>());
+  // Values at the vertices as (s11, s22, sqrt(2) s12) in the vertex's frame.
+  Eigen::MatrixXd values(9, Base::F);
+  for (int v = 0; v < 3; ++v) {
+    const auto at = Base::monomials_at(s.x[v]);
+    Eigen::MatrixXd here = Eigen::MatrixXd::Zero(3, Base::F);
+    for (int m = 0; m < Base::P; ++m) {
+      here(0, 4 * m) = here(1, 4 * m + 3) = at[m];
+      here(2, 4 * m + 1) = here(2, 4 * m + 2) = at[m] / std::sqrt(2.0);
+    }
+    values.middleRows<3>(3 * v) = t.corner[v].transpose() * here;
+  }
+  const Eigen::MatrixXd at_vertices = values * r.span;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(at_vertices.transpose());
+  const Eigen::MatrixXd q = qr.householderQ();
+  r.inner = q.rightCols(Base::S - 9);
+  r.outer = at_vertices.transpose() * (at_vertices * at_vertices.transpose()).inverse();
+  return r;
+}
+
+// L(y, x) = 1/2 y'Y y + y'C x + 1/2 x'D x - y'g - x'f with y = (z, u) and x = (m, v) in xi: stationary in y.
+struct Blocks {
+  Eigen::MatrixXd Y, C, D;
+  Eigen::VectorXd g, f;
+};
+
+Blocks blocks(const Split& p) {
+  constexpr int Z = Base::S - 9, U = Base::U, M = Base::X, V = 9;
+  const auto& a = p.system;
+  Blocks b{Eigen::MatrixXd::Zero(Z + U, Z + U), Eigen::MatrixXd::Zero(Z + U, M + V),
+           Eigen::MatrixXd::Zero(M + V, M + V), Eigen::VectorXd::Zero(Z + U), Eigen::VectorXd::Zero(M + V)};
+  b.Y.topLeftCorner(Z, Z) = p.inner.transpose() * a.M * p.inner;
+  b.Y.topRightCorner(Z, U) = p.inner.transpose() * a.Bt;
+  b.Y.bottomLeftCorner(U, Z) = b.Y.topRightCorner(Z, U).transpose();
+  b.C.topLeftCorner(Z, M) = -p.inner.transpose() * a.Ct;
+  b.C.topRightCorner(Z, V) = p.inner.transpose() * a.M * p.outer;
+  b.C.bottomRightCorner(U, V) = a.Bt.transpose() * p.outer;
+  b.D.topRightCorner(M, V) = -a.Ct.transpose() * p.outer;
+  b.D.bottomLeftCorner(V, M) = b.D.topRightCorner(M, V).transpose();
+  b.D.bottomRightCorner(V, V) = p.outer.transpose() * a.M * p.outer;
+  b.g.head(Z) = p.inner.transpose() * p.edge;
+  b.g.tail(U) = a.given;
+  b.f.tail(V) = p.outer.transpose() * p.edge;
+  return b;
+}
+
+// Physical unknowns are m = h m_xi; v has no length in it. Forces of L scale with h^2.
+Eigen::VectorXd weights(double h) {
+  Eigen::VectorXd w = Eigen::VectorXd::Ones(Base::X + 9);
+  w.tail(9).setConstant(h);
+  return w;
+}
+
+struct VertexStressTriangle {
+  static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                            const Penalty&) {
+    const Scaled s = scale(t);
+    const Blocks b = blocks(split(k, t, s, material, force));
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(b.Y);
+    const Eigen::MatrixXd half = lu.solve(b.C);
+    const Eigen::MatrixXd schur = b.C.transpose() * half - b.D;  // minus the Hessian of the stationary value
+    const Eigen::VectorXd w = weights(s.h);
+    Condensed result{w.asDiagonal() * (0.5 * (schur + schur.transpose())).eval() * w.asDiagonal(),
+                     SkeletonVector::Zero(Base::X + 9),
+                     {},
+                     0,
+                     0};
+    // y = Y^-1 (g - C x): minus the gradient is schur x - C'Y^-1 g + f.
+    if (force.size() > 0) result.F = s.h * w.cwiseProduct(half.transpose() * b.g - b.f);
+    return result;
+  }
+
+  static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
+                                  const ForceMoments& force, const SkeletonVector& m, const Penalty&) {
+    const Scaled s = scale(t);
+    const Split p = split(k, t, s, material, force);
+    const Blocks b = blocks(p);
+    Eigen::VectorXd x = m / s.h;
+    x.tail(9) = m.tail(9);
+    const Eigen::VectorXd y = Eigen::PartialPivLU<Eigen::MatrixXd>(b.Y).solve(b.g - b.C * x);
+    constexpr int Z = Base::S - 9;
+    Eigen::VectorXd all(interior_count(E));
+    all.head<Base::F>() = p.span * (p.inner * y.head<Z>() + p.outer * x.tail<9>());
+    all.segment<Base::U>(Base::F) = s.h * y.tail<Base::U>();
+    all.tail(rotation_count(E)) = Base::rotation_of(k, s, material, all);
+    return all;
+  }
+};
+
+constexpr Operations run{&VertexStressTriangle::condense, &VertexStressTriangle::interior, &Base::evaluate,
+                         &Base::stress_at_point, &Base::weigh};
+
+}  // namespace
+
+const Operations* vertex_stress_operations();
+const Operations* vertex_stress_operations() {
+  return &run;
+}
+
+}  // namespace kerf

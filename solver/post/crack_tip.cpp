@@ -1,0 +1,171 @@
+#include "solver/post/crack_tip.hpp"
+
+#include "solver/system.hpp"
+
+#include "geometry/plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// A turn this small moves K by the same part of itself; coordinates have rounding errors.
+constexpr double no_turn = 1e-4;
+
+/// Vertices and edges of a crack from one of its ends.
+struct Walk {
+  std::vector<Index> edges, vertices;
+};
+
+Walk walk(const Mesh& mesh, Index crack, bool start) {
+  Walk w;
+  for (const CrackEdge& c : mesh.cracks[crack]) {
+    const auto& [a, b] = mesh.edges[c.edge];
+    if (w.edges.empty()) w.vertices.push_back(c.forward ? a : b);
+    w.edges.push_back(c.edge);
+    w.vertices.push_back(c.forward ? b : a);
+  }
+  if (!start) {
+    std::reverse(w.edges.begin(), w.edges.end());
+    std::reverse(w.vertices.begin(), w.vertices.end());
+  }
+  return w;
+}
+
+/// Number of edges up to the first turn off the straight line.
+std::size_t straight_edges(const std::vector<Vec2>& x) {
+  for (std::size_t i = 2; i < x.size(); ++i) {
+    const Vec2 back = x[i - 1] - x[0], along = x[i] - x[i - 1];
+    if (std::abs(cross(back, along)) > no_turn * back.dot(along)) return i - 1;
+  }
+  return x.size() - 1;
+}
+
+/// Number of edges up to the first kink: a turn that is large, or has no like beside it.
+std::size_t smooth_edges(const std::vector<Vec2>& x) {
+  constexpr double large = 0.35, alike = 0.6;
+  std::vector<double> turn(x.size(), 0), curvature(x.size(), 0);
+  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+    const Vec2 before = x[i] - x[i - 1], after = x[i + 1] - x[i];
+    turn[i] = std::atan2(cross(before, after), before.dot(after));
+    curvature[i] = 2 * turn[i] / (before.norm() + after.norm());
+  }
+  const auto like = [&](std::size_t i, std::size_t j) {
+    return j > 0 && j + 1 < x.size() &&
+           std::abs(curvature[i] - curvature[j]) <= alike * std::max(std::abs(curvature[i]), std::abs(curvature[j]));
+  };
+  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+    const double size = std::abs(turn[i]);
+    if (size > large || (size > no_turn && !like(i, i - 1) && !like(i, i + 1))) return i;
+  }
+  return x.size() - 1;
+}
+
+/// Derivatives per length of chord, of the parabolas through three neighbors.
+std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
+  const std::size_t n = x.size() - 1;
+  std::vector<Vec2> chord(n), slope(n + 1);
+  std::vector<double> l(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    l[i] = (x[i + 1] - x[i]).norm();
+    chord[i] = (x[i + 1] - x[i]) / l[i];
+  }
+  if (n == 1) return {chord[0], chord[0]};
+  for (std::size_t i = 1; i < n; ++i) slope[i] = (l[i] * chord[i - 1] + l[i - 1] * chord[i]) / (l[i - 1] + l[i]);
+  slope[0] = 2 * chord[0] - slope[1];
+  slope[n] = 2 * chord[n - 1] - slope[n - 1];
+  return slope;
+}
+
+/// Cut where the curve has turned too far or comes back, so that it is a graph over the distance from the tip.
+void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
+  constexpr double most_turn = 0.5;
+  std::size_t last = 1;
+  while (last + 1 < x.size() && x[last + 1].norm() > x[last].norm() &&
+         std::abs(std::atan2(cross(slope[0], slope[last + 1]), slope[0].dot(slope[last + 1]))) < most_turn)
+    ++last;
+  x.resize(last + 1);
+}
+
+CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w) {
+  CrackTip tip{.crack = crack, .at_start = start, .at = mesh.points[w.vertices.front()]};
+  std::vector<Vec2> x;
+  for (const Index v : w.vertices) x.push_back(mesh.points[v] - tip.at);
+  const std::size_t straight = straight_edges(x), smooth = smooth_edges(x);
+  tip.curved = smooth > straight;
+  x.resize((tip.curved ? smooth : straight) + 1);
+  if (tip.curved) cut_to_graph(x, slopes(x));
+  tip.edges.assign(w.edges.begin(), w.edges.begin() + static_cast<std::ptrdiff_t>(x.size()) - 1);
+  const Vec2 back = (tip.curved ? slopes(x).front() : x.back()).normalized();
+  tip.frame << -back.x(), back.y(), -back.y(), -back.x();
+  for (Vec2& v : x) v = Vec2(tip.frame.transpose() * v);
+  tip.slopes = slopes(x);
+  tip.vertices = std::move(x);
+  return tip;
+}
+
+/// `ends`: the edges of the boundary, of all cracks, and between materials.
+double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
+  std::vector<Index> own = tip.edges;
+  std::sort(own.begin(), own.end());
+  double least = tip.vertices.back().norm();
+  for (const Index e : ends)
+    if (!std::binary_search(own.begin(), own.end(), e))
+      least = std::min(least, distance(tip.at, mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]]));
+  return least;
+}
+
+}  // namespace
+
+std::vector<CrackTip> find_tips(const Mesh& mesh) {
+  std::vector<bool> on_boundary(mesh.points.size(), false);
+  std::vector<int> crack_edges(mesh.points.size(), 0);
+  std::vector<Index> ends;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const bool boundary = mesh.sides[e][0] == none || mesh.sides[e][1] == none;
+    for (const Index v : mesh.edges[e]) {
+      if (boundary) on_boundary[v] = true;
+      if (mesh.crack[e] != none) ++crack_edges[v];
+    }
+    if (boundary || mesh.crack[e] != none || is_interface(mesh, e)) ends.push_back(e);
+  }
+  std::vector<CrackTip> tips;
+  for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {
+    if (mesh.cracks[crack].empty()) continue;
+    for (const bool start : {true, false}) {
+      const Walk w = walk(mesh, crack, start);
+      const Index end = w.vertices.front();
+      if (on_boundary[end] || crack_edges[end] > 1) continue;
+      CrackTip tip = make_tip(mesh, crack, start, w);
+      tip.room = room(mesh, ends, tip);
+      tips.push_back(std::move(tip));
+    }
+  }
+  return tips;
+}
+
+CurvePoint curve_point(const CrackTip& tip, std::size_t edge, double t) {
+  const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
+  const double l = (b - a).norm();
+  const Vec2 p = l * tip.slopes[edge] - (b - a), q = l * tip.slopes[edge + 1] - (b - a);  // off the chord
+  const double s = 1 - t;
+  return {a + t * (b - a) + t * s * (s * p - t * q), (b - a) + s * (s - 2 * t) * p - t * (2 * s - t) * q};
+}
+
+double angle_about(const CrackTip& tip, const Vec2& x) {
+  if (!tip.curved) return std::atan2(x.y(), x.x());
+  // The crack at the same distance, seen from the direction straight back.
+  const double r = x.norm();
+  const auto& v = tip.vertices;
+  const auto after =
+      std::lower_bound(v.begin() + 1, v.end() - 1, r, [](const Vec2& y, double radius) { return y.norm() < radius; });
+  const Vec2 a = *(after - 1), along = *after - a;
+  const double half = a.dot(along), square = along.squaredNorm();
+  const double t = (std::sqrt(std::max(half * half + square * (r * r - a.squaredNorm()), 0.0)) - half) / square;
+  const Vec2 there = -(a + t * along);
+  return std::atan2(cross(there, x), there.dot(x)) + std::atan2(there.y(), there.x());
+}
+
+}  // namespace kerf

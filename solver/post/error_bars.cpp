@@ -1,0 +1,113 @@
+#include "solver/error_bars.hpp"
+
+#include "solver/system.hpp"
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// Measured on 31 exact solutions on three meshes each: 97 % of the points are covered, most often 99.9 %.
+constexpr double own = 1.5, of_neighbors = 1.3;
+
+/// Means over the triangles at each corner of a quantity per triangle.
+Eigen::VectorXd corner_means(const Corners& c, const Eigen::VectorXd& of_triangle) {
+  const Eigen::Index corners = static_cast<Eigen::Index>(c.vertex.size());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(corners), count = Eigen::VectorXd::Zero(corners);
+  for (std::size_t t = 0; t < c.of.size(); ++t)
+    for (const Index i : c.of[t]) {
+      sum[i] += of_triangle[static_cast<Eigen::Index>(t)];
+      count[i] += 1;
+    }
+  return sum.cwiseQuotient(count.cwiseMax(1));
+}
+
+Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corner) {
+  Eigen::VectorXd mean(static_cast<Eigen::Index>(c.of.size()));
+  for (std::size_t t = 0; t < c.of.size(); ++t)
+    mean[static_cast<Eigen::Index>(t)] = (of_corner[c.of[t][0]] + of_corner[c.of[t][1]] + of_corner[c.of[t][2]]) / 3;
+  return mean;
+}
+
+}  // namespace
+
+std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::vector<bool>& singular) {
+  constexpr double at_singular = 8, at_curved = 4;
+  std::vector<double> size(mesh.points.size(), 0), count(mesh.points.size(), 0);
+  // Two edges of the boundary or of a crack that meet at a small angle belong to a curve.
+  std::vector<Vec2> along(mesh.points.size(), Vec2::Zero());
+  std::vector<bool> curved(mesh.points.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const Index edge = static_cast<Index>(e);
+    const Vec2 direction = tangent(mesh, edge);
+    const bool marked = mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none;
+    for (const Index v : mesh.edges[e]) {
+      size[v] += length(mesh, edge);
+      count[v] += 1;
+      if (!marked) continue;
+      const double turn = std::abs(along[v].x() * direction.y() - along[v].y() * direction.x());
+      curved[v] = curved[v] || (turn > 1e-6 && turn < 0.4);
+      along[v] = direction;
+    }
+  }
+  for (std::size_t v = 0; v < size.size(); ++v) size[v] /= std::max(count[v], 1.0) * (curved[v] ? at_curved : 1);
+  for (std::size_t i = 0; i < c.vertex.size(); ++i)
+    if (singular[i]) size[c.vertex[i]] /= at_singular;
+  return size;
+}
+
+Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
+  constexpr double inwards = 0.02;  // so that it is clear on which side of a crack a point lies
+  Places p;
+  p.x.resize(c.vertex.size());
+  p.own.resize(c.vertex.size());
+  for (std::size_t t = 0; t < c.of.size(); ++t)
+    for (const Index i : c.of[t]) p.own[i] = static_cast<Index>(t);
+  for (std::size_t i = 0; i < c.vertex.size(); ++i)
+    p.x[i] = (1 - inwards) * mesh.points[c.vertex[i]] + inwards * centroid(mesh, p.own[i]);
+  for (std::size_t t = 0; t < c.of.size(); ++t) {
+    p.x.push_back(centroid(mesh, static_cast<Index>(t)));
+    p.own.push_back(static_cast<Index>(t));
+  }
+  p.better = locate(better, p.x);
+  const Locator locator = make_locator(better);
+  for (std::size_t i = 0; i < p.x.size(); ++i)
+    if (p.better[i] == none) p.better[i] = nearest_triangle(better, locator, p.x[i]);
+  return p;
+}
+
+Spread spread(const Corners& c, const Eigen::VectorXd& values, const Eigen::VectorXd& better) {
+  const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
+  const Eigen::VectorXd difference = (values - better).cwiseAbs(), root = difference.cwiseSqrt();
+  // Means of square roots, so that the large differences next to singular points do not reach far.
+  const Eigen::VectorXd in_triangles = 0.5 * (root.tail(triangles) + triangle_means(c, root.head(corners)));
+  const Eigen::VectorXd around = corner_means(c, triangle_means(c, corner_means(c, in_triangles)));
+  Spread s;
+  s.around = around.cwiseAbs2();
+  s.at_corners = (own * difference.head(corners)).cwiseMax(of_neighbors * s.around);
+  s.at_centroids = (own * difference.tail(triangles)).cwiseMax(of_neighbors * triangle_means(c, around).cwiseAbs2());
+  return s;
+}
+
+double half_width_at(const Mesh& mesh, const Corners& c, const Spread& s, Index t, const Vec2& x, double difference) {
+  const auto& v = mesh.triangles[t];
+  double root = 0, whole = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 a = mesh.points[v[(i + 1) % 3]] - x, b = mesh.points[v[(i + 2) % 3]] - x;
+    const double share = a.x() * b.y() - a.y() * b.x();
+    root += share * std::sqrt(s.around[c.of[t][i]]);
+    whole += share;
+  }
+  root = std::max(0.0, root / whole);
+  return std::max(own * std::abs(difference), of_neighbors * root * root);
+}
+
+const Element& better_element(const Element& e) {
+  if (e.order > 3)
+    throw Error(Fault::Usage, "no element is better than " + std::string(e.name) + " of degree " +
+                                  std::to_string(e.degree) + ": error bars need degree 1 or 2");
+  return element("bdms", e.order);
+}
+
+}  // namespace kerf

@@ -1,0 +1,263 @@
+#include "kerf/recover.hpp"
+
+#include "solver/recovery.hpp"
+
+#include "solver/system.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// The monomials of degree 1 to D and their gradients (columns).
+template <int D>
+struct Monomials {
+  static constexpr int count = dim(D) - 1;
+  Eigen::Matrix<double, count, 1> value;
+  Eigen::Matrix<double, 2, count> gradient;
+  explicit Monomials(const Vec2& xi) {
+    const auto at = [&](int i, int j) -> double {
+      if (i < 0 || j < 0) return 0;
+      return i + j == 0 ? 1 : value[place(i, j) - 1];
+    };
+    for (int degree = 1; degree <= D; ++degree)
+      for (int j = 0; j <= degree; ++j) {
+        const int i = degree - j, m = place(i, j) - 1;
+        value[m] = i > 0 ? at(i - 1, j) * xi.x() : at(i, j - 1) * xi.y();
+        gradient.col(m) << i * at(i - 1, j), j * at(i, j - 1);
+      }
+  }
+};
+
+// The local problem of u*: sums over the element's rule.
+template <int D>
+struct Projection {
+  static constexpr int n = Monomials<D>::count;
+  Triangle shape;
+  Vec2 center;
+  double h;
+  Points q;
+  Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
+  Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
+
+  Projection(const Model& model, Index t)
+      : shape(triangle(model, t)),
+        center(centroid(shape)),
+        h(std::sqrt(2 * area(shape))),
+        q(rule_points(model.inner->kernel.rule, shape)) {
+    for (Eigen::Index i = 0; i < q.cols(); ++i) {
+      const double w = model.inner->kernel.rule.w[i];
+      const Monomials<D> v = at(q.col(i));
+      stiffness += w * v.gradient.transpose() * v.gradient;
+      mean += w * v.value;
+    }
+  }
+  Monomials<D> at(const Vec2& x) const {
+    return Monomials<D>((x - center) / h);
+  }
+};
+
+template <int D>
+Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x) {
+  const Projection<D> p(model, t);
+  const Fields f = evaluate(model.inner->kernel, p.shape, interior, p.q);
+  Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
+  Vec2 mean_displacement = Vec2::Zero();
+  const Material& material = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
+    const double w = model.inner->kernel.rule.w[i];
+    const Monomials<D> v = p.at(p.q.col(i));
+    const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
+    load.col(0) += w * v.gradient.transpose() * d.head<2>();
+    load.col(1) += w * v.gradient.transpose() * d.tail<2>();
+    mean_displacement += w * f.displacement.col(i);
+  }
+  // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
+  const Eigen::Matrix<double, p.n, 2> c = p.h * p.stiffness.llt().solve(load);
+  Points u(2, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    u.col(i) = mean_displacement + c.transpose() * (p.at(x.col(i)).value - p.mean);
+  return u;
+}
+
+// The transpose, step by step backwards.
+template <int D>
+Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
+  const Projection<D> p(model, t);
+  Eigen::Matrix<double, p.n, 2> by_c = Eigen::Matrix<double, p.n, 2>::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) by_c += (p.at(x.col(i)).value - p.mean) * weights.col(i).transpose();
+  const Vec2 by_mean = weights.rowwise().sum();
+  const Eigen::Matrix<double, p.n, 2> by_load = p.h * p.stiffness.llt().solve(by_c);
+  Fields w{Eigen::Matrix4Xd(4, p.q.cols()), Points(2, p.q.cols()), Eigen::RowVectorXd(p.q.cols())};
+  const Material& m = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
+    const double share = model.inner->kernel.rule.w[i];
+    const Monomials<D> v = p.at(p.q.col(i));
+    Eigen::Vector4d d;  // by the gradient d1 u1, d2 u1, d1 u2, d2 u2
+    d << v.gradient * by_load.col(0), v.gradient * by_load.col(1);
+    d *= share;
+    const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
+    w.stress.col(i) << difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference;
+    w.rotation[i] = d[1] - d[2];
+    w.displacement.col(i) = share * by_mean;
+  }
+  return weigh(model.inner->kernel, p.shape, p.q, w);
+}
+
+}  // namespace
+
+Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& s, double rotation) {
+  const double trace = s[0] + s[3], pressure = m.c * trace;
+  const double difference = 0.5 * (s[0] - s[3]) / (2 * m.mu);
+  return {difference + pressure, s[1] / (2 * m.mu) + rotation, s[2] / (2 * m.mu) - rotation, -difference + pressure};
+}
+
+Points recovered_displacement(const Model& model, const Field& state, Index t, const Points& x) {
+  return recovered_displacement(model, Eigen::Ref<const Eigen::VectorXd>(state.interior.col(t)), t, x);
+}
+
+Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
+                              const Points& x) {
+  if (!is_mixed(model.element)) return evaluate(model.inner->kernel, triangle(model, t), interior, x).displacement;
+  switch (model.element.stress) {
+    case 1:
+      return recovered<2>(model, interior, t, x);
+    case 2:
+      return recovered<3>(model, interior, t, x);
+    default:
+      return recovered<4>(model, interior, t, x);
+  }
+}
+
+Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
+  if (!is_mixed(model.element)) {
+    const Fields w{Eigen::Matrix4Xd::Zero(4, x.cols()), weights, Eigen::RowVectorXd::Zero(x.cols())};
+    return weigh(model.inner->kernel, triangle(model, t), x, w);
+  }
+  switch (model.element.stress) {
+    case 1:
+      return weigh_recovered<2>(model, t, x, weights);
+    case 2:
+      return weigh_recovered<3>(model, t, x, weights);
+    default:
+      return weigh_recovered<4>(model, t, x, weights);
+  }
+}
+
+CornerValues corner_values(const Model& model, const Field& state, const Corners& corners) {
+  const Index triangles = static_cast<Index>(model.mesh.triangles.size());
+  const Eigen::Index n = static_cast<Eigen::Index>(corners.vertex.size());
+  // Values in every triangle in parallel, then sums in the order of the triangles.
+  Eigen::Matrix<double, 7, Eigen::Dynamic> local(7, Eigen::Index{3} * triangles);
+  parallel_for(triangles, model.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Triangle shape = triangle(model, t);
+      Points x(2, 3);
+      x << shape.x[0], shape.x[1], shape.x[2];
+      const Fields f = evaluate(model.inner->kernel, shape, state.interior.col(t), x);
+      auto block = local.middleCols<3>(Eigen::Index{3} * t);
+      block.topRows<2>() = recovered_displacement(model, state, t, x);
+      block.middleRows<4>(2) = f.stress;
+      block.row(6) = f.rotation;
+    }
+  });
+  Eigen::Matrix<double, 7, Eigen::Dynamic> sum = Eigen::Matrix<double, 7, Eigen::Dynamic>::Zero(7, n);
+  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Zero(n);
+  for (Index t = 0; t < triangles; ++t) {
+    const double w = area(model.mesh, t);
+    for (int i = 0; i < 3; ++i) {
+      sum.col(corners.of[t][i]) += w * local.col(Eigen::Index{3} * t + i);
+      weight[corners.of[t][i]] += w;
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) sum.col(i) /= weight[i];
+  return {sum.topRows<2>(), sum.middleRows<4>(2), sum.row(6)};
+}
+
+std::vector<Material> corner_materials(const Model& model, const Corners& corners) {
+  std::vector<Material> materials(corners.vertex.size(), model.scene.material);
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t)
+    for (const Index corner : corners.of[t]) materials[corner] = material_of(model.mesh, model.scene, t);
+  return materials;
+}
+
+double mean_stress(const Model& model, const Field& state) {
+  double square = 0;
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(model, t);
+    square += area(shape) * stress_at(model.inner->kernel, shape, state.interior.col(t), centroid(shape)).squaredNorm();
+  }
+  return std::sqrt(square / area(model));
+}
+
+std::vector<CrackPoint> crack_profile(const Model& model, const Field& state, Index crack) {
+  const Skeleton& s = model.inner->skeleton;
+  const bool unilateral = model.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
+  const bool bonded = model.scene.laws[crack].kind == CrackLaw::Kind::Bonded;
+  const bool mixed = is_mixed(model.element);
+  const EdgeRule rule = mixed ? model.inner->kernel.trace : gauss(2);
+  const int points = static_cast<int>(rule.s.size());
+  double total = 0, done = 0;
+  for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
+  if (total == 0) return {};
+  // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
+  constexpr double rounding = 1e-8;
+  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
+  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
+  const double floor = 1e-12 * state.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
+  const double no_pressure = std::max(rounding * mean_stress(model, state), floor * modulus / total);
+  const double no_gap = no_pressure * total / modulus;
+
+  std::vector<CrackPoint> profile;
+  for (const CrackEdge& c : model.mesh.cracks[crack]) {
+    const double l = length(model.mesh, c.edge);
+    const Triangle left = triangle(model, model.mesh.sides[c.edge][0]);
+    const Vec2& a = model.mesh.points[model.mesh.edges[c.edge][0]];
+    const Vec2& b = model.mesh.points[model.mesh.edges[c.edge][1]];
+    for (int k = 0; k < points; ++k) {
+      const int g = c.forward ? k : points - 1 - k;
+      const double along = rule.s[g], share = l * rule.w[g];
+      CrackPoint p{};
+      p.s = done + l * (c.forward ? along : 1 - along);
+      p.at = a + along * (b - a);
+      p.length = share;
+      if (mixed) {
+        const Index unknown = s.jump[c.edge] + 2 * g;
+        p.jump_n = state.skeleton[unknown];
+        p.jump_t = -state.skeleton[unknown + 1];
+        if (unilateral) p.sigma_n = -state.force[unknown] / share;
+        if (unilateral) p.sigma_t = state.force[unknown + 1] / share;
+      } else {
+        const auto side = [&](int which) -> Vec2 {
+          return evaluate(model, state, model.mesh.sides[c.edge][which], p.at).displacement.col(0);
+        };
+        const Vec2 jump = s.frame[c.edge].transpose() * (side(1) - side(0));
+        p.jump_n = jump[0];
+        p.jump_t = -jump[1];
+      }
+      if (bonded) {
+        const Eigen::Vector4d v =
+            stress_at(model.inner->kernel, left, state.interior.col(model.mesh.sides[c.edge][0]), p.at);
+        const Mat2& frame = frame_at(s, c.edge, g);
+        const Vec2 n = frame.col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
+        p.sigma_n = traction.dot(n);
+        p.sigma_t = -traction.dot(frame.col(1));
+      }
+      const bool gap = p.jump_n > no_gap, pressure = -p.sigma_n > no_pressure;
+      p.status = bonded || pressure   ? CrackPoint::Status::Closed
+                 : gap || !unilateral ? CrackPoint::Status::Open
+                                      : CrackPoint::Status::Biactive;
+      profile.push_back(p);
+    }
+    done += l;
+  }
+  return profile;
+}
+
+}  // namespace kerf

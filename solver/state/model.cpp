@@ -1,0 +1,201 @@
+#include "kerf/model.hpp"
+
+#include "geometry/topology.hpp"
+#include "solver/system.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief), on the
+// motions as the element's displacement sees them: their means when that is constant.
+void balance(const Mesh& mesh, const Kernel& k, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& work,
+             Scene& scene) {
+  const Eigen::Index n = work.size();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  const TriangleRule rule = triangle_rule(k.element.displacement == 0 ? 1 : 2);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    const auto& v = mesh.triangles[t];
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
+      const Vec2 x = (1 - rule.x(0, q) - rule.x(1, q)) * mesh.points[v[0]] + rule.x(0, q) * mesh.points[v[1]] +
+                     rule.x(1, q) * mesh.points[v[2]];
+      for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j)
+          gram(i, j) += area(mesh, t) * rule.w[q] * motions[i].at(x).dot(motions[j].at(x));
+    }
+  }
+  const Eigen::VectorXd share = gram.llt().solve(work);
+  scene.body = [body = scene.body, motions, share](const Vec2& x) {
+    Vec2 force = body ? body(x) : Vec2::Zero();
+    for (Eigen::Index i = 0; i < share.size(); ++i) force -= share[i] * motions[i].at(x);
+    return force;
+  };
+}
+
+// Supports must hold every piece that the cracks leave, but loads in equilibrium hold a whole body by themselves.
+std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Scene& scene,
+                                        std::vector<std::string>& notes) {
+  std::vector<bool> cut(mesh.edges.size(), false);
+  for (std::size_t e = 0; e < cut.size(); ++e)
+    cut[e] = mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+  const std::vector<Index> piece = pieces(mesh, cut);
+  const Index count = piece.empty() ? 0 : 1 + *std::max_element(piece.begin(), piece.end());
+  if (count > 1) {
+    for (Index p = 0; p < count; ++p) {
+      const auto motions = free_motions(mesh, k, s, piece, p);
+      if (motions.empty()) continue;
+      const Index inside = static_cast<Index>(std::find(piece.begin(), piece.end(), p) - piece.begin());
+      const Vec2 x = centroid(mesh, inside);
+      throw Error(
+          Fault::Numerics,
+          fmt::format("cracks cut the body into {} pieces, and the supports do not hold the piece around ({:.4g}, "
+                      "{:.4g}): it is free to make {}; support each piece on its own (contact alone does not "
+                      "count), or end the crack inside the body",
+                      count, x.x(), x.y(), describe(motions.front())));
+    }
+    return {};
+  }
+  const auto motions = free_motions(mesh, k, s, piece, 0);
+  std::string free;
+  double worst = 0;
+  Eigen::VectorXd work(static_cast<Eigen::Index>(motions.size()));
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    // Polygons for arcs and quadrature of the data leave balanced loads slightly unbalanced.
+    constexpr double balanced = 1e-3;
+    const Work w = work_on(mesh, k, s, scene, motions[i]);
+    if (w.relative > balanced)
+      throw Error(Fault::Numerics,
+                  fmt::format("the supports leave the body free to make {}, and the loads do not balance on it (net "
+                              "work {:.3g} of the loads' absolute work); add a [[boundary]] with a displacement that "
+                              "stops it, or loads in equilibrium",
+                              describe(motions[i]), w.relative));
+    free += (free.empty() ? "" : ", ") + describe(motions[i]);
+    worst = std::max(worst, w.relative);
+    work[static_cast<Eigen::Index>(i)] = w.value;
+  }
+  if (motions.empty()) return motions;
+  std::string note = "the supports leave " + free +
+                     " free; the loads are in equilibrium, and the rigid motion is fixed by zero mean displacement and "
+                     "rotation";
+  constexpr double exact = 1e-12;
+  if (worst > exact) {
+    balance(mesh, k, motions, work, scene);
+    note +=
+        fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
+  }
+  notes.push_back(note);
+  return motions;
+}
+
+// Symmetric stresses with P_3 traces do not see some combinations of traces at singular vertices: K is singular there,
+// consistently. A small shift makes it definite; the sweeps of the solve undo what else it does.
+LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
+  constexpr double shift = 1e-11;
+  for (Index u = 0; u < s.total; ++u)
+    if (s.unseen[u] && o.row[u] != none) k.values[k.start[o.row[u]]] *= 1 + shift;
+  return k;
+}
+
+}  // namespace
+
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
+  if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
+  for (const Index r : mesh.region)
+    if (r >= static_cast<Index>(scene.regions.size()))
+      throw std::invalid_argument("prepare: one material per region is needed");
+  Stopwatch watch;
+  const Kernel k = kernel(e);
+  Skeleton skeleton = number(mesh, k, scene);
+  std::vector<std::string> notes;
+  std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
+  if (!floating.empty())
+    for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
+  Ordering ordering = order(mesh, skeleton, how.kept_edges);
+  constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
+  if (mesh.triangles.size() > large) return_freed_memory();
+  constexpr Index most_contact = 9000;  // half a minute and two gigabytes
+  if (ordering.trailing > most_contact)
+    throw Error(
+        Fault::Numerics,
+        fmt::format("the cracks in contact have {} unknowns on their faces; at most {} can be solved for; use "
+                    "longer edges there (mesh.size, mesh.crack_tip_size) or move the crack away from the side that "
+                    "it nearly touches",
+                    ordering.trailing, most_contact));
+  ModelSeconds seconds;
+  const double numbering = watch.lap();
+  System system = assemble(mesh, k, skeleton, scene, ordering, threads, how.plain);
+  seconds.assemble = watch.lap() + numbering;
+  Factor factor = !how.factorize             ? Factor(LowerTriangle{}, 0)
+                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.trailing)
+                                             : Factor(system.K, ordering.trailing, is_definite(e), ordering.kept);
+  seconds.factor = watch.lap();
+  return {.mesh = std::move(mesh),
+          .element = e,
+          .scene = std::move(scene),
+          .notes = std::move(notes),
+          .threads = threads,
+          .seconds = seconds,
+          .inner = std::make_shared<Inner>(Inner{k, std::move(skeleton), std::move(ordering), std::move(system),
+                                                 std::move(factor), std::move(floating)})};
+}
+
+bool certified(const State& state) {
+  const double allowed = std::max(1e-10, 20 * state.certificate.rounding);
+  return state.converged && state.certificate.kkt <= allowed && state.certificate.kkt < 1e-4;
+}
+
+Triangle triangle(const Model& model, Index t) {
+  return triangle(model.mesh, model.inner->skeleton, t);
+}
+
+Fields evaluate(const Model& model, const Field& state, Index t, const Points& x) {
+  return evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
+}
+
+double strain_energy(const Model& m, const Field& s) {
+  double energy = 0;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(m, t);
+    const Material& material = material_of(m.mesh, m.scene, t);
+    const Points x = rule_points(m.inner->kernel.rule, shape);
+    double sum = 0;
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      const Eigen::Vector4d v = stress_at(m.inner->kernel, shape, s.interior.col(t), x.col(q));
+      const double difference = v[0] - v[3], trace = v[0] + v[3];
+      sum +=
+          m.inner->kernel.rule.w[q] * ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * material.mu) +
+                                       material.c * trace * trace);
+    }
+    energy += 0.5 * area(shape) * sum;
+  }
+  return energy;
+}
+
+double work_of_loads(const Model& m, const Field& s) {
+  double work = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.scene).dot(s.skeleton);
+  const int first = stress_count(m.element), count = displacement_count(m.element);
+  for (Index t = 0; t < static_cast<Index>(m.inner->system.force.cols()); ++t)
+    work += area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
+  return work;
+}
+
+double potential_energy(const Model& m, const Field& s) {
+  return strain_energy(m, s) - work_of_loads(m, s);
+}
+
+double area(const Model& m) {
+  double sum = 0;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) sum += area(m.mesh, t);
+  return sum;
+}
+
+}  // namespace kerf

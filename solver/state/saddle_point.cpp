@@ -1,0 +1,417 @@
+#include "solver/saddle_point.hpp"
+#include "solver/recovery.hpp"
+
+#include "solver/system.hpp"
+
+#include "kerf/recover.hpp"
+#include "solver/contact/law.hpp"
+#include "solver/parallel.hpp"
+#include "solver/state/solve.hpp"
+#include "solver/stopwatch.hpp"
+#include "solver/system/lu.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+// Unknowns: under the numbers of the base unknowns of the skeleton the traction that goes with each (sigma n at the
+// Gauss points, n from left to right, outward on the boundary) and the rotations at vertices; then per triangle the
+// stress functions without traction, and u_xi, r; in an enclosed incompressible body last the multiplier of the mean
+// pressure. Displacements and rotations are multiplied by 2 mu (of `material`, one for all) and equations weighted with
+// h^2, so that all unknowns are stresses and all rows forces.
+struct Layout {
+  int edge = 0;       // tractions seen by one triangle
+  int stress = 0;     // functions without traction
+  int inner = 0;      // u_xi, r
+  Index first = 0;    // unknown behind the skeleton
+  Index mean = none;  // mean pressure
+  Index size = 0;
+  Eigen::VectorXd share;  // per base unknown on an edge: the length that its Gauss point stands for
+};
+
+// One triangle in that basis.
+struct Local {
+  LocalSystem system;
+  Eigen::MatrixXd basis;   // columns: stresses dual to the tractions, then those without
+  Eigen::MatrixXd matrix;  // over the unknowns of the triangle
+  Eigen::VectorXd load;
+  std::vector<Index> unknowns;
+  Eigen::VectorXd sign;  // of n per traction
+};
+
+Local local(const Model& m, const Layout& layout, Index t) {
+  const Triangle shape = triangle(m, t);
+  Local l{local_system(m.inner->kernel, shape, material_of(m.mesh, m.scene, t), force_of(m.inner->system, t)),
+          {},
+          {},
+          {},
+          {},
+          {}};
+  const LocalSystem& a = l.system;
+  const Eigen::Index edge = layout.edge, stress = a.M.rows(), own = stress - edge, inner = a.Bt.cols(),
+                     corners = a.Ct.cols() - edge, size = stress + inner + corners;
+  // C' = Q R P': the dual functions are Q R'^-1 P', what is orthogonal to C the rest of Q.
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a.Ct.leftCols(edge));
+  qr.setThreshold(1e-8);
+  if (qr.rank() < edge)
+    throw Error(Fault::Usage,
+                fmt::format("element \"{}\" has no saddle-point system (backend \"umfpack\"): the normal stress of a "
+                            "triangle reaches only {} of {} edge moments independently; use another element, such as "
+                            "\"bdms\", or the backend \"cholmod\"",
+                            m.element.name, qr.rank(), edge));
+  const Eigen::MatrixXd q = qr.householderQ();
+  const Eigen::MatrixXd permuted = qr.colsPermutation().transpose();
+  l.basis.resize(stress, stress);
+  l.basis.leftCols(edge) =
+      q.leftCols(edge) *
+      qr.matrixR().topLeftCorner(edge, edge).template triangularView<Eigen::Upper>().transpose().solve(permuted);
+  l.basis.rightCols(own) = q.rightCols(own);
+
+  const Seen view = seen(m.mesh, m.inner->skeleton, t);
+  l.unknowns.assign(view.base.begin(), view.base.begin() + edge);
+  const Index first = layout.first + t * static_cast<Index>(own + inner);
+  for (Index i = 0; i < own + inner; ++i) l.unknowns.push_back(first + i);
+  l.unknowns.insert(l.unknowns.end(), view.base.begin() + edge, view.base.begin() + view.count);
+
+  l.sign.resize(edge);
+  for (Eigen::Index i = 0; i < edge; ++i) {
+    const Index e = m.mesh.edges_of[t][i / m.inner->skeleton.per_edge];
+    const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+    l.sign[i] = boundary || m.mesh.sides[e][0] == t ? 1 : -1;
+    l.basis.col(i) *= l.sign[i] * layout.share[l.unknowns[i]] / a.h;
+  }
+  const double h2 = a.h * a.h;
+  l.matrix = Eigen::MatrixXd::Zero(size, size);
+  l.matrix.topLeftCorner(stress, stress) = 2 * m.scene.material.mu * h2 * l.basis.transpose() * a.M * l.basis;
+  l.matrix.block(0, stress, stress, inner) = h2 * l.basis.transpose() * a.Bt;
+  l.matrix.topRightCorner(stress, corners) = -h2 * l.basis.transpose() * a.Ct.rightCols(corners);
+  l.matrix.bottomLeftCorner(inner + corners, stress) = l.matrix.topRightCorner(stress, inner + corners).transpose();
+  l.load = Eigen::VectorXd::Zero(size);
+  l.load.segment(stress, inner) = h2 * a.given;
+  return l;
+}
+
+Layout lay_out(const Model& m) {
+  Layout layout;
+  const Element& e = m.element;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  layout.edge = 3 * m.inner->skeleton.per_edge;
+  layout.stress = stress_dimension(e) - layout.edge;
+  layout.inner = displacement_count(e) + inner_rotation_count(e);
+  layout.first = m.inner->skeleton.base;
+  layout.size = layout.first + triangles * static_cast<Index>(layout.stress + layout.inner);
+  if (has_free_pressure(m.mesh, m.scene, m.inner->skeleton)) layout.mean = layout.size++;
+  layout.share = Eigen::VectorXd::Zero(m.inner->skeleton.base);
+  for (Index i = 0; i < static_cast<Index>(m.mesh.edges.size()); ++i)
+    for (int k = 0; k < m.inner->skeleton.per_edge; ++k)
+      layout.share[edge_unknown(m.inner->skeleton, i) + k] = length(m.mesh, i) * m.inner->kernel.trace.w[k / 2];
+  return layout;
+}
+
+// The system over all unknowns, as if no traction were given.
+struct Saddle {
+  LowerTriangle matrix;
+  Eigen::VectorXd load;
+};
+
+struct Entry {
+  Index row, column;
+  double value;
+};
+
+LowerTriangle sum_up(Index size, const std::vector<Entry>& entries) {
+  std::vector<Index> start(size + 1, 0);
+  for (const Entry& e : entries) ++start[e.column + 1];
+  for (Index j = 0; j < size; ++j) start[j + 1] += start[j];
+  std::vector<std::pair<Index, double>> sorted(entries.size());
+  std::vector<Index> next(start.begin(), start.end() - 1);
+  for (const Entry& e : entries) sorted[next[e.column]++] = {e.row, e.value};
+  LowerTriangle a;
+  a.size = size;
+  a.start.push_back(0);
+  for (Index j = 0; j < size; ++j) {
+    // Stable, so that the sums do not depend on the library.
+    std::stable_sort(sorted.begin() + start[j], sorted.begin() + start[j + 1],
+                     [](const auto& p, const auto& q) { return p.first < q.first; });
+    for (Index p = start[j]; p < start[j + 1]; ++p) {
+      if (static_cast<Index>(a.rows.size()) > a.start.back() && a.rows.back() == sorted[p].first) {
+        a.values.back() += sorted[p].second;
+        continue;
+      }
+      a.rows.push_back(sorted[p].first);
+      a.values.push_back(sorted[p].second);
+    }
+    a.start.push_back(static_cast<Index>(a.rows.size()));
+  }
+  return a;
+}
+
+Saddle assemble_saddle(const Model& m, const Layout& layout) {
+  Saddle saddle;
+  saddle.load = Eigen::VectorXd::Zero(layout.size);
+  std::vector<Entry> entries;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Local l = local(m, layout, t);
+    const auto add = [&](Index i, Index j, double value) {
+      if (value != 0) entries.push_back({std::max(i, j), std::min(i, j), value});
+    };
+    const Index size = static_cast<Index>(l.unknowns.size());
+    for (Index j = 0; j < size; ++j) {
+      saddle.load[l.unknowns[j]] += l.load[j];
+      for (Index i = j; i < size; ++i) add(l.unknowns[i], l.unknowns[j], l.matrix(i, j));
+    }
+    if (layout.mean == none) continue;
+    const Eigen::VectorXd mean = l.system.h * l.system.h * l.basis.transpose() * l.system.trace;
+    for (Index i = 0; i < static_cast<Index>(mean.size()); ++i) add(layout.mean, l.unknowns[i], mean[i]);
+  }
+  saddle.matrix = sum_up(layout.size, entries);
+  for (Index u = 0; u < m.inner->skeleton.base; ++u)
+    if (m.inner->skeleton.fixed[u])
+      saddle.load[u] += 2 * m.scene.material.mu * layout.share[u] * m.inner->skeleton.prescribed[u];
+  return saddle;
+}
+
+// Which tractions are given, and their values; those in contact are decided by it.
+struct Given {
+  std::vector<bool> known;
+  Eigen::VectorXd value;       // 0 where not known
+  std::vector<Index> contact;  // per row in contact its traction
+};
+
+Given given_tractions(const Model& m, const Layout& layout) {
+  const Skeleton& s = m.inner->skeleton;
+  Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
+          std::vector<Index>(m.inner->ordering.trailing)};
+  const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.scene);
+  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
+    for (int i = 0; i < s.per_edge; ++i) {
+      const Index u = edge_unknown(s, e) + i;
+      if (m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none) {
+        g.known[u] = !s.fixed[u];
+        if (g.known[u]) g.value[u] = loads[u] / layout.share[u];
+      } else if (s.jump[e] != none && !s.fixed[s.jump[e] + i]) {
+        const Index row = m.inner->ordering.row[s.jump[e] + i];
+        if (row >= leading)
+          g.contact[row - leading] = u;
+        else
+          g.known[u] = true;
+      }
+    }
+  return g;
+}
+
+// Solutions for given tractions on the rows in contact that move. Keeps the factor while these rows stay the same.
+struct Solver {
+  const Model& m;
+  const Layout& layout;
+  const Saddle& saddle;
+  const Given& given;
+  std::vector<Motion> motion = {};
+  std::vector<Index> row = {};  // per unknown its row in the factor, or none
+  std::optional<Lu> lu = {};
+
+  std::vector<bool> known(const std::vector<Motion>& moving) const {
+    std::vector<bool> k = given.known;
+    for (std::size_t i = 0; i < moving.size(); ++i) k[given.contact[i]] = moving[i] != Motion::Held;
+    return k;
+  }
+  void factorize(const std::vector<Motion>& moving) {
+    const std::vector<bool> k = known(moving);
+    if (lu && k == known(motion)) return;
+    motion = moving;
+    Index size = 0;
+    row.assign(layout.size, none);
+    for (Index u = 0; u < layout.size; ++u)
+      if (!k[u]) row[u] = size++;
+    LowerTriangle a;
+    a.size = size;
+    a.start.push_back(0);
+    for (Index j = 0; j < layout.size; ++j) {
+      if (row[j] == none) continue;
+      for (Index p = saddle.matrix.start[j]; p < saddle.matrix.start[j + 1]; ++p) {
+        if (row[saddle.matrix.rows[p]] == none) continue;
+        a.rows.push_back(row[saddle.matrix.rows[p]]);
+        a.values.push_back(saddle.matrix.values[p]);
+      }
+      a.start.push_back(static_cast<Index>(a.rows.size()));
+    }
+    lu.reset();
+    lu.emplace(a);
+  }
+  /// All unknowns when the moving rows carry `force`.
+  Eigen::VectorXd solve(const std::vector<Motion>& moving, const Eigen::VectorXd& force) {
+    factorize(moving);
+    Eigen::VectorXd x = given.value;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const Index u = given.contact[i];
+      x[u] = moving[i] == Motion::Held ? 0 : -force[static_cast<Eigen::Index>(i)] / layout.share[u];
+    }
+    const Eigen::VectorXd rest = saddle.load - multiply(saddle.matrix, x);
+    Eigen::VectorXd b(std::count_if(row.begin(), row.end(), [](Index r) { return r != none; }));
+    for (Index u = 0; u < layout.size; ++u)
+      if (row[u] != none) b[row[u]] = rest[u];
+    const Eigen::VectorXd y = lu->solve(b);
+    for (Index u = 0; u < layout.size; ++u)
+      if (row[u] != none) x[u] = y[row[u]];
+    return x;
+  }
+  /// What the equations of the given tractions lack is the displacement there: on cracks left minus right.
+  Response respond(const std::vector<Motion>& moving, const Eigen::VectorXd& force) {
+    const Eigen::VectorXd x = solve(moving, force), rest = multiply(saddle.matrix, x) - saddle.load;
+    Response r{Eigen::VectorXd::Zero(m.inner->ordering.trailing), Eigen::VectorXd(m.inner->ordering.trailing)};
+    for (Index i = 0; i < m.inner->ordering.trailing; ++i) {
+      const Index u = given.contact[i];
+      if (moving[i] != Motion::Held) r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
+      r.force[i] = -layout.share[u] * x[u];
+    }
+    return r;
+  }
+};
+
+Certificate certify(const Solver& s, const Eigen::VectorXd& x, const std::vector<ContactPoint>& points,
+                    const Contact& contact) {
+  Eigen::VectorXd known = x;
+  for (Index u = 0; u < s.layout.size; ++u)
+    if (s.row[u] != none) known[u] = 0;
+  const Eigen::VectorXd right = s.saddle.load - multiply(s.saddle.matrix, known),
+                        rest = multiply(s.saddle.matrix, x) - s.saddle.load,
+                        size = multiply_absolute(s.saddle.matrix, x);
+  double load = std::numeric_limits<double>::min(), worst = 0, largest = 0;
+  for (Index u = 0; u < s.layout.size; ++u) {
+    if (s.row[u] == none) continue;
+    load = std::max(load, std::abs(right[u]));
+    worst = std::max(worst, std::abs(rest[u]));
+    largest = std::max(largest, size[u]);
+  }
+  Certificate c;
+  c.residual = worst / load;
+  c.rounding = std::numeric_limits<double>::epsilon() * largest / load;
+  const double traction = x.head(s.layout.share.size()).cwiseProduct(s.layout.share).cwiseAbs().maxCoeff();
+  c.kkt = std::max(c.residual, optimality(points, contact.jump, contact.force, traction));
+  return c;
+}
+
+// Base values of an edge are those of its left triangle, or the only one.
+void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
+  const Model& m = solver.m;
+  const Layout& layout = solver.layout;
+  const Skeleton& s = m.inner->skeleton;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const double mu2 = 2 * m.scene.material.mu;
+  Eigen::MatrixXd traces(layout.edge, triangles);
+  state.interior.resize(interior_count(m.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Local l = local(m, layout, t);
+      const Eigen::Index stress = l.basis.cols(), inner = l.system.Bt.cols(),
+                         corners = l.system.Ct.cols() - layout.edge;
+      Eigen::VectorXd y(l.unknowns.size());
+      for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = x[l.unknowns[i]];
+      // (A s, t) + (u, div t) + (r, as t) = <m, t n> with t dual to the tractions.
+      Eigen::VectorXd moment = l.matrix.topRows(layout.edge) * y;
+      if (layout.mean != none)
+        moment += x[layout.mean] * l.system.h * l.system.h * l.basis.leftCols(layout.edge).transpose() * l.system.trace;
+      for (int i = 0; i < layout.edge; ++i) traces(i, t) = l.sign[i] * moment[i] / (mu2 * layout.share[l.unknowns[i]]);
+      Eigen::VectorXd solution(stress + inner);
+      solution << l.basis * y.head(stress), y.segment(stress, inner) / mu2;
+      SkeletonVector at(layout.edge + corners);
+      at << traces.col(t), y.tail(corners) / mu2;
+      state.interior.col(t) =
+          interior_of(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), solution, at);
+    }
+  });
+  state.skeleton = Eigen::VectorXd::Zero(s.total);
+  for (Index u = edge_unknown(s, static_cast<Index>(m.mesh.edges.size())); u < s.base; ++u)
+    state.skeleton[u] = x[u] / mu2;
+  const auto seen_from = [&](Index t, Index e) -> Eigen::VectorXd {
+    Eigen::Index place = 0;
+    while (m.mesh.edges_of[t][place] != e) ++place;
+    return traces.col(t).segment(place * s.per_edge, s.per_edge);
+  };
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const auto [left, right] = m.mesh.sides[e];
+    const Eigen::VectorXd base = seen_from(left == none ? right : left, e);
+    for (int i = 0; i < s.per_edge; ++i) {
+      const Index u = edge_unknown(s, e) + i;
+      state.skeleton[u] = s.fixed[u] ? s.prescribed[u] : base[i];
+    }
+    if (s.jump[e] == none) continue;
+    const Eigen::VectorXd jump = seen_from(right, e) - base;
+    for (int i = 0; i < s.per_edge; ++i)
+      if (solver.row[edge_unknown(s, e) + i] == none) state.skeleton[s.jump[e] + i] = jump[i];
+  }
+}
+
+// Takes the rigid motions out that the supports leave free.
+void remove_motions(const Model& m, Field& state) {
+  const Eigen::VectorXd share = floating_shares(m, state);
+  const Element& e = m.element;
+  const int first = stress_count(e), rotation = first + displacement_count(e);
+  for (std::size_t k = 0; k < m.inner->floating.size(); ++k) {
+    const RigidMotion& motion = m.inner->floating[k];
+    const double part = share[static_cast<Eigen::Index>(k)];
+    state.skeleton.head(m.inner->skeleton.base) -= part * trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion);
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+      auto c = state.interior.col(t);
+      c.segment<2>(first) -= part * motion.at(centroid(m.mesh, t));
+      if (e.displacement > 0) {  // the coefficients of xi = (x - centroid)/h
+        const double turn = part * motion.rotation * std::sqrt(2 * area(m.mesh, t));
+        c[first + 3] -= turn;
+        c[first + 4] += turn;
+      }
+      c[rotation] += part * motion.rotation;
+    }
+  }
+}
+
+}  // namespace
+
+State solve_extended(const Model& m) {
+  State state;
+  Stopwatch watch;
+  const Layout layout = lay_out(m);
+  const Saddle saddle = assemble_saddle(m, layout);
+  const Given given = given_tractions(m, layout);
+  Solver solver{m, layout, saddle, given};
+  const std::vector<ContactPoint> points = contact_points(m);
+  state.seconds.solve += watch.lap();
+  Contact contact;
+  if (m.inner->ordering.trailing > 0) {
+    const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) {
+      return solver.respond(motion, force);
+    };
+    contact = active_set({m.inner->ordering.trailing, respond}, points);
+    state.contact_iterations = contact.iterations;
+    state.linear_solves = contact.solves;
+    state.converged = contact.converged;
+    state.seconds.contact += watch.lap();
+  }
+  const Eigen::VectorXd x = solver.solve(contact.motion, contact.force);
+  ++state.linear_solves;
+  state.certificate = certify(solver, x, points, contact);
+  state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
+  for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
+    const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.trailing);
+    if (m.inner->ordering.row[u] != none && row >= 0)
+      state.force[u] = -layout.share[given.contact[row]] * x[given.contact[row]];
+  }
+  recover(solver, x, state);
+  if (!m.inner->floating.empty()) remove_motions(m, state);
+  if (layout.mean != none) {
+    const double strain = mean_stress(m, state) / m.scene.material.mu;
+    check_volume(m, x[layout.mean] / m.scene.material.mu * area(m), strain);
+  }
+  state.seconds.solve += watch.lap();
+  return state;
+}
+
+}  // namespace kerf

@@ -1,0 +1,15 @@
+#pragma once
+// What the two ways to solve for the state share.
+
+#include "solver/system.hpp"
+
+namespace kerf {
+
+/// The points of all cracks in contact, by their rows counted from the first trailing one of Model::ordering.
+std::vector<ContactPoint> contact_points(const Model& m);
+
+/// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond quadrature
+/// and the rounding of displacements and of the strains that other loads cause.
+void check_volume(const Model& m, double change, double largest_strain);
+
+}  // namespace kerf

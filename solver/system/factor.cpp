@@ -1,0 +1,246 @@
+#include "solver/factor.hpp"
+
+#include <cholmod.h>
+#include <dlfcn.h>
+#include <fmt/core.h>
+#include <malloc.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+// Views of arrays that Eigen or a vector owns; CHOLMOD only reads them.
+cholmod_sparse view(Index n, Index* start, Index* rows, double* values, int stype) {
+  cholmod_sparse a{};
+  a.nrow = a.ncol = static_cast<std::size_t>(n);
+  a.nzmax = static_cast<std::size_t>(start[n]);
+  a.p = start;
+  a.i = rows;
+  a.x = values;
+  a.stype = stype;
+  a.itype = CHOLMOD_INT;
+  a.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = 1;
+  a.packed = 1;
+  return a;
+}
+
+struct Session {  // a CHOLMOD workspace with its lifetime
+  cholmod_common c{};
+  Session() {
+    cholmod_start(&c);
+    c.print = 0;
+    c.error_handler = nullptr;
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() {
+    cholmod_finish(&c);
+  }
+};
+
+// OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k
+// triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
+void use_one_thread() {
+  omp_set_max_active_levels(0);
+  using Set = void (*)(int);
+  if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
+}
+
+[[noreturn]] void out_of_memory() {
+  throw Error(Fault::Numerics, "not enough memory for the factorization; use a coarser mesh (mesh.size)");
+}
+
+}  // namespace
+
+std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
+  const Index n = static_cast<Index>(start.size()) - 1;
+  std::vector<Index> order(n);
+  if (n == 0) return order;
+  // METIS seeds and draws from the C library's generator: two orderings at once would disturb each other.
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
+  Session session;
+  // An unsymmetric pattern stands for A A' in CHOLMOD; stype 1 with both triangles stored reads the upper one.
+  std::vector<Index> upper_start(n + 1, 0), upper;
+  upper.reserve(neighbors.size() / 2);
+  for (Index j = 0; j < n; ++j) {
+    for (Index p = start[j]; p < start[j + 1]; ++p)
+      if (neighbors[p] < j) upper.push_back(neighbors[p]);
+    upper_start[j + 1] = static_cast<Index>(upper.size());
+  }
+  if (upper.empty()) upper.push_back(0);
+  cholmod_sparse a = view(n, upper_start.data(), upper.data(), nullptr, 1);
+  a.sorted = 0;
+  if (!cholmod_metis(&a, nullptr, 0, 1, order.data(), &session.c)) out_of_memory();
+  return order;
+}
+
+void return_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+struct Factor::Impl {
+  mutable Session session;
+  cholmod_factor* factor = nullptr;
+  Index size = 0, trailing = 0, kept = 0;
+  double entries = 0, flops = 0;
+  Eigen::MatrixXd trailing_factor, kept_factor;
+  std::optional<Lu> lu;  // instead of a Cholesky factor
+
+  ~Impl() {
+    if (factor) cholmod_free_factor(&factor, &session.c);
+  }
+
+  template <typename Dense>
+  Dense apply(int system, const Dense& b) const {
+    cholmod_dense in{};
+    in.nrow = in.d = static_cast<std::size_t>(size);
+    in.ncol = static_cast<std::size_t>(b.cols());
+    in.nzmax = in.nrow * in.ncol;
+    in.x = const_cast<double*>(b.data());
+    in.xtype = CHOLMOD_REAL;
+    in.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense* out = cholmod_solve(system, factor, &in, &session.c);
+    if (!out) out_of_memory();
+    Dense x = Eigen::Map<Dense>(static_cast<double*>(out->x), size, b.cols());
+    cholmod_free_dense(&out, &session.c);
+    return x;
+  }
+
+  // The supernodes hold the columns of L as dense blocks; the last one may begin before these columns.
+  Eigen::MatrixXd last_block(Index count) const {
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+    const Index first = size - count;
+    const auto* super = static_cast<const Index*>(factor->super);
+    const auto* rows_start = static_cast<const Index*>(factor->pi);
+    const auto* values_start = static_cast<const Index*>(factor->px);
+    const auto* rows = static_cast<const Index*>(factor->s);
+    const auto* values = static_cast<const double*>(factor->x);
+    for (std::size_t s = 0; s < factor->nsuper; ++s) {
+      if (super[s + 1] <= first) continue;
+      const Index height = rows_start[s + 1] - rows_start[s];
+      for (Index j = std::max(super[s], first); j < super[s + 1]; ++j) {
+        const double* column = values + values_start[s] + std::int64_t{j - super[s]} * height;
+        for (Index i = j - super[s]; i < height; ++i) {
+          const Index row = rows[rows_start[s] + i];
+          if (row >= j) block(row - first, j - first) = column[i];
+        }
+      }
+    }
+    return block;
+  }
+};
+
+Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite, Index kept)
+    : impl_(std::make_unique<Impl>()) {
+  use_one_thread();
+  impl_->size = lower.size;
+  impl_->trailing = trailing;
+  impl_->kept = kept;
+  if (impl_->size == 0) return;
+  if (!definite) {
+    if (trailing + kept > 0) throw std::invalid_argument("Factor: trailing columns need a definite matrix");
+    impl_->lu.emplace(lower);
+    return;
+  }
+  cholmod_common& c = impl_->session.c;
+  c.supernodal = CHOLMOD_SUPERNODAL;
+  c.nmethods = 1;
+  c.method[0].ordering = CHOLMOD_NATURAL;
+  // Fewer zeros in merged supernodes than by default: 4 to 7 % less memory; speed within the
+  // noise of the measurement.
+  c.nrelax[0] = 1;
+  c.nrelax[1] = 4;
+  c.nrelax[2] = 12;
+  c.postorder = 0;  // `dissection` is a postorder already, and the trailing columns must stay where they are
+  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
+                          const_cast<double*>(lower.values.data()), -1);
+  impl_->factor = cholmod_analyze(&a, &c);
+  if (!impl_->factor) out_of_memory();
+  impl_->entries = c.lnz;
+  impl_->flops = c.fl;
+  const int done = cholmod_factorize(&a, impl_->factor, &c);
+  // cholmod_solve resets the status: it must be read here.
+  if (c.status == CHOLMOD_NOT_POSDEF)
+    throw Error(Fault::Numerics, fmt::format("the condensed matrix is not positive definite at column {} of {}",
+                                             impl_->factor->minor, impl_->size));
+  if (!done || c.status != CHOLMOD_OK) out_of_memory();
+  if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
+  impl_->kept_factor = impl_->last_block(trailing + kept);
+  impl_->trailing_factor = impl_->kept_factor.bottomRightCorner(trailing, trailing);
+}
+
+Factor::~Factor() = default;
+Factor::Factor(Factor&&) noexcept = default;
+Factor& Factor::operator=(Factor&&) noexcept = default;
+
+namespace {
+// L L' by blocks: a third of the work of a full product.
+Eigen::MatrixXd square(const Eigen::MatrixXd& l) {
+  const Eigen::Index n = l.rows(), block = 128;
+  Eigen::MatrixXd s(n, n);
+  for (Eigen::Index i = 0; i < n; i += block) {
+    const Eigen::Index height = std::min(block, n - i);
+    for (Eigen::Index j = 0; j <= i; j += block) {
+      const Eigen::Index width = std::min(block, n - j);
+      s.block(i, j, height, width).noalias() =
+          l.block(i, 0, height, j + width) * l.block(j, 0, width, j + width).transpose();
+      s.block(j, i, width, height) = s.block(i, j, height, width).transpose();
+    }
+  }
+  return s;
+}
+}  // namespace
+
+Eigen::MatrixXd Factor::schur_complement() const {
+  return square(impl_->trailing_factor);
+}
+
+Eigen::MatrixXd Factor::kept_complement() const {
+  return square(impl_->kept_factor);
+}
+
+const Eigen::MatrixXd& Factor::kept_factor() const {
+  return impl_->kept_factor;
+}
+
+Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
+  if (impl_->lu) return impl_->lu->solve(b);
+  return impl_->size == 0 ? b : impl_->apply(CHOLMOD_L, b);
+}
+
+Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
+  return impl_->size == 0 || impl_->lu ? y : impl_->apply(CHOLMOD_Lt, y);
+}
+
+Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
+  if (impl_->size == 0 || y.cols() == 0) return y;
+  return impl_->apply(CHOLMOD_Lt, y);
+}
+
+Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
+  return backward(forward(b));
+}
+
+const Eigen::MatrixXd& Factor::trailing_factor() const {
+  return impl_->trailing_factor;
+}
+
+double Factor::entries() const {
+  return impl_->entries;
+}
+
+double Factor::flops() const {
+  return impl_->flops;
+}
+
+}  // namespace kerf

@@ -1,0 +1,137 @@
+#include "solver/system/penalty.hpp"
+
+#include "solver/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+auto lower(const Model& m) {
+  return m.inner->factor.trailing_factor().triangularView<Eigen::Lower>();
+}
+
+}  // namespace
+
+Loads loads_of(const Model& m) {
+  Loads l{m.inner->system.F, {}, m.inner->skeleton.prescribed};
+  if (m.inner->system.penalty > 0) l.own = m.inner->system.traces.row(m.inner->system.traces.rows() - 2).transpose();
+  return l;
+}
+
+Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
+  Eigen::VectorXd all(m.inner->skeleton.total);
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    all[u] = m.inner->ordering.row[u] != none ? rows[m.inner->ordering.row[u]] : elsewhere ? (*elsewhere)[u] : 0;
+  return all;
+}
+
+// An enclosed body does not feel a uniform theta, so that its error must be watched here: relative to the terms that it
+// is the sum of.
+void update_theta(const Model& m, const Loads& loads, Solved& s) {
+  const Eigen::VectorXd before = s.theta;
+  Eigen::VectorXd size(s.theta.size());
+  const Eigen::VectorXd skeleton = spread(m, s.x, &loads.prescribed);
+  const Eigen::Index count = m.inner->system.traces.rows() - 2;
+  parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const auto column = m.inner->system.traces.col(t);
+      const SkeletonVector seen_here = trace_seen(m.mesh, m.inner->skeleton, skeleton, t);
+      const double mean =
+          column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] + s.theta[t] * column[count + 1];
+      size[t] =
+          m.inner->system.penalty *
+          (column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) + std::abs(loads.own[t]));
+      s.theta[t] = m.inner->system.penalty * mean;
+    }
+  });
+  const double scale = size.size() > 0 ? std::max(size.maxCoeff(), s.theta.cwiseAbs().maxCoeff()) : 0;
+  s.penalty_error = scale > 0 ? (s.theta - before).cwiseAbs().maxCoeff() / scale : 0;
+}
+
+// Scattered in the order of the triangles.
+Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved& s) {
+  Eigen::VectorXd F = loads.F;
+  const auto add = [&](Index unknown, double value) {
+    if (unknown != none && m.inner->ordering.row[unknown] != none) F[m.inner->ordering.row[unknown]] -= value;
+  };
+  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    for (int i = 0; i < view.count; ++i) {
+      add(view.base[i], s.theta[t] * m.inner->system.traces(i, t));
+      add(view.jump[i], s.theta[t] * m.inner->system.traces(i, t));
+    }
+  }
+  return F;
+}
+
+Condensation::Condensation(const Model& model)
+    : m(model), S(model.inner->factor.schur_complement()), points(contact_points(model)) {}
+
+Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
+  return lower(m) * y.tail(m.inner->ordering.trailing);
+}
+
+Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {
+  const auto l = lower(m);
+  y.tail(jump.size()) = l.transpose() * jump;
+  Eigen::VectorXd x = m.inner->factor.backward(y);
+  x.tail(jump.size()) = jump;
+  return x;
+}
+
+Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const {
+  std::vector<bool> held(motion.size());
+  for (std::size_t i = 0; i < held.size(); ++i) held[i] = motion[i] == Motion::Held;
+  return open_jumps(S, r, held);
+}
+
+Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
+                                           const Eigen::VectorXd* held) const {
+  const Eigen::VectorXd y = m.inner->factor.forward(b);
+  if (m.inner->ordering.trailing == 0) return m.inner->factor.backward(y);
+  if (!held) return complete(y, moving_jumps(load(y), motion));
+  return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
+}
+
+void UniformPressure::correct(const Condensation& condensed, const Loads& loads, Solved& s) {
+  const Model& m = condensed.m;
+  const Eigen::Index count = m.inner->system.traces.rows() - 2;
+  const double a = m.inner->system.penalty;
+  if (response.size() == 0 || motion != s.motion) {
+    Solved unit;
+    unit.theta = Eigen::VectorXd::Ones(s.theta.size());
+    motion = s.motion;
+    response = condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, motion);
+    ++solves;
+    const Eigen::VectorXd skeleton = spread(m, response, nullptr);
+    stiffness = 0;
+    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+      const auto column = m.inner->system.traces.col(t);
+      stiffness += area(m.mesh, t) * (1 - a * column[count + 1]) -
+                   a * column.head(count).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t));
+    }
+  }
+  const Eigen::VectorXd before = s.theta;
+  update_theta(m, loads, s);
+  double rest = 0, whole = 0;
+  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
+    rest += area(m.mesh, t) * (s.theta[t] - before[t]);
+    whole += area(m.mesh, t);
+  }
+  constexpr double none_left = 1e-11;
+  level_open = !(stiffness > none_left * whole);
+  if (level_open) {
+    change_of_area = 2 * rest;
+    largest_strain = s.theta.cwiseAbs().maxCoeff();
+    s.theta = before.array() - rest / whole;
+    return;
+  }
+  const double delta = rest / stiffness;
+  s.x += delta * response;
+  s.theta = before.array() + delta;
+}
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+#pragma once
+// One linear solve with the factor of the model, and the sweeps of the iterated penalty around it: what the state and
+// its adjoint share.
+
+#include "solver/state/solve.hpp"
+
+namespace kerf {
+
+struct Solved {
+  Eigen::VectorXd x, force;    // per row; force on the rows in contact
+  std::vector<Motion> motion;  // per row in contact
+  Eigen::VectorXd theta;       // per triangle, with a penalty
+  double penalty_error = 0;    // what the last sweep still changed in theta, relative
+};
+
+/// What acts besides the matrix: F without the penalty's share, per triangle the share of mean(tr s) that the loads
+/// have (Condensed::own), the values of the unknowns that are not solved for.
+struct Loads {
+  Eigen::VectorXd F, own;
+  std::vector<double> prescribed;
+};
+Loads loads_of(const Model& m);
+
+/// All skeleton unknowns from the free ones; the others as given, or 0.
+Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
+
+/// theta = a mean(tr s) of the present solution.
+void update_theta(const Model& m, const Loads& loads, Solved& s);
+
+/// F with the penalty paid back.
+Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved& s);
+
+/// The rows in contact condensed: S once for all sweeps, and the two halves of a solve around them.
+struct Condensation {
+  explicit Condensation(const Model& model);
+  const Model& m;
+  Eigen::MatrixXd S;
+  std::vector<ContactPoint> points;
+
+  /// Right-hand side on the rows in contact after the first half, y = L^-1 b.
+  Eigen::VectorXd load(const Eigen::VectorXd& y) const;
+  /// The second half with given jumps on the rows in contact.
+  Eigen::VectorXd complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const;
+  /// Jumps under a load when the held rows stay at 0.
+  Eigen::VectorXd moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const;
+  /// K x = b with the held rows at 0, or as given, and no change of force on the others.
+  Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
+                               const Eigen::VectorXd* held = nullptr) const;
+};
+
+/// The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
+/// falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
+/// delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
+/// pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
+struct UniformPressure {
+  std::vector<Motion> motion;  // that the response was computed with
+  Eigen::VectorXd response;    // of x to theta = 1
+  double stiffness = 0;        // sum_T |T| (1 - a d mean(tr s)/d delta)
+  bool level_open = false;     // the last solution leaves the level of pressure free
+  double change_of_area = 0;   // that the boundary then asks for
+  double largest_strain = 0;
+  int solves = 0;
+
+  void correct(const Condensation& condensed, const Loads& loads, Solved& s);
+};
+
+}  // namespace kerf

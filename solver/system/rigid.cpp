@@ -1,0 +1,166 @@
+#include "solver/system/rigid.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+Vec2 edge_point(const Mesh& mesh, const Kernel& k, Index e, int g) {
+  const Vec2& a = mesh.points[mesh.edges[e][0]];
+  return a + k.trace.s[g] * (mesh.points[mesh.edges[e][1]] - a);
+}
+
+// The normal of a straight piece of an arc is right in its middle only: there rollers on a rim leave the rotation about
+// its center free, at the Gauss points they seem to hold it. An edge is such a piece when the next edge with its label
+// turns away by a little; a corner turns by more, a straight side not at all.
+std::vector<bool> on_curves(const Mesh& mesh) {
+  std::vector<std::array<Index, 2>> at(mesh.points.size(), {none, none});
+  std::vector<bool> curved(mesh.edges.size(), false);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    for (const Index v : mesh.edges[e]) at[v][at[v][0] == none ? 0 : 1] = e;
+  }
+  for (const auto& [a, b] : at) {
+    if (a == none || b == none || mesh.label[a] != mesh.label[b]) continue;
+    const Vec2 n = mesh.sides[a][1] == none ? normal(mesh, a) : Vec2(-normal(mesh, a));
+    const Vec2 m = mesh.sides[b][1] == none ? normal(mesh, b) : Vec2(-normal(mesh, b));
+    constexpr double straight = 1e-7, corner = 0.45;  // radians
+    const double turn = std::abs(std::atan2(cross(n, m), n.dot(m)));
+    if (turn > straight && turn < corner) curved[a] = curved[b] = true;
+  }
+  return curved;
+}
+
+}  // namespace
+
+std::string describe(const RigidMotion& m) {
+  // Tidy the numbers of the eigenvectors: -0 and 1e-17 do not help anybody.
+  const auto tidy = [](double v, double scale) { return std::abs(v) < 1e-4 * scale ? 0.0 : v; };
+  if (std::abs(m.rotation) < 1e-9 * m.translation.norm()) {
+    const Vec2 d = m.translation.normalized();
+    return fmt::format("a translation along ({:.4g}, {:.4g})", tidy(d.x(), 1), tidy(d.y(), 1));
+  }
+  const Vec2 c = m.center + Vec2(-m.translation.y(), m.translation.x()) / m.rotation;
+  const double size = 1 / std::abs(m.rotation);  // the motions are normalized with the body's radius
+  return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x(), size), tidy(c.y(), size));
+}
+
+std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
+                                      const std::vector<Index>& piece, Index which) {
+  Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (piece[t] == which)
+      for (const Index v : mesh.triangles[t]) {
+        low = low.cwiseMin(mesh.points[v]);
+        high = high.cwiseMax(mesh.points[v]);
+      }
+  const Vec2 center = 0.5 * (low + high);
+  const double radius = 0.5 * (high - low).norm();
+  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  const std::vector<bool> curved = on_curves(mesh);
+  double tolerance = 1e-11;
+  const auto hold = [&](const Vec2& at, const Vec2& direction) {
+    const Vec2 x = (at - center) / radius;
+    const Eigen::Vector3d row(direction.x(), direction.y(), cross(x, direction));
+    gram += row * row.transpose();
+  };
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+    if (mesh.label[e] == none || piece[t] != which) continue;
+    for (int u = 0; u < s.per_edge; ++u) {
+      if (!s.fixed[edge_unknown(s, e) + u]) continue;
+      const bool roller = s.fixed[edge_unknown(s, e)] != s.fixed[edge_unknown(s, e) + 1];
+      if (roller && curved[e]) tolerance = 1e-6;  // the vertices keep to the curve only nearly: areas are preserved
+      const Vec2 middle = 0.5 * (mesh.points[mesh.edges[e][0]] + mesh.points[mesh.edges[e][1]]);
+      hold(roller && curved[e] ? middle : edge_point(mesh, k, e, u / 2), s.frame[e].col(u % 2));
+    }
+  }
+  if (!is_mixed(k.element))
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (int i = 0; i < 3 && piece[t] == which; ++i) {
+        const Index corner = s.corners.of[t][i];
+        for (int d = 0; d < 2; ++d)
+          if (s.fixed[corner_unknown(s, corner) + d])
+            hold(mesh.points[mesh.triangles[t][i]], s.corner_frame[corner].col(d).head<2>());
+      }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(gram);
+  const double largest = spectrum.eigenvalues()[2];
+  std::vector<RigidMotion> motions;
+  if (largest == 0) {
+    motions.push_back({center, Vec2(1, 0), 0});
+    motions.push_back({center, Vec2(0, 1), 0});
+    motions.push_back({center, Vec2(0, 0), 1 / radius});
+    return motions;
+  }
+  for (int i = 0; i < 3; ++i)
+    if (spectrum.eigenvalues()[i] < tolerance * largest) {
+      const Eigen::Vector3d v = spectrum.eigenvectors().col(i);
+      motions.push_back({center, v.head<2>(), v[2] / radius});
+    }
+  return motions;
+}
+
+Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion) {
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(s.base);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    for (int g = 0; g < s.per_edge / 2; ++g)
+      value.segment<2>(edge_unknown(s, e) + 2 * g) =
+          frame_at(s, e, g).transpose() * motion.at(edge_point(mesh, k, e, g));
+  for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c) {
+    if (k.element.at_vertices == AtVertices::Rotation) value[corner_unknown(s, c)] = -motion.rotation;
+    if (k.element.at_vertices == AtVertices::Displacement)
+      value.segment<2>(corner_unknown(s, c)) =
+          s.corner_frame[c].topLeftCorner<2, 2>().transpose() * motion.at(mesh.points[s.corners.vertex[c]]);
+  }
+  return value;
+}
+
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion) {
+  const Eigen::ArrayXd terms =
+      traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
+  double work = terms.sum(), size = terms.abs().sum();
+  if (scene.body)
+    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+      const Triangle shape = triangle(mesh, s, t);
+      const Points x = rule_points(k.load, shape);
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const double term = area(shape) * k.load.w[q] * scene.body(x.col(q)).dot(motion.at(x.col(q)));
+        work += term;
+        size += std::abs(term);
+      }
+    }
+  return {work, size > 0 ? std::abs(work) / size : 0};
+}
+
+std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions) {
+  const Index n = static_cast<Index>(motions.size());
+  Eigen::MatrixXd rows(s.base, n);
+  for (Index i = 0; i < n; ++i) rows.col(i) = trace(mesh, k, s, motions[i]);
+  // Displacements on the boundary only.
+  std::vector<bool> usable(s.base, false);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    for (int i = 0; i < s.per_edge; ++i) usable[edge_unknown(s, e) + i] = true;
+  }
+  if (!is_mixed(k.element))
+    for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c)
+      usable[corner_unknown(s, c)] = usable[corner_unknown(s, c) + 1] = true;
+  for (Index u = 0; u < s.base; ++u)
+    if (s.fixed[u] || !usable[u]) rows.row(u).setZero();
+  std::vector<Index> chosen;
+  for (Index i = 0; i < n; ++i) {
+    // The row farthest from the span of those chosen before; the first among equals.
+    Eigen::Index best = 0;
+    rows.rowwise().squaredNorm().maxCoeff(&best);
+    chosen.push_back(static_cast<Index>(best));
+    const Eigen::RowVectorXd direction = rows.row(best).normalized();
+    rows -= (rows * direction.transpose()) * direction;
+  }
+  return chosen;
+}
+
+}  // namespace kerf

@@ -1,0 +1,42 @@
+#pragma once
+// Rigid motions that the supports leave free, and what the loads do on them.
+
+#include "solver/system/skeleton.hpp"
+
+#include <string>
+
+namespace kerf {
+
+/// r(x) = (a - w (y - y0), b + w (x - x0)).
+struct RigidMotion {
+  Vec2 center = Vec2::Zero();
+  Vec2 translation = Vec2::Zero();
+  double rotation = 0;
+  Vec2 at(const Vec2& x) const {
+    const Vec2 d = x - center;
+    return translation + rotation * Vec2(-d.y(), d.x());
+  }
+};
+
+/// "a translation along (1, 0)", "a rotation about (0, 0)": for messages.
+std::string describe(const RigidMotion& motion);
+
+/// Orthonormal basis (in a scaled sense) of the rigid motions of the triangles with piece[t] == which that violate no
+/// prescribed component. Contact does not count as a support.
+std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
+                                      const std::vector<Index>& piece, Index which);
+
+/// Work of tractions and body force on a motion, and its size relative to the sum of the absolute contributions (0
+/// without loads).
+struct Work {
+  double value = 0, relative = 0;
+};
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion);
+
+/// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion.
+std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions);
+
+/// Trace values of a motion: per skeleton base unknown.
+Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion);
+
+}  // namespace kerf

@@ -1,0 +1,410 @@
+#include "solver/system/skeleton.hpp"
+#include "geometry/topology.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int data_points = 8;  // Gauss points per edge for boundary data
+
+Mat2 edge_frame(const Mesh& mesh, Index e) {
+  Mat2 f;
+  f << normal(mesh, e), tangent(mesh, e);
+  return f;
+}
+
+void check_finite(const Vec2& value, const Vec2& x, const char* what) {
+  if (!value.allFinite())
+    throw Error(Fault::Numerics, fmt::format("the {} is not finite at ({:.6g}, {:.6g})", what, x.x(), x.y()));
+}
+
+// A crack whose faces can part.
+bool opens(const Mesh& mesh, const Scene& scene, Index e) {
+  return mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+}
+
+[[noreturn]] void refuse(const Element& e, const char* what, const char* instead) {
+  throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
+}
+
+void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
+  if (e.at_vertices == AtVertices::Stress && !mesh.region.empty())
+    refuse(e, "regions of other materials: its stress is one at every vertex",
+           "\"arnold-winther\", which shares its functions");
+  if (!is_mixed(e) && std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
+    refuse(e, "an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    const auto kind = scene.laws[crack].kind;
+    if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;
+    if (e.at_vertices == AtVertices::Stress)
+      refuse(e, "cracks: its stress is one at every vertex", "\"arnold-winther\", which shares its functions");
+    if (!is_mixed(e) && kind == CrackLaw::Kind::Unilateral)
+      refuse(e, "contact on cracks", "a mixed element, such as \"bdms\", or contact = \"open\"");
+  }
+}
+
+// Frames of curved cracks: the true normal, on the side of the chord's.
+void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  s.bent_at.assign(mesh.edges.size(), none);
+  if (!is_mixed(k.element)) return;
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    if (!scene.laws[crack].normal) continue;
+    for (const CrackEdge& c : mesh.cracks[crack]) {
+      s.bent_at[c.edge] = static_cast<Index>(s.bent.size());
+      const Vec2& a = mesh.points[mesh.edges[c.edge][0]];
+      const Vec2& b = mesh.points[mesh.edges[c.edge][1]];
+      const Vec2 chord = normal(mesh, c.edge);
+      for (int g = 0; g < points_per_edge(k.element); ++g) {
+        Vec2 n = scene.laws[crack].normal(a + k.trace.s[g] * (b - a));
+        if (n.dot(chord) < 0) n = -n;
+        s.bent.push_back((Mat2() << n, Vec2(-n.y(), n.x())).finished());
+      }
+    }
+  }
+}
+
+void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  const int points = points_per_edge(k.element);
+  const EdgeRule rule = gauss(data_points);
+  for (const Support& support : scene.supports)
+    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+      if (mesh.label[e] != support.label) continue;
+      const Vec2& a = mesh.points[mesh.edges[e][0]];
+      const Vec2& b = mesh.points[mesh.edges[e][1]];
+      const Vec2 n = outward_normal(mesh, e);
+      s.frame[e] = Mat2::Identity();
+      if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
+      const auto value_at = [&](double along) -> Vec2 {
+        const Vec2 x = a + along * (b - a);
+        const Vec2 value = support.value(x, n);
+        check_finite(value, x, "prescribed displacement");
+        return value;
+      };
+      for (int g = 0; g < points; ++g) {
+        Vec2 moment = Vec2::Zero();
+        if (is_mixed(k.element))  // the basis is orthogonal: its mass on the edge is diag(w)
+          for (int q = 0; q < data_points; ++q)
+            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] * value_at(rule.s[q]);
+        else
+          moment = value_at(k.trace.s[g]);
+        for (int d = 0; d < 2; ++d)
+          if (d == 0 ? support.first : support.second) {
+            const Index unknown = edge_unknown(s, e) + 2 * g + d;
+            s.fixed[unknown] = true;
+            s.prescribed[unknown] = moment[d];
+          }
+      }
+    }
+}
+
+/// The corner of boundary edge e at its end.
+Index corner_of(const Mesh& mesh, const Skeleton& s, Index e, int end) {
+  const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
+  int i = 0;
+  while (mesh.triangles[t][i] != mesh.edges[e][end]) ++i;
+  return s.corners.of[t][i];
+}
+
+// Displacement elements: at a corner the supports of the edges that meet there add up, two directions at most.
+void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  for (const Support& support : scene.supports)
+    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+      if (mesh.label[e] != support.label) continue;
+      const Vec2 n = outward_normal(mesh, e);
+      Mat2 frame = Mat2::Identity();
+      if (support.normal_frame) frame << n, Vec2(-n.y(), n.x());
+      for (int end = 0; end < 2; ++end) {
+        const Vec2& x = mesh.points[mesh.edges[e][end]];
+        const Vec2 value = support.value(x, n);
+        check_finite(value, x, "prescribed displacement");
+        const Index corner = corner_of(mesh, s, e, end), unknown = corner_unknown(s, corner);
+        auto axes = s.corner_frame[corner].topLeftCorner<2, 2>();
+        for (int d = 0; d < 2; ++d) {
+          if (!(d == 0 ? support.first : support.second) || (s.fixed[unknown] && s.fixed[unknown + 1])) continue;
+          const Vec2 direction = frame.col(d);
+          if (!s.fixed[unknown]) {
+            axes << direction, Vec2(-direction.y(), direction.x());
+            s.fixed[unknown] = true;
+            s.prescribed[unknown] = value[d];
+            continue;
+          }
+          const double across = direction.dot(axes.col(1));
+          constexpr double parallel = 1e-3;
+          if (std::abs(across) < parallel) continue;
+          s.fixed[unknown + 1] = true;
+          s.prescribed[unknown + 1] = (value[d] - direction.dot(axes.col(0)) * s.prescribed[unknown]) / across;
+        }
+      }
+    }
+}
+
+// Stresses at vertices: sigma n = g on every edge that is not supported there, in the mean of squares where two edges
+// meet in a corner. Without this the order of the element falls by half [elements.md section 8].
+void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  struct Rows {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> rows;
+    Eigen::VectorXd values;
+  };
+  std::vector<Rows> given(s.corners.vertex.size());
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.label[e] == none) continue;
+    const Vec2 n = outward_normal(mesh, e);
+    for (int end = 0; end < 2; ++end) {
+      const Vec2& x = mesh.points[mesh.edges[e][end]];
+      Vec2 value = Vec2::Zero();
+      for (const Traction& traction : scene.tractions)
+        if (traction.label == mesh.label[e]) value += traction.value(x, n);
+      check_finite(value, x, "traction");
+      Rows& r = given[corner_of(mesh, s, e, end)];
+      for (int d = 0; d < 2; ++d) {
+        if (s.fixed[edge_unknown(s, e) + d]) continue;
+        const Vec2 direction = s.frame[e].col(d);
+        const Eigen::Index count = r.values.size();
+        r.rows.conservativeResize(count + 1, 3);
+        r.values.conservativeResize(count + 1);
+        r.rows.row(count) << direction.x() * n.x(), direction.y() * n.y(),
+            (direction.x() * n.y() + direction.y() * n.x()) / std::sqrt(2.0);
+        r.values[count] = direction.dot(value);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < given.size(); ++c) {
+    if (given[c].values.size() == 0) continue;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(given[c].rows),
+                                                Eigen::ComputeThinU | Eigen::ComputeFullV);
+    s.corner_frame[c] = svd.matrixV();
+    constexpr double dependent = 1e-6;
+    for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+      if (svd.singularValues()[i] < dependent) continue;
+      const Index unknown = corner_unknown(s, static_cast<Index>(c)) + static_cast<Index>(i);
+      s.fixed[unknown] = true;
+      s.prescribed[unknown] = svd.matrixU().col(i).dot(given[c].values) / svd.singularValues()[i];
+    }
+  }
+}
+
+// At a corner between edges with normals a, b a symmetric stress has a.s b = b.s a, so that cubic traces have a
+// combination there that the triangle does not see. The combinations around a vertex add up to one that no triangle
+// sees where the edges lie on two lines and the ends of the fan, if it has any, are free.
+// Marks the traces around such a vertex.
+void mark_unseen(const Mesh& mesh, const Scene& scene, Skeleton& s) {
+  const Index edges = static_cast<Index>(mesh.edges.size());
+  std::vector<bool> cut(edges);
+  for (Index i = 0; i < edges; ++i) cut[i] = opens(mesh, scene, i);
+  const Corners corners = split_at(mesh, cut);
+  std::vector<bool> unseen(corners.vertex.size(), true);
+  constexpr double parallel = 1e-6;
+  // The edge of triangle t at the vertex that is not `edge`.
+  const auto other = [&](Index t, Index vertex, Index edge) {
+    for (int i = 0; i < 3; ++i)
+      if (mesh.edges_of[t][i] != edge && mesh.triangles[t][i] != vertex) return mesh.edges_of[t][i];
+    return none;
+  };
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (const int k : {(i + 1) % 3, (i + 2) % 3}) {
+        const Index vertex = mesh.triangles[t][i], edge = mesh.edges_of[t][k];
+        if (cut[edge]) continue;
+        const Vec2 across = normal(mesh, other(t, vertex, edge));
+        const Index beyond = mesh.sides[edge][0] == t ? mesh.sides[edge][1] : mesh.sides[edge][0];
+        bool seen_here = false;
+        if (beyond != none)
+          seen_here = std::abs(cross(across, normal(mesh, other(beyond, vertex, edge)))) > parallel;
+        else
+          for (int d = 0; d < 2; ++d)
+            seen_here = seen_here ||
+                        (s.fixed[edge_unknown(s, edge) + d] && std::abs(across.dot(s.frame[edge].col(d))) > parallel);
+        if (seen_here) unseen[corners.of[t][i]] = false;
+      }
+  s.unseen.assign(s.total, false);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (unseen[corners.of[t][i]])
+        for (const int k : {(i + 1) % 3, (i + 2) % 3}) {
+          const Index edge = mesh.edges_of[t][k];
+          for (int u = 0; u < s.per_edge; ++u) {
+            s.unseen[edge_unknown(s, edge) + u] = true;
+            if (s.jump[edge] != none) s.unseen[s.jump[edge] + u] = true;
+          }
+        }
+}
+
+}  // namespace
+
+const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
+  return s.bent_at[edge] == none ? s.frame[edge] : s.bent[s.bent_at[edge] + point];
+}
+
+Index edge_unknown(const Skeleton& s, Index edge) {
+  return edge * s.per_edge;
+}
+
+Index corner_unknown(const Skeleton& s, Index corner) {
+  return static_cast<Index>(s.frame.size()) * s.per_edge + corner * s.per_vertex;
+}
+
+bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
+  if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return m.c > 0; })) return false;
+  bool contact = false;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none) {
+      for (int i = 0; i < s.per_edge; ++i) {
+        constexpr double across = 1e-12;
+        if (!s.fixed[edge_unknown(s, e) + i] && std::abs(s.frame[e].col(i % 2).dot(normal(mesh, e))) > across)
+          return false;
+      }
+    } else if (mesh.crack[e] != none) {
+      const CrackLaw::Kind kind = scene.laws[mesh.crack[e]].kind;
+      if (kind == CrackLaw::Kind::Open) return false;
+      contact = contact || kind == CrackLaw::Kind::Unilateral;
+    }
+  }
+  if (contact)
+    throw Error(Fault::Numerics,
+                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
+                "on its cracks is open; free a part of the boundary");
+  return true;
+}
+
+Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
+  check_element(mesh, k.element, scene);
+  Skeleton s;
+  s.per_edge = per_edge(k.element);
+  s.per_vertex = per_vertex(k.element);
+  const Index edges = static_cast<Index>(mesh.edges.size());
+  s.frame.resize(edges);
+  s.jump.assign(edges, none);
+  s.base = edges * s.per_edge;
+  if (s.per_vertex > 0) {
+    std::vector<bool> cut(edges);
+    // The rotation jumps between materials, where the displacement kinks.
+    const bool rotation = k.element.at_vertices == AtVertices::Rotation;
+    for (Index e = 0; e < edges; ++e) cut[e] = opens(mesh, scene, e) || (rotation && is_interface(mesh, e));
+    s.corners = split_at(mesh, cut);
+    s.base += static_cast<Index>(s.corners.vertex.size()) * s.per_vertex;
+    s.corner_frame.assign(s.corners.vertex.size(), Eigen::Matrix3d::Identity());
+  }
+  s.total = s.base;
+  for (Index e = 0; e < edges; ++e) {
+    s.frame[e] = edge_frame(mesh, e);
+    if (mesh.crack[e] != none && s.per_edge > 0) {
+      s.jump[e] = s.total;
+      s.total += s.per_edge;
+    }
+  }
+  bend(mesh, k, scene, s);
+  s.prescribed.assign(s.total, 0);
+  s.fixed.assign(s.total, false);
+  s.bounded.assign(s.total, false);
+  s.frictional.assign(s.total, false);
+  for (Index e = 0; e < edges; ++e) {
+    if (s.jump[e] == none) continue;
+    const CrackLaw& law = scene.laws[mesh.crack[e]];
+    const bool unilateral = law.kind == CrackLaw::Kind::Unilateral, rough = has_friction(law);
+    for (int i = 0; i < s.per_edge; ++i) {
+      const Index unknown = s.jump[e] + i;
+      s.fixed[unknown] = law.kind == CrackLaw::Kind::Bonded;
+      s.bounded[unknown] = unilateral && i % 2 == 0;
+      s.frictional[unknown] = rough && i % 2 == 1;
+    }
+  }
+  support_edges(mesh, k, scene, s);
+  if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
+  if (k.element.at_vertices == AtVertices::Stress) {
+    if (has_free_pressure(mesh, scene, s))
+      refuse(k.element, "an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level",
+             "\"arnold-winther\", which sets the mean pressure to zero");
+    load_corners(mesh, scene, s);
+  }
+  if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
+  return s;
+}
+
+const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
+  const Index region = region_of(mesh, t);
+  return region == none ? scene.material : scene.regions[region];
+}
+
+Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
+  Triangle result;
+  for (int i = 0; i < 3; ++i) {
+    const Index e = mesh.edges_of[t][i];
+    result.x[i] = mesh.points[mesh.triangles[t][i]];
+    result.frame[i] = s.frame[e];
+    result.forward[i] = mesh.sides[e][0] == t;
+    if (s.bent_at[e] != none) result.bent[i] = s.bent.data() + s.bent_at[e];
+    if (s.per_vertex > 1) result.corner[i] = s.corner_frame[s.corners.of[t][i]];
+  }
+  return result;
+}
+
+Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
+  Seen result;
+  for (int i = 0; i < 3; ++i) {
+    const Index e = mesh.edges_of[t][i];
+    const bool right = s.jump[e] != none && mesh.sides[e][1] == t;
+    for (int k = 0; k < s.per_edge; ++k) {
+      result.base[result.count] = edge_unknown(s, e) + k;
+      result.jump[result.count++] = right ? s.jump[e] + k : none;
+    }
+  }
+  if (s.per_vertex > 0)
+    for (const Index corner : s.corners.of[t])
+      for (int k = 0; k < s.per_vertex; ++k) {
+        result.base[result.count] = corner_unknown(s, corner) + k;
+        result.jump[result.count++] = none;
+      }
+  return result;
+}
+
+SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t) {
+  const Seen view = seen(mesh, s, t);
+  SkeletonVector trace(view.count);
+  for (int i = 0; i < view.count; ++i)
+    trace[i] = values[view.base[i]] + (view.jump[i] == none ? 0 : values[view.jump[i]]);
+  return trace;
+}
+
+Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
+  const EdgeRule rule = gauss(data_points);
+  for (const Traction& traction : scene.tractions)
+    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+      if (mesh.label[e] != traction.label) continue;
+      const Vec2& a = mesh.points[mesh.edges[e][0]];
+      const Vec2& b = mesh.points[mesh.edges[e][1]];
+      const Vec2 n = outward_normal(mesh, e);
+      const double l = length(mesh, e);
+      for (int q = 0; q < data_points; ++q) {
+        const Vec2 x = a + rule.s[q] * (b - a);
+        const Vec2 value = traction.value(x, n);
+        check_finite(value, x, "traction");
+        const Vec2 moment = l * rule.w[q] * value;
+        const auto add = [&](Index unknown, double share, const Mat2& frame) {
+          for (int d = 0; d < 2; ++d) load[unknown + d] += share * frame.col(d).dot(moment);
+        };
+        const double at = rule.s[q];
+        if (is_mixed(k.element)) {
+          const Eigen::VectorXd basis = trace_basis(k.trace, at);
+          for (int g = 0; g < basis.size(); ++g) add(edge_unknown(s, e) + 2 * g, basis[g], s.frame[e]);
+          continue;
+        }
+        const double bubble = s.per_edge > 0 ? 4 * at * (1 - at) : 0;
+        if (s.per_edge > 0) add(edge_unknown(s, e), bubble, s.frame[e]);
+        for (int end = 0; end < 2; ++end) {
+          const Index corner = corner_of(mesh, s, e, end);
+          add(corner_unknown(s, corner), (end == 0 ? 1 - at : at) - 0.5 * bubble,
+              s.corner_frame[corner].topLeftCorner<2, 2>());
+        }
+      }
+    }
+  return load;
+}
+
+}  // namespace kerf

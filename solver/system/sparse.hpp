@@ -1,0 +1,23 @@
+#pragma once
+// The lower triangle of a sparse symmetric matrix, by columns. (Eigen 3.4's SparseMatrix copies where it should move.)
+
+#include "kerf/types.hpp"
+
+#include <vector>
+
+namespace kerf {
+
+struct LowerTriangle {
+  Index size = 0;
+  std::vector<Index> start;    // per column, one more at the end
+  std::vector<Index> rows;     // sorted in each column, the diagonal first
+  std::vector<double> values;  // same shape
+};
+
+/// The whole symmetric matrix times x.
+Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x);
+
+/// |A| |x|, entry by entry in absolute value.
+Eigen::VectorXd multiply_absolute(const LowerTriangle& a, const Eigen::VectorXd& x);
+
+}  // namespace kerf

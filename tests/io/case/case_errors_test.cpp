@@ -1,0 +1,212 @@
+#include "tests/io/case/case_files.hpp"
+
+namespace kerf {
+namespace {
+
+struct Wrong {
+  const char* after;  // lines appended to the square, the first of which is line 7
+  const char* message;
+};
+void PrintTo(const Wrong& w, std::ostream* out) {
+  *out << w.message;
+}
+class WrongCase : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongCase, SaysWhereAndWhat) {
+  EXPECT_EQ(error(square + GetParam().after), GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Unknown, WrongCase,
+    testing::Values(
+        Wrong{"youg = 1", "a.toml:7:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
+        Wrong{"density = 1", "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, state"},
+        Wrong{"[mehs]\nsize = 1", "a.toml:7:2: unknown key \"mehs\"; did you mean \"mesh\"?"},
+        Wrong{"[mesh]\n  szie = 1", "a.toml:8:3: unknown key \"szie\" in [mesh]; did you mean \"size\"?"},
+        Wrong{"[[hole]]\nname = 'h'\ncircle = { center = [1, 0.5], raduis = 0.1 }",
+              "a.toml:9:31: unknown key \"raduis\" in circle in [[hole]]; did you mean \"radius\"?"},
+        Wrong{"[[boundary]]\non = 'topp'\npressure = 1",
+              "a.toml:8:6: on in [[boundary]]: there is no label \"topp\"; did you mean \"top\"?"},
+        Wrong{"[solver]\nelement = 'bmds'",
+              "a.toml:8:11: unknown element in [solver] \"bmds\"; did you mean \"bdms\"?"},
+        Wrong{"[define]\nr = 'x'", "a.toml:8:1: unused key \"r\" in [define]; use it in an expression or remove it"},
+        Wrong{"[define]\nr = 'x'\ns = 'r'\nt = 'r'\n[body]\nforce = ['t', 0]",
+              "a.toml:9:1: unused key \"s\" in [define]; use it in an expression or remove it"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    NotToml, WrongCase,
+    testing::Values(Wrong{"young = 2",
+                          "a.toml:7:9: not valid TOML: Error while parsing key-value pair: cannot redefine "
+                          "existing integer 'young'"},
+                    Wrong{"[material]",
+                          "a.toml:7:1: not valid TOML: Error while parsing table header: cannot redefine "
+                          "existing table 'material'"},
+                    Wrong{"a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a = 1",
+                          "a.toml:1:1: a dotted key has more than 32 parts"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Types, WrongCase,
+    testing::Values(
+        Wrong{"state = 1", "a.toml:7:9: state in [material] must be a string, not 1"},
+        Wrong{"[mesh]\nsize = '0.1'", "a.toml:8:8: size in [mesh] must be a number, not \"0.1\""},
+        Wrong{"[mesh]\nsize = nan", "a.toml:8:8: size in [mesh] must be a finite number, not nan"},
+        Wrong{"[output]\nvtk = 1", "a.toml:8:7: vtk in [output] must be true or false, not 1"},
+        Wrong{"[crack]\nname = 'c'", "a.toml:7:1: \"crack\" may appear several times; write [[crack]]"},
+        Wrong{"[[mesh]]\nsize = 1", "a.toml:7:1: there is only one [mesh]; write [mesh] instead of [[mesh]]"},
+        Wrong{"[[boundary]]\non = 'top'\ntraction = 1",
+              "a.toml:9:12: traction in [[boundary]] must be a pair [x, y], not 1"},
+        Wrong{"[[boundary]]\non = 'top'\ntraction = [1, true]",
+              "a.toml:9:16: entry 2 of traction in [[boundary]] must be a number or an expression in a string, \"1 + "
+              "x\""},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[0, 0], [1]]",
+              "a.toml:9:17: entry 2 of path in [[crack]] must be a pair [x, y], not a list of 1"},
+        Wrong{"[[crack]]\nname = 'c/d'\npath = [[0, 0], [1, 1]]",
+              "a.toml:8:8: name in [[crack]] must be a name of letters, digits, _ . or - (1 to 100), not \"c/d\""}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, WrongCase,
+    testing::Values(
+        Wrong{"[mesh]\nsize = 0", "a.toml:8:8: size in [mesh] must be positive, not 0"},
+        Wrong{"[mesh]\nmin_angle = 40", "a.toml:8:13: min_angle in [mesh] must be between 0 and 30, not 40"},
+        Wrong{"[[hole]]\nname = 'h'\ncircle = { center = [1, 0.5], radius = -1 }",
+              "a.toml:9:40: radius in circle in [[hole]] must be positive, not -1"},
+        Wrong{"[[hole]]\nname = 'h'\npolygon = [[1, 1], [2, 2]]",
+              "a.toml:9:11: polygon in [[hole]] must be a list of at least 3, not a list of 2"},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[1, 1], [2, 2]]\nfriction = -1",
+              "a.toml:10:12: friction in [[crack]] must not be negative"},
+        Wrong{"[[probe]]\nname = 'p'\nfrom = [0, 0]\nto = [1, 1]\ncount = 1",
+              "a.toml:11:9: count in [[probe]] must be between 2 and 1000000, not 1"},
+        Wrong{"[[probe]]\nname = 'p'\nfrom = [0, 0]\nto = [1, 1]\ncount = 2.5",
+              "a.toml:11:9: count in [[probe]] must be a whole number, not 2.5"},
+        Wrong{"[[boundary]]\non = 'top'\ntraction = [0, '1 +']",
+              "a.toml:9:16: entry 2 of traction in [[boundary]]: expression \"1 +\", column 4: the expression ends too "
+              "early; a value is missing"},
+        Wrong{"[define]\nr = 's'\ns = 'x'",
+              "a.toml:8:1: r in [define]: expression \"s\", column 1: \"s\" is defined here or later; a definition may "
+              "use only those before it"},
+        Wrong{"[body]\nforce = [0, 'nx']",
+              "a.toml:8:13: entry 2 of force in [body]: expression \"nx\", column 1: \"nx\" has no meaning here: there "
+              "is no normal inside the body"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Missing, WrongCase,
+    testing::Values(
+        Wrong{"[[hole]]\nname = 'h'", "a.toml:7:1: [[hole]] needs one of circle, ellipse, polygon"},
+        Wrong{"[[hole]]\nname = 'h'\ncircle = { radius = 1 }",
+              "a.toml:9:10: missing key \"center\" in circle in [[hole]]; add it"},
+        Wrong{"[[crack]]\nname = 'c'", "a.toml:7:1: [[crack]] needs one of path, arc"},
+        Wrong{"[[boundary]]\npressure = 1", "a.toml:7:1: missing key \"on\" in [[boundary]]; add it"},
+        Wrong{"[[boundary]]\non = 'top'",
+              "a.toml:7:1: [[boundary]] prescribes nothing; give traction, pressure or displacement, displacement_x, "
+              "displacement_y, displacement_normal"},
+        Wrong{"[functional]", "a.toml:7:1: missing key \"kind\" in [functional]; add it"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Conflicts, WrongCase,
+    testing::Values(
+        Wrong{
+            "[[boundary]]\non = 'top'\npressure = 1\ntraction = [0, 0]",
+            "a.toml:9:12: label \"top\": pressure conflicts with traction (the other is at a.toml:10:12); keep one of "
+            "them"},
+        Wrong{"[[boundary]]\non = 'top'\ntraction = [1, 0]\n[[boundary]]\non = ['left', 'top']\ntraction = [0, 0]",
+              "a.toml:12:12: label \"top\": two conditions traction (the other is at a.toml:9:12); keep one of them"},
+        Wrong{"[[boundary]]\non = 'top'\ndisplacement = [1, 0]\n[[boundary]]\non = 'top'\ndisplacement_x = 0",
+              "a.toml:12:18: label \"top\": displacement_x conflicts with displacement (the other is at a.toml:9:16); "
+              "keep one of them"},
+        Wrong{"[[boundary]]\non = 'top'\ndisplacement_x = 0\n[[boundary]]\non = 'top'\ndisplacement_x = 0",
+              "a.toml:12:18: label \"top\": two conditions displacement_x (the other is at a.toml:9:18); keep one of "
+              "them"},
+        Wrong{"[[boundary]]\non = 'top'\ndisplacement_x = 0\ndisplacement_normal = 0",
+              "a.toml:10:23: label \"top\": displacement_normal conflicts with displacement_x (the other is at "
+              "a.toml:9:18); keep one of them"},
+        Wrong{"[[boundary]]\non = 'top'\ndisplacement_x = 0\ndisplacement_y = 0\ntraction = [0, 0]",
+              "a.toml:10:18: label \"top\": traction conflicts with the displacement, of which both components are "
+              "prescribed (the other is at a.toml:11:12); keep one of them"},
+        Wrong{
+            "[[boundary]]\non = 'top'\ndisplacement_x = 0\ntraction = [1, 0]",
+            "a.toml:10:12: label \"top\": component x of the traction must be 0, because displacement_x is prescribed "
+            "there (at a.toml:9:18)"},
+        Wrong{"[[boundary]]\non = ['top', 'top']\npressure = 1",
+              "a.toml:8:14: entry 2 of on in [[boundary]]: label \"top\" appears twice"},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[0.1, 0.1], [0.2, 0.1]]\n[[crack]]\nname = 'c'\npath = [[0, 0], [1, 1]]",
+              "a.toml:11:8: name in [[crack]]: the name \"c\" is taken; give each its own"},
+        Wrong{"[[crack]]\nname = 'c'\narc = { center = [0, 0] }",
+              "a.toml:9:7: missing key \"from_deg\" in arc in [[crack]]; add it"},
+        Wrong{
+            "[[crack]]\nname = 'c'\narc = { center = [0, 0], radius = 1, from_deg = 10, to_deg = 370 }",
+            "a.toml:9:7: arc in [[crack]] runs from 10 to 370 degrees; an arc turns by more than 0 and less than 360"},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[0, 0], [1, 1]]\narc = {}",
+              "a.toml:10:7: [[crack]] has both path and arc; keep one"},
+        Wrong{"[[probe]]\nname = 'p'\npoints = [[0, 0]]\nfile = 'a'",
+              "a.toml:10:8: [[probe]] has both points and file; keep one"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Regions, WrongCase,
+    testing::Values(
+        Wrong{"[[region]]\nname = 'r'\nyoung = 1\npoisson = 0.3",
+              "a.toml:7:1: [[region]] needs one of circle, ellipse, polygon"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\npoisson = 0.3",
+              "a.toml:7:1: missing key \"young\" in [[region]]; add it"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = -1\npoisson = 0.3",
+              "a.toml:10:9: young in [[region]] must be positive, not -1"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1\npoisson = 0.6",
+              "a.toml:11:11: poisson in [[region]] must be between 0 and 0.5, not 0.6"},
+        Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1e-320\npoisson = 0.3",
+              "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
+        Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
+              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson"},
+        Wrong{"[[region]]\nname = '../r'",
+              "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
+        Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"
+              "[[region]]\nname = 'r'",
+              "a.toml:13:8: name in [[region]]: the name \"r\" is taken; give each its own"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    NotYet, WrongCase,
+    testing::Values(
+        Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\nfriction = -0.3",
+              "a.toml:10:12: friction in [[crack]] must not be negative"},
+        Wrong{"[[crack]]\nname = 'c'\npath = [[1, 0.2], [1, 0.4]]\ncontact = 'open'\ntresca = 1",
+              "a.toml:11:10: tresca in [[crack]] needs contact = \"unilateral\", not \"open\""},
+        Wrong{"[mesh]\nadapt = { error = 0 }", "a.toml:8:19: error in [adapt] must be positive, not 0"},
+        Wrong{"[solver]\nelement = 'affw'", "a.toml:8:11: unknown element in [solver] \"affw\"; did you mean \"afw\"?"},
+        Wrong{"[solver]\ndegree = 4", "a.toml:8:10: element \"bdms\" has no degree 4; it has 1, 2, 3"},
+        Wrong{"[solver]\nelement = 'peers'\ndegree = 2", "a.toml:9:10: element \"peers\" has no degree 2; it has 1"}));
+
+TEST(Case, DomainErrors) {
+  const std::string material = "[material]\nyoung = 1\npoisson = 0.3\n";
+  EXPECT_EQ(error(""), "a.toml:1:1: missing table [domain]; add it");
+  EXPECT_EQ(error("[domain]\nfile = 'plate.msh'\n" + material),
+            "a.toml:2:1: \"file\" in [domain] is not supported yet; draw the body with outline, sides and [[hole]]");
+  EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0]]\nsides = ['a', 'b']\n" + material),
+            "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3, or 2 with an arc");
+  EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nsides = ['a', 'b']\n" + material),
+            "a.toml:3:9: sides in [domain] has 2 labels for the 3 edges of the outline; give one per edge");
+  EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], { arc_to = [0, 1], center = [0, 0.5] }]\nsides = ['a', 'b', "
+                  "'c']\n" +
+                  material),
+            "a.toml:2:28: entry 3 of outline in [domain]: the center must have the same distance to both ends of the "
+            "arc, not 1.11803399 to (1, 0) and 0.5 to (0, 1)");
+  EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nsides = ['a', 'b', 'c']\n"),
+            "a.toml:1:1: missing table [material]; add it");
+}
+
+TEST(Case, MaterialRanges) {
+  const auto material = [](const std::string& lines) { return error(square.substr(0, square.find("young")) + lines); };
+  EXPECT_EQ(material("poisson = 0.3"), "a.toml:4:1: missing key \"young\" in [material]; add it");
+  EXPECT_EQ(material("young = 0\npoisson = 0.3"), "a.toml:5:9: young in [material] must be positive, not 0");
+  EXPECT_EQ(material("young = inf\npoisson = 0.3"), "a.toml:5:9: young in [material] must be a finite number, not inf");
+  EXPECT_EQ(material("young = 1e-310\npoisson = 0.3"),
+            "a.toml:4:1: [material]: young = 1e-310 is out of range; choose other units");
+  EXPECT_EQ(material("young = 1\npoisson = 0.51"),
+            "a.toml:6:11: poisson in [material] must be between 0 and 0.5, not 0.51");
+  EXPECT_EQ(material("young = 1\npoisson = -0.1"),
+            "a.toml:6:11: poisson in [material] must be between 0 and 0.5, not -0.1");
+  EXPECT_EQ(material("young = 1\npoisson = 0.5"), "no error");
+  EXPECT_EQ(material("young = 1\npoisson = 0.5\nstate = 'plane stress'"), "no error");
+  EXPECT_EQ(material("young = 1\npoisson = 0.5\nstate = 'plain stress'"),
+            "a.toml:7:9: unknown state in [material] \"plain stress\"; did you mean \"plane stress\"?");
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,32 @@
+#include "io/words.hpp"
+
+#include <gtest/gtest.h>
+
+namespace kerf {
+namespace {
+
+TEST(Words, SuggestsTheNearest) {
+  const std::vector<std::string> known = {"young", "poisson", "state"};
+  EXPECT_EQ(suggest("youg", known), "did you mean \"young\"?");
+  EXPECT_EQ(suggest("yuong", known), "did you mean \"young\"?");
+  EXPECT_EQ(suggest("possion", known), "did you mean \"poisson\"?");
+  EXPECT_EQ(suggest("density", known), "known: young, poisson, state");
+  EXPECT_EQ(suggest(std::string(100000, 'y'), known), "known: young, poisson, state");
+  EXPECT_EQ(suggest("a", {}), "none is known here");
+}
+
+TEST(Words, QuotesOnOneLine) {
+  EXPECT_EQ(quote("a\nb\tc"), "\"a b c\"");
+  EXPECT_EQ(quote(std::string(100, 'a')), "\"" + std::string(60, 'a') + "...\"");
+  // A cut never leaves half a character.
+  EXPECT_EQ(quote(std::string(59, 'a') + "\xC3\xA9\xC3\xA9"), "\"" + std::string(59, 'a') + "...\"");
+}
+
+TEST(Words, SafeNames) {
+  for (const char* name : {"c", "crack_1", "a.b-C"}) EXPECT_TRUE(is_safe_name(name)) << name;
+  for (const char* name : {"", "a b", "a/b", "hole:h", "\xC3\xA9"}) EXPECT_FALSE(is_safe_name(name)) << name;
+  EXPECT_FALSE(is_safe_name(std::string(101, 'a')));
+}
+
+}  // namespace
+}  // namespace kerf

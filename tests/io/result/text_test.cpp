@@ -1,0 +1,77 @@
+#include "io/text.hpp"
+
+#include "io/files.hpp"
+#include "tests/support/sample.hpp"
+
+#include <fstream>
+
+namespace kerf {
+namespace {
+
+TEST(Text, SixDigits) {
+  EXPECT_EQ(six(1.0 / 3), "0.333333");
+  EXPECT_EQ(six(-0.0), "0");
+  EXPECT_EQ(six(1e-300), "1e-300");
+  EXPECT_EQ(six(std::nan("")), "-");
+}
+
+TEST(Text, CleanTextIsValidAndOnOneLine) {
+  EXPECT_EQ(clean_text("a\nb\tc"), "a b c");
+  EXPECT_EQ(clean_text("σ ≥ 0 – 𝛼"), "σ ≥ 0 – 𝛼");
+  EXPECT_EQ(clean_text("x\xffy"), "x\xEF\xBF\xBDy");
+  EXPECT_EQ(clean_text("\xe2\x82"), "\xEF\xBF\xBD\xEF\xBF\xBD");              // cut short
+  EXPECT_EQ(clean_text("\xc0\xaf"), "\xEF\xBF\xBD\xEF\xBF\xBD");              // overlong
+  EXPECT_EQ(clean_text("\xed\xa0\x80").find('\xed'), std::string::npos);      // surrogate
+  EXPECT_EQ(clean_text("\xf4\x90\x80\x80").find('\xf4'), std::string::npos);  // beyond U+10FFFF
+}
+
+TEST(Text, EscapeHtml) {
+  EXPECT_EQ(escape_html("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+}
+
+TEST(Text, Base64OfTheStandard) {  // RFC 4648, section 10
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xff\xff\xff"), "////");
+}
+
+TEST(Files, WriteThenReadAndReplace) {
+  const test::Folder folder;
+  const auto path = folder.path / "a.txt";
+  write_file(path, std::string("a\0b", 3));
+  EXPECT_EQ(read_file(path), std::string("a\0b", 3));
+  write_file(path, "new");
+  EXPECT_EQ(read_file(path), "new");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "a.txt.part"));
+}
+
+TEST(Files, FailureNamesThePathAndLeavesTheOldFile) {
+  const test::Folder folder;
+  for (const auto& path : {folder.path, folder.path / "no" / "a.txt"}) {
+    try {
+      write_file(path, "x");
+      FAIL() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault, Fault::Files);
+      EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos);
+    }
+  }
+  EXPECT_THROW(read_file(folder.path / "absent"), Error);
+  EXPECT_THROW(read_file(folder.path), Error);
+  // A disk that is full: the old file stays, no half file remains.
+  if (std::ofstream("/dev/full")) {
+    const auto path = folder.path / "a.txt";
+    write_file(path, "old");
+    std::filesystem::create_symlink("/dev/full", folder.path / "a.txt.part");
+    EXPECT_THROW(write_file(path, std::string(100000, 'x')), Error);
+    EXPECT_EQ(read_file(path), "old");
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "a.txt.part"));
+  }
+}
+
+}  // namespace
+}  // namespace kerf

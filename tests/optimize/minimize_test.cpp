@@ -1,0 +1,267 @@
+#include "optimize/parametric/minimize.hpp"
+
+#include "kerf/types.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+/// min sqrt(y) such that y >= (a x + b)^3 for (a, b) = (2, 0) and (-1, 1): x = 1/3, y = 8/27, f = sqrt(8/27).
+Program tutorial() {
+  Program p;
+  p.lower = Vector2d(-5, 1e-3);
+  p.upper = Vector2d(5, 10);
+  p.constraints = 2;
+  p.evaluate = [](const VectorXd& x, bool gradients) {
+    Evaluation e{x, VectorXd(3), Eigen::MatrixXd(2, gradients ? 3 : 0)};
+    e.values[0] = std::sqrt(x[1]);
+    if (gradients) e.gradients.col(0) << 0, 0.5 / e.values[0];
+    const double a[] = {2, -1}, b[] = {0, 1};
+    for (int j = 0; j < 2; ++j) {
+      const double s = a[j] * x[0] + b[j];
+      e.values[1 + j] = s * s * s - x[1];
+      if (gradients) e.gradients.col(1 + j) << 3 * a[j] * s * s, -1;
+    }
+    return e;
+  };
+  return p;
+}
+
+const std::vector<Vector2d> starts = {{1.234, 5.678}, {0, 1},  {1, 9},  {-1, 9},   {0.333, 0.297},
+                                      {2, 0.5},       {-2, 1}, {-4, 4}, {4.5, 0.1}};
+
+TEST(Minimize, EveryMethodEndsAtTheMinimumOfTheTutorialFromNineStarts) {
+  const double exact = std::sqrt(8.0 / 27);
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"})
+    for (const Vector2d& start : starts) {
+      const Minimum m = minimize(tutorial(), start, method, {.evaluations = 600, .kkt = 1e-6});
+      EXPECT_TRUE(m.feasible) << method << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_NEAR(m.best.values[0], exact, 1e-5) << method << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_TRUE(m.converged) << method << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_LE(m.kkt, 1e-6);
+      EXPECT_NEAR(m.best.x[0], 1.0 / 3, 1e-4);
+    }
+}
+
+TEST(Minimize, NloptsWrongSuccessesAreNoted) {
+  int wrong = 0;
+  for (const char* method : {"ccsaq", "slsqp"})
+    for (const Vector2d& start : starts)
+      wrong += static_cast<int>(!minimize(tutorial(), start, method, {.evaluations = 600, .kkt = 1e-6}).notes.empty());
+  EXPECT_GE(wrong, 1);
+}
+
+TEST(Minimize, KktResidualIsSmallAtTheMinimumOnly) {
+  const Program p = tutorial();
+  const auto residual = [&](const Vector2d& x) {
+    const Evaluation e = p.evaluate(x, true);
+    return kkt_residual(e, p.lower, p.upper, scale_of(e, p.lower, p.upper));
+  };
+  EXPECT_LT(residual({1.0 / 3, 8.0 / 27}), 1e-12);
+  EXPECT_GT(residual({0.5, 1}), 0.01);        // on one constraint
+  EXPECT_GT(residual({1.0 / 3, 0.5}), 0.01);  // above both
+  EXPECT_GT(residual({1.0, 8}), 0.1);         // on one constraint, far up
+}
+
+TEST(Minimize, BoundsAndFixedVariablesCarryMultipliers) {
+  Program p;
+  p.lower = Eigen::Vector3d(0, 0, 2);
+  p.upper = Eigen::Vector3d(1, 1, 2);
+  p.evaluate = [](const VectorXd& x, bool) {
+    Evaluation e{x, VectorXd(1), Eigen::MatrixXd(3, 1)};
+    e.values[0] = std::pow(x[0] - 2, 2) + std::pow(x[1] + 1, 2) + x[2];  // at (1, 0, 2)
+    e.gradients.col(0) << 2 * (x[0] - 2), 2 * (x[1] + 1), 1;
+    return e;
+  };
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    const Minimum m = minimize(p, Eigen::Vector3d(0.3, 0.6, 2), method, {.evaluations = 300, .kkt = 1e-4});
+    EXPECT_TRUE(m.converged) << method << ": " << m.reason;
+    EXPECT_NEAR((m.best.x - Eigen::Vector3d(1, 0, 2)).norm(), 0, 1e-4) << method;
+  }
+  p.lower = p.upper = Eigen::Vector3d(0.5, 0.5, 2);
+  const Minimum m = minimize(p, p.lower, "mma", {});
+  EXPECT_TRUE(m.converged);
+  EXPECT_EQ(m.evaluations, 1);
+  EXPECT_EQ(m.reason, "no variable is free");
+}
+
+TEST(Minimize, AnInfeasibleEndIsCalledInfeasible) {
+  Program p;
+  p.lower = VectorXd::Zero(1);
+  p.upper = VectorXd::Ones(1);
+  p.constraints = 2;
+  p.evaluate = [](const VectorXd& x, bool gradients) {
+    Evaluation e{x, VectorXd(3), Eigen::MatrixXd(1, gradients ? 3 : 0)};
+    e.values << x[0], 0.7 - x[0], x[0] - 0.3;  // least violation 0.2 at 0.5
+    if (gradients) e.gradients << 1, -1, 1;
+    return e;
+  };
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    const Minimum m = minimize(p, VectorXd::Constant(1, 0.9), method, {.evaluations = 200});
+    EXPECT_FALSE(m.feasible) << method;
+    EXPECT_FALSE(m.converged) << method;
+    EXPECT_EQ(m.reason.rfind("infeasible", 0), 0u) << method << ": " << m.reason;
+    EXPECT_GE(m.violation, 0.2 - 1e-9);
+    EXPECT_LE(m.violation, 0.201) << method;
+  }
+}
+
+TEST(Minimize, FeasibilityIsRestoredWhereNloptGivesUp) {
+  // Feasible on a disc about (0.8, 0.2), started far from it.
+  Program p;
+  p.lower = Vector2d(0, 0);
+  p.upper = Vector2d(1, 1);
+  p.constraints = 1;
+  p.evaluate = [](const VectorXd& x, bool gradients) {
+    const Vector2d d = x - Vector2d(0.8, 0.2);
+    Evaluation e{x, VectorXd(2), Eigen::MatrixXd(2, gradients ? 2 : 0)};
+    e.values << x[0] + x[1], d.norm() - 0.1;
+    if (gradients) {
+      e.gradients.col(0) << 1, 1;
+      e.gradients.col(1) = d.normalized();
+    }
+    return e;
+  };
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    const Minimum m = minimize(p, Vector2d(0.05, 0.95), method, {.evaluations = 300, .kkt = 1e-4});
+    EXPECT_TRUE(m.converged) << method << ": " << m.reason;
+    EXPECT_NEAR(m.best.values[0], 1 - 0.1 * std::sqrt(2.0), 1e-4) << method << ": " << m.reason;
+  }
+}
+
+TEST(Minimize, ExceptionsComeThroughNlopt) {
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    Program p = tutorial();
+    int calls = 0;
+    p.evaluate = [&calls, inner = p.evaluate](const VectorXd& x, bool gradients) {
+      if (++calls == 4) throw Error(Fault::Numerics, "the fourth");
+      return inner(x, gradients);
+    };
+    try {
+      minimize(p, starts[0], method, {.kkt = 1e-6});
+      ADD_FAILURE() << method;
+    } catch (const Error& error) {
+      EXPECT_STREQ(error.what(), "the fourth");
+      EXPECT_EQ(error.fault, Fault::Numerics);
+    }
+    EXPECT_EQ(calls, 4);
+  }
+}
+
+TEST(Minimize, StopsWhenAskedAndWhenEvaluationsAreUsed) {
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    Program p = tutorial();
+    int calls = 0;
+    p.see = [&calls](const Evaluation&, double) { return ++calls < 3; };
+    const Minimum asked = minimize(p, starts[0], method, {.kkt = 1e-6});
+    EXPECT_TRUE(asked.asked_to_stop);
+    EXPECT_EQ(asked.evaluations, 3);
+    p.see = nullptr;
+    const Minimum used = minimize(p, starts[0], method, {.evaluations = 5, .kkt = 1e-6});
+    EXPECT_EQ(used.evaluations, 5);
+    EXPECT_FALSE(used.converged);
+    EXPECT_NE(used.reason.find("evaluations are used"), std::string::npos);
+  }
+}
+
+TEST(Minimize, ARunRepeatsBitForBitFromRememberedEvaluations) {
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    Program p = tutorial();
+    std::vector<Evaluation> all;
+    p.see = [&all](const Evaluation& e, double) {
+      all.push_back(e);
+      return true;
+    };
+    const Stop stop{.evaluations = 400, .kkt = 1e-6};
+    const Minimum whole = minimize(p, starts[2], method, stop);
+    p.see = nullptr;
+    std::size_t next = 0;
+    p.evaluate = [&](const VectorXd& x, bool) {
+      EXPECT_EQ(all[next].x, x) << method;
+      return all[next++];
+    };
+    const Minimum again = minimize(p, starts[2], method, stop);
+    EXPECT_EQ(next, all.size()) << method;
+    EXPECT_EQ(again.best.x, whole.best.x) << method;
+    EXPECT_EQ(again.best.values, whole.best.values) << method;
+    EXPECT_EQ(again.reason, whole.reason) << method;
+  }
+}
+
+/// (x - 2)^2 + (y - 1/2)^2 in the unit square, where nothing is known for x > 0.6 (`known`: but a constraint there).
+Program with_a_wall(bool known) {
+  Program p;
+  p.lower = Vector2d(0, 0);
+  p.upper = Vector2d(1, 1);
+  p.constraints = 1;
+  p.evaluate = [known](const VectorXd& x, bool gradients) {
+    Evaluation e{x, VectorXd(2), Eigen::MatrixXd(2, gradients ? 2 : 0)};
+    e.values << std::pow(x[0] - 2, 2) + std::pow(x[1] - 0.5, 2), (known ? x[0] - 0.6 : -1.0);
+    if (gradients) {
+      e.gradients.col(0) << 2 * (x[0] - 2), 2 * (x[1] - 0.5);
+      e.gradients.col(1) << (known ? 1.0 : 0.0), 0;
+    }
+    if (x[0] > 0.6 + 1e-9) {
+      e.failure = "there is a wall";
+      e.values[0] = std::nan("");
+    }
+    return e;
+  };
+  return p;
+}
+
+TEST(Minimize, FailedTrialsAreAnsweredByTheConstraintsOrByTheirNeighbors) {
+  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+    const Minimum m = minimize(with_a_wall(true), Vector2d(0.1, 0.9), method, {.evaluations = 200, .kkt = 1e-4});
+    EXPECT_TRUE(m.feasible) << method << ": " << m.reason;
+    EXPECT_NEAR(m.best.x[0], 0.6, 1e-3) << method << ": " << m.reason;
+    EXPECT_NEAR(m.best.x[1], 0.5, 1e-2) << method << ": " << m.reason;
+    // Without a constraint: it comes close, is no minimum, and says so.
+    const Minimum n = minimize(with_a_wall(false), Vector2d(0.1, 0.9), method, {.evaluations = 200, .kkt = 1e-4});
+    EXPECT_LE(n.best.x[0], 0.6 + 1e-9);
+    EXPECT_GT(n.best.x[0], 0.5) << method << ": " << n.reason;
+    EXPECT_FALSE(n.converged);
+    ASSERT_EQ(n.failure.size(), 1u) << method;
+    EXPECT_EQ(n.failure[0], "there is a wall");
+  }
+}
+
+TEST(Minimize, SaysWhatIsWrongWithTheQuestion) {
+  const Program p = tutorial();
+  EXPECT_THROW(minimize(p, starts[0], "newton", {}), Error);
+  EXPECT_THROW(minimize(p, Vector2d(7, 1), "mma", {}), Error);
+  Program blind = p;
+  blind.gradients = false;
+  EXPECT_THROW(minimize(blind, starts[0], "mma", {}), Error);
+  blind.evaluate = [inner = p.evaluate](const VectorXd& x, bool gradients) {
+    EXPECT_FALSE(gradients);
+    return inner(x, false);
+  };
+  const Minimum m = minimize(blind, starts[0], "cobyla", {.evaluations = 600});
+  EXPECT_TRUE(m.converged) << m.reason;
+  EXPECT_TRUE(std::isnan(m.kkt));
+  EXPECT_NEAR(m.best.values[0], std::sqrt(8.0 / 27), 1e-3);
+}
+
+TEST(NonnegativeLeastSquares, AgreesWithTheOptimalityConditions) {
+  for (unsigned seed = 1; seed < 30; ++seed) {
+    std::srand(seed);
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Random(7, 5);
+    const VectorXd b = VectorXd::Random(7);
+    const VectorXd x = nonnegative_least_squares(A, b), slope = A.transpose() * (A * x - b);
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_GE(x[i], 0);
+      EXPECT_GE(slope[i], -1e-13);
+      EXPECT_LT(std::abs(x[i] * slope[i]), 1e-13);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,51 @@
+#include "topo/formulas/clamped.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+double kolosov(const Material& m) {
+  return 1 + 8 * m.mu * m.c;
+}
+
+double flexibility(const Material& m) {
+  return 1 / (2 * std::numbers::pi * m.mu * (1 + kolosov(m)));
+}
+
+}  // namespace
+
+Mat2 kelvin(const Material& m, const Vec2& r) {
+  const double square = r.squaredNorm();
+  return flexibility(m) * (-0.5 * kolosov(m) * std::log(square) * Mat2::Identity() + r * r.transpose() / square);
+}
+
+Mat2 kelvin_stress(const Material& m, const Vec2& r, int j) {
+  const double k = kolosov(m), square = r.squaredNorm();
+  const Vec2 e = Vec2::Unit(j), y = r / square;
+  const Mat2 linear = e * y.transpose() + y * e.transpose() - y[j] * Mat2::Identity(), yy = y * y.transpose();
+  return -(0.5 * (k - 1) * linear + 2 * r[j] * yy) / (std::numbers::pi * (1 + k));
+}
+
+Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
+  return flexibility(m) * (0.5 - kolosov(m) * std::log(eps)) * Mat2::Identity() + hreg;
+}
+
+bool admits_clamp(const Mat2& m) {
+  const Mat2 b = 0.5 * (m + m.transpose());
+  return b(0, 0) > 0 && b.determinant() > 0;
+}
+
+Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& u0) {
+  const Mat2 a = clamped_matrix(m, eps, hreg);
+  if (!admits_clamp(a))
+    throw Error(Fault::Numerics,
+                "clamped hole: its radius " + std::to_string(eps) +
+                    " is too large for the expansion, choose one well below the distance to the sides");
+  return a.inverse() * u0;
+}
+
+}  // namespace kerf

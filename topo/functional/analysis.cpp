@@ -1,0 +1,172 @@
+#include "kerf/analysis.hpp"
+
+#include "kerf/recover.hpp"
+#include "topo/functional/integrate.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+Sensitivity scaled(double factor, Sensitivity s) {
+  s.interior *= factor;
+  s.skeleton *= factor;
+  s.force *= factor;
+  return s;
+}
+
+// Work of the tractions that the measured displacements replace, on them.
+double work_on_measured(const Model& m, const Support& measured) {
+  const EdgeRule rule = gauss(8);
+  double work = 0;
+  for (const Traction& traction : m.scene.tractions) {
+    if (traction.label != measured.label) continue;
+    for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+      if (m.mesh.label[e] != traction.label) continue;
+      const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+      const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a, n = outward_normal(m.mesh, e);
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const Vec2 x = a + rule.s[q] * side;
+        work += side.norm() * rule.w[q] * traction.value(x, n).dot(measured.value(x, n));
+      }
+    }
+  }
+  return work;
+}
+
+double along(const Sensitivity& d, const Field& s) {
+  double sum = 0;
+  if (d.skeleton.size() > 0) sum += d.skeleton.dot(s.skeleton);
+  if (d.interior.size() > 0) sum += d.interior.cwiseProduct(s.interior).sum();
+  return sum;
+}
+
+// Sum over the biactive rows of their share of the crack.
+double length_of(const Model& m, const Field& s) {
+  double length = 0;
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
+    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    for (const CrackPoint& p : crack_profile(m, s, static_cast<Index>(c)))
+      if (p.status == CrackPoint::Status::Biactive) length += p.length;
+  }
+  return length;
+}
+
+std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<ContactStatus>& status,
+                                              const Sensitivity& dJ) {
+  std::vector<Index> unknowns;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
+    const Index row = m.inner->ordering.row[u];
+    if (row >= leading && status[static_cast<std::size_t>(row - leading)] == ContactStatus::Biactive)
+      unknowns.push_back(u);
+  }
+  if (unknowns.empty()) return nullptr;
+  constexpr std::size_t most = 2000;
+  if (unknowns.size() > most)
+    throw Error(Fault::Numerics,
+                "more than 2000 points of the cracks carry neither a gap nor a pressure, too many for one-sided "
+                "derivatives; use longer edges there (mesh.size), or loads that open or close the cracks");
+  auto b = std::make_shared<Biactive>();
+  const Eigen::Index n = static_cast<Eigen::Index>(unknowns.size());
+  b->opening.resize(n, n);
+  b->slope.resize(n);
+  const std::vector<bool> held = tied(status);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Sensitivity unit;
+    unit.skeleton.setZero(m.inner->skeleton.total);
+    unit.skeleton[unknowns[static_cast<std::size_t>(i)]] = 1;
+    b->response.push_back(solve_adjoint(m, unit, held));
+    for (Eigen::Index k = 0; k < n; ++k)
+      b->opening(k, i) = b->response.back().skeleton[unknowns[static_cast<std::size_t>(k)]];
+    b->slope[i] = along(dJ, b->response.back());
+  }
+  b->opening = 0.5 * (b->opening + b->opening.transpose()).eval();
+  return b;
+}
+
+}  // namespace
+
+bool has_rigid_supports(const Model& m) {
+  return std::all_of(m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(),
+                     [](double v) { return v == 0; });
+}
+
+Scene measured_scene(const Scene& scene, const Support& measured) {
+  Scene other = scene;
+  std::erase_if(other.tractions, [&](const Traction& t) { return t.label == measured.label; });
+  other.supports.push_back(measured);
+  return other;
+}
+
+void require_supports(const Functional& j, const Model& model) {
+  if (model.inner->floating.empty()) return;
+  for (const Term& term : j.terms)
+    if (term.uses_displacement || term.on_boundary)
+      throw Error(
+          Fault::Usage,
+          fmt::format("functional \"{}\" sees rigid motions, and the supports leave the body free to make some: "
+                      "what a change of the body does to J is not defined; add supports, or use a functional "
+                      "of stresses, energies or cracks",
+                      term.kind));
+}
+
+Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
+  Analysis a{.model = &model, .state = &state};
+  if (!value_only && std::any_of(model.scene.laws.begin(), model.scene.laws.end(), has_friction))
+    throw Error(Fault::Usage,
+                "topological derivatives need cracks without friction: the state does not minimize the energy; remove "
+                "friction and tresca");
+  if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
+                  [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
+    a.biactive_length = length_of(model, state);
+  const bool self_adjoint_work = has_rigid_supports(model);
+  for (const Term& term : j.terms) {
+    double value = 0;
+    if (term.measured) {
+      if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
+      auto other = std::make_shared<Model>(
+          prepare(model.mesh, model.element, measured_scene(model.scene, *term.measured), model.threads));
+      auto solved = std::make_shared<State>(solve(*other));
+      if (!certified(*solved))
+        throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
+      value =
+          potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
+      a.energy_share -= term.factor;
+      a.measured_share += term.factor;
+      a.measured_model = std::move(other);
+      a.measured = std::move(solved);
+    } else {
+      value = integral(term, model, state);
+    }
+    if (term.power != 1 && value < 0)
+      throw Error(Fault::Usage, fmt::format("the integral of \"{}\" is negative: its weight must not be", term.kind));
+    const double result = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power);
+    a.term_value.push_back(result);
+    a.slope.push_back(slope(term, value));
+    a.value += term.factor * result;
+    if (value_only || term.measured) continue;
+    if (term.energy)
+      a.energy_share += term.factor;
+    else if (term.work && self_adjoint_work)
+      a.energy_share -= 2 * term.factor;
+    else
+      a.derivative += scaled(a.slope.back(), derivative(term, model, state));
+  }
+  if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
+  if (value_only || empty(a.derivative)) return a;
+  const std::vector<ContactStatus> status = contact_status(model, state);
+  const TangentField adjoint = solve_adjoint(model, a.derivative, tied(status));
+  constexpr double solved = 1e-6;
+  if (!(adjoint.residual < solved))
+    throw Error(Fault::Numerics, "the adjoint could not be solved for: its residual stays large");
+  a.adjoint = adjoint;
+  a.biactive = biactive_rows(model, status, a.derivative);
+  return a;
+}
+
+}  // namespace kerf

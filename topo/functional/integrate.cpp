@@ -1,0 +1,399 @@
+#include "topo/functional/integrate.hpp"
+#include "kerf/adjoint.hpp"
+#include "solver/recovery.hpp"
+#include "solver/system.hpp"
+
+#include "kerf/recover.hpp"
+#include "solver/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace kerf {
+
+TriangleRule domain_rule(const Model& m) {
+  return triangle_rule(8 + m.element.displacement);
+}
+
+bool wanted(const Term& term, const Triangle& t) {
+  if (!term.somewhere) return true;
+  const Vec2 center = centroid(t);
+  double radius = 0;
+  for (const Vec2& x : t.x) radius = std::max(radius, (x - center).norm());
+  return term.somewhere(center, radius);
+}
+
+namespace {
+
+struct Sampled {
+  Points x;
+  const Material& material;
+  Fields fields = {};  // displacement: u*
+};
+Sampled sample(const Term& term, const Model& m, const Eigen::Ref<const Eigen::VectorXd>& interior,
+               const Triangle& shape, Index t, const Points& x) {
+  Sampled p{x, material_of(m.mesh, m.scene, t)};
+  if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.inner->kernel, shape, interior, p.x);
+  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, interior, t, p.x);
+  return p;
+}
+
+FieldPoint field_point(const Term& term, const Sampled& p, Eigen::Index q) {
+  FieldPoint f{.x = p.x.col(q), .material = p.material};
+  if (term.uses_stress) f.stress = tensor(p.fields.stress.col(q));
+  if (term.uses_displacement) f.displacement = p.fields.displacement.col(q);
+  if (term.uses_rotation) f.rotation = p.fields.rotation[q];
+  return f;
+}
+
+// Sum over triangles of what `value` says of each, in their order whoever computes it.
+double sum_over(const Model& m, const std::vector<bool>& use, const std::function<double(Index)>& value) {
+  const Index n = static_cast<Index>(m.mesh.triangles.size());
+  std::vector<double> part(static_cast<std::size_t>(n), 0);
+  parallel_for(n, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t)
+      if (use.empty() || use[t]) part[t] = value(t);
+  });
+  return std::accumulate(part.begin(), part.end(), 0.0);
+}
+
+// Calls at(x, n, weight, unknowns' basis values) at the quadrature points of the labeled edges.
+struct BoundaryPoint {
+  Vec2 x, n;
+  double weight;
+  Index first;            // unknown of the edge
+  Eigen::VectorXd basis;  // per Gauss point
+  const Mat2& frame;
+};
+void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at,
+                 const Vec2* singular = nullptr) {
+  if (!is_mixed(m.element)) throw Error(Fault::Usage, "boundary functionals need a mixed element, such as \"bdms\"");
+  const EdgeRule rule = gauss(8);
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    if (m.mesh.label[e] != label) continue;
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    const Vec2 n = outward_normal(m.mesh, e);
+    const int pieces = singular ? pieces_beside(*singular, a, a + side) : 1;
+    for (int piece = 0; piece < pieces; ++piece)
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const double s = (piece + rule.s[q]) / pieces;
+        at({a + s * side, n, side.norm() * rule.w[q] / pieces, edge_unknown(m.inner->skeleton, e),
+            trace_basis(m.inner->kernel.trace, s), m.inner->skeleton.frame[e]});
+      }
+  }
+}
+Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
+  Vec2 u = Vec2::Zero();
+  for (Eigen::Index g = 0; g < p.basis.size(); ++g)
+    u += p.basis[g] * (p.frame * skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)));
+  return u;
+}
+
+struct JumpPoint {
+  Vec2 x;
+  double share;  // of the crack's length
+  Index unknown;
+};
+void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
+  for (const CrackEdge& c : m.mesh.cracks[crack]) {
+    if (m.inner->skeleton.jump[c.edge] == none) continue;
+    const Vec2& a = m.mesh.points[m.mesh.edges[c.edge][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[c.edge][1]] - a;
+    for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g)
+      at({a + m.inner->kernel.trace.s[g] * side, side.norm() * m.inner->kernel.trace.w[g],
+          m.inner->skeleton.jump[c.edge] + 2 * static_cast<Index>(g)});
+  }
+}
+CrackState crack_state(const Field& s, const JumpPoint& p) {
+  return {p.x, s.skeleton[p.unknown], s.force[p.unknown] / p.share};
+}
+
+Field sum(const Field& a, const Field& b) {
+  Field s;
+  s.skeleton = a.skeleton + b.skeleton;
+  s.force = a.force + b.force;
+  return s;
+}
+
+double over_body(const Term& term, const Model& m, const Field& s, const std::vector<bool>& use) {
+  const TriangleRule rule = domain_rule(m);
+  return sum_over(m, use, [&](Index t) {
+    const Triangle shape = triangle(m, t);
+    if (!wanted(term, shape)) return 0.0;
+    const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape));
+    double value = 0;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
+    return area(shape) * value;
+  });
+}
+
+double on_surfaces(const Term& term, const Model& m, const Field& s) {
+  double sum = 0;
+  if (term.on_boundary)
+    along_label(m, term.label, [&](const BoundaryPoint& p) {
+      sum += p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value;
+    });
+  if (term.on_crack)
+    along_crack(m, term.crack, [&](const JumpPoint& p) { sum += p.share * term.on_crack(crack_state(s, p)).value; });
+  return sum;
+}
+
+// Points and weights (shares of its area) of a triangle that resolve a singularity.
+struct Divided {
+  std::vector<Vec2> x;
+  std::vector<double> w;
+};
+void divide(const Triangle& shape, double share, const Singular& added, const TriangleRule& rule, Divided& points) {
+  const Vec2 center = centroid(shape);
+  double size = 0;
+  for (const Vec2& x : shape.x) size = std::max(size, (x - center).norm());
+  const double away = (center - added.center).norm();
+  constexpr double far = 4, fine = 0.125;
+  if (away > far * size || away + size < added.radius || size < fine * added.radius) {
+    const Points x = rule_points(rule, shape);
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      points.x.emplace_back(x.col(q));
+      points.w.push_back(share * rule.w[q]);
+    }
+    return;
+  }
+  const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
+                                      0.5 * (shape.x[0] + shape.x[1])};
+  Triangle part = shape;
+  part.x = middle;
+  divide(part, 0.25 * share, added, rule, points);
+  for (int i = 0; i < 3; ++i) {
+    part.x = {shape.x[i], middle[(i + 2) % 3], middle[(i + 1) % 3]};
+    divide(part, 0.25 * share, added, rule, points);
+  }
+}
+
+}  // namespace
+
+int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b) {
+  const Vec2 side = b - a;
+  const double along = std::clamp((singular - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  constexpr double most = 64;
+  return static_cast<int>(std::clamp(std::ceil(side.norm() / (singular - a - along * side).norm()), 1.0, most));
+}
+
+double slope(const Term& term, double integral) {
+  if (term.power == 1) return term.factor;
+  return integral > 0 ? term.factor * term.power * std::pow(integral, term.power - 1) : 0;
+}
+
+double integral_over(const Term& term, const Model& m, const Field& s, const std::vector<bool>& use) {
+  return term.density ? over_body(term, m, s, use) : 0;
+}
+
+double integral(const Term& term, const Model& m, const Field& s) {
+  if (term.energy) return potential_energy(m, s);
+  if (term.work) return work_of_loads(m, s);
+  return (term.density ? over_body(term, m, s, {}) : 0) + on_surfaces(term, m, s);
+}
+
+Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
+  Sensitivity d;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  if (term.work) {
+    d.skeleton = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.scene);
+    if (m.inner->system.force.cols() > 0) {
+      const int first = stress_count(m.element), count = displacement_count(m.element);
+      d.interior.setZero(interior_count(m.element), triangles);
+      for (Index t = 0; t < triangles; ++t)
+        d.interior.col(t).segment(first, count) = area(m.mesh, t) * m.inner->system.force.col(t).head(count);
+    }
+    return d;
+  }
+  if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
+    const TriangleRule rule = domain_rule(m);
+    d.interior.setZero(interior_count(m.element), triangles);
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const Triangle shape = triangle(m, t);
+        if (!wanted(term, shape)) continue;
+        const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape));
+        const Eigen::Index n = rule.w.size();
+        Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
+        for (Eigen::Index q = 0; q < n; ++q) {
+          const double share = area(shape) * rule.w[q];
+          const Density by = term.density(field_point(term, p, q));
+          w.stress.col(q) =
+              share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
+          w.displacement.col(q) = share * by.by_displacement;
+          w.rotation[q] = share * by.by_rotation;
+        }
+        auto column = d.interior.col(t);
+        if (term.uses_displacement) {
+          column += weigh_recovered(m, t, p.x, w.displacement);
+          w.displacement.setZero();
+        }
+        if (term.uses_stress || term.uses_rotation) column += weigh(m.inner->kernel, shape, p.x, w);
+      }
+    });
+  }
+  if (term.on_boundary) {
+    d.skeleton.setZero(m.inner->skeleton.total);
+    along_label(m, term.label, [&](const BoundaryPoint& p) {
+      const Vec2 by = p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).by_displacement;
+      for (Eigen::Index g = 0; g < p.basis.size(); ++g)
+        d.skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)) += p.basis[g] * (p.frame.transpose() * by);
+    });
+  }
+  if (term.on_crack) {
+    if (d.skeleton.size() == 0) d.skeleton.setZero(m.inner->skeleton.total);
+    d.force.setZero(m.inner->skeleton.total);
+    along_crack(m, term.crack, [&](const JumpPoint& p) {
+      const CrackDensity by = term.on_crack(crack_state(s, p));
+      d.skeleton[p.unknown] += p.share * by.by_jump_n;
+      d.force[p.unknown] += by.by_pressure;
+    });
+  }
+  return d;
+}
+
+double surface_difference(const Term& term, const Model& m, const Field& s, const Field& change) {
+  double total = 0;
+  if (term.on_boundary || term.on_crack) {
+    const Field after = sum(s, change);
+    if (term.on_boundary)
+      along_label(m, term.label, [&](const BoundaryPoint& p) {
+        total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after.skeleton)).value -
+                             term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
+      });
+    if (term.on_crack)
+      along_crack(m, term.crack, [&](const JumpPoint& p) {
+        total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
+      });
+  }
+  return total;
+}
+
+namespace {
+
+FieldPoint operator+(FieldPoint before, const FieldPoint& by) {
+  before.stress += by.stress;
+  before.displacement += by.displacement;
+  before.rotation += by.rotation;
+  return before;
+}
+
+// Mean change of the density over the points of a rule.
+double mean_change(const Term& term, const Sampled& state, const Sampled& change, const Eigen::VectorXd& weights) {
+  double mean = 0;
+  for (Eigen::Index q = 0; q < weights.size(); ++q) {
+    const FieldPoint before = field_point(term, state, q), by = field_point(term, change, q);
+    mean += weights[q] * (term.density(before + by).value - term.density(before).value);
+  }
+  return mean;
+}
+
+}  // namespace
+
+Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Index t, const Eigen::MatrixXd& changes) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(changes.cols());
+  const Triangle shape = triangle(m, t);
+  if (!term.density || !wanted(term, shape)) return sum;
+  const TriangleRule rule = triangle_rule(5);
+  const Points x = rule_points(rule, shape);
+  const Sampled p = sample(term, m, s.interior.col(t), shape, t, x);
+  for (Eigen::Index k = 0; k < changes.cols(); ++k) {
+    const Sampled d = sample(term, m, changes.col(k), shape, t, x);
+    sum[k] = area(shape) * mean_change(term, p, d, rule.w);
+  }
+  return sum;
+}
+
+Eigen::VectorXd second_order(const Term& term, const Model& m, const Field& s, Index t,
+                             const Eigen::MatrixXd& changes) {
+  Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
+  const Triangle shape = triangle(m, t);
+  if (!term.density || !wanted(term, shape)) return rest;
+  const Points x = centroid(shape);
+  const auto at = [&](const auto& interior) {
+    const Fields f = evaluate(m.inner->kernel, shape, interior, x);
+    return FieldPoint{.x = x.col(0),
+                      .stress = tensor(f.stress.col(0)),
+                      .displacement = f.displacement.col(0),
+                      .rotation = f.rotation[0],
+                      .material = material_of(m.mesh, m.scene, t)};
+  };
+  const FieldPoint before = at(s.interior.col(t));
+  const Density first = term.density(before);
+  for (Eigen::Index k = 0; k < changes.cols(); ++k) {
+    const FieldPoint by = at(changes.col(k));
+    rest[k] =
+        area(shape) * (term.density(before + by).value - first.value - first.by_stress.cwiseProduct(by.stress).sum() -
+                       first.by_displacement.dot(by.displacement) - first.by_rotation * by.rotation);
+  }
+  return rest;
+}
+
+double domain_difference(const Term& term, const Model& m, const Field& s, const Field& change,
+                         const std::vector<bool>& use) {
+  double total = 0;
+  if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
+    const TriangleRule rule = domain_rule(m);
+    total += sum_over(m, use, [&](Index t) {
+      const Triangle shape = triangle(m, t);
+      if (!wanted(term, shape)) return 0.0;
+      const Sampled p = sample(term, m, s.interior.col(t), shape, t, rule_points(rule, shape)),
+                    d = sample(term, m, change.interior.col(t), shape, t, rule_points(rule, shape));
+      return area(shape) * mean_change(term, p, d, rule.w);
+    });
+  }
+  return total;
+}
+
+double difference(const Term& term, const Model& m, const Field& s, const Field& change, const Singular& added) {
+  double total = 0;
+  if (term.density) {
+    const TriangleRule rule = domain_rule(m);
+    total += sum_over(m, {}, [&](Index t) {
+      const Triangle shape = triangle(m, t);
+      if (!wanted(term, shape)) return 0.0;
+      Divided points;
+      divide(shape, 1, added, rule, points);
+      const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());
+      Points x(2, n);
+      for (Eigen::Index q = 0; q < n; ++q) x.col(q) = points.x[static_cast<std::size_t>(q)];
+      const Sampled p = sample(term, m, s.interior.col(t), shape, t, x),
+                    d = sample(term, m, change.interior.col(t), shape, t, x);
+      double value = 0;
+      for (Eigen::Index q = 0; q < n; ++q) {
+        const FieldPoint before = field_point(term, p, q);
+        double changed = -term.density(before).value;
+        if ((before.x - added.center).norm() > added.radius) {
+          const FieldPoint by = field_point(term, d, q), more = added.at(before.x);
+          FieldPoint after = before;
+          after.stress += by.stress + more.stress;
+          after.displacement += by.displacement + more.displacement;
+          after.rotation += by.rotation + more.rotation;
+          changed += term.density(after).value;
+        }
+        value += points.w[static_cast<std::size_t>(q)] * changed;
+      }
+      return area(shape) * value;
+    });
+  }
+  if (term.on_boundary) {
+    const Eigen::VectorXd after = s.skeleton + change.skeleton;
+    const auto add = [&](const BoundaryPoint& p) {
+      const Vec2 more = added.at(p.x).displacement;
+      total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after) + more).value -
+                           term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
+    };
+    along_label(m, term.label, add, &added.center);
+  }
+  if (term.on_crack) {
+    const Field after = sum(s, change);
+    along_crack(m, term.crack, [&](const JumpPoint& p) {
+      total += p.share * (term.on_crack(crack_state(after, p)).value - term.on_crack(crack_state(s, p)).value);
+    });
+  }
+  return total;
+}
+
+}  // namespace kerf

@@ -1,0 +1,276 @@
+#include "topo/map/green.hpp"
+#include "solver/system.hpp"
+
+#include "topo/map/fields.hpp"
+
+#include "kerf/map.hpp"
+#include "kerf/recover.hpp"
+#include "solver/parallel.hpp"
+#include "topo/functional/integrate.hpp"
+#include "topo/map/green_samples.hpp"
+#include "topo/map/mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<bool> held_rows(const Model& m, const Field& s) {
+  const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
+  if (!is_mixed(m.element) || m.element.at_vertices == AtVertices::Stress)
+    refuse("its Green tensor needs a mixed element without stresses at vertices, such as \"bdms\"");
+  if (!m.inner->floating.empty())
+    refuse("the supports leave the body a rigid motion, which the hole alone would stop; add a support");
+  if (std::any_of(m.mesh.region.begin(), m.mesh.region.end(), [](Index r) { return r != none; }))
+    refuse("its Green tensor is known in one material only; leave out the regions, or use a free hole");
+  double length = 0, open = 0;
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
+    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    for (const CrackPoint& p : crack_profile(m, s, static_cast<Index>(c))) {
+      length += p.length;
+      if (p.status == CrackPoint::Status::Biactive) open += p.length;
+    }
+  }
+  constexpr double few = 0.01;
+  if (open > few * length)
+    refuse(
+        "cracks with neither gap nor pressure respond to it one-sidedly; give them contact = \"open\" or \"bonded\"");
+  return tied(contact_status(m, s));
+}
+
+// Kelvin's field under a force F, with the opposite sign: what the clamp takes away.
+FieldPoint minus_kelvin(const Material& m, const Vec2& r, const Vec2& F) {
+  FieldPoint p{.x = r};
+  p.displacement = -kelvin(m, r) * F;
+  p.stress = -kelvin_stress(m, r, 0) * F[0] - kelvin_stress(m, r, 1) * F[1];
+  p.rotation = -cross(r, F) / (4 * std::numbers::pi * m.mu * r.squaredNorm());
+  return p;
+}
+
+// What Analysis::energy_share and measured_share stand for.
+bool is_energy(const Model& m, const Term& term) {
+  const auto& given = m.inner->skeleton.prescribed;
+  return term.energy || term.measured ||
+         (term.work && std::all_of(given.begin(), given.end(), [](double v) { return v == 0; }));
+}
+
+}  // namespace
+
+GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), solver_(m, held_rows(m, s)) {
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+    const bool moves = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+    if (boundary || moves) edges_.push_back(e);
+  }
+}
+
+Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
+  const Model& m = model_;
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const EdgeRule rule = gauss(8);
+  Eigen::VectorXd load[2];
+  std::vector<double> prescribed[2];
+  for (int j = 0; j < 2; ++j) {
+    load[j].setZero(m.inner->skeleton.total);
+    prescribed[j].assign(static_cast<std::size_t>(m.inner->skeleton.total), 0);
+  }
+  for (const Index e : edges_) {
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2& b = m.mesh.points[m.mesh.edges[e][1]];
+    const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+    // Kelvin's tractions on both faces of a crack cancel in what both see: the right face's go to the jump.
+    const Vec2 n = boundary ? Vec2(-outward_normal(m.mesh, e)) : normal(m.mesh, e);
+    const Index first = boundary ? edge_unknown(m.inner->skeleton, e) : m.inner->skeleton.jump[e];
+    const int pieces = pieces_beside(x0, a, b);
+    for (int piece = 0; piece < pieces; ++piece)
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const double s = (piece + rule.s[q]) / pieces, w = rule.w[q] / pieces;
+        const Vec2 r = a + s * (b - a) - x0;
+        const Mat2 G = kelvin(material, r);
+        const Vec2 traction[2] = {kelvin_stress(material, r, 0) * n, kelvin_stress(material, r, 1) * n};
+        const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, s);
+        for (int g = 0; g < static_cast<int>(basis.size()); ++g)
+          for (int d = 0; d < 2; ++d) {
+            const Index u = first + 2 * g + d;
+            const Vec2 direction =
+                boundary ? m.inner->skeleton.frame[e].col(d) : frame_at(m.inner->skeleton, e, g).col(d);
+            for (int j = 0; j < 2; ++j) {
+              if (m.inner->skeleton.fixed[u])
+                prescribed[j][u] -= w * basis[g] / m.inner->kernel.trace.w[g] * direction.dot(G.col(j));
+              else
+                load[j][u] += w * (b - a).norm() * basis[g] * direction.dot(traction[j]);
+            }
+          }
+      }
+  }
+  Green green;
+  const std::array<Index, 1> here = {t};
+  for (int j = 0; j < 2; ++j) {
+    TangentField w =
+        solver_.solve(load[j], prescribed[j], enough, fields ? std::span<const Index>() : std::span<const Index>(here));
+    constexpr double solved = 1e-4;
+    if (!(w.residual < solved))
+      throw Error(Fault::Numerics, "a clamped hole: Green's tensor could not be solved for: its residual stays large");
+    green.regular.col(j) = displacement_at(m, w, t, x0, true);
+    if (fields) green.field.push_back(std::move(w));
+  }
+  return green;
+}
+
+namespace {
+
+// J of u - (G + w) F against J of u, term by term.
+double inserted(const Analysis& a, const Functional& j, const std::vector<std::size_t>& terms, double eps,
+                const Vec2& x0, const Material& material, const Green& green, const Vec2& F) {
+  Field change;
+  change.skeleton = -F[0] * green.field[0].skeleton - F[1] * green.field[1].skeleton;
+  change.interior = -F[0] * green.field[0].interior - F[1] * green.field[1].interior;
+  change.force = -F[0] * green.field[0].force - F[1] * green.field[1].force;
+  const Singular kelvins{x0, eps, [&](const Vec2& x) { return minus_kelvin(material, x - x0, F); }};
+  double sum = 0;
+  for (const std::size_t i : terms) {
+    const Term& term = j.terms[i];
+    if ((term.uses_stress || term.uses_rotation) && !(term.somewhere && !term.somewhere(x0, clear_radii * eps)))
+      throw Error(Fault::Usage, "functional \"" + term.kind +
+                                    "\": the stress around a clamped hole is singular, and with it this functional; "
+                                    "use an energy, a compliance or a functional of the displacement");
+    const double by = difference(term, *a.model, *a.state, change, kelvins);
+    sum += term.power == 1
+               ? term.factor * by
+               : term.factor * (std::pow(std::pow(a.term_value[i], 1 / term.power) + by, term.power) - a.term_value[i]);
+  }
+  return sum;
+}
+
+// What the predictions at all points share.
+class Clamped {
+ public:
+  Clamped(const Analysis& a, const Functional& j, double eps) : a_(a), j_(j), eps_(eps) {
+    if (!(eps > 0)) throw Error(Fault::Usage, "the map of a clamped hole needs the radius of the hole ([map] radius)");
+    Sensitivity linear;
+    bool any = false;
+    for (std::size_t i = 0; i < j.terms.size(); ++i) {
+      const Term& term = j.terms[i];
+      if (is_energy(*a.model, term)) continue;
+      if (!term.linear) {
+        others_.push_back(i);
+      } else if (term.work || term.on_crack || term.on_boundary) {
+        Sensitivity d = derivative(term, *a.model, *a.state);
+        d.interior *= term.factor;
+        d.skeleton *= term.factor;
+        d.force *= term.factor;
+        linear += d;
+        any = true;
+      }
+    }
+    if (!any) return;
+    if (others_.empty())
+      adjoint_ = &*a.adjoint;
+    else
+      own_ = solve_adjoint(*a.model, linear, tied(contact_status(*a.model, *a.state)));
+    if (own_) adjoint_ = &*own_;
+  }
+
+  bool inserts() const {
+    return !others_.empty();
+  }
+
+  // Tensors of the body and, with a misfit, of the measured one; NaN where they admit no hole of this size.
+  double operator()(const Vec2& x, Index t, const Green& green, const Mat2* measured) const {
+    const Material& material = material_of(a_.model->mesh, a_.model->scene, t);
+    if (!admits_clamp(clamped_matrix(material, eps_, green.regular))) return nan;
+    const Vec2 u = displacement_at(*a_.model, *a_.state, t, x, true),
+               F = clamped_force(material, eps_, green.regular, u);
+    double value = 0.5 * a_.energy_share * u.dot(F);
+    if (measured) {
+      if (!admits_clamp(clamped_matrix(material, eps_, *measured))) return nan;
+      const Vec2 um = displacement_at(*a_.measured_model, *a_.measured, t, x, true);
+      value += 0.5 * a_.measured_share * um.dot(clamped_force(material, eps_, *measured, um));
+    }
+    if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
+    for (const Term& term : j_.terms)
+      if (term.linear && term.density)
+        value -= std::numbers::pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
+    if (inserts()) value += inserted(a_, j_, others_, eps_, x, material, green, F);
+    return value;
+  }
+
+ private:
+  const Analysis& a_;
+  const Functional& j_;
+  double eps_;
+  std::vector<std::size_t> others_;  // terms that u_eps is inserted into
+  const Field* adjoint_ = nullptr;   // of the linear terms
+  std::optional<Field> own_;
+};
+
+}  // namespace
+
+std::vector<double> clamped_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points) {
+  const Clamped predicted(a, j, eps);
+  GreenTensor tensor(*a.model, *a.state);
+  std::optional<GreenTensor> measured;
+  if (a.measured) measured.emplace(*a.measured_model, *a.measured);
+  const std::vector<Index> where = locate(a.model->mesh, points);
+  const std::vector<bool> masked = too_close(*a.model, j, points, clear_radii * eps, eps);
+  std::vector<double> value(points.size(), nan);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Index t = where[i];
+    if (t == none || masked[i]) continue;
+    const Green green = tensor.at(points[i], t, predicted.inserts());
+    Mat2 other;
+    if (measured) other = measured->at(points[i], t, false).regular;
+    value[i] = predicted(points[i], t, green, measured ? &other : nullptr);
+  }
+  return value;
+}
+
+ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
+                              std::span<const Index> triangles, const std::vector<bool>& skip) {
+  const Clamped predicted(a, j, eps);
+  if (predicted.inserts())
+    throw Error(Fault::Usage, "functional \"" + j.kind +
+                                  "\": a clamped hole takes an integral over the whole body per point; list the points "
+                                  "in [map] points instead of a map everywhere");
+  const std::vector<std::size_t> wanted = [&] {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (!skip[i]) list.push_back(i);
+    return list;
+  }();
+  std::vector<Vec2> place;
+  std::vector<Index> in;
+  for (const std::size_t i : wanted) {
+    place.push_back(points[i]);
+    in.push_back(triangles[i]);
+  }
+  ClampedMap map;
+  map.value = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.size()), nan);
+  const GreenSamples tensor = sample_green(*a.model, *a.state, eps, place, in);
+  map.error = tensor.error;
+  map.samples = static_cast<Index>(tensor.x.size());
+  std::optional<GreenSamples> measured;
+  if (a.measured) {
+    measured = sample_green(*a.measured_model, *a.measured, eps, place, in);
+    map.error = std::max(map.error, measured->error);
+    map.samples += static_cast<Index>(measured->x.size());
+  }
+  parallel_for(static_cast<Index>(wanted.size()), a.model->threads, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i);
+      const Green green{.regular = interpolate(tensor, place[k]), .field = {}};
+      Mat2 other;
+      if (measured) other = interpolate(*measured, place[k]);
+      map.value[static_cast<Eigen::Index>(wanted[k])] = predicted(place[k], in[k], green, measured ? &other : nullptr);
+    }
+  });
+  return map;
+}
+
+}  // namespace kerf

@@ -1,0 +1,82 @@
+#include "topo/map/mask.hpp"
+#include "kerf/state.hpp"
+
+#include "geometry/plane.hpp"
+#include "solver/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+struct Segment {
+  Vec2 a, b;
+};
+
+std::vector<Segment> features(const Model& m) {
+  std::vector<Segment> all;
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    const auto& [left, right] = m.mesh.sides[e];
+    const bool interface =
+        left != none && right != none && !m.mesh.region.empty() && m.mesh.region[left] != m.mesh.region[right];
+    const bool crack = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+    if (left == none || right == none || crack || interface)
+      all.push_back({m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]});
+  }
+  return all;
+}
+
+double to_rings(const Functional& j, const Vec2& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Term& term : j.terms)
+    if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
+  return least;
+}
+
+}  // namespace
+
+// Segments in square cells of side `reach` (few enough of them): a point looks into its own, where every segment that
+// comes near enough is listed.
+std::vector<double> margins(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,
+                            double radius, double reach) {
+  std::vector<double> margin(points.size(), -clear);  // outside the box
+  if (m.mesh.points.empty()) return margin;
+  Vec2 low = m.mesh.points[0], high = low;
+  for (const Vec2& p : m.mesh.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double width = (high - low).maxCoeff();
+  const double finest = std::clamp(std::sqrt(static_cast<double>(points.size())), 1.0, 512.0);
+  const double cell = std::max(reach, width / finest);
+  const auto column = [&](double x, int d) { return static_cast<Index>(std::floor((x - low[d]) / cell)); };
+  const Index across = column(high.x(), 0) + 1, up = column(high.y(), 1) + 1;
+  std::vector<std::vector<Segment>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(up));
+  for (const Segment& s : features(m)) {
+    const Vec2 from = s.a.cwiseMin(s.b).array() - reach, to = s.a.cwiseMax(s.b).array() + reach;
+    for (Index i = std::max(column(from.x(), 0), 0); i <= std::min(column(to.x(), 0), across - 1); ++i)
+      for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)
+        cells[static_cast<std::size_t>(k) * across + i].push_back(s);
+  }
+  parallel_for(static_cast<Index>(points.size()), m.threads, [&](Index begin, Index end) {
+    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
+      const Vec2& x = points[p];
+      if (!x.allFinite() || (x - low).minCoeff() < 0 || (high - x).minCoeff() < 0) continue;
+      double least = std::min(reach, to_rings(j, x) - radius + clear);
+      for (const Segment& s : cells[static_cast<std::size_t>(column(x.y(), 1)) * across + column(x.x(), 0)])
+        least = std::min(least, distance(x, s.a, s.b));
+      margin[p] = least - clear;
+    }
+  });
+  return margin;
+}
+
+std::vector<bool> too_close(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,
+                            double radius) {
+  const std::vector<double> margin = margins(m, j, points, clear, radius, clear);
+  std::vector<bool> close(points.size());
+  for (std::size_t i = 0; i < close.size(); ++i) close[i] = margin[i] < 0;
+  return close;
+}
+
+}  // namespace kerf

@@ -1,0 +1,94 @@
+#include "topo/map/point.hpp"
+#include "solver/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+double local(const Term& term, const Perturbation& p, const PointValues& v, const Mat2& s) {
+  if (!term.density) return 0;
+  const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
+  if (term.local) return term.local(p, at);
+  return removes_body(p) ? -term.density(at).value : 0;
+}
+
+}  // namespace
+
+Mat2 symmetric(const Eigen::Vector3d& s) {
+  return (Mat2() << s[0], s[2], s[2], s[1]).finished();
+}
+
+Eigen::Vector3d components(const Eigen::Vector4d& s) {
+  return {s[0], s[3], 0.5 * (s[1] + s[2])};
+}
+
+bool removes_body(const Perturbation& p) {
+  return p.kind == Perturbation::Kind::Hole || p.kind == Perturbation::Kind::Ellipse;
+}
+
+Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
+  Needs n;
+  const bool loaded = removes_body(p) && a.model->scene.body;
+  n.displacement = loaded;
+  n.dual_displacement = loaded && a.adjoint;
+  for (const Term& term : j.terms) {
+    if (term.uses_displacement) n.displacement = true;
+    if (term.uses_stress) n.recover_dual = false;
+  }
+  return n;
+}
+
+std::vector<bool> no_row_closed(const Analysis& a) {
+  return std::vector<bool>(a.biactive ? a.biactive->response.size() : 0, false);
+}
+
+double size_of(const Analysis& a, const Perturbation& p, const PointValues& v) {
+  if (p.kind == Perturbation::Kind::ClampedHole) return 0;
+  // The largest value of the form on unit stresses, times the norms.
+  double unit = 0;
+  const Mat2 pressure = Mat2::Identity() / std::sqrt(2.0), shear = (Mat2() << 0, 1, 1, 0).finished() / std::sqrt(2.0);
+  for (const Mat2& s : {pressure, shear})
+    unit =
+        std::max(unit, std::abs(p.kind == Perturbation::Kind::Inclusion ? inclusion_form(v.material, p.inclusion, s, s)
+                                                                        : hole_form(v.material, s, s)));
+  const double stress = symmetric(v.stress).norm(), measured = a.measured ? symmetric(v.measured).norm() : 0;
+  return unit *
+         (0.5 * std::abs(a.energy_share) * stress * stress + 0.5 * std::abs(a.measured_share) * measured * measured +
+          (a.adjoint ? stress * symmetric(v.dual).norm() : 0));
+}
+
+Oriented expand(const Analysis& a, const Functional& j, const Perturbation& p, const PointValues& v,
+                std::vector<bool>& closed) {
+  const Mat2 s = symmetric(v.stress);
+  std::array<Product, 3> products;
+  std::size_t count = 0;
+  if (a.energy_share != 0 || !a.adjoint) products[count++] = {-0.5 * a.energy_share, s, s};
+  if (a.adjoint) products[count++] = {1, s, symmetric(v.dual)};
+  if (a.measured) products[count++] = {-0.5 * a.measured_share, symmetric(v.measured), symmetric(v.measured)};
+  Oriented t = oriented(p, v.material, std::span(products.data(), count));
+  const bool loaded = removes_body(p) && a.model->scene.body;
+  Vec2 body = Vec2::Zero();
+  if (loaded) {
+    body = a.model->scene.body(v.x);
+    t.value += body.dot(a.energy_share * v.u - v.p + a.measured_share * v.measured_u);
+  }
+  for (std::size_t i = 0; i < j.terms.size(); ++i) t.value += a.slope[i] * local(j.terms[i], p, v, s);
+  if (a.biactive) {
+    const Eigen::Index n = v.openings.cols();
+    Eigen::VectorXd g(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      g[i] = form(p, v.material, t.angle, s, symmetric(v.openings.col(i)));
+      if (loaded) g[i] -= body.dot(v.opening_u.col(i));
+    }
+    // lambda >= 0, g + S lambda >= 0, lambda (g + S lambda) = 0.
+    const Unilateral push = solve_unilateral(a.biactive->opening, -g, closed);
+    closed = push.closed;
+    t.value += push.jump.dot(a.biactive->slope);
+  }
+  return t;
+}
+
+}  // namespace kerf

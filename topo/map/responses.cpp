@@ -1,0 +1,61 @@
+#include "topo/responses.hpp"
+#include "solver/system.hpp"
+
+#include "solver/parallel.hpp"
+#include "topo/functional/integrate.hpp"
+#include "topo/map/fields.hpp"
+
+#include <algorithm>
+
+namespace kerf {
+
+Responses responses(const Model& m, const Field& s, std::span<const Term> readings) {
+  if (std::any_of(m.scene.laws.begin(), m.scene.laws.end(), has_friction))
+    throw Error(Fault::Usage, "topological derivatives need cracks without friction; remove friction and tresca");
+  for (const Term& term : readings)
+    if (!term.on_boundary || term.density || term.on_crack || term.measured || term.energy || term.work)
+      throw Error(Fault::Usage, "readings are integrals of the displacement over a part of the boundary");
+  require_supports({"readings", {readings.begin(), readings.end()}}, m);
+  Responses r{.model = &m, .state = &s, .locator = make_locator(m.mesh), .corners = split_for_stress(m.mesh)};
+  const std::vector<bool> singular = singular_corners(m, s, r.corners);
+  r.stress = recover_stress(m, s, r.corners, singular, m.scene.body);
+  r.value = read(m, s, readings);
+  const std::vector<double> homogeneous(static_cast<std::size_t>(m.inner->skeleton.total), 0.0);
+  TangentSolver solver(m, tied(contact_status(m, s)));
+  for (const Term& reading : readings) {
+    r.dual.push_back(solver.solve(derivative(reading, m, s).skeleton, homogeneous));
+    r.dual_stress.push_back(recover_stress(m, r.dual.back(), r.corners, singular));
+  }
+  return r;
+}
+
+Eigen::VectorXd read(const Model& m, const Field& s, std::span<const Term> readings) {
+  Eigen::VectorXd value(static_cast<Eigen::Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k) value[static_cast<Eigen::Index>(k)] = integral(readings[k], m, s);
+  return value;
+}
+
+std::optional<PointResponse> response_at(const Responses& r, const Vec2& x) {
+  const Model& m = *r.model;
+  const Index t = locate(m.mesh, r.locator, x);
+  if (t == none) return std::nullopt;
+  PointResponse at{.material = material_of(m.mesh, m.scene, t),
+                   .stress = symmetric(recovered_at(m, *r.state, r.corners, r.stress, t, x))};
+  if (m.scene.body) at.removed.resize(static_cast<Eigen::Index>(r.dual.size()));
+  for (std::size_t k = 0; k < r.dual.size(); ++k) {
+    at.dual.push_back(symmetric(recovered_at(m, r.dual[k], r.corners, r.dual_stress[k], t, x)));
+    if (m.scene.body)
+      at.removed[static_cast<Eigen::Index>(k)] = m.scene.body(x).dot(displacement_at(m, r.dual[k], t, x, true));
+  }
+  return at;
+}
+
+Eigen::VectorXd derivatives(const PointResponse& r, const Perturbation& p, double angle) {
+  Eigen::VectorXd T(static_cast<Eigen::Index>(r.dual.size()));
+  for (std::size_t k = 0; k < r.dual.size(); ++k)
+    T[static_cast<Eigen::Index>(k)] = form(p, r.material, angle, r.stress, r.dual[k]);
+  if (r.removed.size() > 0 && removes_body(p)) T -= r.removed;
+  return T;
+}
+
+}  // namespace kerf

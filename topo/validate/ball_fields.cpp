@@ -1,0 +1,137 @@
+#include "topo/validate/ball_fields.hpp"
+
+#include <Eigen/QR>
+
+#include <algorithm>
+
+namespace kerf {
+
+Material floored(Material m) {
+  constexpr double least = 1e-8;
+  m.c = std::max(m.c, least / m.mu);
+  return m;
+}
+Scene floored(Scene scene) {
+  scene.material = floored(scene.material);
+  for (Material& m : scene.regions) m = floored(m);
+  return scene;
+}
+
+Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
+  Eigen::VectorXd x(static_cast<Eigen::Index>(edges.size()) * s.per_edge);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    x.segment(static_cast<Eigen::Index>(i) * s.per_edge, s.per_edge) =
+        values.segment(edge_unknown(s, edges[i]), s.per_edge);
+  return x;
+}
+
+Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
+  const Vec2 center = m.mesh.points[m.mesh.edges[edges[0]][0]];
+  Eigen::MatrixXd rigid(values.size(), 3);
+  Eigen::Index row = 0;
+  for (const Index e : edges) {
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g, row += 2) {
+      const Vec2 d = a + m.inner->kernel.trace.s[g] * side - center;
+      const Mat2 frame = frame_at(m.inner->skeleton, e, static_cast<int>(g)).transpose();
+      rigid.block<2, 2>(row, 0) = frame;
+      rigid.block<2, 1>(row, 2) = frame * Vec2(-d.y(), d.x());
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rigid);
+  return values - rigid * qr.solve(values);
+}
+
+Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<Index>& edges,
+                            const std::vector<bool>& inside) {
+  const EdgeRule rule = gauss(8);
+  const int per = m.inner->skeleton.per_edge;
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(edges.size()) * per);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Index e = edges[i];
+    const auto& [left, right] = m.mesh.sides[e];
+    const Index t = left != none && inside[left] ? left : right;
+    const Vec2 n = (t == left ? 1 : -1) * normal(m.mesh, e);
+    const Triangle shape = triangle(m, t);
+    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
+    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const Vec2 traction = tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), a + rule.s[q] * side)) * n *
+                            (side.norm() * rule.w[q]);
+      const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, rule.s[q]);
+      for (Eigen::Index g = 0; g < basis.size(); ++g)
+        f.segment<2>(static_cast<Eigen::Index>(i) * per + 2 * g) +=
+            basis[g] * (m.inner->skeleton.frame[e].transpose() * traction);
+    }
+  }
+  return f;
+}
+
+double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const Material& material) {
+  const Triangle shape = triangle(m, t);
+  const Points x = rule_points(m.inner->kernel.rule, shape);
+  double sum = 0;
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const Mat2 s = tensor(stress_at(m.inner->kernel, shape, interior.col(t), x.col(q)));
+    sum += 0.5 * m.inner->kernel.rule.w[q] * s.cwiseProduct(strain(material, s)).sum();
+  }
+  if (m.inner->system.force.cols() > 0) {
+    const int first = stress_count(m.element), count = displacement_count(m.element);
+    sum -= m.inner->system.force.col(t).head(count).dot(interior.col(t).segment(first, count));
+  }
+  return area(shape) * sum;
+}
+
+InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const Scene& scene,
+                       const Eigen::VectorXd& contour, bool body) {
+  Model m{.mesh = inner.part.mesh,
+          .element = kernel.element,
+          .scene = scene,
+          .inner = std::make_shared<Inner>(
+              Inner{kernel, inner.skeleton, inner.ordering, inner.system, Factor(LowerTriangle{}, 0), {}})};
+  Field s;
+  s.skeleton = complete(inner, contour, body);
+  s.force.setZero(inner.skeleton.total);
+  s.interior.resize(interior_count(kernel.element), static_cast<Eigen::Index>(inner.part.triangle.size()));
+  for (Index t = 0; t < static_cast<Index>(inner.part.triangle.size()); ++t)
+    s.interior.col(t) = interior(kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.inner->system, t),
+                                 trace_seen(m.mesh, m.inner->skeleton, s.skeleton, t));
+  return {std::move(m), std::move(s)};
+}
+
+double energy_inside(const InnerState& inner) {
+  double sum = 0;
+  for (Index t = 0; t < static_cast<Index>(inner.state.interior.cols()); ++t)
+    sum += energy_of(inner.model, inner.state.interior, t, material_of(inner.model.mesh, inner.model.scene, t));
+  return sum;
+}
+
+double work_inside(const Model& m, const Field& s, Index t) {
+  if (m.inner->system.force.cols() == 0) return 0;
+  const int first = stress_count(m.element), count = displacement_count(m.element);
+  return area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
+}
+
+double work_difference(const Model& m, const Field& s, const Field& change, const std::vector<bool>& disc,
+                       const std::vector<bool>& ring, const InnerState* starred) {
+  double d = 0;
+  for (Index t = 0; t < static_cast<Index>(disc.size()); ++t) {
+    if (disc[t]) d -= work_inside(m, s, t);
+    if (ring[t]) d += work_inside(m, change, t);
+  }
+  if (starred)
+    for (Index t = 0; t < static_cast<Index>(starred->state.interior.cols()); ++t)
+      d += work_inside(starred->model, starred->state, t);
+  return d;
+}
+
+void add_fields(Field& s, const CondensedPiece& p, const Eigen::VectorXd& values, const Kernel& kernel,
+                const Scene& scene) {
+  for (Index t = 0; t < static_cast<Index>(p.part.triangle.size()); ++t)
+    s.interior.col(p.part.triangle[static_cast<std::size_t>(t)]) =
+        interior(kernel, triangle(p.part.mesh, p.skeleton, t), material_of(p.part.mesh, scene, t), {},
+                 trace_seen(p.part.mesh, p.skeleton, values, t));
+}
+
+}  // namespace kerf

@@ -1,0 +1,50 @@
+#include "topo/validate/condense.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
+                        const Kernel& k, const Scene& scene, bool body) {
+  if (!is_mixed(k.element) || per_vertex(k.element) > 0)
+    throw Error(Fault::Usage,
+                fmt::format("validation condenses onto edges; element \"{}\" has unknowns at vertices: use \"bdms\" or "
+                            "another element without",
+                            k.element.name));
+  CondensedPiece p;
+  p.part = part(whole, use);
+  Scene inside = scene;
+  inside.supports.clear();
+  inside.tractions.clear();
+  if (!body) inside.body = {};
+  p.skeleton = number(p.part.mesh, k, inside);
+  std::vector<Index> of_whole(whole.edges.size(), none), edges;
+  for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
+  for (const Index e : kept) edges.push_back(of_whole[e]);
+  p.ordering = order(p.part.mesh, p.skeleton, edges);
+  p.system = assemble(p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true);
+  // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
+  LowerTriangle& K = p.system.K;
+  const Index first = K.size - p.ordering.kept;
+  for (Index r = first; r < K.size; ++r) p.shift = std::max(p.shift, K.values[K.start[r]]);
+  for (Index r = first; r < K.size; ++r) K.values[K.start[r]] += p.shift;
+  p.factor = Factor(K, 0, true, p.ordering.kept);
+  p.K = p.factor.kept_complement();
+  p.K.diagonal().array() -= p.shift;
+  p.load = p.factor.kept_factor().triangularView<Eigen::Lower>() * p.factor.forward(p.system.F).tail(p.ordering.kept);
+  return p;
+}
+
+Eigen::VectorXd complete(const CondensedPiece& p, const Eigen::VectorXd& kept, bool body) {
+  Eigen::VectorXd y = body ? p.factor.forward(p.system.F) : Eigen::VectorXd::Zero(p.ordering.size).eval();
+  y.tail(kept.size()) = p.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * kept;
+  const Eigen::VectorXd x = p.factor.backward(y);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(p.skeleton.total);
+  for (Index u = 0; u < p.skeleton.total; ++u)
+    if (p.ordering.row[u] != none) all[u] = x[p.ordering.row[u]];
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,84 @@
+#include "topo/validate/sites.hpp"
+
+#include "geometry/plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+// Even-odd rule.
+bool inside(const Polygon& p, const Vec2& x) {
+  bool in = false;
+  for (std::size_t i = 0, n = p.points.size(); i < n; ++i) {
+    const Vec2 &a = p.points[i], &b = p.points[(i + 1) % n];
+    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      in = !in;
+  }
+  return in;
+}
+
+// Negative outside the body.
+double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& in_body) {
+  const double size = extent(shape);
+  double least = std::numeric_limits<double>::infinity();
+  in_body = true;
+  const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
+    const Polygon p = flatten(l, 1e-4 * size, size);
+    for (std::size_t i = 0; i < p.points.size(); ++i)
+      least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
+    if (counts && inside(p, x) != body_inside) in_body = false;
+  };
+  loop(shape.outline, true, true);
+  for (const Loop& hole : shape.holes) loop(hole, false, true);
+  for (const Loop& region : shape.regions) loop(region, true, false);
+  for (const Crack& crack : shape.cracks) {
+    std::vector<Vec2> points = crack.points;
+    if (crack.arc) {
+      constexpr int pieces = 256;
+      points.clear();
+      for (int i = 0; i <= pieces; ++i) {
+        const double t = crack.arc->from + (crack.arc->to - crack.arc->from) * i / pieces;
+        points.push_back(crack.arc->center + crack.arc->axes * Vec2(std::cos(t), std::sin(t)));
+      }
+    }
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) least = std::min(least, distance(x, points[i], points[i + 1]));
+  }
+  for (const Term& term : j.terms)
+    if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
+  return in_body || least == 0 ? least : -least;
+}
+
+}  // namespace
+
+std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r) {
+  // A change reaches this far per radius, fits when it fills less than `fullest` of the clear disc, and has a ball at
+  // least `roomy` times as large where there is room.
+  const double reach = r.perturbation.kind == Perturbation::Kind::Ellipse ? std::sqrt(r.perturbation.aspect) : 1;
+  constexpr double fullest = 0.6, widest = 0.88, roomy = 2, apart = 1.1;
+  std::vector<std::vector<Site>> batches;
+  for (std::size_t i = 0; i < r.points.size(); ++i) {
+    Site s{.number = i, .at = r.points[i]};
+    s.clear = clearance(shape, j, r.points[i], s.inside);
+    s.inside = s.inside || s.clear == 0;
+    for (const double radius : r.radii)
+      if (reach * radius <= fullest * s.clear) s.radii.push_back(radius);
+    if (!s.radii.empty()) s.ball = std::min(widest * s.clear, roomy * reach * s.radii.front());
+    const auto apart_from = [&](const std::vector<Site>& batch) {
+      return std::all_of(batch.begin(), batch.end(),
+                         [&](const Site& o) { return (o.at - s.at).norm() > apart * (o.ball + s.ball); });
+    };
+    const auto batch = std::find_if(batches.begin(), batches.end(), apart_from);
+    if (batch == batches.end())
+      batches.push_back({s});
+    else
+      batch->push_back(s);
+  }
+  return batches;
+}
+
+}  // namespace kerf
