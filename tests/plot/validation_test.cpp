@@ -1,6 +1,7 @@
 #include "io/validation.hpp"
 
 #include "io/files.hpp"
+#include "plot/charts.hpp"
 #include "tests/support/sample.hpp"
 
 #include <sstream>
