@@ -1,7 +1,6 @@
 #pragma once
 // A small clamped hole: u = 0 on a circle of radius eps. J changes like 1/ln(1/eps), too slowly for a leading term to
-// be of use; the formula renormalized by the body's own Green tensor has an error O(eps^2) [topological_derivatives.md,
-// section 3.1].
+// be of use; the formula renormalized by the body's own Green tensor has an error O(eps^2) [theory: T.29].
 
 #include "kerf/scene.hpp"
 
