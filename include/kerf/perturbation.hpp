@@ -1,6 +1,6 @@
 #pragma once
 // J(Omega_eps) - J(Omega) = f(eps) T(x) + o(f(eps)): f and T for one small change at x. Pure formulas, no mesh.
-// Mixed sign throughout: T = form(sigma, zeta) - b.p + local, with the adjoint (zeta, p) of solver/adjoint.hpp.
+// Mixed sign throughout: T = form(sigma, zeta) - b.p + local, with the adjoint (zeta, p) of kerf/adjoint.hpp.
 
 #include "kerf/scene.hpp"
 
