@@ -1,5 +1,5 @@
 #pragma once
-// Error bars at points, from a better solution.
+// Error bars at points, from a better solution [theory: R.9].
 
 #include "solver/recover_stress.hpp"
 

@@ -67,7 +67,7 @@ struct Penalty {
   double theta = 0;  // strain, from the sweep before
 };
 
-/// Stationary point over (s, u, r) for given edge displacements m of
+/// Stationary point over (s, u, r) for given edge displacements m [theory: E.2, E.4] of
 ///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
 /// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
 /// `force` holds the moments of f (see force_moments), or is empty when there is none.

@@ -1,6 +1,6 @@
 #pragma once
 // Powers of the von Mises stress, Phi = V^(p/2), and what a small hole or inclusion does to int w Phi by its own stress
-// field.
+// field [theory: T.18, T.19].
 
 #include "kerf/perturbation.hpp"
 
