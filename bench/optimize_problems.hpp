@@ -25,7 +25,7 @@ struct OptimizeProblem {
 const std::vector<OptimizeProblem>& optimize_problems();
 
 /// Compliance + 100 * area of the cantilever with the load on 0.05 and a weak phase of 1e-3, as published for four
-/// algorithms [Blauth, Sturm 2023; the peers' results.md].
+/// algorithms [Blauth, Sturm 2023].
 const OptimizeProblem& published_problem();
 struct Published {
   double least_value, most_value;  // J

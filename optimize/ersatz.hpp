@@ -10,7 +10,7 @@ namespace kerf {
 Material weak_material(const Material& solid, double share);
 
 /// Triangles in the void are region 0, the weak phase; those that the zero line cuts are of mixtures, their Young's
-/// modulus by the share of their area, in mixed_phases steps: regions 1, 2, ... [as Blauth, Sturm 2023 do]. The shape
+/// modulus by the share of their area, in mixed_phases steps: regions 1, 2, ... [Blauth, Sturm 2023]. The shape
 /// is the frame, the area that where phi < 0. Throws Error(Usage) for frames with regions of their own.
 inline constexpr Index mixed_phases = 16;
 /// Share of the strong phase in a region of such a mesh.

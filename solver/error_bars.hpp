@@ -1,5 +1,5 @@
 #pragma once
-// Error bars at points, from a better solution.
+// Error bars at points, from a better solution [theory: R.9].
 
 #include "solver/recover_stress.hpp"
 
@@ -29,7 +29,7 @@ Places places(const Mesh& mesh, const Corners& corners, const Mesh& better);
 /// From a quantity (a topological derivative, a component of the stress) of the two solutions at the places, each from
 /// its recovered_at: the larger of 1.5 |difference| and 1.3 times its typical size in two rings of triangles, for
 /// points where the difference changes sign. Right where the better solution's error is less than a third; no
-/// guarantee: the factors cover 95 % of the points of known exact solutions, tests/solver/spread_test.cpp.
+/// guarantee: the factors cover 95 % of the points of known exact solutions, tests/solver/error_bars_test.cpp.
 Spread spread(const Corners& corners, const Eigen::VectorXd& values, const Eigen::VectorXd& better);
 
 /// The half width at a point of triangle t where the two solutions differ by `difference`.

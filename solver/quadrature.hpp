@@ -14,7 +14,7 @@ struct EdgeRule {
   Eigen::VectorXd w;  // sum to 1: multiply by the length
 };
 
-/// Dunavant (1985) up to degree 5, collapsed Gauss above.
+/// [Dunavant 1985] up to degree 5, collapsed Gauss above.
 TriangleRule triangle_rule(int degree);
 /// Gauss-Legendre, exact to degree 2 points - 1.
 EdgeRule gauss(int points);

@@ -23,10 +23,10 @@ struct RecoveredStress {
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& corners);
 
 /// Of order 2: cubics fitted to the means over the triangles of two rings, more at boundaries; order 1: quadratics;
-/// above: quartics fitted to point values in one ring [superconvergent patch recovery, Zienkiewicz and Zhu 1992, with
-/// means for point values]. Any solved field will do: nothing is asked of its divergence or its strains. `load`: f with
-/// div s + f = 0, where it is known and not constant; elements whose displacements are constant then get what they do
-/// not see of it, which halves the error. Bits do not depend on model.threads.
+/// above: quartics fitted to point values in one ring [Zienkiewicz, Zhu 1992, with means for point values; theory:
+/// R.2]. Any solved field will do: nothing is asked of its divergence or its strains. `load`: f with div s + f = 0,
+/// where it is known and not constant; elements whose displacements are constant then get what they do not see of it,
+/// which halves the error. Bits do not depend on model.threads.
 /// The order stays that of the element on general meshes (one more where they are regular), the error falls by 3 to 10
 /// for order 2 unless a rough load or a coarse tip dominates it.
 RecoveredStress recover_stress(const Model& model, const Field& state, const Corners& corners,

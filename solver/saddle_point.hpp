@@ -1,5 +1,5 @@
 #pragma once
-// The extended (smooth-domain) formulation: the reference that the condensed systems are compared with.
+// The extended (smooth-domain) formulation [theory: C.13]: the reference that the condensed systems are compared with.
 
 #include "kerf/model.hpp"
 #include "kerf/state.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Derivative of J by the stiffness of a region.
+// Derivative of J by the stiffness of a region [theory: S.6].
 
 #include "kerf/analysis.hpp"
 

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// Residual indicator per triangle, in the norm of the stress [Carstensen, Dolzmann 1998; elements.md section 9]:
+/// Residual indicator per triangle, in the norm of the stress [Carstensen, Dolzmann 1998; theory: R.4]:
 ///   eta^2 = |as s|^2 + (2 mu)^2 (h^2 |curl D|^2 + sum_e w_e |e| |J_e|^2) + h^2 |f + div s|^2,  D = A s + Gamma(omega),
 /// h the longest edge, J_e the jump of D tau (w = 1/2; D tau - d_tau u_D on supported components, w = 1; nothing on
 /// free boundaries; on a crack less the slope of the discrete jump, its normal part where the faces touch, its

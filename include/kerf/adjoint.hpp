@@ -33,7 +33,7 @@ struct TangentField : Field {
 };
 
 /// The dual state (zeta, p, rho; mu on the skeleton) in mixed sign: the saddle matrix of the state, right-hand side
-/// -dJ, homogeneous supports, on the tangent cone of the contact [Mignot 1976; topological_derivatives.md, section 4]:
+/// -dJ, homogeneous supports, on the tangent cone of the contact [Mignot 1976; theory: A.2, A.9]:
 /// `held` rows keep their jump 0 (closed), the others their force. A derivative by the force of a held row prescribes
 /// minus its value as the dual jump. With it dJ = dJ_explicit + mu . dF for loads, + (dA sigma, zeta) for compliances:
 /// exact for the discrete problem off the kinks. Throws Error(Usage) for elements that are not mixed or have stresses

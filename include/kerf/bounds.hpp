@@ -1,5 +1,5 @@
 #pragma once
-// Two-sided bounds of the potential energy.
+// Two-sided bounds of the potential energy [theory: B.1].
 
 #include "kerf/state.hpp"
 

@@ -56,7 +56,7 @@ constexpr Element bdms(int k) {
                         : k == 2 ? 8
                                  : 11};
 }
-/// Arnold, Falk, Winther 2007: no bubbles, the rotation one degree lower, and with it the order.
+/// [Arnold, Falk, Winther 2007]: no bubbles, the rotation one degree lower, and with it the order.
 constexpr Element afw(int k) {
   return {.name = "afw",
           .degree = k,
@@ -70,7 +70,7 @@ constexpr Element afw(int k) {
                                  : 8.5};
 }
 
-/// Arnold, Brezzi, Douglas 1984.
+/// [Arnold, Brezzi, Douglas 1984]
 inline constexpr Element peers{.name = "peers",
                                .order = 1,
                                .cut = Cut::RaviartThomas,
@@ -81,7 +81,7 @@ inline constexpr Element peers{.name = "peers",
 /// BDM_1 rows with the two bubbles and a continuous rotation.
 inline constexpr Element bdms_continuous{
     .name = "bdms-c", .bubble = 0, .at_vertices = AtVertices::Rotation, .efficiency = 3.3};
-/// Arnold, Winther 2002: symmetric P_3 with linear divergence, hybridized by P_3 traces, which see normal continuity
+/// [Arnold, Winther 2002]: symmetric P_3 with linear divergence, hybridized by P_3 traces, which see normal continuity
 /// only: no unknowns at vertices, cracks come for free.
 inline constexpr Element arnold_winther{.name = "arnold-winther",
                                         .order = 3,
@@ -101,7 +101,7 @@ inline constexpr Element arnold_winther_conforming{.name = "arnold-winther-c",
                                                    .trace = 1,
                                                    .at_vertices = AtVertices::Stress,
                                                    .efficiency = 8.2};
-/// Arnold, Winther 2003: nonconforming.
+/// [Arnold, Winther 2003]: nonconforming.
 inline constexpr Element arnold_winther_nonconforming{.name = "arnold-winther-nc",
                                                       .order = 1,
                                                       .stress = 2,

@@ -1,5 +1,6 @@
 #pragma once
-// Stress intensity factors, T-stress and energy release rate at crack tips, by interaction integrals around the tips.
+// Stress intensity factors, T-stress and energy release rate at crack tips, by interaction integrals around the tips
+// [theory: F.5].
 
 #include "kerf/state.hpp"
 

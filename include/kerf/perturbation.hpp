@@ -1,6 +1,6 @@
 #pragma once
 // J(Omega_eps) - J(Omega) = f(eps) T(x) + o(f(eps)): f and T for one small change at x. Pure formulas, no mesh.
-// Mixed sign throughout: T = form(sigma, zeta) - b.p + local, with the adjoint (zeta, p) of solver/adjoint.hpp.
+// Mixed sign throughout: T = form(sigma, zeta) - b.p + local, with the adjoint (zeta, p) of kerf/adjoint.hpp.
 
 #include "kerf/scene.hpp"
 
@@ -26,18 +26,18 @@ struct Perturbation {
 /// f(eps): pi eps^2 for all kinds but the clamped hole (NaN).
 double scale(const Perturbation& p, double eps);
 
-/// H(s, t) = (1/E') (4 s:t - tr s tr t) for symmetric s, t: finite up to nu = 1/2 [topological_derivatives.md, section
-/// 1; Garreau, Guillaume, Masmoudi 2001]. s, t are symmetrized here.
+/// H(s, t) = (1/E') (4 s:t - tr s tr t) for symmetric s, t: finite up to nu = 1/2 [theory: T.3; Garreau, Guillaume,
+/// Masmoudi 2001]. s, t are symmetrized here.
 double hole_form(const Material& m, const Mat2& s, const Mat2& t);
 
 /// T of the potential energy 1/2 a - l for a free hole, -1/2 H(s, s) + b.u: s, body force b and u at the center.
 double hole_energy(const Material& m, const Mat2& s, const Vec2& body, const Vec2& u);
 
-/// -P(s, t), P = Ph tr s tr t + Pd dev s : dev t, of a circular inclusion [Ammari, Kang 2007; section 2.1]. Any
+/// -P(s, t), P = Ph tr s tr t + Pd dev s : dev t, of a circular inclusion [Ammari, Kang 2007; theory: T.10]. Any
 /// contrast; c = 0 in either material, mu = 0 or infinite c inside are limits that are finite.
 double inclusion_form(const Material& matrix, const Material& inside, const Mat2& s, const Mat2& t);
 
-/// H of an elliptic hole whose longer axis has the angle (radians) [Kachanov 1993; section 2.2]. Throws (Usage) where
+/// H of an elliptic hole whose longer axis has the angle (radians) [Kachanov 1993; theory: T.12]. Throws (Usage) where
 /// aspect < 1.
 double ellipse_form(const Material& m, double aspect, double angle, const Mat2& s, const Mat2& t);
 

@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with
-/// the mean of u_h [Stenberg 1991; rates: elements.md section 7].
+/// the mean of u_h [Stenberg 1991; theory: R.1].
 Points recovered_displacement(const Model& model, const Field& state, Index t, const Points& x);
 /// Area-weighted averages over the triangles that meet at a corner, on one side of every crack.
 struct CornerValues {

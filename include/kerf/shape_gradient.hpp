@@ -7,7 +7,7 @@ namespace kerf {
 
 /// Distributed form: dJ(theta) = sum_v column(v) . theta(x_v) for every theta that is linear on the triangles of the
 /// model's mesh; 2 x vertices. With the mixed fields sigma, D_u = A sigma + Gamma(omega) in place of grad u, the same
-/// of the adjoint (zeta, p, rho; mixed sign), G = grad theta and a density j:
+/// of the adjoint (zeta, p, rho; mixed sign), G = grad theta and a density j [theory: S.3]:
 ///   dJ(theta) = int j div theta + d_x j.theta + j_sigma:(sigma G' - sigma div theta)
 ///             + int D_u:(zeta G') + (A zeta + Gamma(rho)):(sigma G') - (A sigma:zeta) div theta + p.f div theta + ...
 ///   dPi(theta) = - int D_u:(sigma G') - 1/2 (A sigma:sigma) div theta + u.f div theta + u.(grad f theta)
@@ -23,7 +23,7 @@ namespace kerf {
 Points shape_gradient(const Analysis& a, const Functional& j);
 
 /// Boundary form: dJ(theta) = int g theta.n over the edges of the boundary that carry no traction, where only the
-/// tangential stress is left: s = sigma_tt, z = zeta_tt, 1/E' as in scene.hpp,
+/// tangential stress is left: s = sigma_tt, z = zeta_tt, 1/E' of material.hpp [theory: S.4, S.5],
 ///   g = j - s j_sigma,tt - s z/E' + f.p,   energies: s^2/(2 E') - f.u,   compliance: 2 f.u - s^2/E',
 /// with the recovered stresses (Analysis::fields, made anew where missing) and u*. An approximation, better the
 /// smoother the stress: in corners of less than pi inside the body, at ends of supports and loads it is not integrable

@@ -1,6 +1,6 @@
 #pragma once
 // The topological derivative as a level set: a design is best where T exceeds the price of its area exactly in the
-// material [Amstutz, Andrae 2006].
+// material [Amstutz, Andrae 2006; theory: L.5].
 
 #include "optimize/level_set/regularize.hpp"
 

@@ -236,7 +236,7 @@ Eigen::VectorXd LevelSetRun::relative(const Eigen::VectorXd& bounds) const {
 constexpr double patient_multipliers = 0.2;  // of the step that the augmented Lagrangian's multipliers take
 constexpr double stiffness_of_bounds = 5;    // of the augmented Lagrangian, in units of J
 
-/// J + price of area + augmented Lagrangian of the bounds [Rockafellar 1973], in units of J of the start.
+/// J + price of area + augmented Lagrangian of the bounds [Rockafellar 1973; theory: L.7], in units of J of the start.
 double LevelSetRun::merit(double J, double area, const Eigen::VectorXd& bounds) const {
   const double unit = s_.rows.empty() ? std::abs(J) : std::abs(s_.rows.front().objective);
   const double price = penalized_ ? r_.volume_penalty : s_.multiplier;

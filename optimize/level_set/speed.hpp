@@ -1,5 +1,5 @@
 #pragma once
-// From the rate of J by motions of the boundary to the speed of the boundary.
+// From the rate of J by motions of the boundary to the speed of the boundary [theory: L.1].
 
 #include "optimize/level_set/regularize.hpp"
 #include "optimize/loop/evaluate.hpp"

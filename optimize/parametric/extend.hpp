@@ -1,5 +1,5 @@
 #pragma once
-// The motion of a boundary carried into the mesh, and forces on the mesh carried back to the boundary.
+// The motion of a boundary carried into the mesh, and forces on the mesh carried back to the boundary [theory: S.7].
 
 #include "kerf/mesh.hpp"
 #include "solver/factor.hpp"

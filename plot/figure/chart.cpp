@@ -13,7 +13,7 @@ namespace kerf {
 
 namespace {
 
-// Okabe and Ito (2008): told apart by color-blind readers, too.
+// [Okabe, Ito 2008]: told apart by color-blind readers, too.
 constexpr std::array<std::uint32_t, 8> palette{0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7,
                                                0xe69f00, 0x56b4e9, 0x7a4b2a, 0x303030};
 constexpr std::uint32_t decade_gray = 0xdde2e7;

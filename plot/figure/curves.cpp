@@ -13,7 +13,7 @@ namespace kerf {
 
 namespace {
 
-// Okabe and Ito (2008): told apart by color-blind readers, too.
+// [Okabe, Ito 2008]: told apart by color-blind readers, too.
 constexpr std::array<std::uint32_t, 7> palette{0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x7a4b2a};
 constexpr std::uint32_t line_gray = 0xdde2e7;
 constexpr double margin = 34, tick_length = 9, tick_gap = 9, panel_gap = 34, unit_height = 250, plot_width = 1290;

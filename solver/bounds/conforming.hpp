@@ -1,5 +1,5 @@
 #pragma once
-// A displacement that is continuous, takes the prescribed values, and does not let crack faces penetrate.
+// A displacement that is continuous, takes the prescribed values, and does not let crack faces penetrate [theory: B.6].
 
 #include "solver/bounds/polynomial_data.hpp"
 

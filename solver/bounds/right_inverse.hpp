@@ -1,5 +1,6 @@
 #pragma once
-// Polynomials on a reference triangle by their values at lattice points, and local right inverses of the divergence.
+// Polynomials on a reference triangle by their values at lattice points, local right inverses of the divergence
+// [theory: B.5].
 
 #include "solver/quadrature.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The solution made ready to become a statically admissible stress.
+// The solution made ready to become a statically admissible stress [theory: B.4].
 
 #include "solver/system.hpp"
 

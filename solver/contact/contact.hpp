@@ -1,5 +1,5 @@
 #pragma once
-// Contact and friction on crack faces: the jumps at the crack points, all else eliminated.
+// Contact and friction on crack faces: the jumps at the crack points, all else eliminated [theory: C.5, C.10].
 
 #include "kerf/state.hpp"
 

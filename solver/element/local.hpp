@@ -61,13 +61,13 @@ double legendre(int k, double s);
 
 /// Towards nu = 1/2 the compliance c of a constant pressure vanishes, and with it digits of K. Adding a (t.s)^2/|T| /
 /// 2, t.s = int_T tr s, makes it c + a; the term is paid back by the load theta (t.s) with theta = a mean(tr s), found
-/// by a short iteration [iterated penalty, elements.md section 5]. a = 0: neither.
+/// by a short iteration [iterated penalty; theory: E.12, E.13]. a = 0: neither.
 struct Penalty {
   double a = 0;      // compliance
   double theta = 0;  // strain, from the sweep before
 };
 
-/// Stationary point over (s, u, r) for given edge displacements m of
+/// Stationary point over (s, u, r) for given edge displacements m [theory: E.2, E.4] of
 ///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
 /// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
 /// `force` holds the moments of f (see force_moments), or is empty when there is none.

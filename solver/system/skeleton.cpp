@@ -145,7 +145,7 @@ void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
 }
 
 // Stresses at vertices: sigma n = g on every edge that is not supported there, in the mean of squares where two edges
-// meet in a corner. Without this the order of the element falls by half [elements.md section 8].
+// meet in a corner. Without this the order of the element falls by half [theory: E.16].
 void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   struct Rows {
     Eigen::Matrix<double, Eigen::Dynamic, 3> rows;

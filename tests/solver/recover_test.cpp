@@ -22,7 +22,7 @@ Scene held(const exact::ExactField& f, bool crack) {
   return s;
 }
 
-// elements.md, section 9: efficiency index 4.6 to 6.0 for this element, on smooth and cracked problems alike.
+// [theory: R.4, R.6]: efficiency index 4.6 to 6.0 for this element, on smooth and cracked problems alike.
 TEST(Indicator, FollowsTheErrorWithTheMeasuredEfficiencyIndex) {
   for (const double nu : {0.3, 0.4999}) {
     const auto f = exact::wave_field(nu);

@@ -256,7 +256,7 @@ TEST_P(ExactCrack, ErrorsFallAtTheMeasuredRateAndTheContactStateIsRight) {
       const double h = 4.0 / n;
       const FaceErrors faces = face_errors(m, s, field);
       opening.push_back(faces.opening);
-      // Tractions at a singular tip carry an O(h^-1/2) error over a few edges (elements.md, section 6): leave it out.
+      // Tractions at a singular tip carry an O(h^-1/2) error over a few edges [theory: C.14]: leave it out.
       pressure.push_back(face_errors(m, s, field, 0.85).traction);
       for (const CrackPoint& p : crack_profile(m, s, 0)) {
         const double at = p.s - 1;

@@ -144,7 +144,7 @@ TEST(Biactive, DisplacementsOfTheTopSeeTheSide) {
   EXPECT_GT(value[1], 1.5 * value[0]);
 }
 
-// [topological_derivatives.md, section 3.6]: T_G = d/dl (1/2 H(sigma, sigma)(x0)) = -dT/dl of the energy. The tip moves
+// [theory: T.25]: T_G = d/dl (1/2 H(sigma, sigma)(x0)) = -dT/dl of the energy. The tip moves
 // with its ring, the rest of the mesh stays: what is left is the element, not the mesher.
 TEST(Growth, DerivativeOfTheEnergyReleaseRateIsThatOfTheMapAlongTheCrack) {
   const Functional rate{"", {energy_release_rate(tip, {1, 0}, ring, {})}}, potential{"", {energy()}};

@@ -1,16 +1,15 @@
 #pragma once
 // A small clamped hole: u = 0 on a circle of radius eps. J changes like 1/ln(1/eps), too slowly for a leading term to
-// be of use; the formula renormalized by the body's own Green tensor has an error O(eps^2) [topological_derivatives.md,
-// section 3.1].
+// be of use; the formula renormalized by the body's own Green tensor has an error O(eps^2) [theory: T.29].
 
 #include "kerf/scene.hpp"
 
 namespace kerf {
 
-/// Kelvin's G at r from a unit force, displacement per force:
+/// Kelvin's G at r from a unit force, displacement per force [theory: T.26]:
 /// G_ij = (kappa ln(1/|r|) d_ij + r_i r_j/|r|^2)/(2 pi mu (1 + kappa)); column j belongs to the force e_j.
 Mat2 kelvin(const Material& m, const Vec2& r);
-/// The stress of G e_j, symmetric; its tractions on a circle around the force sum to -e_j.
+/// The stress of G e_j, symmetric; its tractions on a circle around the force sum to -e_j [theory: T.27].
 Mat2 kelvin_stress(const Material& m, const Vec2& r, int j);
 
 /// M(eps): the mean displacement of the rim is u0 - M F, F the force of the body on the clamp. hreg is the regular

@@ -1,6 +1,6 @@
 #pragma once
 // Powers of the von Mises stress, Phi = V^(p/2), and what a small hole or inclusion does to int w Phi by its own stress
-// field.
+// field [theory: T.18, T.19].
 
 #include "kerf/perturbation.hpp"
 
@@ -37,8 +37,8 @@ struct PowerTable {
 
 /// Builds the table: exact up to rounding for even p, else relative error 1e-10 (measured for shares from 0.16 on).
 /// `inner` is the von Mises stress of the material inside (a hole has none). Throws (Usage) for p < 1 or, with 1 <= p <
-/// 2, a share below 1e-3, where Psi blows up at d = 0 [Amstutz, Novotny 2010; topological_derivatives.md,
-/// sections 2.3, 3.4].
+/// 2, a share below 1e-3, where Psi has an infinite slope at d = 0 or, for p = 1, is infinite [Amstutz, Novotny 2010;
+/// theory: T.20, T.22].
 PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside = {}, const VonMises& inner = {});
 
 double exterior(const PowerTable& table, const Mat2& s);

@@ -1,5 +1,5 @@
 #pragma once
-// The Green tensor of a body, and what a small clamped hole does to J [topological_derivatives.md, section 3.1].
+// The Green tensor of a body, and what a small clamped hole does to J [theory: T.28, T.30].
 
 #include "kerf/analysis.hpp"
 #include "topo/formulas/clamped.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// The regular part of the Green tensor over the body, from a moderate number of points.
+// The regular part of the Green tensor over the body, from a moderate number of points [theory: T.31, T.32].
 
 #include "topo/map/green.hpp"
 

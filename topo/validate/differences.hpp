@@ -1,5 +1,5 @@
 #pragma once
-// J of a body changed at finite size, minus J, by condensation onto balls.
+// J of a body changed at finite size, minus J, by condensation onto balls [theory: V.2, V.5].
 
 #include "kerf/validate.hpp"
 #include "topo/validate/condense.hpp"
