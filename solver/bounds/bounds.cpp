@@ -407,7 +407,6 @@ std::string unavailable(const Model& m) {
 }  // namespace
 
 EnergyBounds energy_bounds(const Model& m, const Field& s) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
   const Element& element = m.element;
   const std::vector<EdgeData> data = edge_data(m);

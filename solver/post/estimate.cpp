@@ -11,7 +11,6 @@
 #include <Eigen/QR>
 
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -139,8 +138,7 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
 
 Indicator error_indicator(const Model& m, const Field& s) {
   if (!is_mixed(m.element))  // their gradients are compatible, what they lack is equilibrium
-    return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())),
-            std::numeric_limits<double>::quiet_NaN()};
+    return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Derivatives difference =
       derivatives(m.inner->kernel.rule, std::max(stress_degree(m.element), m.element.rotation));

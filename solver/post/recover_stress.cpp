@@ -1,4 +1,5 @@
 #include "solver/recover_stress.hpp"
+#include "solver/post/blend.hpp"
 #include "solver/recovery.hpp"
 
 #include "solver/system.hpp"
@@ -254,19 +255,13 @@ bool is_kept(const RecoveredStress& r, const Corners& c, Index t) {
 }
 
 template <int P>
-Eigen::Vector3d blended(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, Index t,
-                        const Vec2& x) {
+Eigen::Vector3d blended(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, const PointIn& at) {
+  const auto& [t, x] = at;
   if (is_kept(r, c, t)) return symmetric(stress_at(m.inner->kernel, triangle(m, t), s.interior.col(t), x));
-  const auto& v = m.mesh.triangles[t];
+  const Shares share = shares_at(m.mesh, at);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double whole = 0;
-  for (int i = 0; i < 3; ++i) {
-    const Vec2 a = m.mesh.points[v[(i + 1) % 3]] - x, b = m.mesh.points[v[(i + 2) % 3]] - x;
-    const double share = a.x() * b.y() - a.y() * b.x();
-    sum += share * value<P>(r, c.of[t][i], x - m.mesh.points[v[i]]);
-    whole += share;
-  }
-  return sum / whole;
+  for (int i = 0; i < 3; ++i) sum += share.of[i] * value<P>(r, c.of[t][i], x - m.mesh.points[m.mesh.triangles[t][i]]);
+  return sum / share.whole;
 }
 
 // Of the discrete stresses of the triangles at a corner, weighted by area.
@@ -312,7 +307,7 @@ RecoveredStress fitted(const Model& m, const Field& s, const Corners& c, const s
     }
   });
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) r.at_centroids.col(t) = blended<P>(m, s, c, r, t, samples[t].center);
+    for (Index t = begin; t < end; ++t) r.at_centroids.col(t) = blended<P>(m, s, c, r, {t, samples[t].center});
   });
   return r;
 }
@@ -390,15 +385,26 @@ RecoveredStress recover_stress(const Model& m, const Field& s, const Corners& c,
   }
 }
 
-Eigen::Vector3d recovered_at(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, Index t,
-                             const Vec2& x) {
+Shares shares_at(const Mesh& mesh, const PointIn& at) {
+  const auto& v = mesh.triangles[at.triangle];
+  Shares s{{}, 0};
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 a = mesh.points[v[(i + 1) % 3]] - at.x, b = mesh.points[v[(i + 2) % 3]] - at.x;
+    s.of[i] = a.x() * b.y() - a.y() * b.x();
+    s.whole += s.of[i];
+  }
+  return s;
+}
+
+Eigen::Vector3d recovered_at(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r,
+                             const PointIn& at) {
   switch (r.degree) {
     case 2:
-      return blended<2>(m, s, c, r, t, x);
+      return blended<2>(m, s, c, r, at);
     case 3:
-      return blended<3>(m, s, c, r, t, x);
+      return blended<3>(m, s, c, r, at);
     default:
-      return blended<4>(m, s, c, r, t, x);
+      return blended<4>(m, s, c, r, at);
   }
 }
 

@@ -73,34 +73,35 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
 }
 
 // K mu = F on the rows that move, mu = jump on those that are held; `loads` as for a state. Stops at the relative
-// residual `enough`, or where the sweeps gain no more.
-Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, const Loads& loads,
-                     const Eigen::VectorXd& jump, const std::vector<bool>& held, double enough, TangentField& result) {
+// residual `enough`, or where the iterations gain no more.
+PenaltyIterate solve_tangent(const Condensation& condensed, UniformPressure& uniform, const Loads& loads,
+                      const Eigen::VectorXd& jump, const std::vector<bool>& held, double enough, TangentField& result) {
   const Model& m = condensed.m;
-  const Index rows = m.inner->ordering.size, trailing = m.inner->ordering.trailing, leading = rows - trailing;
+  const Index rows = m.inner->ordering.size, contact_rows = m.inner->ordering.contact_rows,
+              leading = rows - contact_rows;
   const bool penalized = m.inner->system.penalty > 0;
-  Solved next;
+  PenaltyIterate next;
   next.x.setZero(rows);
   if (penalized) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  next.motion.resize(static_cast<std::size_t>(trailing));
-  for (Index i = 0; i < trailing; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
+  next.motion.resize(static_cast<std::size_t>(contact_rows));
+  for (Index i = 0; i < contact_rows; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
   Eigen::VectorXd F = loads.F;
-  Solved best = next;
-  double least = std::numeric_limits<double>::infinity();
-  const int most_sweeps = penalized ? 40 : 4;
+  PenaltyIterate best = next;
+  double least = infinity;
+  const int most_iterations = penalized ? 40 : 4;
   int without_gain = 0;
   double scale = std::max(rows > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
   if (!jump.isZero(0)) {
     Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
-    given.tail(trailing) = jump;
+    given.tail(contact_rows) = jump;
     scale = std::max(scale, multiply(m.inner->system.K, given).cwiseAbs().maxCoeff());
   }
-  for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
+  for (int iteration = 0; iteration < most_iterations && rows > 0; ++iteration) {
     Eigen::VectorXd rest = F;
-    if (sweep > 0) rest -= multiply(m.inner->system.K, next.x);
-    const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
+    if (iteration > 0) rest -= multiply(m.inner->system.K, next.x);
+    const Eigen::VectorXd to_go = iteration == 0 ? jump : Eigen::VectorXd::Zero(contact_rows).eval();
     next.x += condensed.solve_frozen(rest, next.motion, &to_go);
-    for (Index i = 0; i < trailing; ++i)
+    for (Index i = 0; i < contact_rows; ++i)
       if (held[i]) next.x[leading + i] = jump[i];
     ++result.linear_solves;
     if (penalized) {
@@ -109,8 +110,8 @@ Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, co
       F = right_hand_side(m, loads, next);
     }
     rest = F - multiply(m.inner->system.K, next.x);
-    next.force = Eigen::VectorXd::Zero(trailing);
-    for (Index i = 0; i < trailing; ++i)
+    next.force = Eigen::VectorXd::Zero(contact_rows);
+    for (Index i = 0; i < contact_rows; ++i)
       if (held[i]) next.force[i] = -std::exchange(rest[leading + i], 0);
     const double error = std::max(rest.cwiseAbs().maxCoeff() / scale, next.penalty_error);
     const bool slow = error > 0.5 * least;
@@ -122,7 +123,7 @@ Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, co
     if (least <= enough || without_gain == (penalized && least > 1e-9 ? 6 : 1)) break;
   }
   result.residual = rows > 0 ? least : 0;
-  result.skeleton = spread(m, best.x, &loads.prescribed);
+  result.skeleton = on_skeleton(m, best.x, &loads.prescribed);
   result.force.setZero(m.inner->skeleton.total);
   return best;
 }
@@ -141,8 +142,8 @@ bool empty(const Sensitivity& s) {
 }
 
 std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
-  std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.trailing), ContactStatus::Open);
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     if (m.scene.laws[crack].kind != CrackLaw::Kind::Unilateral) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
@@ -173,11 +174,11 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
 }
 
 TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<bool>& held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.trailing)
+  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
     throw std::invalid_argument("solve_adjoint: one entry per row in contact is needed");
   const Sensitivity dJ = balanced(m, given);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()), rows = m.inner->ordering.size,
-              trailing = m.inner->ordering.trailing, leading = rows - trailing;
+              contact_rows = m.inner->ordering.contact_rows, leading = rows - contact_rows;
   const bool penalized = m.inner->system.penalty > 0, loaded = dJ.interior.size() > 0;
 
   Loads loads;
@@ -204,7 +205,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::
     }
   }
   loads.F.resize(rows);
-  Eigen::VectorXd jump = Eigen::VectorXd::Zero(trailing);
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(contact_rows);
   for (Index u = 0; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u];
     if (row == none) continue;
@@ -215,7 +216,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::
   const Condensation condensed(m);
   UniformPressure uniform;
   TangentField adjoint;
-  const Solved best = solve_tangent(condensed, uniform, loads, jump, held, TangentSolver::to_rounding, adjoint);
+  const PenaltyIterate best = solve_tangent(condensed, uniform, loads, jump, held, TangentSolver::to_rounding, adjoint);
   adjoint.interior.resize(interior_count(m.element), triangles);
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.element));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
@@ -250,17 +251,17 @@ struct TangentSolver::Impl {
 };
 
 TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.trailing)
+  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
     throw std::invalid_argument("TangentSolver: one entry per row in contact is needed");
   impl_ = std::make_unique<Impl>(Impl{Condensation(m), std::move(held)});
 }
 TangentSolver::~TangentSolver() = default;
 
 TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
-                           std::span<const Index> only) {
+                                  std::span<const Index> only) {
   const Model& m = impl_->condensed.m;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), trailing = m.inner->ordering.trailing,
-              leading = m.inner->ordering.size - trailing;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), contact_rows = m.inner->ordering.contact_rows,
+              leading = m.inner->ordering.size - contact_rows;
   const bool penalized = m.inner->system.penalty > 0;
   const auto given = [&](Index u) { return m.inner->skeleton.fixed[u] ? prescribed[u] : 0; };
   Eigen::VectorXd F = load;
@@ -288,8 +289,8 @@ TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
     if (m.inner->ordering.row[u] != none) loads.F[m.inner->ordering.row[u]] = F[u];
   TangentField state;
-  const Solved best = solve_tangent(impl_->condensed, impl_->uniform, loads, Eigen::VectorXd::Zero(trailing),
-                                    impl_->held, enough, state);
+  const PenaltyIterate best = solve_tangent(impl_->condensed, impl_->uniform, loads, Eigen::VectorXd::Zero(contact_rows),
+                                     impl_->held, enough, state);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
     if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading && best.force.size() > 0)
       state.force[u] = best.force[row - leading];
@@ -308,7 +309,7 @@ TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector
 }
 
 TangentField solve_linear(const Model& m, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
-                   const std::vector<bool>& held) {
+                          const std::vector<bool>& held) {
   return TangentSolver(m, held).solve(load, prescribed);
 }
 

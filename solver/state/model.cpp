@@ -97,7 +97,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
 }
 
 // Symmetric stresses with P_3 traces do not see some combinations of traces at singular vertices: K is singular there,
-// consistently. A small shift makes it definite; the sweeps of the solve undo what else it does.
+// consistently. A small shift makes it definite; the iterations of the solve undo what else it does.
 LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   constexpr double shift = 1e-11;
   for (Index u = 0; u < s.total; ++u)
@@ -119,24 +119,25 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
-  Ordering ordering = order(mesh, skeleton, how.kept_edges);
+  Ordering ordering = order(mesh, skeleton, how.interface_edges);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
   if (mesh.triangles.size() > large) return_freed_memory();
   constexpr Index most_contact = 9000;  // half a minute and two gigabytes
-  if (ordering.trailing > most_contact)
+  if (ordering.contact_rows > most_contact)
     throw Error(
         Fault::Numerics,
         fmt::format("the cracks in contact have {} unknowns on their faces; at most {} can be solved for; use "
                     "longer edges there (mesh.size, mesh.crack_tip_size) or move the crack away from the side that "
                     "it nearly touches",
-                    ordering.trailing, most_contact));
+                    ordering.contact_rows, most_contact));
   ModelSeconds seconds;
   const double numbering = watch.lap();
   System system = assemble(mesh, k, skeleton, scene, ordering, threads, how.plain);
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !how.factorize             ? Factor(LowerTriangle{}, 0)
-                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.trailing)
-                                             : Factor(system.K, ordering.trailing, is_definite(e), ordering.kept);
+  Factor factor = !how.factorize ? Factor(LowerTriangle{}, 0)
+                  : !skeleton.unseen.empty()
+                      ? Factor(lifted(system.K, skeleton, ordering), ordering.contact_rows)
+                      : Factor(system.K, ordering.contact_rows, is_definite(e), ordering.interface_rows);
   seconds.factor = watch.lap();
   return {.mesh = std::move(mesh),
           .element = e,

@@ -18,19 +18,19 @@ namespace kerf {
 namespace {
 
 // |K x - F| on the rows that no contact holds; the contact forces and how far they and the jumps are from the law.
-Certificate certify(const Condensation& condensed, Solved& s, const Eigen::VectorXd& F) {
+Certificate certify(const Condensation& condensed, PenaltyIterate& s, const Eigen::VectorXd& F) {
   const Model& m = condensed.m;
-  const Index trailing = m.inner->ordering.trailing, leading = m.inner->ordering.size - trailing;
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
   const Eigen::VectorXd rest = multiply(m.inner->system.K, s.x) - F;
   const double load = std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
   Certificate c;
   c.residual = leading > 0 ? rest.head(leading).cwiseAbs().maxCoeff() / load : 0;
   s.force = Eigen::VectorXd::Zero(m.inner->ordering.size);
   double law = 0;
-  if (trailing > 0) {
-    const Eigen::VectorXd force = rest.tail(trailing);
+  if (contact_rows > 0) {
+    const Eigen::VectorXd force = rest.tail(contact_rows);
     const Admissible allowed = admissible(condensed.points, force);
-    for (Index i = 0; i < trailing; ++i) {
+    for (Index i = 0; i < contact_rows; ++i) {
       if (s.motion[i] == Motion::Held)
         s.force[leading + i] = force[i];
       else
@@ -38,7 +38,7 @@ Certificate certify(const Condensation& condensed, Solved& s, const Eigen::Vecto
       if (s.motion[i] != Motion::Held)
         c.residual = std::max(c.residual, std::abs(force[i] - s.force[leading + i]) / load);
     }
-    law = optimality(condensed.points, s.x.tail(trailing), force, load);
+    law = optimality(condensed.points, s.x.tail(contact_rows), force, load);
   }
   c.kkt = std::max({c.residual, law, s.penalty_error});
   return c;
@@ -53,24 +53,24 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
     const Eigen::VectorXd rest = multiply(condensed.m.inner->system.K, condensed.complete(y, jump)) - b;
     return {jump, rest.tail(jump.size())};
   };
-  return active_set({condensed.m.inner->ordering.trailing, respond}, condensed.points, guess);
+  return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
 }
 
 // K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
-void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, Solved& s,
+void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, PenaltyIterate& s,
                    State& state) {
   const Model& m = condensed.m;
   Stopwatch watch;
-  const Index trailing = m.inner->ordering.trailing;
+  const Index contact_rows = m.inner->ordering.contact_rows;
   // The correction solves for x as a whole on the rows in contact: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
-  if (guess) s.x.tail(trailing).setZero();
+  if (guess) s.x.tail(contact_rows).setZero();
   const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.inner->system.K, s.x)) : F;
   const Eigen::VectorXd y = m.inner->factor.forward(rest);
   ++state.linear_solves;
   state.seconds.solve += watch.lap();
   Eigen::VectorXd correction;
-  if (trailing > 0) {
+  if (contact_rows > 0) {
     const Contact contact = method == ContactMethod::DualQp
                                 ? dual_qp(condensed.S, condensed.load(y), condensed.points, s.motion)
                             : method == ContactMethod::Uzawa ? uzawa(condensed.S, condensed.load(y), condensed.points)
@@ -81,8 +81,8 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     state.converged = contact.converged;
     state.seconds.contact += watch.lap();
     correction = condensed.complete(y, contact.jump);
-    for (Index i = 0; i < trailing; ++i)
-      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - trailing + i] = 0;
+    for (Index i = 0; i < contact_rows; ++i)
+      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - contact_rows + i] = 0;
   } else {
     correction = m.inner->factor.backward(y);
   }
@@ -116,7 +116,7 @@ Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
 }
 
 std::vector<ContactPoint> contact_points(const Model& m) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   std::vector<ContactPoint> points;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     const CrackLaw& law = m.scene.laws[crack];
@@ -154,7 +154,7 @@ void check_volume(const Model& m, double change, double largest_strain) {
 State solve(const Model& m, ContactMethod method) {
   State state;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  Solved solved;
+  PenaltyIterate solved;
   if (m.inner->system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
   Eigen::VectorXd F = m.inner->system.F;
   Stopwatch watch;
@@ -162,15 +162,15 @@ State solve(const Model& m, ContactMethod method) {
   const Loads loads = loads_of(m);
   state.seconds.contact += watch.lap();
   UniformPressure uniform;
-  // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one. With a penalty
-  // F is as large as 1/a, so that the sweeps go on until rounding stops them; before they shrink the error they may
-  // raise it, while a pressure builds up or contacts change.
+  // One solve, then iterations that remove the residual: of rounding, and of the penalty when there is one. With a
+  // penalty F is as large as 1/a, so that the iterations go on until rounding stops them; before they shrink the error
+  // they may raise it, while a pressure builds up or contacts change.
   const bool penalized = m.inner->system.penalty > 0;
-  const int most_sweeps = penalized ? 40 : 15;
+  const int most_iterations = penalized ? 40 : 15;
   const double good_enough = penalized ? 1e-16 : 1e-12;
-  Solved next = solved;
+  PenaltyIterate next = solved;
   int without_gain = 0;
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (m.inner->ordering.size > 0) solve_contact(condensed, method, F, next, state);
     watch.lap();
     if (penalized) {
@@ -186,8 +186,8 @@ State solve(const Model& m, ContactMethod method) {
     }
     const Certificate certificate = certify(condensed, next, F);
     state.seconds.solve += watch.lap();
-    const bool better = sweep == 0 || certificate.kkt < state.certificate.kkt;
-    const bool slow = sweep > 0 && certificate.kkt > 0.5 * state.certificate.kkt;
+    const bool better = iteration == 0 || certificate.kkt < state.certificate.kkt;
+    const bool slow = iteration > 0 && certificate.kkt > 0.5 * state.certificate.kkt;
     if (better) {
       solved = next;
       state.certificate = certificate;
@@ -207,8 +207,8 @@ State solve(const Model& m, ContactMethod method) {
     state.certificate.rounding =
         std::numeric_limits<double>::epsilon() * multiply_absolute(m.inner->system.K, solved.x).maxCoeff() / load;
   }
-  state.skeleton = spread(m, solved.x, &m.inner->skeleton.prescribed);
-  state.force = spread(m, solved.force, nullptr);
+  state.skeleton = on_skeleton(m, solved.x, &m.inner->skeleton.prescribed);
+  state.force = on_skeleton(m, solved.force, nullptr);
   state.interior.resize(interior_count(m.element), triangles);
   const auto recover = [&] {
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {

@@ -50,7 +50,7 @@ Lists file_under(Index count, const std::vector<Index>& key) {  // key[i] of ite
 
 }  // namespace
 
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_edges) {
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges) {
   const Index edges = static_cast<Index>(mesh.edges.size()), corners = static_cast<Index>(s.corners.vertex.size()),
               vertices = static_cast<Index>(mesh.points.size());
   const auto in_contact = [&](Index unknown) { return s.bounded[unknown] || s.frictional[unknown]; };
@@ -66,7 +66,7 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_
   std::vector<Index> position(vertices), early(edges, none);
   for (Index k = 0; k < vertices; ++k) position[sequence[k]] = k;
   std::vector<bool> kept(edges, false);
-  for (const Index e : kept_edges) kept[e] = true;
+  for (const Index e : interface_edges) kept[e] = true;
   for (Index e = 0; e < edges; ++e)
     if (wanted(e) && !kept[e]) early[e] = std::min(position[mesh.edges[e][0]], position[mesh.edges[e][1]]);
   Lists edges_at = file_under(vertices, early);
@@ -86,7 +86,7 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_
     o.row[unknown] = o.size++;
     o.node_of.push_back(static_cast<Index>(o.first.size()) - 1);
   };
-  std::vector<Index> rank(edges, none), corner_rank(corners, none), trailing_rank(edges, none);
+  std::vector<Index> rank(edges, none), corner_rank(corners, none), contact_rank(edges, none);
   struct Node {
     Index edge, corner;  // one of them none
   };
@@ -112,10 +112,10 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_
       o.first.push_back(o.size);
     }
   }
-  for (const Index e : kept_edges) {
+  for (const Index e : interface_edges) {
     rank[e] = static_cast<Index>(nodes.size());
     for (int i = 0; i < s.per_edge; ++i)
-      if (!s.fixed[edge_unknown(s, e) + i]) number(edge_unknown(s, e) + i), ++o.kept;
+      if (!s.fixed[edge_unknown(s, e) + i]) number(edge_unknown(s, e) + i), ++o.interface_rows;
     nodes.push_back({e, none});
     o.first.push_back(o.size);
   }
@@ -130,11 +130,11 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_
         if (in_contact(unknown)) number(unknown);
       }
       if (o.size == before) continue;
-      trailing_rank[c.edge] = static_cast<Index>(nodes.size());
+      contact_rank[c.edge] = static_cast<Index>(nodes.size());
       nodes.push_back({c.edge, none});
       o.first.push_back(o.size);
     }
-  o.trailing = o.size - leading;
+  o.contact_rows = o.size - leading;
 
   o.adjacent_start.reserve(nodes.size() + 1);
   o.adjacent_start.push_back(0);
@@ -144,7 +144,7 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_
     for (int i = 0; i < 3; ++i) {
       const Index e = mesh.edges_of[t][i];
       if (rank[e] > self) near.push_back(rank[e]);
-      if (trailing_rank[e] > self && mesh.sides[e][1] == t) near.push_back(trailing_rank[e]);
+      if (contact_rank[e] > self && mesh.sides[e][1] == t) near.push_back(contact_rank[e]);
       if (corners > 0 && corner_rank[s.corners.of[t][i]] > self) near.push_back(corner_rank[s.corners.of[t][i]]);
     }
   };
@@ -211,9 +211,9 @@ System assemble(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scen
     least = std::min(least, m.c * m.mu);
   }
   if (!plain && least < small && needs_penalty(k.element)) {
-    // One a for all materials, so that a uniform pressure stays one mode. The sweeps shrink the error by about a/(a +
-    // 1/mu) with the mu of what confines the pressure: a is small for the stiffest. The softest loses digits like
-    // 1/(a mu): six at most; from a contrast of 1e3 on the sweeps get slower instead.
+    // One a for all materials, so that a uniform pressure stays one mode. The iterations shrink the error by about a/(a
+    // + 1/mu) with the mu of what confines the pressure: a is small for the stiffest. The softest loses digits like
+    // 1/(a mu): six at most; from a contrast of 1e3 on the iterations get slower instead.
     a.penalty = std::max(small / stiffest, floor / softest);
     a.traces.resize(skeleton_count(k.element) + 2, static_cast<Eigen::Index>(mesh.triangles.size()));
   }

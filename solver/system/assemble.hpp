@@ -13,14 +13,14 @@ namespace kerf {
 struct Ordering {
   std::vector<Index> row;       // per skeleton unknown, none where fixed
   Index size = 0;               // rows
-  Index trailing = 0;           // of them jumps in contact, at the end, in the order of the cracks' paths
-  Index kept = 0;               // before those the base unknowns of edges to be kept, in their given order
+  Index contact_rows = 0;       // of them jumps in contact, at the end, in the order of the cracks' paths
+  Index interface_rows = 0;     // before those the base unknowns of the interface's edges, in their given order
   std::vector<Index> first;     // per node its first row, one more entry at the end
   std::vector<Index> node_of;   // per row its node
   std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
   std::vector<Index> adjacent_start;
 };
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> kept_edges = {});
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {});
 
 /// K x = F over the free unknowns: K = sum_T K_T on the traces that each triangle sees, F from tractions, body force
 /// and prescribed values. Symmetric positive definite when the supports hold the body (quasi-definite with stresses at

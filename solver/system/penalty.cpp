@@ -10,7 +10,7 @@ namespace kerf {
 namespace {
 
 auto lower(const Model& m) {
-  return m.inner->factor.trailing_factor().triangularView<Eigen::Lower>();
+  return m.inner->factor.contact_factor().triangularView<Eigen::Lower>();
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ Loads loads_of(const Model& m) {
   return l;
 }
 
-Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
+Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
   Eigen::VectorXd all(m.inner->skeleton.total);
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
     all[u] = m.inner->ordering.row[u] != none ? rows[m.inner->ordering.row[u]] : elsewhere ? (*elsewhere)[u] : 0;
@@ -30,10 +30,10 @@ Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::v
 
 // An enclosed body does not feel a uniform theta, so that its error must be watched here: relative to the terms that it
 // is the sum of.
-void update_theta(const Model& m, const Loads& loads, Solved& s) {
+void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
   const Eigen::VectorXd before = s.theta;
   Eigen::VectorXd size(s.theta.size());
-  const Eigen::VectorXd skeleton = spread(m, s.x, &loads.prescribed);
+  const Eigen::VectorXd skeleton = on_skeleton(m, s.x, &loads.prescribed);
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
   parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
@@ -52,7 +52,7 @@ void update_theta(const Model& m, const Loads& loads, Solved& s) {
 }
 
 // Scattered in the order of the triangles.
-Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved& s) {
+Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const PenaltyIterate& s) {
   Eigen::VectorXd F = loads.F;
   const auto add = [&](Index unknown, double value) {
     if (unknown != none && m.inner->ordering.row[unknown] != none) F[m.inner->ordering.row[unknown]] -= value;
@@ -68,10 +68,10 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved
 }
 
 Condensation::Condensation(const Model& model)
-    : m(model), S(model.inner->factor.schur_complement()), points(contact_points(model)) {}
+    : m(model), S(model.inner->factor.contact_complement()), points(contact_points(model)) {}
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
-  return lower(m) * y.tail(m.inner->ordering.trailing);
+  return lower(m) * y.tail(m.inner->ordering.contact_rows);
 }
 
 Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {
@@ -91,22 +91,22 @@ Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                            const Eigen::VectorXd* held) const {
   const Eigen::VectorXd y = m.inner->factor.forward(b);
-  if (m.inner->ordering.trailing == 0) return m.inner->factor.backward(y);
+  if (m.inner->ordering.contact_rows == 0) return m.inner->factor.backward(y);
   if (!held) return complete(y, moving_jumps(load(y), motion));
   return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
 }
 
-void UniformPressure::correct(const Condensation& condensed, const Loads& loads, Solved& s) {
+void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
   const Model& m = condensed.m;
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
   const double a = m.inner->system.penalty;
   if (response.size() == 0 || motion != s.motion) {
-    Solved unit;
+    PenaltyIterate unit;
     unit.theta = Eigen::VectorXd::Ones(s.theta.size());
     motion = s.motion;
     response = condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, motion);
     ++solves;
-    const Eigen::VectorXd skeleton = spread(m, response, nullptr);
+    const Eigen::VectorXd skeleton = on_skeleton(m, response, nullptr);
     stiffness = 0;
     for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
       const auto column = m.inner->system.traces.col(t);

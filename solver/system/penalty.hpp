@@ -1,16 +1,16 @@
 #pragma once
-// One linear solve with the factor of the model, and the sweeps of the iterated penalty around it: what the state and
-// its adjoint share.
+// One linear solve with the factor of the model, and the iterations of the iterated penalty around it: what the state
+// and its adjoint share.
 
 #include "solver/state/solve.hpp"
 
 namespace kerf {
 
-struct Solved {
+struct PenaltyIterate {
   Eigen::VectorXd x, force;    // per row; force on the rows in contact
   std::vector<Motion> motion;  // per row in contact
   Eigen::VectorXd theta;       // per triangle, with a penalty
-  double penalty_error = 0;    // what the last sweep still changed in theta, relative
+  double penalty_error = 0;    // what the last iteration still changed in theta, relative
 };
 
 /// What acts besides the matrix: F without the penalty's share, per triangle the share of mean(tr s) that the loads
@@ -22,15 +22,15 @@ struct Loads {
 Loads loads_of(const Model& m);
 
 /// All skeleton unknowns from the free ones; the others as given, or 0.
-Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
+Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
 
 /// theta = a mean(tr s) of the present solution.
-void update_theta(const Model& m, const Loads& loads, Solved& s);
+void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);
 
 /// F with the penalty paid back.
-Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved& s);
+Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const PenaltyIterate& s);
 
-/// The rows in contact condensed: S once for all sweeps, and the two halves of a solve around them.
+/// The rows in contact condensed: S once for all iterations, and the two halves of a solve around them.
 struct Condensation {
   explicit Condensation(const Model& model);
   const Model& m;
@@ -48,10 +48,11 @@ struct Condensation {
                                const Eigen::VectorXd* held = nullptr) const;
 };
 
-/// The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
-/// falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
-/// delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
-/// pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
+/// The iterations shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to
+/// change falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta
+/// response, with delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has
+/// no level of pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is
+/// then zero.
 struct UniformPressure {
   std::vector<Motion> motion;  // that the response was computed with
   Eigen::VectorXd response;    // of x to theta = 1
@@ -61,7 +62,7 @@ struct UniformPressure {
   double largest_strain = 0;
   int solves = 0;
 
-  void correct(const Condensation& condensed, const Loads& loads, Solved& s);
+  void correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s);
 };
 
 }  // namespace kerf

@@ -51,7 +51,7 @@ std::string describe(const RigidMotion& m) {
 
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which) {
-  Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
+  Vec2 low = Vec2::Constant(infinity), high = Vec2::Constant(-infinity);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (piece[t] == which)
       for (const Index v : mesh.triangles[t]) {
