@@ -126,12 +126,47 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
   if (level_open) {
     change_of_area = 2 * rest;
     largest_strain = s.theta.cwiseAbs().maxCoeff();
+    if (must_fit) check_volume(m, change_of_area, largest_strain);
     s.theta = before.array() - rest / whole;
     return;
   }
   const double delta = rest / stiffness;
   s.x += delta * response;
   s.theta = before.array() + delta;
+}
+
+PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
+                       const PenaltySteps& steps) {
+  const Model& m = condensed.m;
+  const bool penalized = m.inner->system.penalty > 0, any_rows = m.inner->ordering.size > 0;
+  if (penalized) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  PenaltyIterate best = next;
+  Eigen::VectorXd F = loads.F;
+  int without_gain = 0;
+  for (int round = 0; round < steps.most; ++round) {
+    if (any_rows) steps.solve(F, next);
+    if (penalized) {
+      uniform.correct(condensed, loads, next);
+      update_theta(m, loads, next);
+      F = right_hand_side(m, loads, next);
+    }
+    if (!any_rows) {
+      best = next;
+      if (!penalized) break;
+      continue;
+    }
+    steps.certify(F, next);
+    const double error = next.certificate.kkt, least = best.certificate.kkt;
+    const bool slow = round > 0 && error > 0.5 * least;
+    if (round == 0 || error < least) best = next;
+    // With a penalty F is as large as 1/a, so that the rounds go on until rounding stops them; before they shrink the
+    // error they may raise it, while a pressure builds up or contacts change.
+    constexpr double settled = 1e-9;
+    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
+    without_gain = slow ? without_gain + 1 : 0;
+    if (error <= steps.enough || without_gain == patience) break;
+  }
+  return best;
 }
 
 }  // namespace kerf

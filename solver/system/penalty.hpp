@@ -1,16 +1,20 @@
 #pragma once
-// One linear solve with the factor of the model, and the iterations of the iterated penalty around it: what the state
-// and its adjoint share.
+// One linear solve with the factor of the model, and the penalty iteration around it: what the state and its adjoint
+// share.
 
 #include "solver/state/solve.hpp"
 
+#include <functional>
+
 namespace kerf {
 
+/// What one round of the penalty iteration gives.
 struct PenaltyIterate {
-  Eigen::VectorXd x, force;    // per row; force on the rows in contact
+  Eigen::VectorXd x, force;    // per row; forces of contact, 0 on the other rows
   std::vector<Motion> motion;  // per row in contact
   Eigen::VectorXd theta;       // per triangle, with a penalty
-  double penalty_error = 0;    // what the last iteration still changed in theta, relative
+  double penalty_error = 0;    // what this round still changed in theta, relative
+  Certificate certificate;
 };
 
 /// What acts besides the matrix: F without the penalty's share, per triangle the share of mean(tr s) that the loads
@@ -60,9 +64,25 @@ struct UniformPressure {
   bool level_open = false;     // the last solution leaves the level of pressure free
   double change_of_area = 0;   // that the boundary then asks for
   double largest_strain = 0;
+  bool must_fit = false;  // throw when that change is more than rounding
   int solves = 0;
 
   void correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s);
 };
+
+/// The two steps that differ between a state and its adjoint, and when to stop.
+struct PenaltySteps {
+  /// K x = F under the law of the rows in contact: from nothing while x is empty, then from the last x.
+  std::function<void(const Eigen::VectorXd& F, PenaltyIterate& s)> solve;
+  /// Forces, and the certificate of x under F.
+  std::function<void(const Eigen::VectorXd& F, PenaltyIterate& s)> certify;
+  int most = 0;       // rounds
+  double enough = 0;  // of Certificate::kkt
+};
+
+/// One solve, then rounds that remove the residual: of rounding, and of the penalty when there is one. Gives the best
+/// round; starts from the motions in `next`.
+PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
+                       const PenaltySteps& steps);
 
 }  // namespace kerf

@@ -24,7 +24,7 @@ CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const s
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
   for (const Index e : kept) edges.push_back(of_whole[e]);
   p.ordering = order(p.part.mesh, p.skeleton, edges);
-  p.system = assemble(p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true);
+  p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
   LowerTriangle& K = p.system.K;
   const Index first = K.size - p.ordering.interface_rows;
