@@ -25,6 +25,6 @@ struct CrackPoint {
   double jump_n, jump_t, sigma_n, sigma_t;
   enum class Status { Open, Closed, Biactive } status;  // Biactive: neither gap nor pressure
 };
-std::vector<CrackPoint> crack_profile(const Model& model, const Field& state, Index crack);
+std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack);
 
 }  // namespace kerf
