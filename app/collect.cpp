@@ -1,27 +1,14 @@
 #include "app/collect.hpp"
 #include "solver/recovery.hpp"
+#include "solver/stress.hpp"
 #include "solver/system.hpp"
 
 #include "io/validation.hpp"
 #include "kerf/fracture.hpp"
 
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <set>
 
 namespace kerf {
-
-namespace {
-
-// Von Mises stress with s_zz = nu (s_xx + s_yy) in plane strain, 0 in plane stress. 4 mu c = 1 - 2 nu in plane strain.
-double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s) {
-  const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
-  const double share = plane_strain ? 4 * m.mu * m.c : 1;
-  return std::sqrt(share * share * mean * mean + 3 * (difference * difference + shear * shear));
-}
-
-}  // namespace
 
 ContactMethod contact_method(const Case& c) {
   return c.contact == "uzawa"        ? ContactMethod::Uzawa
@@ -109,68 +96,6 @@ ContactResultSummary contact_result(const State& state, const std::string& metho
   return r;
 }
 
-std::vector<Vec2> singular_points(const Model& model) {
-  const Mesh& mesh = model.mesh;
-  std::set<Index> vertices;
-  std::vector<Index> crack_at(mesh.points.size(), none);
-  for (std::size_t number = 0; number < mesh.cracks.size(); ++number) {
-    const auto& crack = mesh.cracks[number];
-    for (const CrackEdge& c : crack)
-      for (const Index v : mesh.edges[c.edge]) {
-        if (crack_at[v] != none && crack_at[v] != static_cast<Index>(number)) vertices.insert(v);  // a junction
-        crack_at[v] = static_cast<Index>(number);
-      }
-    for (std::size_t i = 0; i < crack.size(); ++i) {
-      const auto start = [&](std::size_t k) { return mesh.edges[crack[k].edge][crack[k].forward ? 0 : 1]; };
-      if (i == 0) {
-        vertices.insert(start(0));
-        vertices.insert(mesh.edges[crack.back().edge][crack.back().forward ? 1 : 0]);
-        continue;
-      }
-      const Vec2 before = mesh.points[start(i)] - mesh.points[start(i - 1)];
-      const Index end = mesh.edges[crack[i].edge][crack[i].forward ? 1 : 0];
-      const Vec2 after = mesh.points[end] - mesh.points[start(i)];
-      constexpr double kink = 0.05;                   // radians
-      if (model.scene.laws[number].normal) continue;  // a curve
-      if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(start(i));
-    }
-  }
-  // Corners between materials; polygonal arcs turn by less per vertex.
-  std::vector<std::vector<Vec2>> interfaces(mesh.points.size());
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()) && !mesh.region.empty(); ++e)
-    if (is_interface(mesh, e))
-      for (int end = 0; end < 2; ++end)
-        interfaces[mesh.edges[e][end]].push_back((end == 0 ? 1 : -1) * tangent(mesh, e));
-  for (std::size_t v = 0; v < interfaces.size(); ++v) {
-    constexpr double straight = -0.94;  // cosine of 160 degrees
-    if (interfaces[v].size() == 2 && interfaces[v][0].dot(interfaces[v][1]) > straight)
-      vertices.insert(static_cast<Index>(v));
-  }
-  // Boundary vertices: interior angle, and whether the two edges are held in the same way.
-  std::vector<double> angle(mesh.points.size(), 0);
-  for (const auto& t : mesh.triangles)
-    for (int i = 0; i < 3; ++i) {
-      const Vec2 a = mesh.points[t[(i + 1) % 3]] - mesh.points[t[i]],
-                 b = mesh.points[t[(i + 2) % 3]] - mesh.points[t[i]];
-      angle[t[i]] += std::atan2(cross(a, b), a.dot(b));
-    }
-  std::vector<int> held(mesh.points.size(), -1);
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
-    int kind = 0;  // which components are held
-    for (const Support& support : model.scene.supports)
-      if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
-    for (const Index v : mesh.edges[e]) {
-      constexpr double reentrant = 200 * std::numbers::pi / 180;  // polygonal arcs turn by less per vertex
-      if (angle[v] > reentrant || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
-      held[v] = kind;
-    }
-  }
-  std::vector<Vec2> points;
-  for (const Index v : vertices) points.push_back(mesh.points[v]);
-  return points;
-}
-
 Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius) {
   const Eigen::VectorXd& values = map.at_centroids;
   for (const bool with_masked : {false, true}) {
@@ -188,8 +113,7 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
     }
     if (any) return e;
   }
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  return {{Vec2::Zero(), unknown}, {Vec2::Zero(), unknown}};
+  return {{Vec2::Zero(), nan}, {Vec2::Zero(), nan}};
 }
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
@@ -226,11 +150,10 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
   Eigen::MatrixXd symmetric(3, n), first(1, n), second(1, n), raw(4, cells);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Vector4d s = data.values.stress.col(i);
-    const double shear = 0.5 * (s[1] + s[2]), mean = 0.5 * (s[0] + s[3]);
-    const double radius = std::hypot(0.5 * (s[0] - s[3]), shear);
-    symmetric.col(i) << s[0], s[3], shear;
-    first(0, i) = mean + radius;
-    second(0, i) = mean - radius;
+    const PrincipalStresses principal = principal_stresses(s);
+    symmetric.col(i) = symmetric_part(s);
+    first(0, i) = principal.first;
+    second(0, i) = principal.second;
   }
   for (Index t = 0; t < static_cast<Index>(cells); ++t) {
     const Eigen::Vector4d s =
@@ -256,10 +179,7 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
 std::vector<NamedField> design_fields(const Model& model, const PlotData& data) {
   const Eigen::Index n = data.values.stress.cols();
   Eigen::MatrixXd symmetric(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector4d s = data.values.stress.col(i);
-    symmetric.col(i) << s[0], s[3], 0.5 * (s[1] + s[2]);
-  }
+  for (Eigen::Index i = 0; i < n; ++i) symmetric.col(i) = symmetric_part(data.values.stress.col(i));
   std::vector<NamedField> fields{{"u", false, data.values.displacement},
                                  {"sigma", false, std::move(symmetric)},
                                  {"von_mises", false, data.von_mises.transpose()}};

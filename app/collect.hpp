@@ -28,9 +28,6 @@ ContactResultSummary contact_result(const State& state, const std::string& metho
                                     const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
-/// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be
-/// infinite.
-std::vector<Vec2> singular_points(const Model& model);
 /// Smallest and largest value over the triangles that are not masked and whose centroid is at least `radius` from every
 /// singular point; over masked ones too where nothing else is left.
 struct Extrema {

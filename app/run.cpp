@@ -48,7 +48,7 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
   r.seconds.factor += model.seconds.factor;
   begin("solve");
   watch.lap();
-  State state = c.backend == "umfpack" ? solve_extended(model) : solve(model, contact_method(c));
+  State state = c.backend == "umfpack" ? solve_saddle_point(model) : solve(model, contact_method(c));
   Indicator indicator = error_indicator(model, state);
   r.seconds.solve += watch.lap() - state.seconds.contact;
   r.seconds.contact += state.seconds.contact;
@@ -57,18 +57,19 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
 
 Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& begin, Result& r) {
   begin("solve and refine");
-  const Adaptation wanted{.error = c.adapt->error,
-                          .max_triangles = c.adapt->max_triangles,
-                          .contact = contact_method(c),
-                          .saddle_point = c.backend == "umfpack",
-                          .threads = options.threads};
   int number = 0;
   const auto report = [&](const Round& round) {
     begin(fmt::format("refine: round {}, {} triangles, estimated error {:.3g}", ++number, round.triangles,
                       round.estimated_error));
     return true;
   };
-  Adapted adapted = solve_adaptively(c.shape, c.sizing, element(c.element, c.degree), c.scene, wanted, report);
+  const Adaptation wanted{.error = c.adapt->error,
+                          .max_triangles = c.adapt->max_triangles,
+                          .contact = contact_method(c),
+                          .saddle_point = c.backend == "umfpack",
+                          .threads = options.threads,
+                          .go_on = report};
+  Adapted adapted = solve_adaptively(c.shape, c.sizing, element(c.element, c.degree), c.scene, wanted);
   describe_mesh(adapted.model.mesh, r);
   r.adapt.emplace();
   r.adapt->stopped = adapted.stopped;

@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// Half widths of error bars: the true value is expected within value +- half width.
-struct Spread {
+struct ErrorBars {
   Eigen::VectorXd at_corners, at_centroids;
   Eigen::VectorXd around;  // per corner: what the two solutions typically differ by around it
 };
@@ -30,10 +30,10 @@ Places places(const Mesh& mesh, const Corners& corners, const Mesh& better);
 /// its recovered_at: the larger of 1.5 |difference| and 1.3 times its typical size in two rings of triangles, for
 /// points where the difference changes sign. Right where the better solution's error is less than a third; no
 /// guarantee: the factors cover 95 % of the points of known exact solutions, tests/solver/error_bars_test.cpp.
-Spread spread(const Corners& corners, const Eigen::VectorXd& values, const Eigen::VectorXd& better);
+ErrorBars error_bars(const Corners& corners, const Eigen::VectorXd& values, const Eigen::VectorXd& better);
 
-/// The half width at a point of triangle t where the two solutions differ by `difference`.
-double half_width_at(const Mesh& mesh, const Corners& corners, const Spread& spread, Index t, const Vec2& x,
+/// The half width at a point where the two solutions differ by `difference`.
+double half_width_at(const Mesh& mesh, const Corners& corners, const ErrorBars& bars, const PointIn& at,
                      double difference);
 
 }  // namespace kerf

@@ -16,34 +16,31 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
 void return_freed_memory();
 
-/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes; the last `trailing` columns stay last, so that
-/// the trailing block of L is the Cholesky factor of the Schur complement onto them. A matrix that is not definite goes
-/// to UMFPACK, without trailing columns.
+/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes: rows in contact last, before them those of an
+/// interface. The last block of L is the Cholesky factor of the Schur complement S = D - B K^-1 B' onto its rows. A
+/// matrix that is not definite goes to UMFPACK, without such rows.
 class Factor {
  public:
   /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K
   /// is not positive definite (Error::what says "column N"), or when memory runs out.
-  /// `kept` further columns before the trailing ones stay there.
-  Factor(const LowerTriangle& lower, Index trailing, bool definite = true, Index kept = 0);
+  Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;
 
-  /// S = D - B K^-1 B' on the trailing columns, dense: read off the factor.
-  Eigen::MatrixXd schur_complement() const;
+  /// S onto the rows in contact; onto interface and contact rows together. Dense, read off the factor.
+  Eigen::MatrixXd contact_complement() const;
+  Eigen::MatrixXd interface_complement() const;
+  /// Their Cholesky factors, lower triangular.
+  const Eigen::MatrixXd& contact_factor() const;
+  const Eigen::MatrixXd& interface_factor() const;
 
-  /// Halves of a solve: y = L^-1 P' b, x = P L^-T y. The tail of y belongs to the trailing columns (in K's order):
-  /// tail = (factor of S)^-1 (condensed right-hand side).
+  /// Halves of a solve: y = L^-1 P' b, x = P L^-T y. The tail of y belongs to the rows in contact (in K's
+  /// order): tail = (factor of S)^-1 (condensed right-hand side).
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
   Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
   Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-
-  /// Lower triangular trailing block of L.
-  const Eigen::MatrixXd& trailing_factor() const;
-  /// The same for the kept and the trailing columns together, and their Schur complement.
-  const Eigen::MatrixXd& kept_factor() const;
-  Eigen::MatrixXd kept_complement() const;
 
   double entries() const;  // nonzeros of L
   double flops() const;

@@ -29,11 +29,15 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
 /// which halves the error. Bits do not depend on model.threads.
 /// The order stays that of the element on general meshes (one more where they are regular), the error falls by 3 to 10
 /// for order 2 unless a rough load or a coarse tip dominates it.
-RecoveredStress recover_stress(const Model& model, const Field& state, const Corners& corners,
+RecoveredStress recover_stress(const Model& model, const Field& field, const Corners& corners,
                                const std::vector<bool>& singular, const VectorField& load = {});
 
-/// At a point of triangle t.
-Eigen::Vector3d recovered_at(const Model& model, const Field& state, const Corners& corners,
-                             const RecoveredStress& recovered, Index t, const Vec2& x);
+/// At a point of a triangle.
+struct PointIn {
+  Index triangle;
+  Vec2 x;
+};
+Eigen::Vector3d recovered_at(const Model& model, const Field& field, const Corners& corners,
+                             const RecoveredStress& recovered, const PointIn& at);
 
 }  // namespace kerf

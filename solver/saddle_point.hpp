@@ -1,5 +1,6 @@
 #pragma once
-// The extended (smooth-domain) formulation [theory: C.13]: the reference that the condensed systems are compared with.
+// The saddle point on the whole body (smooth-domain formulation) [theory: C.13]: the reference that the condensed
+// systems are compared with.
 
 #include "kerf/model.hpp"
 #include "kerf/state.hpp"
@@ -12,6 +13,6 @@ namespace kerf {
 /// no penalty is needed: for small problems. The certificate is that of the whole system. Model::factor is not used.
 /// Throws Error(Usage) for an element whose normal stress does not reach all its edge moments independently, and
 /// Error(Numerics) for an enclosed incompressible body on whose pressure a crack in contact depends.
-State solve_extended(const Model& model);
+State solve_saddle_point(const Model& model);
 
 }  // namespace kerf

@@ -1,5 +1,5 @@
 #pragma once
-// Derivatives of a quantity of interest by the discrete state, and the adjoint state, with the state's own factor.
+// Derivatives of a quantity of interest by the discrete state, and the adjoint field, with the model's own factor.
 
 #include "kerf/state.hpp"
 
@@ -23,7 +23,7 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
 /// What a row in contact does to small changes of the load. Biactive: neither gap nor pressure, so that the state has
 /// one-sided derivatives only.
 enum class ContactStatus : signed char { Open, Closed, Biactive };
-/// Per row in contact, in the order of Ordering's trailing rows; with crack_profile's idea of no gap and no pressure.
+/// Per row in contact, in the order of the cracks' paths; with crack_profile's idea of no gap and no pressure.
 std::vector<ContactStatus> contact_status(const Model& model, const Field& state);
 
 /// What a linear solve with the factor of a model gives.
@@ -32,7 +32,7 @@ struct TangentField : Field {
   int linear_solves = 0;
 };
 
-/// The dual state (zeta, p, rho; mu on the skeleton) in mixed sign: the saddle matrix of the state, right-hand side
+/// The dual field (zeta, p, rho; mu on the skeleton) in mixed sign: the saddle matrix of the state, right-hand side
 /// -dJ, homogeneous supports, on the tangent cone of the contact [Mignot 1976; theory: A.2, A.9]:
 /// `held` rows keep their jump 0 (closed), the others their force. A derivative by the force of a held row prescribes
 /// minus its value as the dual jump. With it dJ = dJ_explicit + mu . dF for loads, + (dA sigma, zeta) for compliances:
@@ -42,7 +42,7 @@ TangentField solve_adjoint(const Model& model, const Sensitivity& dJ, const std:
 /// Held: closed rows; biactive ones move.
 std::vector<bool> tied(const std::vector<ContactStatus>& status);
 
-/// Less the rigid motions that the supports leave free, as far as it makes them in the mean of squares: like a state.
+/// Less the rigid motions that the supports leave free, as far as it makes them in the mean of squares: as in a State.
 Field without_motions(const Model& model, Field dual);
 
 /// Linear solves on the tangent cone of the contact with the model's factor: `held` rows (as for solve_adjoint) keep
@@ -56,10 +56,10 @@ class TangentSolver {
 
   /// The body without body force under `load` (force per skeleton unknown; what it says on held rows shows in
   /// Field::force alone, K x - load there) and the values `prescribed` where supports fix an unknown (per skeleton
-  /// unknown, 0 elsewhere). Sweeps until the relative residual is `enough`; fills in the interior of the triangles
+  /// unknown, 0 elsewhere). Iterates until the relative residual is `enough`; fills in the interior of the triangles
   /// `only` (0 elsewhere), of all when it is empty.
   TangentField solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough = to_rounding,
-              std::span<const Index> only = {});
+                     std::span<const Index> only = {});
 
  private:
   struct Impl;
@@ -67,6 +67,6 @@ class TangentSolver {
 };
 /// One of these.
 TangentField solve_linear(const Model& model, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
-                   const std::vector<bool>& held);
+                          const std::vector<bool>& held);
 
 }  // namespace kerf

@@ -46,8 +46,8 @@ Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
 
 /// Error bars for a map of a: lower and upper at the corners and at the points. They come from a better solution (a
 /// higher degree on a finer mesh, 2.5 to 4 times the work of the state), are asymptotically right, cover at least 95 %
-/// of the points of known solutions, and are no guarantee: see spread.hpp. Throws Error(Usage) for elements without a
-/// better one, Error(Numerics) when that solution fails.
+/// of the points of known solutions, and are no guarantee: see solver/error_bars.hpp. Throws Error(Usage) for elements
+/// without a better one, Error(Numerics) when that solution fails.
 void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
               FullMap& map, std::span<MapPoint> points);
 

@@ -27,12 +27,12 @@ struct Model {
 
 /// Numbers, assembles and factorizes. Throws Error(Numerics) when the supports leave a rigid motion free on which the
 /// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
-/// `factorize`: for `solve`; solve_extended (solver/saddle_point.hpp) does without.
-/// `kept_edges`: their unknowns come next to last, before the jumps in contact (Factor's kept columns); `plain`: see
-/// assemble.
+/// `factorize`: for `solve`; solve_saddle_point (solver/saddle_point.hpp) does without.
+/// `interface_edges`: their unknowns come next to last, before the jumps in contact; `plain`: no penalty, however
+/// nearly incompressible the materials are.
 struct Preparation {
   bool factorize = true, plain = false;
-  std::vector<Index> kept_edges = {};
+  std::vector<Index> interface_edges = {};
 };
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how = {});
 

@@ -7,14 +7,14 @@ namespace kerf {
 
 /// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with
 /// the mean of u_h [Stenberg 1991; theory: R.1].
-Points recovered_displacement(const Model& model, const Field& state, Index t, const Points& x);
+Points recovered_displacement(const Model& model, const Field& field, Index t, const Points& x);
 /// Area-weighted averages over the triangles that meet at a corner, on one side of every crack.
 struct CornerValues {
   Points displacement;      // of u*
   Eigen::Matrix4Xd stress;  // s11, s12, s21, s22
   Eigen::RowVectorXd rotation;
 };
-CornerValues corner_values(const Model& model, const Field& state, const Corners& corners);
+CornerValues corner_values(const Model& model, const Field& field, const Corners& corners);
 
 /// Along a crack, in path order, at the Gauss points of its edges; n points to the left of the path, jump = left minus
 /// right face. sigma_n, sigma_t: traction components transmitted through the crack.
@@ -25,6 +25,6 @@ struct CrackPoint {
   double jump_n, jump_t, sigma_n, sigma_t;
   enum class Status { Open, Closed, Biactive } status;  // Biactive: neither gap nor pressure
 };
-std::vector<CrackPoint> crack_profile(const Model& model, const Field& state, Index crack);
+std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack);
 
 }  // namespace kerf

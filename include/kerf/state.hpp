@@ -43,10 +43,10 @@ struct Fields {
   Points displacement;          // the element's own (piecewise constant for bdms); recover.hpp has a better one
   Eigen::RowVectorXd rotation;  // (d2 u1 - d1 u2)/2
 };
-Fields evaluate(const Model& model, const Field& state, Index t, const Points& x);
+Fields evaluate(const Model& model, const Field& field, Index t, const Points& x);
 
-double strain_energy(const Model& model, const Field& state);     // 1/2 (A s, s)
-double work_of_loads(const Model& model, const Field& state);     // body force and tractions
-double potential_energy(const Model& model, const Field& state);  // strain energy minus work of the loads
+double strain_energy(const Model& model, const Field& field);     // 1/2 (A s, s)
+double work_of_loads(const Model& model, const Field& field);     // body force and tractions
+double potential_energy(const Model& model, const Field& field);  // strain energy minus work of the loads
 
 }  // namespace kerf

@@ -404,34 +404,25 @@ std::string unavailable(const Model& m) {
   return {};
 }
 
-}  // namespace
-
-EnergyBounds energy_bounds(const Model& m, const Field& s) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
-  const Element& element = m.element;
-  const std::vector<EdgeData> data = edge_data(m);
-  const Forces f = forces(m);
-  const Conforming conforming = conforming_displacement(m, s, data);
-  const Eigen::MatrixXd statics = static_interior(m, s, f.couple);
-  const Bounding bounding{m, s, f, data, conforming, statics};
-
+std::vector<Share> bound_triangles(const Bounding& of, const std::vector<std::vector<Index>>& edges) {
   // Boundary data are of higher degree than the fields inside.
-  const int inside = std::max(stress_degree(element), element.trace + (f.nodal.cols() > 0 && !f.balanced ? 2 : 1));
-  const Reference plain = reference(element, inside, f), rich = reference(element, std::max(inside, data_carriers), f);
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  std::vector<std::vector<Index>> edges(triangles);
-  for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
-  std::vector<Share> shares(triangles);
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+  const Element& element = of.m.element;
+  const int inside =
+      std::max(stress_degree(element), element.trace + (of.f.nodal.cols() > 0 && !of.f.balanced ? 2 : 1));
+  const Reference plain = reference(element, inside, of.f),
+                  rich = reference(element, std::max(inside, data_carriers), of.f);
+  std::vector<Share> shares(edges.size());
+  parallel_for(static_cast<Index>(edges.size()), of.m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Reference& r = edges[t].empty() ? plain : rich;
-      bounding.lower(r, t, edges[t], shares[t]);
-      bounding.upper(r, t, edges[t], shares[t]);
+      of.lower(r, t, edges[t], shares[t]);
+      of.upper(r, t, edges[t], shares[t]);
     }
   });
+  return shares;
+}
 
-  EnergyBounds result;
+Share total(const std::vector<Share>& shares) {
   Share sum;
   for (const Share& share : shares) {
     sum.lower += share.lower;
@@ -442,31 +433,60 @@ EnergyBounds energy_bounds(const Model& m, const Field& s) {
     sum.divergence = std::max(sum.divergence, share.divergence);
     sum.gradient = std::max(sum.gradient, share.gradient);
   }
-  result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
-  result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
-  const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
+  return sum;
+}
+
+// What the data that the fields do not see may move the bounds by.
+struct Unseen {
+  double below, above, displaced;  // `displaced`, a part of `above`, is an estimate
+};
+Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
   double mu = m.scene.material.mu;  // the least: |eps|^2 <= energy/mu
   for (const Material& material : m.scene.regions) mu = std::min(mu, material.mu);
-  const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
-  const Oscillation o = oscillation(m, data, f, shares, edges);
   // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
   const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
   // An extension of the rest of the prescribed displacement; its energy is estimated.
   constexpr double extension = 4;
-  const double mismatch = extension * std::sqrt(conforming.mismatch);
-  const double displaced = mismatch * std::sqrt(2 * gap) + mismatch * mismatch, above = o.correction + displaced;
-  result.oscillation = std::max(below, above);
-  result.lower = sum.lower - rounding - below;
-  result.upper = sum.upper + rounding + above;
+  const double mismatch = extension * std::sqrt(mismatch_squared);
+  const double displaced = mismatch * std::sqrt(2 * gap) + mismatch * mismatch;
+  return {below, o.correction + displaced, displaced};
+}
+
+EnergyBounds lost(double oscillation, const char* why) {
+  return {nan, nan, oscillation, false, why};
+}
+
+}  // namespace
+
+EnergyBounds energy_bounds(const Model& m, const Field& s) {
+  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
+  const std::vector<EdgeData> data = edge_data(m);
+  const Forces f = forces(m);
+  const Conforming conforming = conforming_displacement(m, s, data);
+  const Eigen::MatrixXd statics = static_interior(m, s, f.couple);
+  std::vector<std::vector<Index>> edges(m.mesh.triangles.size());
+  for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
+  const std::vector<Share> shares = bound_triangles({m, s, f, data, conforming, statics}, edges);
+  const Share sum = total(shares);
+
+  EnergyBounds result;
+  result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
+  result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
+  const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
+  const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
+  const Unseen more = unseen(m, oscillation(m, data, f, shares, edges), conforming.mismatch, gap);
+  result.oscillation = std::max(more.below, more.above);
+  result.lower = sum.lower - rounding - more.below;
+  result.upper = sum.upper + rounding + more.above;
   if (!(result.lower <= result.upper))
-    return {nan, nan, result.oscillation, false, "no bounds of the energy: they are lost to rounding"};
+    return lost(result.oscillation, "no bounds of the energy: they are lost to rounding");
   constexpr double isochoric = 1e-9;
   if (sum.divergence > isochoric * sum.gradient)
-    return {nan, nan, result.oscillation, false,
-            "no bounds of the energy: no admissible displacement without change of volume was found"};
+    return lost(result.oscillation,
+                "no bounds of the energy: no admissible displacement without change of volume was found");
   constexpr double negligible = 0.01;
-  const bool asymptotic = unseen_couples(f) && below > negligible * gap;
-  result.guaranteed = displaced <= negligible * gap && !asymptotic;
+  const bool asymptotic = unseen_couples(f) && more.below > negligible * gap;
+  result.guaranteed = more.displaced <= negligible * gap && !asymptotic;
   if (!result.guaranteed)
     result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
                               asymptotic ? "body force is" : "prescribed displacements are");

@@ -353,57 +353,68 @@ struct Fit {
   }
 };
 
-}  // namespace
+// Changes inside an edge, given its values `here`: to the polynomial fitted to data, or to the mean `wanted`.
+Eigen::RowVectorXd towards_data(const Fit& fit, const EdgeRule& rule, const Eigen::RowVectorXd& here,
+                                const Eigen::RowVectorXd& data) {
+  const Eigen::Index degree = here.size() - 1;
+  Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(degree + 1);
+  const Fit::Result f = fit.fit(data, here[0], here[degree]);
+  for (Eigen::Index i = 1; i < degree; ++i) {
+    const double at = rule.s[i];
+    change[i] =
+        here[0] * (1 - at) + here[degree] * at + at * (1 - at) * f.p.dot(trace_basis(fit.carrier, at)) - here[i];
+  }
+  return change;
+}
+Eigen::RowVectorXd towards_mean(const EdgeRule& rule, const Eigen::RowVectorXd& here, double wanted) {
+  const Eigen::Index degree = here.size() - 1;
+  Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(degree + 1);
+  const double rest = wanted - here.dot(rule.w);
+  for (Eigen::Index i = 1; i < degree; ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
+  return change;
+}
 
-Conforming conforming_displacement(const Model& m, const Field& s, const std::vector<EdgeData>& data) {
+// Edges take the prescribed values, or the mean of the discrete displacement.
+void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std::vector<EdgeData>& data, Points& v) {
   const int degree = m.element.trace + 1;
-  const Nodes nodes = make_nodes(m, degree);
-  Conforming result{degree, {}, {}, {}, {}, 0};
-  Points v = averages(m, s, nodes, result.nodal);
-  correct_corners(m, s, nodes, data, v);
-
   const EdgeRule rule = even(degree);
-  std::vector<Index> place(m.mesh.edges.size(), none);
-  for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
   const Fit fit;
+  std::vector<const EdgeData*> given(m.mesh.edges.size(), nullptr);
+  for (const EdgeData& d : data) given[d.edge] = &d;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    const EdgeData* d = place[e] == none ? nullptr : &data[place[e]];
+    const Mat2& frame = m.inner->skeleton.frame[e];
     for (int side = 0; side < 2; ++side) {
       if (m.mesh.sides[e][side] == none || (side == 1 && m.mesh.sides[e][0] != none && nodes.mesh.crack[e] == none))
         continue;
-      const Points here = m.inner->skeleton.frame[e].transpose() * edge_values(nodes, v, e, side);
+      const Points here = frame.transpose() * edge_values(nodes, v, e, side);
       const Vec2 wanted = mean_trace(m, s, e, side);
       for (int k = 0; k < 2; ++k) {
-        Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(degree + 1);
-        if (d && d->held[k]) {
-          const Fit::Result f = fit.fit(d->displacement.row(k), here(k, 0), here(k, degree));
-          for (int i = 1; i < degree; ++i) {
-            const double at = rule.s[i];
-            change[i] = here(k, 0) * (1 - at) + here(k, degree) * at +
-                        at * (1 - at) * f.p.dot(trace_basis(fit.carrier, at)) - here(k, i);
-          }
-        } else {
-          const double rest = wanted[k] - here.row(k).dot(rule.w);
-          for (int i = 1; i < degree; ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
-        }
-        for (int i = 1; i < degree; ++i)
-          v.col(nodes.on_edge(e, side, i)) += change[i] * m.inner->skeleton.frame[e].col(k);
+        const Eigen::RowVectorXd change = given[e] && given[e]->held[k]
+                                              ? towards_data(fit, rule, here.row(k), given[e]->displacement.row(k))
+                                              : towards_mean(rule, here.row(k), wanted[k]);
+        for (int i = 1; i < degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * frame.col(k);
       }
     }
   }
+}
 
-  Eigen::MatrixXd bernstein(degree + 1, degree + 1);
+// Bernstein polynomials (columns) at evenly spaced points.
+Eigen::MatrixXd bernstein(int degree) {
+  const EdgeRule rule = even(degree);
+  Eigen::MatrixXd values(degree + 1, degree + 1);
   for (int i = 0; i <= degree; ++i)
     for (int k = 0; k <= degree; ++k)
-      bernstein(i, k) = std::round(std::tgamma(degree + 1) / (std::tgamma(k + 1) * std::tgamma(degree - k + 1))) *
-                        std::pow(rule.s[i], k) * std::pow(1 - rule.s[i], degree - k);
-  result.penetration.assign(m.mesh.edges.size(), 0);
-  on_unilateral_edges(m, [&](Index e) {
-    result.penetration[e] = correct_opening(nodes, bernstein, m.inner->skeleton.frame[e].col(0), e, v);
-  });
+      values(i, k) = std::round(std::tgamma(degree + 1) / (std::tgamma(k + 1) * std::tgamma(degree - k + 1))) *
+                     std::pow(rule.s[i], k) * std::pow(1 - rule.s[i], degree - k);
+  return values;
+}
 
-  // What the supported edges still miss.
-  const Eigen::MatrixXd at_carrier = traces(rule, fit.carrier.s);
+// What the supported edges still miss: bubbles that the triangles add, and what even those leave.
+void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>& data, const Points& v,
+                 Conforming& result) {
+  const int degree = m.element.trace + 1;
+  const Fit fit;
+  const Eigen::MatrixXd at_carrier = traces(even(degree), fit.carrier.s);
   for (const EdgeData& d : data) {
     const Points here = m.inner->skeleton.frame[d.edge].transpose() *
                         edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == none ? 1 : 0);
@@ -423,7 +434,23 @@ Conforming conforming_displacement(const Model& m, const Field& s, const std::ve
     result.bubble.emplace_back(m.inner->skeleton.frame[d.edge] * bubble);
     result.value.push_back(value);
   }
+}
 
+}  // namespace
+
+Conforming conforming_displacement(const Model& m, const Field& s, const std::vector<EdgeData>& data) {
+  const int degree = m.element.trace + 1;
+  const Nodes nodes = make_nodes(m, degree);
+  Conforming result{degree, {}, {}, {}, {}, 0};
+  Points v = averages(m, s, nodes, result.nodal);
+  correct_corners(m, s, nodes, data, v);
+  correct_edges(m, s, nodes, data, v);
+  const Eigen::MatrixXd values = bernstein(degree);
+  result.penetration.assign(m.mesh.edges.size(), 0);
+  on_unilateral_edges(m, [&](Index e) {
+    result.penetration[e] = correct_opening(nodes, values, m.inner->skeleton.frame[e].col(0), e, v);
+  });
+  add_bubbles(m, nodes, data, v, result);
   parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const std::vector<Index> of = nodes.of(t);

@@ -16,7 +16,7 @@ namespace {
 // the normal stress on each edge become the unknowns of the same small contact problem, the moments of the opening
 // against the Bernstein polynomials their multipliers.
 Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
-  const Index trailing = m.inner->ordering.trailing, leading = m.inner->ordering.size - trailing;
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
   const EdgeRule& trace = m.inner->kernel.trace;
   const Eigen::Index n = trace.w.size();
   Eigen::MatrixXd change(n, n);  // from values at the Gauss points to moments
@@ -25,13 +25,13 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
       change(b, g) = trace.w[g] * std::round(std::tgamma(n) / (std::tgamma(b + 1) * std::tgamma(n - b))) *
                      std::pow(trace.s[g], b) * std::pow(1 - trace.s[g], n - 1 - b);
   const Eigen::MatrixXd back = change.inverse();
-  Eigen::VectorXd force(trailing), jump(trailing);
+  Eigen::VectorXd force(contact_rows), jump(contact_rows);
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
     if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading) {
       force[row - leading] = s.force[u];
       jump[row - leading] = s.skeleton[u];
     }
-  Eigen::MatrixXd S = m.inner->factor.schur_complement();
+  Eigen::MatrixXd S = m.inner->factor.contact_complement();
   Eigen::VectorXd load = S * (jump + free_jumps) - force;
   std::vector<std::vector<Index>> blocks;
   for (const auto& crack : m.mesh.cracks)
@@ -43,7 +43,7 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
           rows.push_back(row - leading);
       if (!rows.empty()) blocks.push_back(rows);
     }
-  std::vector<bool> closed(trailing, false);
+  std::vector<bool> closed(contact_rows, false);
   for (const auto& rows : blocks) {
     S(Eigen::all, rows) = (S(Eigen::all, rows) * back).eval();
     load(rows) = (back.transpose() * load(rows)).eval();
@@ -65,8 +65,8 @@ Mat2 antisymmetric(double g) {
 
 Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const Index trailing = m.inner->ordering.trailing, size = m.inner->ordering.size;
-  const bool contact = trailing > 0 && s.force.cwiseAbs().maxCoeff() > 0;
+  const Index contact_rows = m.inner->ordering.contact_rows, size = m.inner->ordering.size;
+  const bool contact = contact_rows > 0 && s.force.cwiseAbs().maxCoeff() > 0;
   if (size == 0 || (couple.size() == 0 && !contact)) return s.interior;
   Eigen::VectorXd load = Eigen::VectorXd::Zero(size);
   for (Index t = 0; t < static_cast<Index>(couple.size()); ++t) {
@@ -84,10 +84,10 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
               load[m.inner->ordering.row[u]] -= m.inner->kernel.trace.w[g] * force[d];
     }
   }
-  if (trailing > 0) {
-    const Eigen::VectorXd jumps = couple.size() > 0 ? Eigen::VectorXd(m.inner->factor.solve(load).tail(trailing))
-                                                    : Eigen::VectorXd::Zero(trailing);
-    load.tail(trailing) += pressures_everywhere(m, s, jumps);
+  if (contact_rows > 0) {
+    const Eigen::VectorXd jumps = couple.size() > 0 ? Eigen::VectorXd(m.inner->factor.solve(load).tail(contact_rows))
+                                                    : Eigen::VectorXd::Zero(contact_rows);
+    load.tail(contact_rows) += pressures_everywhere(m, s, jumps);
   }
   const Eigen::VectorXd change = m.inner->factor.solve(load);
   Eigen::MatrixXd interior_fields = s.interior;

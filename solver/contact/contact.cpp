@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -127,7 +126,7 @@ void respond(Search& s, const std::vector<ContactPoint>& points, Trial& t, doubl
   t.response = solve(pressure);
   t.noise = missed(pressure);
   const double mean = std::sqrt(static_cast<double>(points.size()));
-  for (double last = std::numeric_limits<double>::infinity();; last = t.defect) {
+  for (double last = infinity;; last = t.defect) {
     for (std::size_t i = 0; i < points.size(); ++i)
       if (!slips(points[i], t.motion)) pressure[i] = 0;
     const Eigen::VectorXd base = seen(t.response), defect = base - pressure;
@@ -240,7 +239,7 @@ bool settle(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   if (std::none_of(points.begin(), points.end(), friction)) return descend(s, points, t);
   std::vector<ContactPoint> given = points;
   Eigen::VectorXd pressure = t.pressure;
-  double damping = 1, last = std::numeric_limits<double>::infinity();
+  double damping = 1, last = infinity;
   constexpr int steps = 8;  // of the fixed point between two attempts
   for (int step = 1; !spent(s); ++step) {
     for (std::size_t i = 0; i < points.size(); ++i) {

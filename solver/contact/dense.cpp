@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -53,7 +52,7 @@ class MovingBlock {
     }
     Eigen::Ref<Eigen::MatrixXd> block = corner;
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(block);
-    if (in_place.info() != Eigen::Success) block.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (in_place.info() != Eigen::Success) block.setConstant(nan);
     rows_.insert(rows_.end(), next.begin(), next.end());
   }
 

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
 Admissible admissible(const std::vector<ContactPoint>& points, const Eigen::VectorXd& force) {
   Admissible a{Eigen::VectorXd::Zero(force.size()), Eigen::VectorXd::Zero(force.size())};
   for (const ContactPoint& p : points) {
-    a.high[p.normal] = std::numeric_limits<double>::infinity();
+    a.high[p.normal] = infinity;
     if (p.tangential == none) continue;
     a.high[p.tangential] = p.slip_bound + p.friction * std::max(force[p.normal], 0.0);
     a.low[p.tangential] = -a.high[p.tangential];
@@ -19,7 +18,7 @@ Admissible admissible(const std::vector<ContactPoint>& points, const Eigen::Vect
 
 double optimality(const std::vector<ContactPoint>& points, const Eigen::VectorXd& jump, const Eigen::VectorXd& force,
                   double load) {
-  if (!jump.allFinite() || !force.allFinite()) return std::numeric_limits<double>::infinity();
+  if (!jump.allFinite() || !force.allFinite()) return infinity;
   if (jump.size() == 0 || load == 0) return 0;
   const Admissible a = admissible(points, force);
   const double largest = jump.cwiseAbs().maxCoeff();

@@ -59,7 +59,7 @@ Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted,
 }  // namespace
 
 Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
-                         const Adaptation& wanted, const std::function<bool(const Round&)>& go_on) {
+                         const Adaptation& wanted) {
   if (!is_mixed(e))
     throw Error(
         Fault::Usage,
@@ -70,7 +70,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
   Mesh mesh = triangulate(shape, sizing);
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh));
   std::vector<Round> rounds;
-  double best = std::numeric_limits<double>::infinity();
+  double best = infinity;
   int without_gain = 0;
   while (true) {
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
@@ -78,7 +78,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
-    State state = wanted.saddle_point ? solve_extended(model) : solve(model, wanted.contact);
+    State state = wanted.saddle_point ? solve_saddle_point(model) : solve(model, wanted.contact);
     round.solve = watch.lap();
     round.contact = state.seconds.contact;
     Indicator indicator = error_indicator(model, state);
@@ -99,7 +99,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
     else if (rounds.size() == most_rounds)
       stopped = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
                             round.estimated_error, wanted.error);
-    else if (go_on && !go_on(round))
+    else if (wanted.go_on && !wanted.go_on(round))
       stopped = "stopped on request";
     if (!stopped.empty())
       return {std::move(model), std::move(state), std::move(indicator), std::move(rounds), std::move(stopped)};

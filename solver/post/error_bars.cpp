@@ -1,5 +1,6 @@
 #include "solver/error_bars.hpp"
 
+#include "solver/post/blend.hpp"
 #include "solver/system.hpp"
 
 #include <cmath>
@@ -77,29 +78,24 @@ Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
   return p;
 }
 
-Spread spread(const Corners& c, const Eigen::VectorXd& values, const Eigen::VectorXd& better) {
+ErrorBars error_bars(const Corners& c, const Eigen::VectorXd& values, const Eigen::VectorXd& better) {
   const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
   const Eigen::VectorXd difference = (values - better).cwiseAbs(), root = difference.cwiseSqrt();
   // Means of square roots, so that the large differences next to singular points do not reach far.
   const Eigen::VectorXd in_triangles = 0.5 * (root.tail(triangles) + triangle_means(c, root.head(corners)));
   const Eigen::VectorXd around = corner_means(c, triangle_means(c, corner_means(c, in_triangles)));
-  Spread s;
-  s.around = around.cwiseAbs2();
-  s.at_corners = (own * difference.head(corners)).cwiseMax(of_neighbors * s.around);
-  s.at_centroids = (own * difference.tail(triangles)).cwiseMax(of_neighbors * triangle_means(c, around).cwiseAbs2());
-  return s;
+  ErrorBars bars;
+  bars.around = around.cwiseAbs2();
+  bars.at_corners = (own * difference.head(corners)).cwiseMax(of_neighbors * bars.around);
+  bars.at_centroids = (own * difference.tail(triangles)).cwiseMax(of_neighbors * triangle_means(c, around).cwiseAbs2());
+  return bars;
 }
 
-double half_width_at(const Mesh& mesh, const Corners& c, const Spread& s, Index t, const Vec2& x, double difference) {
-  const auto& v = mesh.triangles[t];
-  double root = 0, whole = 0;
-  for (int i = 0; i < 3; ++i) {
-    const Vec2 a = mesh.points[v[(i + 1) % 3]] - x, b = mesh.points[v[(i + 2) % 3]] - x;
-    const double share = a.x() * b.y() - a.y() * b.x();
-    root += share * std::sqrt(s.around[c.of[t][i]]);
-    whole += share;
-  }
-  root = std::max(0.0, root / whole);
+double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, const PointIn& at, double difference) {
+  const Shares share = shares_at(mesh, at);
+  double root = 0;
+  for (int i = 0; i < 3; ++i) root += share.of[i] * std::sqrt(bars.around[c.of[at.triangle][i]]);
+  root = std::max(0.0, root / share.whole);
   return std::max(own * std::abs(difference), of_neighbors * root * root);
 }
 

@@ -11,7 +11,6 @@
 #include <Eigen/QR>
 
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -135,12 +134,78 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
   return sum;
 }
 
+// Where the faces of a crack touch, and where they do not slide either.
+struct Faces {
+  bool touch = false, stick = false;
+};
+Faces faces(const Model& m, const Field& s, Index e) {
+  const Skeleton& skeleton = m.inner->skeleton;
+  Faces f;
+  if (skeleton.jump[e] == none) return f;
+  for (int k = 0; k < skeleton.per_edge; k += 2) {
+    const Index normal = skeleton.jump[e] + k, tangential = normal + 1;
+    const bool bonded = skeleton.fixed[normal], touching = bonded || s.force[normal] > 0;
+    f.touch = f.touch || touching;
+    f.stick = f.stick || (touching && (bonded || (skeleton.frictional[tangential] && s.skeleton[tangential] == 0)));
+  }
+  return f;
+}
+
+// What D tau lacks on the edges of the triangles.
+struct EdgeResiduals {
+  const Model& m;
+  const Field& s;
+  const EdgeRule& rule;
+  const std::vector<EdgeTraces>& traces;
+
+  // Across edge i of triangle t to `other`, at the Gauss point g; on a crack in its frame.
+  Vec2 across(Index t, int i, Index other, int g) const {
+    const Index e = m.mesh.edges_of[t][i];
+    int j = 0;
+    while (m.mesh.edges_of[other][j] != e) ++j;
+    Vec2 jump = traces[t].col(edge_points * i + g);
+    jump -= traces[other].col(edge_points * j + g);
+    if (m.inner->skeleton.jump[e] == none) return jump;
+    const double sign = m.mesh.sides[e][0] == t ? 1 : -1;  // the jump is right minus left
+    return m.inner->skeleton.frame[e].transpose() * jump + sign * jump_slope(m, s, e, rule.s[g]);
+  }
+
+  // On the boundary, in the edge's frame.
+  Vec2 on_boundary(Index t, int i, int g) const {
+    const Index e = m.mesh.edges_of[t][i];
+    const Prescribed given = prescribed(m, e, rule.s[g]);
+    const Vec2 trace = traces[t].col(edge_points * i + g);
+    Vec2 jump = m.inner->skeleton.frame[e].transpose() * trace - given.slope;
+    for (int d = 0; d < 2; ++d)
+      if (!given.component[d]) jump[d] = 0;
+    return jump;
+  }
+
+  // Adds to `square` what edge i of triangle t has: |e| times an integral over it.
+  void add(Index t, int i, double& square) const {
+    const Index e = m.mesh.edges_of[t][i];
+    const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
+    // Between two materials most of the jump is the strain error of the softer one.
+    const double mu = material_of(m.mesh, m.scene, t).mu,
+                 softer = other == none ? mu : std::min(mu, material_of(m.mesh, m.scene, other).mu);
+    const double l = length(m.mesh, e), scale = 4 * std::pow(softer * l, 2), weight = other == none ? 1 : 0.5;
+    const Faces contact = faces(m, s, e);
+    for (int g = 0; g < edge_points; ++g) {
+      Vec2 jump = other == none ? on_boundary(t, i, g) : across(t, i, other, g);
+      if (other != none && m.inner->skeleton.jump[e] != none) {
+        if (!contact.touch) jump[0] = 0;
+        if (!contact.stick) jump[1] = 0;
+      }
+      square += weight * scale * rule.w[g] * jump.squaredNorm();
+    }
+  }
+};
+
 }  // namespace
 
 Indicator error_indicator(const Model& m, const Field& s) {
   if (!is_mixed(m.element))  // their gradients are compatible, what they lack is equilibrium
-    return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())),
-            std::numeric_limits<double>::quiet_NaN()};
+    return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Derivatives difference =
       derivatives(m.inner->kernel.rule, std::max(stress_degree(m.element), m.element.rotation));
@@ -153,51 +218,12 @@ Indicator error_indicator(const Model& m, const Field& s) {
       traces[t] = edge_traces(m, s, t, rule);
     }
   });
-
+  const EdgeResiduals edges{m, s, rule, traces};
   Indicator result{Eigen::VectorXd(triangles), 0};
   double total = 0, stress = 0;
   for (Index t = 0; t < triangles; ++t) {
     double square = own[t].square;
-    for (int i = 0; i < 3; ++i) {
-      const Index e = m.mesh.edges_of[t][i];
-      const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
-      // Between two materials most of the jump is the strain error of the softer one.
-      const double mu = material_of(m.mesh, m.scene, t).mu,
-                   softer = other == none ? mu : std::min(mu, material_of(m.mesh, m.scene, other).mu);
-      const double l = length(m.mesh, e), scale = 4 * std::pow(softer * l, 2);
-      // Where the faces touch, and where they do not slide either.
-      bool contact = false, stick = false;
-      if (m.inner->skeleton.jump[e] != none)
-        for (int k = 0; k < m.inner->skeleton.per_edge; k += 2) {
-          const Index normal = m.inner->skeleton.jump[e] + k, tangential = normal + 1;
-          const bool bonded = m.inner->skeleton.fixed[normal], touching = bonded || s.force[normal] > 0;
-          contact = contact || touching;
-          stick = stick ||
-                  (touching && (bonded || (m.inner->skeleton.frictional[tangential] && s.skeleton[tangential] == 0)));
-        }
-      for (int g = 0; g < edge_points; ++g) {
-        Vec2 jump = traces[t].col(edge_points * i + g);
-        double weight = 0.5;
-        if (other != none) {
-          int j = 0;
-          while (m.mesh.edges_of[other][j] != e) ++j;
-          jump -= traces[other].col(edge_points * j + g);
-          if (m.inner->skeleton.jump[e] != none) {
-            const double sign = m.mesh.sides[e][0] == t ? 1 : -1;  // the jump is right minus left
-            jump = m.inner->skeleton.frame[e].transpose() * jump + sign * jump_slope(m, s, e, rule.s[g]);
-            if (!contact) jump[0] = 0;
-            if (!stick) jump[1] = 0;
-          }
-        } else {
-          const Prescribed given = prescribed(m, e, rule.s[g]);
-          weight = 1;
-          jump = m.inner->skeleton.frame[e].transpose() * jump - given.slope;
-          for (int d = 0; d < 2; ++d)
-            if (!given.component[d]) jump[d] = 0;
-        }
-        square += weight * scale * rule.w[g] * jump.squaredNorm();  // |e| times the integral over e
-      }
-    }
+    for (int i = 0; i < 3; ++i) edges.add(t, i, square);
     result.eta[t] = std::sqrt(square);
     total += square;
     stress += own[t].stress;

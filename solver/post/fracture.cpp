@@ -379,15 +379,14 @@ double largest_difference(const Row& values) {
 TipIntensity intensity(const Model& model, const Field& state, const CrackTip& tip, std::span<const CrackPoint> profile,
                        double stress) {
   constexpr double safe = 0.9, fewest_elements = 1.5;
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const double radius = safe * tip.room;
   const Index at_tip = model.mesh.sides[tip.edges.front()][0];
   Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius)};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
-    result.K_I = result.K_II = result.T = result.G = result.J = unknown;
-    result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = unknown;
+    result.K_I = result.K_II = result.T = result.G = result.J = nan;
+    result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = nan;
     return result;
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);

@@ -196,63 +196,86 @@ double mean_stress(const Model& model, const Field& state) {
   return std::sqrt(square / area(model));
 }
 
-std::vector<CrackPoint> crack_profile(const Model& model, const Field& state, Index crack) {
-  const Skeleton& s = model.inner->skeleton;
-  const bool unilateral = model.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
-  const bool bonded = model.scene.laws[crack].kind == CrackLaw::Kind::Bonded;
+namespace {
+
+// Below these a pressure or a gap is rounding: relative to the opening that the mean stress could cause.
+struct Smallest {
+  double pressure, gap;
+};
+Smallest smallest(const Model& model, const Field& field, Index crack, double crack_length) {
+  constexpr double rounding = 1e-8;
+  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
+  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
+  const double floor = 1e-12 * field.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
+  const double pressure = std::max(rounding * mean_stress(model, field), floor * modulus / crack_length);
+  return {pressure, pressure * crack_length / modulus};
+}
+
+// The jumps and the forces of contact at the Gauss points of mixed elements.
+void read_jump(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
+  const Index unknown = model.inner->skeleton.jump[edge] + 2 * g;
+  p.jump_n = field.skeleton[unknown];
+  p.jump_t = -field.skeleton[unknown + 1];
+  if (model.scene.laws[model.mesh.crack[edge]].kind != CrackLaw::Kind::Unilateral) return;
+  p.sigma_n = -field.force[unknown] / p.length;
+  p.sigma_t = field.force[unknown + 1] / p.length;
+}
+
+// Displacement elements have no jumps of their own.
+void evaluate_jump(const Model& model, const Field& field, Index edge, CrackPoint& p) {
+  const auto side = [&](int which) -> Vec2 {
+    return evaluate(model, field, model.mesh.sides[edge][which], p.at).displacement.col(0);
+  };
+  const Vec2 jump = model.inner->skeleton.frame[edge].transpose() * (side(1) - side(0));
+  p.jump_n = jump[0];
+  p.jump_t = -jump[1];
+}
+
+// What a bonded crack transmits: the stress on its left.
+void evaluate_traction(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
+  const Index left = model.mesh.sides[edge][0];
+  const Eigen::Vector4d v = stress_at(model.inner->kernel, triangle(model, left), field.interior.col(left), p.at);
+  const Mat2& frame = frame_at(model.inner->skeleton, edge, g);
+  const Vec2 n = frame.col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
+  p.sigma_n = traction.dot(n);
+  p.sigma_t = -traction.dot(frame.col(1));
+}
+
+CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smallest& least) {
+  const bool gap = p.jump_n > least.gap, pressure = -p.sigma_n > least.pressure;
+  if (law == CrackLaw::Kind::Bonded || pressure) return CrackPoint::Status::Closed;
+  return gap || law != CrackLaw::Kind::Unilateral ? CrackPoint::Status::Open : CrackPoint::Status::Biactive;
+}
+
+}  // namespace
+
+std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack) {
+  const CrackLaw::Kind law = model.scene.laws[crack].kind;
   const bool mixed = is_mixed(model.element);
   const EdgeRule rule = mixed ? model.inner->kernel.trace : gauss(2);
   const int points = static_cast<int>(rule.s.size());
   double total = 0, done = 0;
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
   if (total == 0) return {};
-  // Below these a gap or a pressure is rounding: relative to the opening that the mean stress could cause.
-  constexpr double rounding = 1e-8;
-  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
-  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
-  const double floor = 1e-12 * state.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
-  const double no_pressure = std::max(rounding * mean_stress(model, state), floor * modulus / total);
-  const double no_gap = no_pressure * total / modulus;
-
+  const Smallest least = smallest(model, field, crack, total);
   std::vector<CrackPoint> profile;
   for (const CrackEdge& c : model.mesh.cracks[crack]) {
     const double l = length(model.mesh, c.edge);
-    const Triangle left = triangle(model, model.mesh.sides[c.edge][0]);
     const Vec2& a = model.mesh.points[model.mesh.edges[c.edge][0]];
     const Vec2& b = model.mesh.points[model.mesh.edges[c.edge][1]];
     for (int k = 0; k < points; ++k) {
       const int g = c.forward ? k : points - 1 - k;
-      const double along = rule.s[g], share = l * rule.w[g];
+      const double along = rule.s[g];
       CrackPoint p{};
       p.s = done + l * (c.forward ? along : 1 - along);
       p.at = a + along * (b - a);
-      p.length = share;
-      if (mixed) {
-        const Index unknown = s.jump[c.edge] + 2 * g;
-        p.jump_n = state.skeleton[unknown];
-        p.jump_t = -state.skeleton[unknown + 1];
-        if (unilateral) p.sigma_n = -state.force[unknown] / share;
-        if (unilateral) p.sigma_t = state.force[unknown + 1] / share;
-      } else {
-        const auto side = [&](int which) -> Vec2 {
-          return evaluate(model, state, model.mesh.sides[c.edge][which], p.at).displacement.col(0);
-        };
-        const Vec2 jump = s.frame[c.edge].transpose() * (side(1) - side(0));
-        p.jump_n = jump[0];
-        p.jump_t = -jump[1];
-      }
-      if (bonded) {
-        const Eigen::Vector4d v =
-            stress_at(model.inner->kernel, left, state.interior.col(model.mesh.sides[c.edge][0]), p.at);
-        const Mat2& frame = frame_at(s, c.edge, g);
-        const Vec2 n = frame.col(0), traction(v[0] * n.x() + v[1] * n.y(), v[2] * n.x() + v[3] * n.y());
-        p.sigma_n = traction.dot(n);
-        p.sigma_t = -traction.dot(frame.col(1));
-      }
-      const bool gap = p.jump_n > no_gap, pressure = -p.sigma_n > no_pressure;
-      p.status = bonded || pressure   ? CrackPoint::Status::Closed
-                 : gap || !unilateral ? CrackPoint::Status::Open
-                                      : CrackPoint::Status::Biactive;
+      p.length = l * rule.w[g];
+      if (mixed)
+        read_jump(model, field, c.edge, g, p);
+      else
+        evaluate_jump(model, field, c.edge, p);
+      if (law == CrackLaw::Kind::Bonded) evaluate_traction(model, field, c.edge, g, p);
+      p.status = status_of(p, law, least);
       profile.push_back(p);
     }
     done += l;

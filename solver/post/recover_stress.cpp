@@ -1,4 +1,5 @@
 #include "solver/recover_stress.hpp"
+#include "solver/post/blend.hpp"
 #include "solver/recovery.hpp"
 
 #include "solver/system.hpp"
@@ -6,6 +7,8 @@
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
+#include "solver/stress.hpp"
+#include "solver/system/lists.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -46,10 +49,6 @@ struct Values {
   Eigen::Matrix<double, 3, gauss_points> stress;
 };
 
-Eigen::Vector3d symmetric(const Eigen::Vector4d& s) {
-  return {s[0], s[3], 0.5 * (s[1] + s[2])};
-}
-
 // The moments of a triangle, from its corners about the centroid.
 void set_moments(Mean& m, const Triangle& t) {
   m.second.setZero();
@@ -73,10 +72,10 @@ Mean mean(const Model& m, const Field& s, Index t, const VectorField& load) {
   const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
                                       0.5 * (shape.x[0] + shape.x[1])};
   if (m.element.stress <= 1) {  // bubbles have no mean, and vanish at the centroid
-    r.stress = symmetric(stress_at(m.inner->kernel, shape, coefficients, r.center));
+    r.stress = symmetric_part(stress_at(m.inner->kernel, shape, coefficients, r.center));
   } else {
     r.stress.setZero();
-    for (const Vec2& x : middle) r.stress += symmetric(stress_at(m.inner->kernel, shape, coefficients, x)) / 3;
+    for (const Vec2& x : middle) r.stress += symmetric_part(stress_at(m.inner->kernel, shape, coefficients, x)) / 3;
   }
   if (load && m.element.displacement == 0 && is_mixed(m.element)) {
     // |T| mean(s) = int_dT (s n) x^T - int_T (div s) x^T: the element has the means of f for f.
@@ -93,24 +92,17 @@ Values values(const Model& m, const Field& s, Index t, const TriangleRule& rule)
   for (int q = 0; q < gauss_points; ++q) {
     const Vec2 x = shape.x[0] + rule.x(0, q) * (shape.x[1] - shape.x[0]) + rule.x(1, q) * (shape.x[2] - shape.x[0]);
     r.x.col(q) = x;
-    r.stress.col(q) = symmetric(stress_at(m.inner->kernel, shape, s.interior.col(t), x));
+    r.stress.col(q) = symmetric_part(stress_at(m.inner->kernel, shape, s.interior.col(t), x));
   }
   return r;
 }
 
-// The triangles at each corner, one after the other.
-struct Stars {
-  std::vector<Index> first, triangle;
-};
-Stars stars(const Corners& c) {
-  Stars s{std::vector<Index>(c.vertex.size() + 1, 0), std::vector<Index>(3 * c.of.size())};
-  for (const auto& of : c.of)
-    for (const Index i : of) ++s.first[i + 1];
-  for (std::size_t i = 1; i < s.first.size(); ++i) s.first[i] += s.first[i - 1];
-  std::vector<Index> next(s.first.begin(), s.first.end() - 1);
-  for (Index t = 0; t < static_cast<Index>(c.of.size()); ++t)
-    for (const Index i : c.of[t]) s.triangle[next[i]++] = t;
-  return s;
+// Where each corner is one of a triangle's three: place / 3 is the triangle.
+Lists places_of(const Corners& c) {
+  std::vector<Index> corner;
+  corner.reserve(3 * c.of.size());
+  for (const auto& of : c.of) corner.insert(corner.end(), of.begin(), of.end());
+  return file_under(static_cast<Index>(c.vertex.size()), corner);
 }
 
 // These and all that share a triangle with one.
@@ -122,21 +114,25 @@ std::vector<bool> with_neighbors(const Corners& c, const std::vector<bool>& corn
   return result;
 }
 
+// At least so many rings and triangles, if there are.
+struct PatchSize {
+  int rings, triangles;
+};
+
 // Rings of triangles around one corner after the other. Neighbors across a singular corner do not count: it sees both
 // faces of a crack.
 class Patch {
  public:
-  Patch(const Corners& c, const Stars& s, const std::vector<bool>& singular)
-      : c_(c), s_(s), singular_(singular), seen_(c.of.size(), none), passed_(c.vertex.size(), none) {}
+  Patch(const Corners& c, const Lists& places, const std::vector<bool>& singular)
+      : c_(c), places_(places), singular_(singular), seen_(c.of.size(), none), passed_(c.vertex.size(), none) {}
 
-  /// At least so many rings and triangles, if there are.
-  const std::vector<Index>& around(Index corner, int rings, int least) {
+  const std::vector<Index>& around(Index corner, const PatchSize& size) {
     triangles_.clear();
     passed_[corner] = corner;
     add(corner, corner);
     std::size_t begin = 0;
     for (int ring = 1; ring < max_rings; ++ring) {
-      if (ring >= rings && static_cast<int>(triangles_.size()) >= least) break;
+      if (ring >= size.rings && static_cast<int>(triangles_.size()) >= size.triangles) break;
       const std::size_t end = triangles_.size();
       for (; begin < end; ++begin)
         for (const Index i : c_.of[triangles_[begin]]) {
@@ -151,15 +147,15 @@ class Patch {
  private:
   static constexpr int max_rings = 5;
   void add(Index mark, Index corner) {
-    for (Index k = s_.first[corner]; k < s_.first[corner + 1]; ++k) {
-      const Index t = s_.triangle[k];
+    for (const Index place : places_[corner]) {
+      const Index t = place / 3;
       if (seen_[t] == mark) continue;
       seen_[t] = mark;
       triangles_.push_back(t);
     }
   }
   const Corners& c_;
-  const Stars& s_;
+  const Lists& places_;
   const std::vector<bool>& singular_;
   std::vector<Index> seen_, passed_, triangles_;
 };
@@ -254,115 +250,128 @@ bool is_kept(const RecoveredStress& r, const Corners& c, Index t) {
 }
 
 template <int P>
-Eigen::Vector3d blended(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, Index t,
-                        const Vec2& x) {
-  if (is_kept(r, c, t)) return symmetric(stress_at(m.inner->kernel, triangle(m, t), s.interior.col(t), x));
-  const auto& v = m.mesh.triangles[t];
+Eigen::Vector3d blended(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, const PointIn& at) {
+  const auto& [t, x] = at;
+  if (is_kept(r, c, t)) return symmetric_part(stress_at(m.inner->kernel, triangle(m, t), s.interior.col(t), x));
+  const Shares share = shares_at(m.mesh, at);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double whole = 0;
-  for (int i = 0; i < 3; ++i) {
-    const Vec2 a = m.mesh.points[v[(i + 1) % 3]] - x, b = m.mesh.points[v[(i + 2) % 3]] - x;
-    const double share = a.x() * b.y() - a.y() * b.x();
-    sum += share * value<P>(r, c.of[t][i], x - m.mesh.points[v[i]]);
-    whole += share;
-  }
-  return sum / whole;
+  for (int i = 0; i < 3; ++i) sum += share.of[i] * value<P>(r, c.of[t][i], x - m.mesh.points[m.mesh.triangles[t][i]]);
+  return sum / share.whole;
 }
 
+// What is to be fitted, and where not.
+struct Fitting {
+  const Model& model;
+  const Field& field;
+  const Corners& corners;
+  const std::vector<bool>& singular;
+};
+
 // Of the discrete stresses of the triangles at a corner, weighted by area.
-Eigen::Vector3d average(const Model& m, const Field& s, const Corners& c, const Stars& star, Index corner) {
+Eigen::Vector3d average(const Fitting& f, const Lists& places, Index corner) {
+  const Vec2& x = f.model.mesh.points[f.corners.vertex[corner]];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double weight = 0;
-  for (Index k = star.first[corner]; k < star.first[corner + 1]; ++k) {
-    const Index t = star.triangle[k];
-    const Triangle shape = triangle(m, t);
-    sum +=
-        area(shape) * symmetric(stress_at(m.inner->kernel, shape, s.interior.col(t), m.mesh.points[c.vertex[corner]]));
+  for (const Index place : places[corner]) {
+    const Index t = place / 3;
+    const Triangle shape = triangle(f.model, t);
+    sum += area(shape) * symmetric_part(stress_at(f.model.inner->kernel, shape, f.field.interior.col(t), x));
     weight += area(shape);
   }
   return sum / weight;
 }
 
+template <class Samples>
+double reach_of(const std::vector<Index>& patch, const std::vector<Samples>& samples, const Vec2& corner) {
+  double reach = 0;
+  for (const Index t : patch) reach = std::max(reach, (samples[t].center - corner).squaredNorm());
+  return std::sqrt(reach);
+}
+
+// `add_to`(fit, sample, corner, reach) adds what is known about a triangle to the fit at a corner.
 template <int P, class Samples, class Add>
-RecoveredStress fitted(const Model& m, const Field& s, const Corners& c, const std::vector<bool>& singular,
-                       const std::vector<Samples>& samples, int rings, int least, const Add& add_to) {
+RecoveredStress fitted(const Fitting& f, const std::vector<Samples>& samples, const PatchSize& size,
+                       const Add& add_to) {
+  const Corners& c = f.corners;
   const Index corners = static_cast<Index>(c.vertex.size()), triangles = static_cast<Index>(c.of.size());
   RecoveredStress r{Eigen::Matrix3Xd(3, corners),         Eigen::Matrix3Xd(3, triangles), P,
                     Eigen::MatrixXd(3 * dim(P), corners), Eigen::VectorXd(corners),       {}};
-  r.kept = with_neighbors(c, singular);
-  const Stars star = stars(c);
-  parallel_for(corners, m.threads, [&](Index begin, Index end) {
-    Patch patch(c, star, singular);
+  r.kept = with_neighbors(c, f.singular);
+  const Lists places = places_of(c);
+  parallel_for(corners, f.model.threads, [&](Index begin, Index end) {
+    Patch patch(c, places, f.singular);
     for (Index i = begin; i < end; ++i) {
       if (r.kept[i]) {
-        r.at_corners.col(i) = average(m, s, c, star, i);
+        r.at_corners.col(i) = average(f, places, i);
         continue;
       }
-      const Vec2& corner = m.mesh.points[c.vertex[i]];
-      const auto& around = patch.around(i, rings, least);
-      double reach = 0;
-      for (const Index t : around) reach = std::max(reach, (samples[t].center - corner).squaredNorm());
-      reach = std::sqrt(reach);
-      r.reach[i] = reach;
+      const Vec2& corner = f.model.mesh.points[c.vertex[i]];
+      const auto& around = patch.around(i, size);
+      r.reach[i] = reach_of(around, samples, corner);
       Fit<P> fit;
-      for (const Index t : around) add_to(fit, samples[t], corner, reach);
+      for (const Index t : around) add_to(fit, samples[t], corner, r.reach[i]);
       Eigen::Map<Eigen::Matrix<double, 3, dim(P)>> coefficients(r.coefficients.col(i).data());
       coefficients = fit.solve();
       r.at_corners.col(i) = coefficients.col(0);
     }
   });
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) r.at_centroids.col(t) = blended<P>(m, s, c, r, t, samples[t].center);
+  parallel_for(triangles, f.model.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t)
+      r.at_centroids.col(t) = blended<P>(f.model, f.field, c, r, {t, samples[t].center});
   });
   return r;
 }
 
 template <int P>
-RecoveredStress from_means(const Model& m, const Field& s, const Corners& c, const std::vector<bool>& singular,
-                           const VectorField& load) {
-  std::vector<Mean> means(c.of.size());
-  parallel_for(static_cast<Index>(c.of.size()), m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) means[t] = mean(m, s, t, load);
+RecoveredStress from_means(const Fitting& f, const VectorField& load) {
+  std::vector<Mean> means(f.corners.of.size());
+  parallel_for(static_cast<Index>(means.size()), f.model.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) means[t] = mean(f.model, f.field, t, load);
   });
-  return fitted<P>(m, s, c, singular, means, 2, dim(P) + 4,
+  return fitted<P>(f, means, {.rings = 2, .triangles = dim(P) + 4},
                    [](Fit<P>& fit, const Mean& of, const Vec2& corner, double reach) { add(fit, of, corner, reach); });
 }
 
 template <int P>
-RecoveredStress from_values(const Model& m, const Field& s, const Corners& c, const std::vector<bool>& singular) {
+RecoveredStress from_values(const Fitting& f) {
   const TriangleRule rule = triangle_rule(4);
-  std::vector<Values> samples(c.of.size());
-  parallel_for(static_cast<Index>(c.of.size()), m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) samples[t] = values(m, s, t, rule);
+  std::vector<Values> samples(f.corners.of.size());
+  parallel_for(static_cast<Index>(samples.size()), f.model.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) samples[t] = values(f.model, f.field, t, rule);
   });
   return fitted<P>(
-      m, s, c, singular, samples, 1, 5,
+      f, samples, {.rings = 1, .triangles = 5},
       [&](Fit<P>& fit, const Values& of, const Vec2& corner, double reach) { add(fit, of, corner, reach, rule); });
 }
 
-}  // namespace
-
-std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
+// Per vertex whether contact begins or ends there.
+std::vector<bool> contact_changes(const Model& model, const Field& state) {
   const Mesh& mesh = model.mesh;
-  std::vector<bool> edge(mesh.points.size(), false), result(c.vertex.size(), false);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none)
-      for (const Index v : mesh.edges[e]) edge[v] = true;
+  const Skeleton& s = model.inner->skeleton;
   // Pressures that are small change nothing; faces between contact and gap would flicker.
   const double least = mesh.cracks.empty() ? 0 : 1e-3 * mean_stress(model, state);
   std::vector<bool> changes(mesh.points.size(), false);
   std::vector<int> touching(mesh.points.size(), none);
   for (const auto& crack : mesh.cracks)
     for (const CrackEdge& of : crack) {
-      const Index jump = model.inner->skeleton.jump[of.edge];
+      const Index jump = s.jump[of.edge];
       if (jump == none) continue;
-      for (int k = 0; k < model.inner->skeleton.per_edge; k += 2)
+      for (int k = 0; k < s.per_edge; k += 2)
         for (const Index v : mesh.edges[of.edge]) {
           const int now = state.force[jump + k] > least * length(mesh, of.edge) ? 1 : 0;
           changes[v] = changes[v] || (touching[v] != none && touching[v] != now);
           touching[v] = now;
         }
     }
+  return changes;
+}
+
+// Per corner the angle that its triangles fill; 0 inside the body.
+std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
+  std::vector<bool> edge(mesh.points.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none)
+      for (const Index v : mesh.edges[e]) edge[v] = true;
   std::vector<double> angle(c.vertex.size(), 0);
   for (std::size_t t = 0; t < c.of.size(); ++t)
     for (int i = 0; i < 3; ++i) {
@@ -372,7 +381,16 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
                  b = mesh.points[v[(i + 2) % 3]] - mesh.points[v[i]];
       angle[c.of[t][i]] += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
     }
+  return angle;
+}
+
+}  // namespace
+
+std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
   constexpr double little = 0.3;
+  const std::vector<bool> changes = contact_changes(model, state);
+  const std::vector<double> angle = corner_angles(model.mesh, c);
+  std::vector<bool> result(c.vertex.size(), false);
   for (std::size_t i = 0; i < angle.size(); ++i)
     result[i] = angle[i] > std::numbers::pi + little || changes[c.vertex[i]];
   return result;
@@ -380,25 +398,37 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
 
 RecoveredStress recover_stress(const Model& m, const Field& s, const Corners& c, const std::vector<bool>& singular,
                                const VectorField& load) {
+  const Fitting fitting{m, s, c, singular};
   switch (m.element.order) {
     case 1:
-      return from_means<2>(m, s, c, singular, load);
+      return from_means<2>(fitting, load);
     case 2:
-      return from_means<3>(m, s, c, singular, load);
+      return from_means<3>(fitting, load);
     default:
-      return from_values<4>(m, s, c, singular);
+      return from_values<4>(fitting);
   }
 }
 
-Eigen::Vector3d recovered_at(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r, Index t,
-                             const Vec2& x) {
+Shares shares_at(const Mesh& mesh, const PointIn& at) {
+  const auto& v = mesh.triangles[at.triangle];
+  Shares s{{}, 0};
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 a = mesh.points[v[(i + 1) % 3]] - at.x, b = mesh.points[v[(i + 2) % 3]] - at.x;
+    s.of[i] = a.x() * b.y() - a.y() * b.x();
+    s.whole += s.of[i];
+  }
+  return s;
+}
+
+Eigen::Vector3d recovered_at(const Model& m, const Field& s, const Corners& c, const RecoveredStress& r,
+                             const PointIn& at) {
   switch (r.degree) {
     case 2:
-      return blended<2>(m, s, c, r, t, x);
+      return blended<2>(m, s, c, r, at);
     case 3:
-      return blended<3>(m, s, c, r, t, x);
+      return blended<3>(m, s, c, r, at);
     default:
-      return blended<4>(m, s, c, r, t, x);
+      return blended<4>(m, s, c, r, at);
   }
 }
 

@@ -7,8 +7,6 @@
 #include "solver/state/solve.hpp"
 #include "solver/system/penalty.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,104 +25,189 @@ void add(Array& a, const Array& b) {
     a += b;
 }
 
-// With free rigid motions the state is the one of no mean motion, u - sum_i motion_i (gram^-1 moments)_i: the
-// derivative loses what it says about the motions, and with it the work that no support could take.
-Sensitivity balanced(const Model& m, Sensitivity dJ) {
+// What the derivative says about each rigid motion that the supports leave free.
+Eigen::VectorXd work_on_motions(const Model& m, const Sensitivity& dJ) {
   const Eigen::Index n = static_cast<Eigen::Index>(m.inner->floating.size());
-  if (n == 0) return dJ;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   Eigen::VectorXd work = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     Eigen::VectorXd motion = Eigen::VectorXd::Zero(m.inner->skeleton.total);
     motion.head(m.inner->skeleton.base) = trace(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating[i]);
     if (dJ.skeleton.size() > 0) work[i] += dJ.skeleton.dot(motion);
     if (dJ.interior.size() > 0)
-      for (Index t = 0; t < triangles; ++t)
+      for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
         work[i] += dJ.interior.col(t).dot(interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
                                                    trace_seen(m.mesh, m.inner->skeleton, motion, t)));
   }
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  std::vector<Fields> weights(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(n));
-  const bool means = m.element.displacement == 0;
-  for (Index t = 0; t < triangles; ++t) {
-    const Triangle shape = triangle(m, t);
-    const Points x = rule_points(m.inner->kernel.rule, shape);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      Fields& f = weights[static_cast<std::size_t>(t) * n + i];
-      f = {Eigen::Matrix4Xd::Zero(4, x.cols()), Points(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
-      for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const double w = area(shape) * m.inner->kernel.rule.w[q];
-        const Vec2 at = means ? centroid(shape) : Vec2(x.col(q));
-        f.displacement.col(q) = w * m.inner->floating[i].at(at);
-        for (Eigen::Index j = 0; j < n; ++j)
-          gram(i, j) += w * m.inner->floating[i].at(at).dot(m.inner->floating[j].at(at));
-      }
-    }
-  }
-  const Eigen::VectorXd share = gram.llt().solve(work);
+  return work;
+}
+
+// The derivative of int u . motion by the interior coefficients of t.
+Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion) {
+  const Kernel& k = m.inner->kernel;
+  const Triangle shape = triangle(m, t);
+  const Points x = rule_points(k.rule, shape);
+  Fields f{Eigen::Matrix4Xd::Zero(4, x.cols()), Points(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
+  for (Eigen::Index q = 0; q < x.cols(); ++q)
+    f.displacement.col(q) = area(shape) * k.rule.w[q] * motion.at(seen_at(k, shape, x.col(q)));
+  return weigh(k, shape, x, f);
+}
+
+// With free rigid motions the state is the one of no mean motion, u - sum_i motion_i (gram^-1 moments)_i: the
+// derivative loses what it says about the motions, and with it the work that no support could take.
+Sensitivity balanced(const Model& m, Sensitivity dJ) {
+  const std::vector<RigidMotion>& motions = m.inner->floating;
+  if (motions.empty()) return dJ;
+  const Eigen::VectorXd share = shares(m.mesh, m.inner->kernel, m.inner->skeleton, motions, work_on_motions(m, dJ));
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   if (dJ.interior.size() == 0) dJ.interior.setZero(interior_count(m.element), triangles);
-  for (Index t = 0; t < triangles; ++t) {
-    const Triangle shape = triangle(m, t);
-    const Points x = rule_points(m.inner->kernel.rule, shape);
-    for (Eigen::Index i = 0; i < n; ++i)
-      dJ.interior.col(t) -= share[i] * weigh(m.inner->kernel, shape, x, weights[static_cast<std::size_t>(t) * n + i]);
-  }
+  for (Index t = 0; t < triangles; ++t)
+    for (std::size_t i = 0; i < motions.size(); ++i)
+      dJ.interior.col(t) -= share[static_cast<Eigen::Index>(i)] * weigh_motion(m, t, motions[i]);
   return dJ;
 }
 
-// K mu = F on the rows that move, mu = jump on those that are held; `loads` as for a state. Stops at the relative
-// residual `enough`, or where the sweeps gain no more.
-Solved solve_tangent(const Condensation& condensed, UniformPressure& uniform, const Loads& loads,
-                     const Eigen::VectorXd& jump, const std::vector<bool>& held, double enough, TangentField& result) {
-  const Model& m = condensed.m;
-  const Index rows = m.inner->ordering.size, trailing = m.inner->ordering.trailing, leading = rows - trailing;
-  const bool penalized = m.inner->system.penalty > 0;
-  Solved next;
-  next.x.setZero(rows);
-  if (penalized) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  next.motion.resize(static_cast<std::size_t>(trailing));
-  for (Index i = 0; i < trailing; ++i) next.motion[i] = held[i] ? Motion::Held : Motion::Forward;
-  Eigen::VectorXd F = loads.F;
-  Solved best = next;
-  double least = std::numeric_limits<double>::infinity();
-  const int most_sweeps = penalized ? 40 : 4;
-  int without_gain = 0;
-  double scale = std::max(rows > 0 ? F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
-  if (!jump.isZero(0)) {
-    Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
-    given.tail(trailing) = jump;
-    scale = std::max(scale, multiply(m.inner->system.K, given).cwiseAbs().maxCoeff());
-  }
-  for (int sweep = 0; sweep < most_sweeps && rows > 0; ++sweep) {
+// A linear problem on the tangent cone: K x = F on the rows that move, x = jump on those that are held.
+struct Tangent {
+  const Condensation& condensed;
+  const std::vector<bool>& held;
+  Loads loads;  // as for a state
+  Eigen::VectorXd jump;
+};
+
+// The largest load, that of the given jumps included.
+double size_of_load(const Tangent& of) {
+  const Model& m = of.condensed.m;
+  const Index rows = m.inner->ordering.size;
+  const double scale = std::max(rows > 0 ? of.loads.F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
+  if (of.jump.isZero(0)) return scale;
+  Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
+  given.tail(of.jump.size()) = of.jump;
+  return std::max(scale, multiply(m.inner->system.K, given).cwiseAbs().maxCoeff());
+}
+
+// Stops at the relative residual `enough`, or where the iteration gains no more. Fills in all but forces and interior.
+PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double enough, TangentField& result) {
+  const Model& m = of.condensed.m;
+  const Index rows = m.inner->ordering.size, contact_rows = m.inner->ordering.contact_rows,
+              leading = rows - contact_rows;
+  const double scale = size_of_load(of);
+  const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    const bool first = s.x.size() == 0;
+    if (first) s.x.setZero(rows);
     Eigen::VectorXd rest = F;
-    if (sweep > 0) rest -= multiply(m.inner->system.K, next.x);
-    const Eigen::VectorXd to_go = sweep == 0 ? jump : Eigen::VectorXd::Zero(trailing).eval();
-    next.x += condensed.solve_frozen(rest, next.motion, &to_go);
-    for (Index i = 0; i < trailing; ++i)
-      if (held[i]) next.x[leading + i] = jump[i];
+    if (!first) rest -= multiply(m.inner->system.K, s.x);
+    const Eigen::VectorXd to_go = first ? of.jump : Eigen::VectorXd::Zero(contact_rows).eval();
+    s.x += of.condensed.solve_frozen(rest, s.motion, &to_go);
+    for (Index i = 0; i < contact_rows; ++i)
+      if (of.held[i]) s.x[leading + i] = of.jump[i];
     ++result.linear_solves;
-    if (penalized) {
-      uniform.correct(condensed, loads, next);
-      update_theta(m, loads, next);
-      F = right_hand_side(m, loads, next);
-    }
-    rest = F - multiply(m.inner->system.K, next.x);
-    next.force = Eigen::VectorXd::Zero(trailing);
-    for (Index i = 0; i < trailing; ++i)
-      if (held[i]) next.force[i] = -std::exchange(rest[leading + i], 0);
-    const double error = std::max(rest.cwiseAbs().maxCoeff() / scale, next.penalty_error);
-    const bool slow = error > 0.5 * least;
-    if (error < least) {
-      least = error;
-      best = next;
-    }
-    without_gain = slow ? without_gain + 1 : 0;
-    if (least <= enough || without_gain == (penalized && least > 1e-9 ? 6 : 1)) break;
-  }
-  result.residual = rows > 0 ? least : 0;
-  result.skeleton = spread(m, best.x, &loads.prescribed);
-  result.force.setZero(m.inner->skeleton.total);
+  };
+  const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    Eigen::VectorXd rest = F - multiply(m.inner->system.K, s.x);
+    s.force = Eigen::VectorXd::Zero(rows);
+    for (Index i = leading; i < rows; ++i)
+      if (of.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
+    s.certificate.residual = rest.cwiseAbs().maxCoeff() / scale;
+    s.certificate.kkt = std::max(s.certificate.residual, s.penalty_error);
+  };
+  PenaltyIterate start;
+  for (const bool held : of.held) start.motion.push_back(held ? Motion::Held : Motion::Forward);
+  const int most = m.inner->system.penalty > 0 ? 40 : 4;
+  PenaltyIterate best = start;
+  if (rows > 0)
+    best = iterate(of.condensed, of.loads, start, uniform, {solve, judge, most, enough});
+  else if (m.inner->system.penalty > 0)
+    best.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  result.residual = best.certificate.kkt;
+  result.skeleton = on_skeleton(m, best.x, &of.loads.prescribed);
   return best;
+}
+
+// The part of F on the free rows.
+Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton) {
+  Eigen::VectorXd rows(m.inner->ordering.size);
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (const Index row = m.inner->ordering.row[u]; row != none) rows[row] = skeleton[u];
+  return rows;
+}
+
+// Loads of the dual problem: derivatives by the skeleton, and those by the interior condensed onto it.
+Loads dual_loads(const Model& m, const Sensitivity& dJ) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const bool penalized = m.inner->system.penalty > 0;
+  Loads loads;
+  loads.prescribed.assign(static_cast<std::size_t>(m.inner->skeleton.total), 0);
+  loads.own.setZero(penalized ? triangles : 0);
+  Eigen::VectorXd on_skeleton =
+      dJ.skeleton.size() > 0 ? dJ.skeleton : Eigen::VectorXd::Zero(m.inner->skeleton.total).eval();
+  if (dJ.interior.size() > 0) {
+    Eigen::MatrixXd local(skeleton_count(m.element), triangles);
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const DualLoad load = condense_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                                            dJ.interior.col(t), {m.inner->system.penalty, 0});
+        local.col(t) = load.F;
+        if (penalized) loads.own[t] = load.own;
+      }
+    });
+    for (Index t = 0; t < triangles; ++t) {
+      const Seen view = seen(m.mesh, m.inner->skeleton, t);
+      for (int i = 0; i < view.count; ++i) {
+        on_skeleton[view.base[i]] += local(i, t);
+        if (view.jump[i] != none) on_skeleton[view.jump[i]] += local(i, t);
+      }
+    }
+  }
+  loads.F = on_rows(m, on_skeleton);
+  return loads;
+}
+
+// A derivative by the force of a held row prescribes minus its value as the dual jump.
+Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const std::vector<bool>& held) {
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(m.inner->ordering.contact_rows);
+  if (dJ.force.size() == 0) return jump;
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading && held[row - leading])
+      jump[row - leading] = -dJ.force[u];
+  return jump;
+}
+
+Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
+  return {m.inner->system.penalty, m.inner->system.penalty > 0 ? s.theta[t] : 0};
+}
+
+// Triangles beside an edge whose displacement is prescribed and not 0.
+std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& prescribed) {
+  std::vector<Index> beside;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
+    for (int k = 0; k < m.inner->skeleton.per_edge; ++k)
+      if (prescribed[edge_unknown(m.inner->skeleton, e) + k] != 0)
+        for (const Index t : m.mesh.sides[e])
+          if (t != none) beside.push_back(t);
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return beside;
+}
+
+// `load` less what the prescribed values do.
+Eigen::VectorXd less_prescribed(const Model& m, Eigen::VectorXd load, const std::vector<double>& values) {
+  Eigen::VectorXd prescribed = Eigen::VectorXd::Zero(m.inner->skeleton.total);
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (m.inner->skeleton.fixed[u]) prescribed[u] = values[u];
+  for (const Index t : beside_prescribed(m, prescribed)) {
+    const Condensed c =
+        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0});
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    SkeletonVector value(view.count);
+    for (int i = 0; i < view.count; ++i) value[i] = prescribed[view.base[i]];
+    const SkeletonVector force = c.K * value;
+    for (int i = 0; i < view.count; ++i) {
+      load[view.base[i]] -= force[i];
+      if (view.jump[i] != none) load[view.jump[i]] -= force[i];
+    }
+  }
+  return load;
 }
 
 }  // namespace
@@ -141,8 +224,8 @@ bool empty(const Sensitivity& s) {
 }
 
 std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
-  std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.trailing), ContactStatus::Open);
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     if (m.scene.laws[crack].kind != CrackLaw::Kind::Unilateral) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
@@ -173,58 +256,25 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
 }
 
 TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<bool>& held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.trailing)
+  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
     throw std::invalid_argument("solve_adjoint: one entry per row in contact is needed");
   const Sensitivity dJ = balanced(m, given);
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), rows = m.inner->ordering.size,
-              trailing = m.inner->ordering.trailing, leading = rows - trailing;
-  const bool penalized = m.inner->system.penalty > 0, loaded = dJ.interior.size() > 0;
-
-  Loads loads;
-  loads.prescribed.assign(static_cast<std::size_t>(m.inner->skeleton.total), 0);
-  Eigen::VectorXd on_skeleton =
-      dJ.skeleton.size() > 0 ? dJ.skeleton : Eigen::VectorXd::Zero(m.inner->skeleton.total).eval();
-  loads.own.setZero(penalized ? triangles : 0);
-  if (loaded) {
-    Eigen::MatrixXd local(skeleton_count(m.element), triangles);
-    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-      for (Index t = begin; t < end; ++t) {
-        const DualLoad load = condense_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                            dJ.interior.col(t), {m.inner->system.penalty, 0});
-        local.col(t) = load.F;
-        if (penalized) loads.own[t] = load.own;
-      }
-    });
-    for (Index t = 0; t < triangles; ++t) {
-      const Seen view = seen(m.mesh, m.inner->skeleton, t);
-      for (int i = 0; i < view.count; ++i) {
-        on_skeleton[view.base[i]] += local(i, t);
-        if (view.jump[i] != none) on_skeleton[view.jump[i]] += local(i, t);
-      }
-    }
-  }
-  loads.F.resize(rows);
-  Eigen::VectorXd jump = Eigen::VectorXd::Zero(trailing);
-  for (Index u = 0; u < m.inner->skeleton.total; ++u) {
-    const Index row = m.inner->ordering.row[u];
-    if (row == none) continue;
-    loads.F[row] = on_skeleton[u];
-    if (row >= leading && held[row - leading] && dJ.force.size() > 0) jump[row - leading] = -dJ.force[u];
-  }
-
   const Condensation condensed(m);
   UniformPressure uniform;
   TangentField adjoint;
-  const Solved best = solve_tangent(condensed, uniform, loads, jump, held, TangentSolver::to_rounding, adjoint);
+  const PenaltyIterate solution = solve_tangent({condensed, held, dual_loads(m, dJ), dual_jumps(m, dJ, held)}, uniform,
+                                                TangentSolver::to_rounding, adjoint);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  adjoint.force.setZero(m.inner->skeleton.total);
   adjoint.interior.resize(interior_count(m.element), triangles);
+  const bool loaded = dJ.interior.size() > 0;
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.element));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Penalty penalty{m.inner->system.penalty, penalized ? best.theta[t] : 0};
-      adjoint.interior.col(t) = interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                              loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
-                                              trace_seen(m.mesh, m.inner->skeleton, adjoint.skeleton, t), penalty);
-    }
+    for (Index t = begin; t < end; ++t)
+      adjoint.interior.col(t) =
+          interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                        loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
+                        trace_seen(m.mesh, m.inner->skeleton, adjoint.skeleton, t), penalty_of(m, solution, t));
   });
   return adjoint;
 }
@@ -250,65 +300,41 @@ struct TangentSolver::Impl {
 };
 
 TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.trailing)
+  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
     throw std::invalid_argument("TangentSolver: one entry per row in contact is needed");
   impl_ = std::make_unique<Impl>(Impl{Condensation(m), std::move(held)});
 }
 TangentSolver::~TangentSolver() = default;
 
 TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
-                           std::span<const Index> only) {
+                                  std::span<const Index> only) {
   const Model& m = impl_->condensed.m;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), trailing = m.inner->ordering.trailing,
-              leading = m.inner->ordering.size - trailing;
-  const bool penalized = m.inner->system.penalty > 0;
-  const auto given = [&](Index u) { return m.inner->skeleton.fixed[u] ? prescribed[u] : 0; };
-  Eigen::VectorXd F = load;
-  std::vector<Index> beside;  // triangles that see a value
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
-    for (int k = 0; k < m.inner->skeleton.per_edge; ++k)
-      if (given(edge_unknown(m.inner->skeleton, e) + k) != 0)
-        for (const Index t : m.mesh.sides[e])
-          if (t != none) beside.push_back(t);
-  std::sort(beside.begin(), beside.end());
-  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-  for (const Index t : beside) {
-    const Condensed c =
-        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0});
-    const Seen view = seen(m.mesh, m.inner->skeleton, t);
-    SkeletonVector value(view.count);
-    for (int i = 0; i < view.count; ++i) value[i] = given(view.base[i]);
-    const SkeletonVector force = c.K * value;
-    for (int i = 0; i < view.count; ++i) {
-      F[view.base[i]] -= force[i];
-      if (view.jump[i] != none) F[view.jump[i]] -= force[i];
-    }
-  }
-  Loads loads{Eigen::VectorXd(m.inner->ordering.size), Eigen::VectorXd::Zero(penalized ? triangles : 0), prescribed};
-  for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (m.inner->ordering.row[u] != none) loads.F[m.inner->ordering.row[u]] = F[u];
-  TangentField state;
-  const Solved best = solve_tangent(impl_->condensed, impl_->uniform, loads, Eigen::VectorXd::Zero(trailing),
-                                    impl_->held, enough, state);
-  for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
-    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading && best.force.size() > 0)
-      state.force[u] = best.force[row - leading];
-  state.interior.setZero(interior_count(m.element), triangles);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const Tangent tangent{impl_->condensed,
+                        impl_->held,
+                        {.F = on_rows(m, less_prescribed(m, load, prescribed)),
+                         .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
+                         .prescribed = prescribed},
+                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows)};
+  TangentField field;
+  const PenaltyIterate solution = solve_tangent(tangent, impl_->uniform, enough, field);
+  field.force = on_skeleton(m, solution.force, nullptr);
+  field.interior.setZero(interior_count(m.element), triangles);
   const auto fill = [&](Index t) {
-    const Penalty penalty{m.inner->system.penalty, penalized ? best.theta[t] : 0};
-    state.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
-                                     trace_seen(m.mesh, m.inner->skeleton, state.skeleton, t), penalty);
+    field.interior.col(t) =
+        interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
+                 trace_seen(m.mesh, m.inner->skeleton, field.skeleton, t), penalty_of(m, solution, t));
   };
   for (const Index t : only) fill(t);
   if (only.empty())
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) fill(t);
     });
-  return state;
+  return field;
 }
 
 TangentField solve_linear(const Model& m, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
-                   const std::vector<bool>& held) {
+                          const std::vector<bool>& held) {
   return TangentSolver(m, held).solve(load, prescribed);
 }
 

@@ -7,7 +7,6 @@
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -16,24 +15,8 @@ namespace kerf {
 
 namespace {
 
-// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief), on the
-// motions as the element's displacement sees them: their means when that is constant.
-void balance(const Mesh& mesh, const Kernel& k, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& work,
-             Scene& scene) {
-  const Eigen::Index n = work.size();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  const TriangleRule rule = triangle_rule(k.element.displacement == 0 ? 1 : 2);
-  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
-    const auto& v = mesh.triangles[t];
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
-      const Vec2 x = (1 - rule.x(0, q) - rule.x(1, q)) * mesh.points[v[0]] + rule.x(0, q) * mesh.points[v[1]] +
-                     rule.x(1, q) * mesh.points[v[2]];
-      for (Eigen::Index i = 0; i < n; ++i)
-        for (Eigen::Index j = 0; j < n; ++j)
-          gram(i, j) += area(mesh, t) * rule.w[q] * motions[i].at(x).dot(motions[j].at(x));
-    }
-  }
-  const Eigen::VectorXd share = gram.llt().solve(work);
+// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief).
+void balance(const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share, Scene& scene) {
   scene.body = [body = scene.body, motions, share](const Vec2& x) {
     Vec2 force = body ? body(x) : Vec2::Zero();
     for (Eigen::Index i = 0; i < share.size(); ++i) force -= share[i] * motions[i].at(x);
@@ -88,7 +71,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
                      "rotation";
   constexpr double exact = 1e-12;
   if (worst > exact) {
-    balance(mesh, k, motions, work, scene);
+    balance(motions, shares(mesh, k, s, motions, work), scene);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
   }
@@ -97,7 +80,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
 }
 
 // Symmetric stresses with P_3 traces do not see some combinations of traces at singular vertices: K is singular there,
-// consistently. A small shift makes it definite; the sweeps of the solve undo what else it does.
+// consistently. A small shift makes it definite; the iterations of the solve undo what else it does.
 LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   constexpr double shift = 1e-11;
   for (Index u = 0; u < s.total; ++u)
@@ -119,24 +102,25 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
-  Ordering ordering = order(mesh, skeleton, how.kept_edges);
+  Ordering ordering = order(mesh, skeleton, how.interface_edges);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
   if (mesh.triangles.size() > large) return_freed_memory();
   constexpr Index most_contact = 9000;  // half a minute and two gigabytes
-  if (ordering.trailing > most_contact)
+  if (ordering.contact_rows > most_contact)
     throw Error(
         Fault::Numerics,
         fmt::format("the cracks in contact have {} unknowns on their faces; at most {} can be solved for; use "
                     "longer edges there (mesh.size, mesh.crack_tip_size) or move the crack away from the side that "
                     "it nearly touches",
-                    ordering.trailing, most_contact));
+                    ordering.contact_rows, most_contact));
   ModelSeconds seconds;
   const double numbering = watch.lap();
-  System system = assemble(mesh, k, skeleton, scene, ordering, threads, how.plain);
+  System system = assemble({mesh, k, skeleton, scene, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !how.factorize             ? Factor(LowerTriangle{}, 0)
-                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.trailing)
-                                             : Factor(system.K, ordering.trailing, is_definite(e), ordering.kept);
+  Factor factor = !how.factorize ? Factor(LowerTriangle{}, 0)
+                  : !skeleton.unseen.empty()
+                      ? Factor(lifted(system.K, skeleton, ordering), ordering.contact_rows)
+                      : Factor(system.K, ordering.contact_rows, is_definite(e), ordering.interface_rows);
   seconds.factor = watch.lap();
   return {.mesh = std::move(mesh),
           .element = e,

@@ -189,9 +189,9 @@ struct Given {
 Given given_tractions(const Model& m, const Layout& layout) {
   const Skeleton& s = m.inner->skeleton;
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
-          std::vector<Index>(m.inner->ordering.trailing)};
+          std::vector<Index>(m.inner->ordering.contact_rows)};
   const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.scene);
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
     for (int i = 0; i < s.per_edge; ++i) {
       const Index u = edge_unknown(s, e) + i;
@@ -267,8 +267,8 @@ struct Solver {
   /// What the equations of the given tractions lack is the displacement there: on cracks left minus right.
   Response respond(const std::vector<Motion>& moving, const Eigen::VectorXd& force) {
     const Eigen::VectorXd x = solve(moving, force), rest = multiply(saddle.matrix, x) - saddle.load;
-    Response r{Eigen::VectorXd::Zero(m.inner->ordering.trailing), Eigen::VectorXd(m.inner->ordering.trailing)};
-    for (Index i = 0; i < m.inner->ordering.trailing; ++i) {
+    Response r{Eigen::VectorXd::Zero(m.inner->ordering.contact_rows), Eigen::VectorXd(m.inner->ordering.contact_rows)};
+    for (Index i = 0; i < m.inner->ordering.contact_rows; ++i) {
       const Index u = given.contact[i];
       if (moving[i] != Motion::Held) r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
       r.force[i] = -layout.share[u] * x[u];
@@ -375,7 +375,7 @@ void remove_motions(const Model& m, Field& state) {
 
 }  // namespace
 
-State solve_extended(const Model& m) {
+State solve_saddle_point(const Model& m) {
   State state;
   Stopwatch watch;
   const Layout layout = lay_out(m);
@@ -385,11 +385,11 @@ State solve_extended(const Model& m) {
   const std::vector<ContactPoint> points = contact_points(m);
   state.seconds.solve += watch.lap();
   Contact contact;
-  if (m.inner->ordering.trailing > 0) {
+  if (m.inner->ordering.contact_rows > 0) {
     const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) {
       return solver.respond(motion, force);
     };
-    contact = active_set({m.inner->ordering.trailing, respond}, points);
+    contact = active_set({m.inner->ordering.contact_rows, respond}, points);
     state.contact_iterations = contact.iterations;
     state.linear_solves = contact.solves;
     state.converged = contact.converged;
@@ -400,7 +400,7 @@ State solve_extended(const Model& m) {
   state.certificate = certify(solver, x, points, contact);
   state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
-    const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.trailing);
+    const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows);
     if (m.inner->ordering.row[u] != none && row >= 0)
       state.force[u] = -layout.share[given.contact[row]] * x[given.contact[row]];
   }

@@ -7,7 +7,6 @@
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -17,20 +16,24 @@ namespace kerf {
 
 namespace {
 
-// |K x - F| on the rows that no contact holds; the contact forces and how far they and the jumps are from the law.
-Certificate certify(const Condensation& condensed, Solved& s, const Eigen::VectorXd& F) {
+double size_of_load(const Model& m) {
+  return std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+}
+
+// The contact forces, |K x - F| on the rows that no contact holds, and how far jumps and forces are from the law.
+void certify(const Condensation& condensed, const Eigen::VectorXd& F, PenaltyIterate& s) {
   const Model& m = condensed.m;
-  const Index trailing = m.inner->ordering.trailing, leading = m.inner->ordering.size - trailing;
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
   const Eigen::VectorXd rest = multiply(m.inner->system.K, s.x) - F;
-  const double load = std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
-  Certificate c;
+  const double load = size_of_load(m);
+  Certificate& c = s.certificate;
   c.residual = leading > 0 ? rest.head(leading).cwiseAbs().maxCoeff() / load : 0;
   s.force = Eigen::VectorXd::Zero(m.inner->ordering.size);
   double law = 0;
-  if (trailing > 0) {
-    const Eigen::VectorXd force = rest.tail(trailing);
+  if (contact_rows > 0) {
+    const Eigen::VectorXd force = rest.tail(contact_rows);
     const Admissible allowed = admissible(condensed.points, force);
-    for (Index i = 0; i < trailing; ++i) {
+    for (Index i = 0; i < contact_rows; ++i) {
       if (s.motion[i] == Motion::Held)
         s.force[leading + i] = force[i];
       else
@@ -38,10 +41,9 @@ Certificate certify(const Condensation& condensed, Solved& s, const Eigen::Vecto
       if (s.motion[i] != Motion::Held)
         c.residual = std::max(c.residual, std::abs(force[i] - s.force[leading + i]) / load);
     }
-    law = optimality(condensed.points, s.x.tail(trailing), force, load);
+    law = optimality(condensed.points, s.x.tail(contact_rows), force, load);
   }
   c.kkt = std::max({c.residual, law, s.penalty_error});
-  return c;
 }
 
 // Jumps and forces of the whole sparse system for `active_set`.
@@ -53,36 +55,44 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
     const Eigen::VectorXd rest = multiply(condensed.m.inner->system.K, condensed.complete(y, jump)) - b;
     return {jump, rest.tail(jump.size())};
   };
-  return active_set({condensed.m.inner->ordering.trailing, respond}, condensed.points, guess);
+  return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
+}
+
+Contact contact_on(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& b,
+                   const Eigen::VectorXd& y, const std::vector<Motion>& guess) {
+  switch (method) {
+    case ContactMethod::DualQp:
+      return dual_qp(condensed.S, condensed.load(y), condensed.points, guess);
+    case ContactMethod::Uzawa:
+      return uzawa(condensed.S, condensed.load(y), condensed.points);
+    default:
+      return eliminate(condensed, b, y, guess);
+  }
 }
 
 // K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
-void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, Solved& s,
+void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, PenaltyIterate& s,
                    State& state) {
   const Model& m = condensed.m;
-  Stopwatch watch;
-  const Index trailing = m.inner->ordering.trailing;
+  const Index contact_rows = m.inner->ordering.contact_rows;
   // The correction solves for x as a whole on the rows in contact: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
-  if (guess) s.x.tail(trailing).setZero();
+  if (guess) s.x.tail(contact_rows).setZero();
   const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.inner->system.K, s.x)) : F;
   const Eigen::VectorXd y = m.inner->factor.forward(rest);
   ++state.linear_solves;
-  state.seconds.solve += watch.lap();
   Eigen::VectorXd correction;
-  if (trailing > 0) {
-    const Contact contact = method == ContactMethod::DualQp
-                                ? dual_qp(condensed.S, condensed.load(y), condensed.points, s.motion)
-                            : method == ContactMethod::Uzawa ? uzawa(condensed.S, condensed.load(y), condensed.points)
-                                                             : eliminate(condensed, rest, y, s.motion);
+  if (contact_rows > 0) {
+    Stopwatch watch;
+    const Contact contact = contact_on(condensed, method, rest, y, s.motion);
     if (method == ContactMethod::ActiveSet) state.linear_solves += contact.solves;
     s.motion = contact.motion;
     state.contact_iterations += contact.iterations;
     state.converged = contact.converged;
     state.seconds.contact += watch.lap();
     correction = condensed.complete(y, contact.jump);
-    for (Index i = 0; i < trailing; ++i)
-      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - trailing + i] = 0;
+    for (Index i = 0; i < contact_rows; ++i)
+      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - contact_rows + i] = 0;
   } else {
     correction = m.inner->factor.backward(y);
   }
@@ -90,33 +100,55 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     s.x += correction;
   else
     s.x = std::move(correction);
-  state.seconds.solve += watch.lap();
+}
+
+// What no residual in double precision can be expected to be smaller than.
+double rounding_of(const Model& m, const Eigen::VectorXd& x) {
+  if (m.inner->ordering.size == 0) return 0;
+  return std::numeric_limits<double>::epsilon() * multiply_absolute(m.inner->system.K, x).maxCoeff() / size_of_load(m);
+}
+
+void recover_interior(const Model& m, const PenaltyIterate& solution, State& state) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const double penalty = m.inner->system.penalty;
+  state.interior.resize(interior_count(m.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t)
+      state.interior.col(t) =
+          interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.inner->system, t),
+                   trace_seen(m.mesh, m.inner->skeleton, state.skeleton, t),
+                   {.a = penalty, .theta = penalty > 0 ? solution.theta[t] : 0});
+  });
+}
+
+// Takes the rigid motions out that the supports leave free.
+void remove_motions(const Model& m, State& state) {
+  const Eigen::VectorXd share = floating_shares(m, state);
+  for (Index i = 0; i < static_cast<Index>(m.inner->floating.size()); ++i)
+    state.skeleton.head(m.inner->skeleton.base) -=
+        share[i] * trace(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating[i]);
 }
 
 }  // namespace
 
 Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
   const Index n = static_cast<Index>(m.inner->floating.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  const Kernel& k = m.inner->kernel;
   Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(m, t);
-    const Points x = rule_points(m.inner->kernel.rule, shape), u = evaluate(m, s, t, x).displacement;
+    const Points x = rule_points(k.rule, shape), u = evaluate(m, s, t, x).displacement;
     for (Eigen::Index q = 0; q < x.cols(); ++q) {
-      const double w = area(shape) * m.inner->kernel.rule.w[q];
-      // The motion as the element's displacement sees it: its mean when that is constant.
-      const Vec2 at = m.element.displacement == 0 ? centroid(shape) : Vec2(x.col(q));
-      for (Index i = 0; i < n; ++i) {
-        moment[i] += w * u.col(q).dot(m.inner->floating[i].at(at));
-        for (Index j = 0; j < n; ++j) gram(i, j) += w * m.inner->floating[i].at(at).dot(m.inner->floating[j].at(at));
-      }
+      const double w = area(shape) * k.rule.w[q];
+      const Vec2 at = seen_at(k, shape, x.col(q));
+      for (Index i = 0; i < n; ++i) moment[i] += w * u.col(q).dot(m.inner->floating[i].at(at));
     }
   }
-  return gram.llt().solve(moment);
+  return shares(m.mesh, k, m.inner->skeleton, m.inner->floating, moment);
 }
 
 std::vector<ContactPoint> contact_points(const Model& m) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   std::vector<ContactPoint> points;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     const CrackLaw& law = m.scene.laws[crack];
@@ -153,82 +185,32 @@ void check_volume(const Model& m, double change, double largest_strain) {
 
 State solve(const Model& m, ContactMethod method) {
   State state;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  Solved solved;
-  if (m.inner->system.penalty > 0) solved.theta = Eigen::VectorXd::Zero(triangles);
-  Eigen::VectorXd F = m.inner->system.F;
   Stopwatch watch;
   const Condensation condensed(m);
-  const Loads loads = loads_of(m);
-  state.seconds.contact += watch.lap();
-  UniformPressure uniform;
-  // One solve, then sweeps that remove the residual: of rounding, and of the penalty when there is one. With a penalty
-  // F is as large as 1/a, so that the sweeps go on until rounding stops them; before they shrink the error they may
-  // raise it, while a pressure builds up or contacts change.
+  state.seconds.contact = watch.lap();
+  UniformPressure uniform{.must_fit = true};
+  const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    solve_contact(condensed, method, F, s, state);
+  };
+  const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) { certify(condensed, F, s); };
   const bool penalized = m.inner->system.penalty > 0;
-  const int most_sweeps = penalized ? 40 : 15;
-  const double good_enough = penalized ? 1e-16 : 1e-12;
-  Solved next = solved;
-  int without_gain = 0;
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    if (m.inner->ordering.size > 0) solve_contact(condensed, method, F, next, state);
-    watch.lap();
-    if (penalized) {
-      uniform.correct(condensed, loads, next);
-      if (uniform.level_open) check_volume(m, uniform.change_of_area, uniform.largest_strain);
-      update_theta(m, loads, next);
-      F = right_hand_side(m, loads, next);
-    }
-    if (m.inner->ordering.size == 0) {
-      solved = next;
-      if (!penalized) break;
-      continue;
-    }
-    const Certificate certificate = certify(condensed, next, F);
-    state.seconds.solve += watch.lap();
-    const bool better = sweep == 0 || certificate.kkt < state.certificate.kkt;
-    const bool slow = sweep > 0 && certificate.kkt > 0.5 * state.certificate.kkt;
-    if (better) {
-      solved = next;
-      state.certificate = certificate;
-    }
-    constexpr double settled = 1e-9;
-    without_gain = slow ? without_gain + 1 : 0;
-    const int patience = penalized && state.certificate.kkt > settled ? 6 : 1;
-    if (certificate.kkt <= good_enough || without_gain == patience) break;
-  }
-
-  state.linear_solves += uniform.solves;
+  const PenaltySteps steps{solve, judge, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12};
+  const double before = state.seconds.contact;
+  const PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);
   if (uniform.level_open)
     has_free_pressure(m.mesh, m.scene, m.inner->skeleton);  // an opening crack would have fixed it
-  watch.lap();
-  if (m.inner->ordering.size > 0) {
-    const double load = std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
-    state.certificate.rounding =
-        std::numeric_limits<double>::epsilon() * multiply_absolute(m.inner->system.K, solved.x).maxCoeff() / load;
-  }
-  state.skeleton = spread(m, solved.x, &m.inner->skeleton.prescribed);
-  state.force = spread(m, solved.force, nullptr);
-  state.interior.resize(interior_count(m.element), triangles);
-  const auto recover = [&] {
-    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-      for (Index t = begin; t < end; ++t) {
-        const Penalty penalty{m.inner->system.penalty, m.inner->system.penalty > 0 ? solved.theta[t] : 0};
-        state.interior.col(t) =
-            interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.inner->system, t),
-                     trace_seen(m.mesh, m.inner->skeleton, state.skeleton, t), penalty);
-      }
-    });
-  };
-  recover();
+
+  state.linear_solves += uniform.solves;
+  state.certificate = solution.certificate;
+  state.certificate.rounding = rounding_of(m, solution.x);
+  state.skeleton = on_skeleton(m, solution.x, &m.inner->skeleton.prescribed);
+  state.force = on_skeleton(m, solution.force, nullptr);
+  recover_interior(m, solution, state);
   if (!m.inner->floating.empty()) {
-    const Eigen::VectorXd share = floating_shares(m, state);
-    for (Index i = 0; i < static_cast<Index>(m.inner->floating.size()); ++i)
-      state.skeleton.head(m.inner->skeleton.base) -=
-          share[i] * trace(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating[i]);
-    recover();
+    remove_motions(m, state);
+    recover_interior(m, solution, state);
   }
-  state.seconds.solve += watch.lap();
+  state.seconds.solve = watch.lap() - (state.seconds.contact - before);
   return state;
 }
 

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// The points of all cracks in contact, by their rows counted from the first trailing one of Model::ordering.
+/// The points of all cracks in contact, by their rows counted from the first row in contact.
 std::vector<ContactPoint> contact_points(const Model& m);
 
 /// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond quadrature

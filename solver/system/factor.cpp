@@ -91,9 +91,9 @@ void return_freed_memory() {
 struct Factor::Impl {
   mutable Session session;
   cholmod_factor* factor = nullptr;
-  Index size = 0, trailing = 0, kept = 0;
+  Index size = 0;
   double entries = 0, flops = 0;
-  Eigen::MatrixXd trailing_factor, kept_factor;
+  Eigen::MatrixXd contact_factor, interface_factor;
   std::optional<Lu> lu;  // instead of a Cholesky factor
 
   ~Impl() {
@@ -140,15 +140,14 @@ struct Factor::Impl {
   }
 };
 
-Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite, Index kept)
+Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, Index interface_rows)
     : impl_(std::make_unique<Impl>()) {
   use_one_thread();
   impl_->size = lower.size;
-  impl_->trailing = trailing;
-  impl_->kept = kept;
   if (impl_->size == 0) return;
   if (!definite) {
-    if (trailing + kept > 0) throw std::invalid_argument("Factor: trailing columns need a definite matrix");
+    if (contact_rows + interface_rows > 0)
+      throw std::invalid_argument("Factor: rows in contact or on an interface need a definite matrix");
     impl_->lu.emplace(lower);
     return;
   }
@@ -161,7 +160,7 @@ Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite, Index 
   c.nrelax[0] = 1;
   c.nrelax[1] = 4;
   c.nrelax[2] = 12;
-  c.postorder = 0;  // `dissection` is a postorder already, and the trailing columns must stay where they are
+  c.postorder = 0;  // `dissection` is a postorder already, and the last rows must stay where they are
   cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
                           const_cast<double*>(lower.values.data()), -1);
   impl_->factor = cholmod_analyze(&a, &c);
@@ -175,8 +174,8 @@ Factor::Factor(const LowerTriangle& lower, Index trailing, bool definite, Index 
                                              impl_->factor->minor, impl_->size));
   if (!done || c.status != CHOLMOD_OK) out_of_memory();
   if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
-  impl_->kept_factor = impl_->last_block(trailing + kept);
-  impl_->trailing_factor = impl_->kept_factor.bottomRightCorner(trailing, trailing);
+  impl_->interface_factor = impl_->last_block(contact_rows + interface_rows);
+  impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
 }
 
 Factor::~Factor() = default;
@@ -201,16 +200,16 @@ Eigen::MatrixXd square(const Eigen::MatrixXd& l) {
 }
 }  // namespace
 
-Eigen::MatrixXd Factor::schur_complement() const {
-  return square(impl_->trailing_factor);
+Eigen::MatrixXd Factor::contact_complement() const {
+  return square(impl_->contact_factor);
 }
 
-Eigen::MatrixXd Factor::kept_complement() const {
-  return square(impl_->kept_factor);
+Eigen::MatrixXd Factor::interface_complement() const {
+  return square(impl_->interface_factor);
 }
 
-const Eigen::MatrixXd& Factor::kept_factor() const {
-  return impl_->kept_factor;
+const Eigen::MatrixXd& Factor::interface_factor() const {
+  return impl_->interface_factor;
 }
 
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
@@ -231,8 +230,8 @@ Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
   return backward(forward(b));
 }
 
-const Eigen::MatrixXd& Factor::trailing_factor() const {
-  return impl_->trailing_factor;
+const Eigen::MatrixXd& Factor::contact_factor() const {
+  return impl_->contact_factor;
 }
 
 double Factor::entries() const {

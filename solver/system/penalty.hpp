@@ -1,16 +1,20 @@
 #pragma once
-// One linear solve with the factor of the model, and the sweeps of the iterated penalty around it: what the state and
-// its adjoint share.
+// One linear solve with the factor of the model, and the penalty iteration around it: what the state and its adjoint
+// share.
 
 #include "solver/state/solve.hpp"
 
+#include <functional>
+
 namespace kerf {
 
-struct Solved {
-  Eigen::VectorXd x, force;    // per row; force on the rows in contact
+/// What one round of the penalty iteration gives.
+struct PenaltyIterate {
+  Eigen::VectorXd x, force;    // per row; forces of contact, 0 on the other rows
   std::vector<Motion> motion;  // per row in contact
   Eigen::VectorXd theta;       // per triangle, with a penalty
-  double penalty_error = 0;    // what the last sweep still changed in theta, relative
+  double penalty_error = 0;    // what this round still changed in theta, relative
+  Certificate certificate;
 };
 
 /// What acts besides the matrix: F without the penalty's share, per triangle the share of mean(tr s) that the loads
@@ -22,15 +26,15 @@ struct Loads {
 Loads loads_of(const Model& m);
 
 /// All skeleton unknowns from the free ones; the others as given, or 0.
-Eigen::VectorXd spread(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
+Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
 
 /// theta = a mean(tr s) of the present solution.
-void update_theta(const Model& m, const Loads& loads, Solved& s);
+void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);
 
 /// F with the penalty paid back.
-Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Solved& s);
+Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const PenaltyIterate& s);
 
-/// The rows in contact condensed: S once for all sweeps, and the two halves of a solve around them.
+/// The rows in contact condensed: S once for all iterations, and the two halves of a solve around them.
 struct Condensation {
   explicit Condensation(const Model& model);
   const Model& m;
@@ -48,10 +52,11 @@ struct Condensation {
                                const Eigen::VectorXd* held = nullptr) const;
 };
 
-/// The sweeps shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to change
-/// falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta response, with
-/// delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has no level of
-/// pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
+/// The iterations shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to
+/// change falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta
+/// response, with delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has
+/// no level of pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is
+/// then zero.
 struct UniformPressure {
   std::vector<Motion> motion;  // that the response was computed with
   Eigen::VectorXd response;    // of x to theta = 1
@@ -59,9 +64,25 @@ struct UniformPressure {
   bool level_open = false;     // the last solution leaves the level of pressure free
   double change_of_area = 0;   // that the boundary then asks for
   double largest_strain = 0;
+  bool must_fit = false;  // throw when that change is more than rounding
   int solves = 0;
 
-  void correct(const Condensation& condensed, const Loads& loads, Solved& s);
+  void correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s);
 };
+
+/// The two steps that differ between a state and its adjoint, and when to stop.
+struct PenaltySteps {
+  /// K x = F under the law of the rows in contact: from nothing while x is empty, then from the last x.
+  std::function<void(const Eigen::VectorXd& F, PenaltyIterate& s)> solve;
+  /// Forces, and the certificate of x under F.
+  std::function<void(const Eigen::VectorXd& F, PenaltyIterate& s)> certify;
+  int most = 0;       // rounds
+  double enough = 0;  // of Certificate::kkt
+};
+
+/// One solve, then rounds that remove the residual: of rounding, and of the penalty when there is one. Gives the best
+/// round; starts from the motions in `next`.
+PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
+                       const PenaltySteps& steps);
 
 }  // namespace kerf

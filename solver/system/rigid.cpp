@@ -1,6 +1,7 @@
 #include "solver/system/rigid.hpp"
 
 #include <fmt/core.h>
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
@@ -51,7 +52,7 @@ std::string describe(const RigidMotion& m) {
 
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which) {
-  Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
+  Vec2 low = Vec2::Constant(infinity), high = Vec2::Constant(-infinity);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (piece[t] == which)
       for (const Index v : mesh.triangles[t]) {
@@ -161,6 +162,27 @@ std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, co
     rows -= (rows * direction.transpose()) * direction;
   }
   return chosen;
+}
+
+Vec2 seen_at(const Kernel& k, const Triangle& t, const Vec2& x) {
+  return k.element.displacement == 0 ? centroid(t) : x;
+}
+
+Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                       const Eigen::VectorXd& moments) {
+  const Eigen::Index n = moments.size();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    const Triangle shape = triangle(mesh, s, t);
+    const Points x = rule_points(k.rule, shape);
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      const double w = area(shape) * k.rule.w[q];
+      const Vec2 at = seen_at(k, shape, x.col(q));
+      for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j) gram(i, j) += w * motions[i].at(at).dot(motions[j].at(at));
+    }
+  }
+  return gram.llt().solve(moments);
 }
 
 }  // namespace kerf

@@ -39,4 +39,12 @@ std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, co
 /// Trace values of a motion: per skeleton base unknown.
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion);
 
+/// The point at which the element's displacement sees a motion at x: x itself, the centroid when it is constant.
+Vec2 seen_at(const Kernel& k, const Triangle& t, const Vec2& x);
+
+/// Shares of the motions, as the element's displacement sees them, in the field that has the `moments` int u . motion:
+/// Gram matrix^-1 moments.
+Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                       const Eigen::VectorXd& moments);
+
 }  // namespace kerf

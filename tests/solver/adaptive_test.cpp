@@ -85,8 +85,8 @@ TEST(Adaptive, SaysWhyItStops) {
   EXPECT_EQ(few.stopped.rfind("stopped at max_triangles = 2000", 0), 0u) << few.stopped;
   EXPECT_LT(few.model.mesh.triangles.size(), 2600u);
   int asked = 0;
-  const Adapted once = solve_adaptively(s.shape, coarse, element("bdms"), s.scene, {.error = 1e-9},
-                                        [&](const Round&) { return ++asked < 2; });
+  const Adapted once = solve_adaptively(s.shape, coarse, element("bdms"), s.scene,
+                                        {.error = 1e-9, .go_on = [&](const Round&) { return ++asked < 2; }});
   EXPECT_EQ(once.stopped, "stopped on request");
   EXPECT_EQ(once.rounds.size(), 2u);
   try {

@@ -66,7 +66,7 @@ TEST(ContactMethods, GiveOneStateOnAGradedPartlyClosedCrack) {
   }
 }
 
-// The other elements with contact, nearly incompressible as well: the penalty's sweeps go through the same methods.
+// The other elements with contact, nearly incompressible as well: the penalty's iterations go through the same methods.
 TEST(ContactMethods, GiveOneStateForEveryElement) {
   for (const Element& e : elements) {
     if (!is_mixed(e) || e.at_vertices == AtVertices::Stress) continue;

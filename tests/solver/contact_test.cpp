@@ -367,10 +367,10 @@ TEST(Contact, AllMethodsAgreeOnAFactorizedBody) {
                                 return field.displacement(x, exact::side_of(field, x));
                               }});
   const Model m = prepare(exact::crack_mesh(32), element("bdms"), scene, 1);
-  const Problem p{m.inner->factor.schur_complement(),
-                  m.inner->factor.trailing_factor().triangularView<Eigen::Lower>() *
-                      m.inner->factor.forward(m.inner->system.F).tail(m.inner->ordering.trailing),
-                  normal_points(m.inner->ordering.trailing)};
+  const Problem p{m.inner->factor.contact_complement(),
+                  m.inner->factor.contact_factor().triangularView<Eigen::Lower>() *
+                      m.inner->factor.forward(m.inner->system.F).tail(m.inner->ordering.contact_rows),
+                  normal_points(m.inner->ordering.contact_rows)};
   expect_all_agree(p, 1e-10, "case III");
   const Contact c = dual_qp(p.S, p.r, p.points);
   EXPECT_LE(c.iterations, 4);
@@ -378,7 +378,7 @@ TEST(Contact, AllMethodsAgreeOnAFactorizedBody) {
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
     if (m.inner->skeleton.bounded[u]) {
       EXPECT_NEAR(s.skeleton[u],
-                  c.jump[m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.trailing)],
+                  c.jump[m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows)],
                   1e-11 * c.jump.maxCoeff());
     }
 }

@@ -112,12 +112,12 @@ Measured measure(const Body& b, double size) {
   Eigen::VectorXd ours(static_cast<Eigen::Index>(at.x.size())), better = ours;
   for (std::size_t i = 0; i < at.x.size(); ++i) {
     const auto value = [&](const Solved& of, Index t) {
-      return hole(recovered_at(of.model, of.state, of.corners, of.stress, t, at.x[i]));
+      return hole(recovered_at(of.model, of.state, of.corners, of.stress, {t, at.x[i]}));
     };
     ours[static_cast<Eigen::Index>(i)] = value(s, at.own[i]);
     better[static_cast<Eigen::Index>(i)] = value(fine, at.better[i]);
   }
-  const Spread bars = spread(corners, ours, better);
+  const ErrorBars bars = error_bars(corners, ours, better);
   std::vector<double> errors, widths;
   double covered = 0;
   const auto add = [&](const Vec2& x, int side, double value, double width) {
@@ -183,21 +183,21 @@ INSTANTIATE_TEST_SUITE_P(
         arc("c11_arc", pi / 4), arc("c11b_arc_shear", pi / 6)),
     [](const auto& info) { return info.param.name; });
 
-TEST(Spread, VanishesBetweenEqualSolutionsAndInterpolates) {
+TEST(ErrorBars, VanishesBetweenEqualSolutionsAndInterpolates) {
   const Mesh mesh = triangulate(straight("", exact::wave_field(0.3), 0, 1).shape, {.size = 0.3});
   const Corners c = split_at_cracks(mesh);
   const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(corners + triangles);
   const Eigen::VectorXd three = Eigen::VectorXd::Constant(corners + triangles, -3);
-  EXPECT_EQ(spread(c, three, three).at_corners.maxCoeff(), 0);
-  const Spread s = spread(c, zero, three);
+  EXPECT_EQ(error_bars(c, three, three).at_corners.maxCoeff(), 0);
+  const ErrorBars s = error_bars(c, zero, three);
   EXPECT_NEAR(s.at_centroids.minCoeff(), 4.5, 1e-12);
   EXPECT_NEAR(s.at_corners.maxCoeff(), 4.5, 1e-12);
-  EXPECT_NEAR(half_width_at(mesh, c, s, 0, centroid(mesh, 0), 3), 4.5, 1e-12);
-  EXPECT_NEAR(half_width_at(mesh, c, s, 0, centroid(mesh, 0), 0), 3.9, 1e-12);
+  EXPECT_NEAR(half_width_at(mesh, c, s, {0, centroid(mesh, 0)}, 3), 4.5, 1e-12);
+  EXPECT_NEAR(half_width_at(mesh, c, s, {0, centroid(mesh, 0)}, 0), 3.9, 1e-12);
 }
 
-TEST(Spread, KnowsABetterElementOrSaysThatThereIsNone) {
+TEST(ErrorBars, KnowsABetterElementOrSaysThatThereIsNone) {
   EXPECT_EQ(better_element(element("bdms")).degree, 2);
   EXPECT_EQ(better_element(element("bdms", 2)).degree, 3);
   EXPECT_EQ(better_element(element("peers")).degree, 1);

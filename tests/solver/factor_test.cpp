@@ -51,14 +51,14 @@ TEST(Factor, TrailingBlockIsTheFactorOfTheSchurComplement) {
   const Eigen::MatrixXd full = Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>();
   const Eigen::MatrixXd K = full.topLeftCorner(m, m), B = full.bottomLeftCorner(dense, m);
   const Eigen::MatrixXd schur = full.bottomRightCorner(dense, dense) - B * K.llt().solve(B.transpose());
-  EXPECT_LT((factor.schur_complement() - schur).norm(), 1e-13 * schur.norm());
+  EXPECT_LT((factor.contact_complement() - schur).norm(), 1e-13 * schur.norm());
 
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1, 2);
   EXPECT_LT((full * factor.solve(b) - b).norm(), 1e-12);
   EXPECT_LT((multiply(lower_triangle(lower), b) - full * b).norm(), 1e-13 * (full * b).norm());
   const Eigen::VectorXd y = factor.forward(b);
   const Eigen::VectorXd condensed = b.tail(dense) - B * K.llt().solve(b.head(m));
-  const Eigen::VectorXd found = factor.trailing_factor().triangularView<Eigen::Lower>() * y.tail(dense);
+  const Eigen::VectorXd found = factor.contact_factor().triangularView<Eigen::Lower>() * y.tail(dense);
   EXPECT_LT((found - condensed).norm(), 1e-13);
 }
 

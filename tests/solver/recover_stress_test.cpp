@@ -97,7 +97,7 @@ TEST_P(RecoverStress, ReproducesStressesOfTheElementUpToTheBoundary) {
   EXPECT_LT(e.corners, 1e-10);
   for (const Vec2& at : {Vec2(0.31, 0.77), Vec2(0.999, 0.001)}) {
     const Index t = locate(s.model.mesh, std::vector<Vec2>{at})[0];
-    EXPECT_LT((recovered_at(s.model, s.state, s.corners, r, t, at) - symmetric(field.stress(at, 0))).norm(), 1e-9);
+    EXPECT_LT((recovered_at(s.model, s.state, s.corners, r, {t, at}) - symmetric(field.stress(at, 0))).norm(), 1e-9);
   }
 }
 

@@ -115,7 +115,7 @@ TEST(Regions, EnclosedIncompressibleRegionInACompressibleBodyHasALevelOfPressure
   const Model m = prepare(layers(), element("bdms"), s, 1);
   EXPECT_FALSE(has_free_pressure(m.mesh, m.scene, m.inner->skeleton));
   const State found = solve(m),
-              reference = solve_extended(prepare(layers(), element("bdms"), s, 1, {.factorize = false}));
+              reference = solve_saddle_point(prepare(layers(), element("bdms"), s, 1, {.factorize = false}));
   EXPECT_TRUE(certified(found));
   EXPECT_LT((found.interior - reference.interior).cwiseAbs().maxCoeff(),
             1e-8 * reference.interior.cwiseAbs().maxCoeff());
@@ -234,7 +234,7 @@ TEST(Regions, SaddlePointAgrees) {
   const Inclusion i = inclusion(plane_strain(1, 0.3), plane_strain(10, 0.49));
   const Mesh mesh = i.mesh(0.25);
   const Model m = prepare(mesh, element("bdms"), i.scene, 1);
-  const State a = solve(m), b = solve_extended(prepare(mesh, element("bdms"), i.scene, 1, {.factorize = false}));
+  const State a = solve(m), b = solve_saddle_point(prepare(mesh, element("bdms"), i.scene, 1, {.factorize = false}));
   EXPECT_LT((a.interior - b.interior).cwiseAbs().maxCoeff(), 1e-9 * a.interior.cwiseAbs().maxCoeff());
   EXPECT_LT((a.skeleton - b.skeleton).cwiseAbs().maxCoeff(), 1e-9 * a.skeleton.cwiseAbs().maxCoeff());
 }

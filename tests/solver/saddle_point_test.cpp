@@ -57,10 +57,10 @@ Difference difference(const Model& m, const State& a, const State& b) {
 }
 
 Difference compare(const Model& m, const std::string& which) {
-  const State condensed = solve(m), extended = solve_extended(m);
+  const State condensed = solve(m), saddle = solve_saddle_point(m);
   EXPECT_TRUE(certified(condensed)) << which;
-  EXPECT_TRUE(certified(extended)) << which;
-  const Difference d = difference(m, condensed, extended);
+  EXPECT_TRUE(certified(saddle)) << which;
+  const Difference d = difference(m, condensed, saddle);
   return d;
 }
 
@@ -76,7 +76,7 @@ std::string describe(const Named& n) {
   return n.name + std::to_string(n.degree);
 }
 
-TEST(Extended, AgreesOnTheSmoothSolution) {
+TEST(SaddlePoint, AgreesOnTheSmoothSolution) {
   const Scene scene = scene_of(exact::wave_field(0.3), {0, 3});
   for (const Named& n : all) {
     const Model m = prepare(exact::unit_square_mesh(8, 0.2), element(n.name, n.degree), scene, 1);
@@ -85,7 +85,7 @@ TEST(Extended, AgreesOnTheSmoothSolution) {
   }
 }
 
-TEST(Extended, AgreesOnTheCrackCases) {
+TEST(SaddlePoint, AgreesOnTheCrackCases) {
   for (const Named& n : all)
     for (const char* which : {"I", "II", "III", "IV"})
       for (const int size : {8, 16}) {
@@ -98,8 +98,8 @@ TEST(Extended, AgreesOnTheCrackCases) {
       }
 }
 
-// The penalty sweeps against the saddle point, which needs none.
-TEST(Extended, NoDigitsAreLostTowardsIncompressibility) {
+// The penalty iterations against the saddle point, which needs none.
+TEST(SaddlePoint, NoDigitsAreLostTowardsIncompressibility) {
   for (const Named& n : all)
     for (const double rest : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0.0}) {
       const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 3});
@@ -111,7 +111,7 @@ TEST(Extended, NoDigitsAreLostTowardsIncompressibility) {
 
 // mean(tr s) = (integral of u.n)/(2 c |body|): towards nu = 1/2 rounding decides the level of pressure in either
 // formulation (less in the condensed one, which solves for it by itself); all else keeps its digits.
-TEST(Extended, EnclosedBodiesDifferByTheRoundingOfTheirPressure) {
+TEST(SaddlePoint, EnclosedBodiesDifferByTheRoundingOfTheirPressure) {
   for (const Named& n : {all[0], all[1], all[4], all[8]})
     for (const double rest : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 0.0}) {
       const Scene scene = scene_of(exact::wave_field(0.5 - rest), {0, 1, 2, 3});
@@ -144,7 +144,7 @@ const std::vector<Crack> kinked{{"kinked", {{-0.5, -0.2}, {0.1, 0}, {0.4, 0.4}},
 const std::vector<Crack> mouth{{"mouth", {{-1, 0.1}, {0.1, -0.1}}, {}}};
 const std::vector<Crack> crossing{{"one", {{-0.6, -0.1}, {0.6, 0.1}}, {}}, {"two", {{-0.1, -0.5}, {0.1, 0.5}}, {}}};
 
-TEST(Extended, AgreesOnCracksOfAnyShape) {
+TEST(SaddlePoint, AgreesOnCracksOfAnyShape) {
   for (const auto& cracks : {kinked, mouth, crossing}) {
     const Mesh mesh = square_with(cracks);
     for (const Named& n : all) {
@@ -156,7 +156,7 @@ TEST(Extended, AgreesOnCracksOfAnyShape) {
   }
 }
 
-TEST(Extended, AgreesOnEveryLaw) {
+TEST(SaddlePoint, AgreesOnEveryLaw) {
   using Kind = CrackLaw::Kind;
   const Mesh mesh = square_with(crossing);
   for (const CrackLaw& law : {CrackLaw{Kind::Open}, CrackLaw{Kind::Bonded}, CrackLaw{Kind::Unilateral, 0.3},
@@ -168,7 +168,7 @@ TEST(Extended, AgreesOnEveryLaw) {
     }
 }
 
-TEST(Extended, AgreesOnCracksInIncompressibleBodies) {
+TEST(SaddlePoint, AgreesOnCracksInIncompressibleBodies) {
   const Mesh mesh = square_with(crossing);
   for (const Named& n : {all[0], all[1], all[4], all[8]})
     for (const double c : {1e-7, 1e-12, 0.0}) {
@@ -180,7 +180,7 @@ TEST(Extended, AgreesOnCracksInIncompressibleBodies) {
     }
 }
 
-TEST(Extended, UnitsAndSmallTrianglesDoNotMatter) {
+TEST(SaddlePoint, UnitsAndSmallTrianglesDoNotMatter) {
   Mesh mesh = square_with(kinked, 0.3, 3e-4);
   for (Vec2& x : mesh.points) x *= 1e-3;
   Scene scene = pressed(1);
@@ -190,7 +190,7 @@ TEST(Extended, UnitsAndSmallTrianglesDoNotMatter) {
   EXPECT_LT(std::max(d.worst(), d.pressure), 1e-10);
 }
 
-TEST(Extended, RollersAndFloatingBodies) {
+TEST(SaddlePoint, RollersAndFloatingBodies) {
   const Mesh mesh = square_with(kinked);
   for (const Named& n : {all[0], all[1], all[3], all[8]}) {
     Scene rolling = pressed(1);
@@ -215,11 +215,11 @@ TEST(Extended, RollersAndFloatingBodies) {
   }
 }
 
-TEST(Extended, NeedsNoFactor) {
+TEST(SaddlePoint, NeedsNoFactor) {
   const Scene scene = scene_of(exact::crack_case("III"), {0, 1, 2, 3}, one_crack);
   const Model with = prepare(exact::crack_mesh(8), element("bdms"), scene, 1),
               without = prepare(exact::crack_mesh(8), element("bdms"), scene, 2, {.factorize = false});
-  const State a = solve_extended(with), b = solve_extended(without);
+  const State a = solve_saddle_point(with), b = solve_saddle_point(without);
   EXPECT_EQ(a.skeleton, b.skeleton);
   EXPECT_EQ(a.interior, b.interior);
   EXPECT_EQ(a.force, b.force);
@@ -227,7 +227,7 @@ TEST(Extended, NeedsNoFactor) {
 
 void expect_refusal(const Model& m, Fault fault, const std::string& part) {
   try {
-    solve_extended(m);
+    solve_saddle_point(m);
     FAIL() << "not refused: " << part;
   } catch (const Error& e) {
     EXPECT_EQ(e.fault, fault);
@@ -235,7 +235,7 @@ void expect_refusal(const Model& m, Fault fault, const std::string& part) {
   }
 }
 
-TEST(Extended, RefusesWhatItCannotDo) {
+TEST(SaddlePoint, RefusesWhatItCannotDo) {
   const Mesh mesh = exact::unit_square_mesh(4, 0.2);
   const Scene smooth = scene_of(exact::wave_field(0.3), {0, 3});
   expect_refusal(prepare(mesh, element("arnold-winther"), smooth, 1), Fault::Usage, "only 21 of 24 edge moments");

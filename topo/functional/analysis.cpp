@@ -59,7 +59,7 @@ double length_of(const Model& m, const Field& s) {
 std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<ContactStatus>& status,
                                               const Sensitivity& dJ) {
   std::vector<Index> unknowns;
-  const Index leading = m.inner->ordering.size - m.inner->ordering.trailing;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u];
     if (row >= leading && status[static_cast<std::size_t>(row - leading)] == ContactStatus::Biactive)

@@ -27,12 +27,12 @@ Oriented expand_at(const Analysis& a, const Functional& j, const Perturbation& p
   const Model& m = *a.model;
   PointValues v{.x = x,
                 .material = material_of(m.mesh, m.scene, t),
-                .stress = recovered_at(m, *a.state, f.corners, f.state, t, x)};
+                .stress = recovered_at(m, *a.state, f.corners, f.state, {t, x})};
   if (need.displacement) v.u = displacement_at(m, *a.state, t, x, true);
-  if (a.adjoint) v.dual = recovered_at(m, *a.adjoint, f.corners, *f.dual, t, x);
+  if (a.adjoint) v.dual = recovered_at(m, *a.adjoint, f.corners, *f.dual, {t, x});
   if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.recover_dual);
   if (a.measured) {
-    v.measured = recovered_at(*a.measured_model, *a.measured, f.corners, *f.measured, t, x);
+    v.measured = recovered_at(*a.measured_model, *a.measured, f.corners, *f.measured, {t, x});
     if (need.displacement) v.measured_u = displacement_at(*a.measured_model, *a.measured, t, x, true);
   }
   if (a.biactive) {
@@ -41,7 +41,7 @@ Oriented expand_at(const Analysis& a, const Functional& j, const Perturbation& p
     v.opening_u = Points::Zero(2, n);
     for (Eigen::Index k = 0; k < n; ++k) {
       const Field& y = a.biactive->response[static_cast<std::size_t>(k)];
-      v.openings.col(k) = recovered_at(m, y, f.corners, f.openings[static_cast<std::size_t>(k)], t, x);
+      v.openings.col(k) = recovered_at(m, y, f.corners, f.openings[static_cast<std::size_t>(k)], {t, x});
       if (need.displacement) v.opening_u.col(k) = displacement_at(m, y, t, x, true);
     }
   }

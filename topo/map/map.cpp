@@ -17,8 +17,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 std::shared_ptr<const MapFields> fields_of(const Analysis& a, const Corners& corners = {}) {
   return a.fields ? a.fields : recover_fields(a, corners);
 }
@@ -264,7 +262,7 @@ void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const
     });
     return value;
   };
-  const Spread bars = spread(own.corners, sampled(a, at.own), sampled(finer, at.better));
+  const ErrorBars bars = error_bars(own.corners, sampled(a, at.own), sampled(finer, at.better));
   map.lower = map.at_corners - bars.at_corners;
   map.upper = map.at_corners + bars.at_corners;
   std::vector<Vec2> x;
@@ -275,7 +273,7 @@ void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (where[i] == none || there[i] == none) continue;
     const double finest = expand_at(finer, j, r.perturbation, *finer.fields, need, there[i], x[i], closed).value;
-    const double half = half_width_at(m.mesh, own.corners, bars, where[i], x[i], points[i].value - finest);
+    const double half = half_width_at(m.mesh, own.corners, bars, {where[i], x[i]}, points[i].value - finest);
     points[i].lower = points[i].value - half;
     points[i].upper = points[i].value + half;
   }

@@ -40,10 +40,10 @@ std::optional<PointResponse> response_at(const Responses& r, const Vec2& x) {
   const Index t = locate(m.mesh, r.locator, x);
   if (t == none) return std::nullopt;
   PointResponse at{.material = material_of(m.mesh, m.scene, t),
-                   .stress = symmetric(recovered_at(m, *r.state, r.corners, r.stress, t, x))};
+                   .stress = symmetric(recovered_at(m, *r.state, r.corners, r.stress, {t, x}))};
   if (m.scene.body) at.removed.resize(static_cast<Eigen::Index>(r.dual.size()));
   for (std::size_t k = 0; k < r.dual.size(); ++k) {
-    at.dual.push_back(symmetric(recovered_at(m, r.dual[k], r.corners, r.dual_stress[k], t, x)));
+    at.dual.push_back(symmetric(recovered_at(m, r.dual[k], r.corners, r.dual_stress[k], {t, x})));
     if (m.scene.body)
       at.removed[static_cast<Eigen::Index>(k)] = m.scene.body(x).dot(displacement_at(m, r.dual[k], t, x, true));
   }

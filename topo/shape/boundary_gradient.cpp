@@ -46,7 +46,7 @@ class OnEdge {
     const double modulus = plane_modulus(material);
     const auto along = [&](const Mat2& s) { return tangent.dot(s * tangent); };
     const auto recovered = [&](const Model& model, const Field& s, const RecoveredStress& r) {
-      return along(symmetric(recovered_at(model, s, fields_->corners, r, t, x)));
+      return along(symmetric(recovered_at(model, s, fields_->corners, r, {t, x})));
     };
     const Vec2 force = m.scene.body ? m.scene.body(x) : Vec2::Zero();
     const bool loaded = !force.isZero(0);

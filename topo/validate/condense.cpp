@@ -24,22 +24,23 @@ CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const s
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
   for (const Index e : kept) edges.push_back(of_whole[e]);
   p.ordering = order(p.part.mesh, p.skeleton, edges);
-  p.system = assemble(p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true);
+  p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
   LowerTriangle& K = p.system.K;
-  const Index first = K.size - p.ordering.kept;
+  const Index first = K.size - p.ordering.interface_rows;
   for (Index r = first; r < K.size; ++r) p.shift = std::max(p.shift, K.values[K.start[r]]);
   for (Index r = first; r < K.size; ++r) K.values[K.start[r]] += p.shift;
-  p.factor = Factor(K, 0, true, p.ordering.kept);
-  p.K = p.factor.kept_complement();
+  p.factor = Factor(K, 0, true, p.ordering.interface_rows);
+  p.K = p.factor.interface_complement();
   p.K.diagonal().array() -= p.shift;
-  p.load = p.factor.kept_factor().triangularView<Eigen::Lower>() * p.factor.forward(p.system.F).tail(p.ordering.kept);
+  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() *
+           p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
   return p;
 }
 
 Eigen::VectorXd complete(const CondensedPiece& p, const Eigen::VectorXd& kept, bool body) {
   Eigen::VectorXd y = body ? p.factor.forward(p.system.F) : Eigen::VectorXd::Zero(p.ordering.size).eval();
-  y.tail(kept.size()) = p.factor.kept_factor().triangularView<Eigen::Lower>().transpose() * kept;
+  y.tail(kept.size()) = p.factor.interface_factor().triangularView<Eigen::Lower>().transpose() * kept;
   const Eigen::VectorXd x = p.factor.backward(y);
   Eigen::VectorXd all = Eigen::VectorXd::Zero(p.skeleton.total);
   for (Index u = 0; u < p.skeleton.total; ++u)

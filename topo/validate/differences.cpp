@@ -68,15 +68,15 @@ Differences::Differences(const Analysis& a, const Functional& j, const Perturbat
     auto body = std::make_unique<Body>();
     body->model = m;
     body->state = s;
-    if (m->inner->system.penalty > 0 || m->inner->ordering.kept == 0) {
+    if (m->inner->system.penalty > 0 || m->inner->ordering.interface_rows == 0) {
       Preparation plain = how;
       plain.plain = true;
       body->plain =
           std::make_unique<Model>(prepare(m->mesh, m->inner->kernel.element, floored(m->scene), m->threads, plain));
     }
     const Model& o = body->operators();
-    body->W = o.inner->factor.kept_complement();
-    const Index trailing = o.inner->ordering.trailing, leading = o.inner->ordering.size - trailing;
+    body->W = o.inner->factor.interface_complement();
+    const Index trailing = o.inner->ordering.contact_rows, leading = o.inner->ordering.size - trailing;
     body->status = contact_status(*m, *s);
     body->jump.resize(trailing);
     body->force.resize(trailing);
@@ -123,8 +123,8 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
                          0.5 * (high - low).maxCoeff(), at, static_cast<Eigen::Index>(solved[b].size())});
   }
   if (columns.empty()) return;
-  const Eigen::Index count = static_cast<Eigen::Index>(columns.size()), kept = o.inner->ordering.kept,
-                     contact = o.inner->ordering.trailing, terms = static_cast<Eigen::Index>(j_.terms.size());
+  const Eigen::Index count = static_cast<Eigen::Index>(columns.size()), kept = o.inner->ordering.interface_rows,
+                     contact = o.inner->ordering.contact_rows, terms = static_cast<Eigen::Index>(j_.terms.size());
   {
     Eigen::MatrixXd tail(kept + contact, count), y = Eigen::MatrixXd::Zero(o.inner->ordering.size, count);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -133,7 +133,7 @@ void Differences::outside(std::vector<std::vector<Solved>>& solved) {
       tail.col(k) << rest.head(c.begin), c.of->changes[0].ball, rest.tail(rest.size() - c.begin),
           c.of->changes[0].contact;
     }
-    y.bottomRows(tail.rows()) = o.inner->factor.kept_factor().triangularView<Eigen::Lower>().transpose() * tail;
+    y.bottomRows(tail.rows()) = o.inner->factor.interface_factor().triangularView<Eigen::Lower>().transpose() * tail;
     far_ = o.inner->factor.backward(y);
   }
   for (Eigen::Index k = 0; k < count; ++k) columns[static_cast<std::size_t>(k)].of->column = k;
@@ -206,7 +206,8 @@ std::vector<Differences::Solved> Differences::solve(std::size_t ball, const Ball
   for (const auto& b : bodies_) {
     if (b->ball == ball) continue;
     b->ball = ball;
-    const Eigen::Index kept = b->operators().inner->ordering.kept, contact = b->operators().inner->ordering.trailing,
+    const Eigen::Index kept = b->operators().inner->ordering.interface_rows,
+                       contact = b->operators().inner->ordering.contact_rows,
                        begin = static_cast<Eigen::Index>(ball) * nb;
     std::vector<Eigen::Index> mine, rest;
     for (Eigen::Index i = 0; i < kept; ++i) (i >= begin && i < begin + nb ? mine : rest).push_back(i);
@@ -360,7 +361,7 @@ Difference Differences::finish(std::size_t ball, Solved& of, Field& near) const 
     for (Index u = 0; u < m.inner->skeleton.total; ++u) {
       if (o.row[u] == none) continue;
       near.skeleton[u] = far_(o.row[u], of.column);
-      if (const Index trailing = o.row[u] - (o.size - o.trailing); trailing >= 0) near.force[u] = c.push[trailing];
+      if (const Index trailing = o.row[u] - (o.size - o.contact_rows); trailing >= 0) near.force[u] = c.push[trailing];
     }
     const Scene scene = floored(m.scene);
     add_fields(near, *of.annulus, complete(*of.annulus, edges, false), m.inner->kernel, scene);

@@ -21,7 +21,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int around = 64;  // edges around a ball and a hole
 // Relative error of D that the polygon and the mesh around it leave, whatever the radius; measured.
 double plateau_of(const Element& e, const Perturbation& p) {
@@ -125,7 +124,7 @@ Batch mesh_batch(const Shape& shape, const Sizing& sizing, const std::vector<Sit
   return b;
 }
 
-std::vector<Index> kept_edges(const Filled& f) {
+std::vector<Index> interface_edges(const Filled& f) {
   std::vector<Index> edges;
   for (const auto& contours : f.contour) edges.insert(edges.end(), contours[0].begin(), contours[0].end());
   return edges;
@@ -149,7 +148,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
                     std::vector<Validation>& results) {
   const Batch batch = mesh_batch(shape, sizing, sites, r.perturbation, angle);
   const Filled& f = batch.filled;
-  const Preparation how{.kept_edges = kept_edges(f)};
+  const Preparation how{.interface_edges = interface_edges(f)};
   const Model model = prepare(f.mesh, e, scene, r.threads, how);
   require_supports(j, model);
   const State state = solve(model);

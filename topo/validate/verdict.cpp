@@ -11,8 +11,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 struct Fit {
   double intercept = nan, c2 = nan, c3 = nan;
 };

@@ -1,0 +1,121 @@
+#include "solver/stress.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace kerf {
+
+namespace {
+
+using Vertices = std::set<Index>;
+
+// The vertex at which an edge of a crack begins on the crack's path, and the one at which it ends.
+Index start_of(const Mesh& mesh, const CrackEdge& c) {
+  return mesh.edges[c.edge][c.forward ? 0 : 1];
+}
+Index end_of(const Mesh& mesh, const CrackEdge& c) {
+  return mesh.edges[c.edge][c.forward ? 1 : 0];
+}
+
+void add_junctions(const Mesh& mesh, Vertices& vertices) {
+  std::vector<Index> crack_at(mesh.points.size(), none);
+  for (std::size_t number = 0; number < mesh.cracks.size(); ++number)
+    for (const CrackEdge& c : mesh.cracks[number])
+      for (const Index v : mesh.edges[c.edge]) {
+        if (crack_at[v] != none && crack_at[v] != static_cast<Index>(number)) vertices.insert(v);
+        crack_at[v] = static_cast<Index>(number);
+      }
+}
+
+void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices) {
+  constexpr double kink = 0.05;  // radians
+  for (std::size_t number = 0; number < mesh.cracks.size(); ++number) {
+    const auto& crack = mesh.cracks[number];
+    if (crack.empty()) continue;
+    vertices.insert(start_of(mesh, crack.front()));
+    vertices.insert(end_of(mesh, crack.back()));
+    if (scene.laws[number].normal) continue;  // a curve
+    for (std::size_t i = 1; i < crack.size(); ++i) {
+      const Index v = start_of(mesh, crack[i]);
+      const Vec2 before = mesh.points[v] - mesh.points[start_of(mesh, crack[i - 1])];
+      const Vec2 after = mesh.points[end_of(mesh, crack[i])] - mesh.points[v];
+      if (std::abs(std::atan2(cross(before, after), before.dot(after))) > kink) vertices.insert(v);
+    }
+  }
+}
+
+void add_corners_between_materials(const Mesh& mesh, Vertices& vertices) {
+  if (mesh.region.empty()) return;
+  constexpr double straight = -0.94;  // cosine of 160 degrees; polygonal arcs turn by less per vertex
+  std::vector<std::vector<Vec2>> interfaces(mesh.points.size());
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (is_interface(mesh, e))
+      for (int end = 0; end < 2; ++end)
+        interfaces[mesh.edges[e][end]].push_back((end == 0 ? 1 : -1) * tangent(mesh, e));
+  for (std::size_t v = 0; v < interfaces.size(); ++v)
+    if (interfaces[v].size() == 2 && interfaces[v][0].dot(interfaces[v][1]) > straight)
+      vertices.insert(static_cast<Index>(v));
+}
+
+// The angle that the triangles fill around every vertex.
+std::vector<double> angles(const Mesh& mesh) {
+  std::vector<double> angle(mesh.points.size(), 0);
+  for (const auto& t : mesh.triangles)
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 a = mesh.points[t[(i + 1) % 3]] - mesh.points[t[i]],
+                 b = mesh.points[t[(i + 2) % 3]] - mesh.points[t[i]];
+      angle[t[i]] += std::atan2(cross(a, b), a.dot(b));
+    }
+  return angle;
+}
+
+// Reentrant corners, and where the two edges of the boundary are not held in the same way.
+void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
+  constexpr double reentrant = 200 * std::numbers::pi / 180;  // polygonal arcs turn by less per vertex
+  const Mesh& mesh = model.mesh;
+  const std::vector<double> angle = angles(mesh);
+  std::vector<int> held(mesh.points.size(), -1);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    int kind = 0;  // which components are held
+    for (const Support& support : model.scene.supports)
+      if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
+    for (const Index v : mesh.edges[e]) {
+      if (angle[v] > reentrant || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
+      held[v] = kind;
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::Vector3d symmetric_part(const Eigen::Vector4d& s) {
+  return {s[0], s[3], 0.5 * (s[1] + s[2])};
+}
+
+// 4 mu c = 1 - 2 nu in plane strain.
+double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s) {
+  const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
+  const double share = plane_strain ? 4 * m.mu * m.c : 1;
+  return std::sqrt(share * share * mean * mean + 3 * (difference * difference + shear * shear));
+}
+
+PrincipalStresses principal_stresses(const Eigen::Vector4d& s) {
+  const double shear = 0.5 * (s[1] + s[2]), mean = 0.5 * (s[0] + s[3]);
+  const double radius = std::hypot(0.5 * (s[0] - s[3]), shear);
+  return {mean + radius, mean - radius};
+}
+
+std::vector<Vec2> singular_points(const Model& model) {
+  Vertices vertices;
+  add_junctions(model.mesh, vertices);
+  add_ends_and_kinks(model.mesh, model.scene, vertices);
+  add_corners_between_materials(model.mesh, vertices);
+  add_corners_and_ends_of_supports(model, vertices);
+  std::vector<Vec2> points;
+  for (const Index v : vertices) points.push_back(model.mesh.points[v]);
+  return points;
+}
+
+}  // namespace kerf
