@@ -16,12 +16,10 @@ namespace kerf {
 
 namespace {
 
+/// The first value of t for x that comes after `after` on the way of the arc.
 double parameter(const Arc& arc, const Vec2& x, double after) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double whole = cross(p, q), t = std::atan2(cross(p, d) / whole, cross(d, q) / whole);
   const double turn = 2 * std::numbers::pi, sign = arc.to < arc.from ? -1 : 1;
-  // The first value of t that comes after `after` on the way of the arc.
-  const double ahead = sign * (t - after) / turn;
+  const double ahead = sign * (parameter(arc, x) - after) / turn;
   return after + sign * turn * (ahead - std::floor(ahead));
 }
 
@@ -274,9 +272,8 @@ void note_labels(const Shape& frame, const Shape& shape, const Carving& how, std
       for (std::size_t i = 0; i < loop.sides.size(); ++i) {
         const Side& side = loop.sides[i];
         if (side.label == none) continue;
-        length[std::size_t(side.label)] += side.arc
-                                               ? largest_radius(*side.arc) * std::abs(side.arc->to - side.arc->from)
-                                               : (loop.sides[(i + 1) % loop.sides.size()].start - side.start).norm();
+        length[std::size_t(side.label)] +=
+            side.arc ? kerf::length(*side.arc) : (loop.sides[(i + 1) % loop.sides.size()].start - side.start).norm();
       }
     };
     add(s.outline);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace kerf {
@@ -32,9 +31,7 @@ bool on_boundary(const Mesh& mesh, Index edge) {
 }  // namespace
 
 Vec2 onto(const Arc& arc, const Vec2& x) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double whole = cross(p, q);
-  return at(arc, std::atan2(cross(p, d) / whole, cross(d, q) / whole));
+  return at(arc, parameter(arc, x));
 }
 
 Rim find_rim(const Shape& frame, const Mesh& mesh) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace kerf {
@@ -21,10 +20,9 @@ struct Path {
 
 /// Turning angle from the start of the arc to the point's direction, along the arc.
 double turned(const Arc& arc, const Vec2& x) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
+  const double turn = arc.to - arc.from;
   // Near the start a hair before it, not a whole turn after it.
-  const double ahead = std::remainder(t - arc.from - turn / 2, 2 * std::numbers::pi) + turn / 2;
+  const double ahead = beyond_middle(arc, x) + turn / 2;
   return turn < 0 ? -ahead : ahead;
 }
 

@@ -99,7 +99,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const
         const Target& target = targets.all[std::size_t(t)];
         const Strand& other = drawing.strands[std::size_t(target.strand)];
         const Vec2 d = target.b - target.a;
-        const double s = std::clamp((x - target.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+        const double s = foot(x, target.a, target.b);
         const Vec2 y = target.a + s * d;
         const double width = (y - x).norm();
         if (!(width < best.width) || width == 0) continue;

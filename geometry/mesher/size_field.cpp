@@ -101,10 +101,10 @@ double background_at(const SizeField& field, const Vec2& x) {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& v = mesh.triangles[std::size_t(t)];
       const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];
-      const Vec2 foot = a + std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a);
-      if ((foot - x).squaredNorm() >= least) continue;
-      least = (foot - x).squaredNorm();
-      y = foot;
+      const Vec2 nearest = a + foot(x, a, b) * (b - a);
+      if ((nearest - x).squaredNorm() >= least) continue;
+      least = (nearest - x).squaredNorm();
+      y = nearest;
     }
   }
   const auto& [a, b, c] = mesh.triangles[std::size_t(t)];
@@ -133,7 +133,7 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
   const double product = std::abs(determinant(arc));
   const auto wanted = [&](double s) {
     const double t = arc.from + s * (arc.to - arc.from);
-    const double v = (arc.axes * Vec2(-std::sin(t), std::cos(t))).norm();
+    const double v = velocity(arc, t).norm();
     return 2 * std::numbers::pi / 32 * v * v * v / product;
   };
   // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.

@@ -38,10 +38,8 @@ Meeting meeting(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, doub
     result.how = near > 1 ? How::Overlaps : How::Touches;
     return result;
   }
-  const double ca = cross(d - c, a - c), cb = cross(d - c, b - c);
-  const double ac = cross(b - a, c - a), ad = cross(b - a, d - a);
-  if ((ca > 0) == (cb > 0) || (ac > 0) == (ad > 0)) return {};
-  return {How::Crosses, a + ca / (ca - cb) * (b - a)};
+  if (const auto part = crossing(a, b, c, d)) return {How::Crosses, a + *part * (b - a)};
+  return {};
 }
 
 /// Two pieces o-a and o-b: they overlap when the shorter one lies on the other, or makes an angle of less than 1e-5
@@ -119,9 +117,7 @@ double sagitta(const Strand& strand, double from, double to) {
 }
 
 double separation(const Chord& p, const Chord& q) {
-  const double ca = cross(q.b - q.a, p.a - q.a), cb = cross(q.b - q.a, p.b - q.a);
-  const double ac = cross(p.b - p.a, q.a - p.a), ad = cross(p.b - p.a, q.b - p.a);
-  if ((ca > 0) != (cb > 0) && (ac > 0) != (ad > 0)) return 0;
+  if (crossing(p.a, p.b, q.a, q.b)) return 0;
   return std::min({distance(p.a, q.a, q.b), distance(p.b, q.a, q.b), distance(q.a, p.a, p.b), distance(q.b, p.a, p.b)});
 }
 
@@ -161,22 +157,16 @@ Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Sh
 /// Whether what touches a loop at a corner or at the end of a piece passes through it: some of it lies on either side.
 bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, const Strand& other,
             const Vec2& contact) {
-  const auto inside = [&](const Vec2& x) {
-    bool odd = false;
-    for (const Piece& piece : pieces.pieces) {
-      if (!of_one(drawing.strands[std::size_t(piece.strand)], loop)) continue;
-      const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
-      if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        odd = !odd;
-    }
-    return odd;
-  };
+  std::vector<std::array<Vec2, 2>> sides;
+  for (const Piece& piece : pieces.pieces)
+    if (of_one(drawing.strands[std::size_t(piece.strand)], loop))
+      sides.push_back({pieces.points[std::size_t(piece.a)], pieces.points[std::size_t(piece.b)]});
   int within = 0, beyond = 0;
   for (const Strand& strand : drawing.strands) {
     if (!of_one(strand, other)) continue;
     for (int i = 0; i < 8; ++i) {
       const Vec2 x = point(drawing, strand, (i + 0.5) / 8);
-      if ((x - contact).norm() > 1e-3 * drawing.extent) ++(inside(x) ? within : beyond);
+      if ((x - contact).norm() > 1e-3 * drawing.extent) ++(inside(sides, x) ? within : beyond);
     }
   }
   return within > 0 && beyond > 0;

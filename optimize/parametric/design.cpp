@@ -137,7 +137,7 @@ std::pair<Index, double> place_on(const std::vector<Vec2>& points, bool closed, 
     if (i > 0 && away >= least) continue;
     least = away;
     best = i;
-    part = std::clamp((y - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    part = foot(y, a, b);
   }
   return {best, part};
 }
