@@ -2,12 +2,12 @@
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
+#include "geometry/plane.hpp"
 #include "io/validation.hpp"
 #include "kerf/fracture.hpp"
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 namespace kerf {
@@ -161,8 +161,7 @@ std::vector<Vec2> singular_points(const Model& model) {
     for (const Support& support : model.scene.supports)
       if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
     for (const Index v : mesh.edges[e]) {
-      constexpr double reentrant = 200 * std::numbers::pi / 180;  // polygonal arcs turn by less per vertex
-      if (angle[v] > reentrant || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
+      if (angle[v] > reentrant_angle || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
       held[v] = kind;
     }
   }

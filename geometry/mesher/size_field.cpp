@@ -122,6 +122,7 @@ bool beside_kept(const SizeField& field, const Vec2& x, double distance) {
 }
 
 constexpr double degree = std::numbers::pi / 180;
+constexpr double corner_turn = reentrant_angle - std::numbers::pi;
 
 double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
   return std::atan2(cross(in, out), in.dot(out));
@@ -251,7 +252,7 @@ std::vector<bool> reentrant_corners(const Drawing& drawing) {
       const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
       if (before.smooth && strand.smooth) continue;
       reentrant[std::size_t(strand.from)] =
-          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
+          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -corner_turn;
     }
   return reentrant;
 }
@@ -327,7 +328,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   for (const Strand& s : drawing.strands) {
     if (s.region == none) continue;
     const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
-    if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > 10 * degree)
+    if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > corner_turn)
       ask(s.from, mild, shortest[std::size_t(s.from)] / 2);
   }
   std::vector<bool> reentrant = reentrant_corners(drawing);

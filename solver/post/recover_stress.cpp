@@ -1,6 +1,7 @@
 #include "solver/recover_stress.hpp"
 #include "solver/recovery.hpp"
 
+#include "geometry/plane.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
@@ -8,7 +9,6 @@
 #include "solver/polynomial.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -372,9 +372,7 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
                  b = mesh.points[v[(i + 2) % 3]] - mesh.points[v[i]];
       angle[c.of[t][i]] += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
     }
-  constexpr double little = 0.3;
-  for (std::size_t i = 0; i < angle.size(); ++i)
-    result[i] = angle[i] > std::numbers::pi + little || changes[c.vertex[i]];
+  for (std::size_t i = 0; i < angle.size(); ++i) result[i] = angle[i] > reentrant_angle || changes[c.vertex[i]];
   return result;
 }
 
