@@ -51,6 +51,8 @@ std::vector<Vec2> points_on(const Arc& arc, int n);  // n + 1 at even steps of t
 /// t of the point of the whole circle or ellipse on the ray from its center to x, up to whole turns.
 double parameter(const Arc& arc, const Vec2& x);
 
+Vec2 onto(const Arc& arc, const Vec2& x);  // that point
+
 /// The same for a circle, less t of the middle of the arc: at most half a turn.
 double beyond_middle(const Arc& arc, const Vec2& x);
 

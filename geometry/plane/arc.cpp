@@ -42,6 +42,10 @@ double parameter(const Arc& arc, const Vec2& x) {
   return std::atan2(cross(p, d) / whole, cross(d, q) / whole);
 }
 
+Vec2 onto(const Arc& arc, const Vec2& x) {
+  return at(arc, parameter(arc, x));
+}
+
 double beyond_middle(const Arc& arc, const Vec2& x) {
   const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
   const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
