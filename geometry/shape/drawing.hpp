@@ -72,9 +72,9 @@ struct Gaps {
   double loop, crack;
 };
 
-/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces that share a point may meet there.
-/// `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
-std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
-                                        const Gaps& gaps, bool curved);
+/// The first place where pieces cross, touch or overlap, in words, or nothing. Pieces that share a point may meet
+/// there. `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
+std::optional<std::string> find_crossing(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                         const Gaps& gaps, bool curved);
 
 }  // namespace kerf

@@ -293,7 +293,7 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Drawing drawing = draw(shape);
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
-  if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
+  if (Problem problem = find_crossing(shape, drawing, pieces, gaps, true)) return problem;
   if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;
   if (Problem problem = wedges(shape, drawing)) return problem;
