@@ -3,6 +3,7 @@
 #include "solver/stress.hpp"
 #include "solver/system.hpp"
 
+#include "geometry/plane.hpp"
 #include "io/validation.hpp"
 #include "kerf/fracture.hpp"
 

@@ -76,14 +76,6 @@ double distance_to(const Segments& segments, const Vec2& x) {
   return nearest;
 }
 
-bool encloses(const Segments& closed, const Vec2& x) {
-  bool inside = false;
-  for (const auto& [a, b] : closed)
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      inside = !inside;
-  return inside;
-}
-
 /// Distance of each vertex to what is solid whatever the field says, negative inside: `thickness` along the loads, and
 /// the frozen parts.
 Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double thickness) {
@@ -106,7 +98,7 @@ Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double t
     for (const Segments& closed : frozen) {
       const double away = distance_to(closed, x);
       // On the frame's own boundary, where these parts end, they are solid.
-      out[v] = std::min(out[v], encloses(closed, x) || away < 1e-9 ? -std::max(away, thickness) : away);
+      out[v] = std::min(out[v], inside(closed, x) || away < 1e-9 ? -std::max(away, thickness) : away);
     }
   }
   return out;

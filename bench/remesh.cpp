@@ -32,12 +32,8 @@ Eigen::VectorXd distance_to(const Shape& shape, Index design, const Mesh& backgr
   for (Eigen::Index v = 0; v < phi.size(); ++v) {
     const Vec2& x = background.points[v];
     double nearest = 1;
-    bool inside = false;
     for (const auto& [a, b] : drawn) nearest = std::min(nearest, distance(x, a, b));
-    for (const auto& [a, b] : all)
-      if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        inside = !inside;
-    phi[v] = inside ? -nearest : nearest;
+    phi[v] = inside(all, x) ? -nearest : nearest;
   }
   // On the frame the parity is a matter of rounding: what the neighbors further in say counts.
   std::vector<bool> rim(background.points.size(), false);

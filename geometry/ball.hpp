@@ -7,12 +7,19 @@
 
 namespace kerf {
 
-/// The corners of the regular n-gon on a circle, counter-clockwise, the first at angle 0.
-/// Throws std::invalid_argument unless n is a multiple of 4, at least 12, and the radius positive.
-std::vector<Vec2> ball_boundary(const Vec2& center, double radius, int n);
+/// A ball with a boundary of n edges. What follows throws std::invalid_argument unless n is a multiple of 4, at least
+/// 12, and the radius positive.
+struct Ball {
+  Vec2 center;
+  double radius;
+  int n;
+};
+
+/// The corners of the regular n-gon on the circle, counter-clockwise, the first at angle 0.
+std::vector<Vec2> ball_boundary(const Ball& ball);
 
 /// That polygon as a hole whose n sides are edges of every mesh of the body.
-Loop ball_hole(std::string name, const Vec2& center, double radius, int n, Index label);
+Loop ball_hole(std::string name, const Ball& ball, Index label);
 
 /// Triangles of a ball, the nested contours in it, and what lies between them.
 struct BallMesh {
@@ -30,13 +37,12 @@ struct BallMesh {
 /// that worse than 20 degrees, the shells are triangulated freely.
 /// Throws std::invalid_argument unless the radii decrease, lie apart by more than 0.3 of an edge, and the largest
 /// ellipse by as much inside the ball; and where aspect < 1.
-BallMesh ball_mesh(const Vec2& center, double ball_radius, const std::vector<double>& radii, int n, double aspect = 1,
-                   double angle = 0);
+BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect = 1, double angle = 0);
 
 /// The ball with a straight slit, crack 0, from center - half_length (cos angle, sin angle) to the opposite point, in
 /// n / 2 edges. Elliptic coordinates center + half_length cosh(xi + i eta), so that edges shorten towards the tips like
 /// the square root of the distance; they turn into polar ones towards the boundary, the only contour.
-/// Throws std::invalid_argument unless 0 < half_length <= 0.8 ball_radius.
-BallMesh slit_mesh(const Vec2& center, double ball_radius, double half_length, double angle, int n);
+/// Throws std::invalid_argument unless 0 < half_length <= 0.8 of the ball's radius.
+BallMesh slit_mesh(const Ball& ball, double half_length, double angle);
 
 }  // namespace kerf

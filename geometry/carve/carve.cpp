@@ -2,7 +2,8 @@
 
 #include "geometry/carve.hpp"
 
-#include "geometry/carve/contour.hpp"
+#include "geometry/carve/contours.hpp"
+#include "geometry/carve/simplify.hpp"
 
 #include <fmt/format.h>
 
@@ -16,23 +17,22 @@ namespace kerf {
 
 namespace {
 
+/// The first value of t for x that comes after `after` on the way of the arc.
 double parameter(const Arc& arc, const Vec2& x, double after) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double whole = cross(p, q), t = std::atan2(cross(p, d) / whole, cross(d, q) / whole);
   const double turn = 2 * std::numbers::pi, sign = arc.to < arc.from ? -1 : 1;
-  // The first value of t that comes after `after` on the way of the arc.
-  const double ahead = sign * (t - after) / turn;
+  const double ahead = sign * (parameter(arc, x) - after) / turn;
   return after + sign * turn * (ahead - std::floor(ahead));
 }
 
-struct Sources {
-  const Shape& frame;
-  const Mesh& mesh;
-  const Signs& signs;
-  const Rim& rim;
+/// What a function has cut out of the block.
+struct Cut {
+  const Block& block;
+  Signs signs;
+  std::vector<Contour> contours;
+  std::vector<CrackPart> cracks;
 
   Vec2 at(const ContourNode& node) const {
-    return node.vertex == none ? place(frame, mesh, signs, rim, node.edge) : mesh.points[std::size_t(node.vertex)];
+    return node.vertex == none ? place(block, signs, node.edge) : block.mesh.points[std::size_t(node.vertex)];
   }
 };
 
@@ -47,78 +47,103 @@ struct Run {
   std::size_t chain = 0;  // of those of all contours
 };
 
-/// The contours in runs, and the zero lines among them before and after sampling, with their room.
+/// The contours in runs, and the zero lines among them before and after sampling, with their clearance.
 struct Lines {
   std::vector<std::vector<Run>> runs;  // per contour
   std::vector<Chain> chains, fine;
-  std::vector<std::vector<Room>> room;
+  std::vector<std::vector<Clearance>> clearance;
 };
 
-Lines lines_of(const Sources& from, const std::vector<Contour>& contours, const std::vector<CrackPart>& parts,
-               const Carving& how) {
-  Lines lines;
-  std::vector<Obstacle> obstacles;
-  Index group = 0;
+/// What the zero lines must not meet, in groups: cracks, runs along the frame, regions.
+struct Obstacles {
+  std::vector<Obstacle> all;
+  Index group = 0;                  // the next one
   std::map<Index, Index> at_mouth;  // cut edge -> the group of the crack that is cut there
+};
+
+void add_cracks(const std::vector<CrackPart>& parts, Obstacles& obstacles) {
   for (const CrackPart& part : parts) {
     for (const Index e : {part.from.edge, part.to.edge})
-      if (e != none) at_mouth[e] = group;
-    const int pieces = part.shape.arc ? 32 : 1;
-    for (std::size_t i = 0; i + 1 < part.shape.points.size(); ++i) {
-      Vec2 before = part.shape.points[i];
-      for (int k = 1; k <= pieces; ++k) {
-        Vec2 x = part.shape.points[i + 1];
-        if (k < pieces)
-          x = at(*part.shape.arc, part.shape.arc->from + (part.shape.arc->to - part.shape.arc->from) * k / pieces);
-        obstacles.push_back({before, x, group});
-        before = x;
-      }
+      if (e != none) obstacles.at_mouth[e] = obstacles.group;
+    std::vector<Vec2> path = part.shape.points;
+    if (part.shape.arc) {
+      path = points_on(*part.shape.arc, 32);
+      path.front() = part.shape.points.front();
+      path.back() = part.shape.points.back();
     }
-    ++group;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) obstacles.all.push_back({path[i], path[i + 1], obstacles.group});
+    ++obstacles.group;
   }
-  for (const Contour& contour : contours) {
-    const std::size_t n = contour.nodes.size();
-    const auto link = [&](std::size_t i) { return contour.strand[i % n]; };
-    std::size_t first = 0;  // start where the kind of boundary changes
-    while (first < n && link(first) == link(first + n - 1)) ++first;
-    const bool whole = first == n;
-    std::vector<Run> runs;
-    for (std::size_t begin = first % n; begin < first % n + n;) {
-      std::size_t end = whole ? begin + n : begin + 1;
-      while (end < first % n + n && link(end) == link(begin)) ++end;
-      runs.push_back({begin, end, link(begin), lines.chains.size()});
-      if (link(begin) == none) lines.chains.emplace_back();
-      begin = end;
-    }
-    for (std::size_t r = 0; r < runs.size(); ++r) {  // run r is group `group` + r
-      const auto& [begin, end, strand, number] = runs[r];
-      if (strand != none) {
-        for (std::size_t i = begin; i < end; ++i)
-          obstacles.push_back({from.at(contour.nodes[i % n]), from.at(contour.nodes[(i + 1) % n]), group + Index(r)});
-        continue;
-      }
-      Chain& chain = lines.chains[number];
-      chain.closed = whole;
-      for (std::size_t i = begin; i < end + (whole ? 0 : 1); ++i) {
-        const ContourNode& node = contour.nodes[i % n];
-        const auto mouth = at_mouth.find(node.edge);
-        Index meets = mouth == at_mouth.end() ? none : mouth->second;
-        if (!whole && i == begin) meets = group + Index((r + runs.size() - 1) % runs.size());
-        if (!whole && i == end) meets = group + Index((r + 1) % runs.size());
-        chain.points.push_back(from.at(node));
-        chain.fixed.push_back(meets != none);
-        chain.meets.push_back(meets);
-      }
-    }
-    group += Index(runs.size());
+}
+
+void add_regions(const Block& block, Obstacles& obstacles) {
+  for (std::size_t e = 0; e < block.mesh.edges.size() && !block.frame.regions.empty(); ++e)
+    if (is_interface(block.mesh, Index(e)))
+      obstacles.all.push_back({block.mesh.points[std::size_t(block.mesh.edges[e][0])],
+                               block.mesh.points[std::size_t(block.mesh.edges[e][1])], obstacles.group});
+}
+
+/// Pieces of zero line are numbered from `chains` on.
+std::vector<Run> runs_of(const Contour& contour, std::size_t chains) {
+  const std::size_t n = contour.nodes.size();
+  const auto link = [&](std::size_t i) { return contour.strand[i % n]; };
+  std::size_t first = 0;  // start where the kind of boundary changes
+  while (first < n && link(first) == link(first + n - 1)) ++first;
+  const bool whole = first == n;
+  std::vector<Run> runs;
+  for (std::size_t begin = first % n; begin < first % n + n;) {
+    std::size_t end = whole ? begin + n : begin + 1;
+    while (end < first % n + n && link(end) == link(begin)) ++end;
+    runs.push_back({begin, end, link(begin), chains});
+    if (link(begin) == none) ++chains;
+    begin = end;
+  }
+  return runs;
+}
+
+void add_along_frame(const Cut& cut, const Contour& contour, const Run& run, Index group, Obstacles& obstacles) {
+  const std::size_t n = contour.nodes.size();
+  for (std::size_t i = run.begin; i < run.end; ++i)
+    obstacles.all.push_back({cut.at(contour.nodes[i % n]), cut.at(contour.nodes[(i + 1) % n]), group});
+}
+
+/// Run r as a chain. Run k of the contour is group `group` + k of the obstacles.
+Chain chain_of(const Cut& cut, const Contour& contour, const std::vector<Run>& runs, std::size_t r,
+               const Obstacles& obstacles) {
+  const std::size_t n = contour.nodes.size();
+  const Run& run = runs[r];
+  Chain chain;
+  chain.closed = runs.size() == 1;
+  for (std::size_t i = run.begin; i < run.end + (chain.closed ? 0 : 1); ++i) {
+    const ContourNode& node = contour.nodes[i % n];
+    const auto mouth = obstacles.at_mouth.find(node.edge);
+    Index meets = mouth == obstacles.at_mouth.end() ? none : mouth->second;
+    if (!chain.closed && i == run.begin) meets = obstacles.group + Index((r + runs.size() - 1) % runs.size());
+    if (!chain.closed && i == run.end) meets = obstacles.group + Index((r + 1) % runs.size());
+    chain.points.push_back(cut.at(node));
+    chain.fixed.push_back(meets != none);
+    chain.meets.push_back(meets);
+  }
+  return chain;
+}
+
+Lines lines_of(const Cut& cut) {
+  Lines lines;
+  Obstacles obstacles;
+  add_cracks(cut.cracks, obstacles);
+  for (const Contour& contour : cut.contours) {
+    std::vector<Run> runs = runs_of(contour, lines.chains.size());
+    for (std::size_t r = 0; r < runs.size(); ++r)
+      if (runs[r].strand == none)
+        lines.chains.push_back(chain_of(cut, contour, runs, r, obstacles));
+      else
+        add_along_frame(cut, contour, runs[r], obstacles.group + Index(r), obstacles);
+    obstacles.group += Index(runs.size());
     lines.runs.push_back(std::move(runs));
   }
-  for (std::size_t e = 0; e < from.mesh.edges.size() && !from.frame.regions.empty(); ++e)
-    if (is_interface(from.mesh, Index(e)))
-      obstacles.push_back({from.mesh.points[std::size_t(from.mesh.edges[e][0])],
-                           from.mesh.points[std::size_t(from.mesh.edges[e][1])], group});
-  for (const Chain& chain : lines.chains) lines.fine.push_back(sample(chain, how.spacing));
-  lines.room = room(lines.fine, obstacles, 2 * how.tolerance);
+  add_regions(cut.block, obstacles);
+  for (const Chain& chain : lines.chains) lines.fine.push_back(sample(chain, cut.block.how.spacing));
+  lines.clearance = clearances(lines.fine, obstacles.all, 2 * cut.block.how.tolerance);
   return lines;
 }
 
@@ -128,11 +153,13 @@ struct Style {
   bool arcs;    // curved sides stay curved where the zero line cuts them
 };
 
-Side along_strand(const Sources& from, const Contour& contour, const Run& run) {
+Side along_strand(const Cut& cut, const Contour& contour, const Run& run) {
+  const Mesh& mesh = cut.block.mesh;
+  const Drawing& drawing = cut.block.rim.drawing;
   const std::size_t n = contour.nodes.size();
   const ContourNode &first = contour.nodes[run.begin % n], &last = contour.nodes[run.end % n];
-  const Strand& strand = from.rim.drawing.strands[std::size_t(run.strand)];
-  Side side{from.at(first), strand.label, std::nullopt};
+  const Strand& strand = drawing.strands[std::size_t(run.strand)];
+  Side side{cut.at(first), strand.label, std::nullopt};
   if (!strand.arc) {
     side.keep = strand.keep && first.vertex != none && last.vertex != none;
     return side;
@@ -140,34 +167,36 @@ Side along_strand(const Sources& from, const Contour& contour, const Run& run) {
   Arc arc = *strand.arc;
   const auto corner = [&](const ContourNode& node, Index c) {
     return strand.from != strand.to && node.vertex != none &&
-           (from.mesh.points[std::size_t(node.vertex)] - from.rim.drawing.corners[std::size_t(c)]).norm() <=
-               join_tolerance * from.rim.drawing.extent;
+           (mesh.points[std::size_t(node.vertex)] - drawing.corners[std::size_t(c)]).norm() <=
+               join_tolerance * drawing.extent;
   };
   const double hair = arc.to < arc.from ? -1e-7 : 1e-7;  // corners may lie that far before the arc's own start
   arc.from = corner(first, strand.from) ? strand.arc->from : parameter(arc, side.start, arc.from - hair);
-  arc.to = corner(last, strand.to) ? strand.arc->to : parameter(arc, from.at(last), arc.from);
+  arc.to = corner(last, strand.to) ? strand.arc->to : parameter(arc, cut.at(last), arc.from);
   side.arc = arc;
   return side;
 }
 
-/// The contour as sides: runs along one strand become one side, runs of zero line are simplified.
-Loop loop_of(const Sources& from, const Lines& lines, const Contour& contour, const std::vector<Run>& runs,
-             const Simplifying& how, const Style& style) {
-  const std::size_t n = contour.nodes.size(), design = from.frame.labels.size();
+/// Contour l as sides: runs along one strand become one side, runs of zero line are simplified.
+Loop loop_of(const Cut& cut, const Lines& lines, std::size_t l, const Simplifying& how, const Style& style) {
+  const Contour& contour = cut.contours[l];
+  const std::size_t n = contour.nodes.size(), design = cut.block.frame.labels.size();
   Loop loop;
-  for (const Run& run : runs) {
+  loop.name = cut.block.frame.outline.name;
+  for (const Run& run : lines.runs[l]) {
     if (run.strand == none) {
       const std::size_t c = run.chain;
       const Chain chain =
-          style.part > 0 ? simplify(lines.chains[c], lines.fine[c], lines.room[c], how) : lines.chains[c];
+          style.part > 0 ? simplify(lines.chains[c], lines.fine[c], lines.clearance[c], how) : lines.chains[c];
       const std::size_t count = chain.points.size() - (chain.closed ? 0 : 1);
       for (std::size_t i = 0; i < count; ++i)
         loop.sides.push_back({chain.points[i], Index(design), std::nullopt, false, true});
-    } else if (const Strand& strand = from.rim.drawing.strands[std::size_t(run.strand)]; strand.arc && !style.arcs) {
+    } else if (const Strand& strand = cut.block.rim.drawing.strands[std::size_t(run.strand)];
+               strand.arc && !style.arcs) {
       for (std::size_t i = run.begin; i < run.end; ++i)
-        loop.sides.push_back({from.at(contour.nodes[i % n]), strand.label, std::nullopt, false, true});
+        loop.sides.push_back({cut.at(contour.nodes[i % n]), strand.label, std::nullopt, false, true});
     } else {
-      loop.sides.push_back(along_strand(from, contour, run));
+      loop.sides.push_back(along_strand(cut, contour, run));
     }
   }
   return loop;
@@ -181,12 +210,12 @@ std::set<Index> follows(const Rim& rim, const Contour& contour) {
   return loops;
 }
 
-double area_of(const Sources& from, const Contour& contour) {
+double area_of(const Cut& cut, const Contour& contour) {
   double twice = 0;
-  const Vec2 origin = from.at(contour.nodes.front());
+  const Vec2 origin = cut.at(contour.nodes.front());
   Vec2 before = Vec2::Zero();
   for (std::size_t i = 1; i < contour.nodes.size(); ++i) {
-    const Vec2 x = from.at(contour.nodes[i]) - origin;
+    const Vec2 x = cut.at(contour.nodes[i]) - origin;
     twice += cross(before, x);
     before = x;
   }
@@ -200,45 +229,47 @@ std::string unused(const std::string& wanted, const char* separator, std::set<st
   return name;
 }
 
-Shape assemble(const Sources& from, const std::vector<Contour>& loops, const Lines& lines,
-               const std::vector<CrackPart>& parts, const Simplifying& how, const Style& style) {
-  const Shape& frame = from.frame;
-  Shape shape;
-  shape.labels = frame.labels;
-  std::set<std::string> labels(frame.labels.begin(), frame.labels.end());
-  shape.labels.push_back(unused("design", ".", labels));
-  shape.regions = frame.regions;
-
+void add_loops(const Cut& cut, const Lines& lines, const Simplifying& how, const Style& style, Shape& shape) {
+  const Shape& frame = cut.block.frame;
   std::size_t outer = 0;
   double largest = 0;
-  for (std::size_t l = 0; l < loops.size(); ++l)
-    if (const double area = area_of(from, loops[l]); area > largest) outer = l, largest = area;
+  for (std::size_t l = 0; l < cut.contours.size(); ++l)
+    if (const double area = area_of(cut, cut.contours[l]); area > largest) outer = l, largest = area;
   std::set<std::string> used;
   for (const Loop& hole : frame.holes) used.insert(hole.name);
   std::set<Index> named;
-  for (std::size_t l = 0; l < loops.size(); ++l) {
-    const std::set<Index> of = follows(from.rim, loops[l]);
+  for (std::size_t l = 0; l < cut.contours.size(); ++l) {
+    const std::set<Index> of = follows(cut.block.rim, cut.contours[l]);
+    const bool drawn = touched(cut.contours[l]);
     Loop loop;
-    if (!touched(loops[l])) {
+    if (drawn)
+      loop = loop_of(cut, lines, l, how, style);
+    else
       loop = *of.begin() == 0 ? frame.outline : frame.holes[std::size_t(*of.begin()) - 1];
-    } else {
-      loop = loop_of(from, lines, loops[l], lines.runs[l], how, style);
-      loop.name = frame.outline.name;
-    }
     if (l == outer) {
       shape.outline = std::move(loop);
       continue;
     }
-    if (touched(loops[l])) {
+    if (drawn) {
       const auto own = std::ranges::find_if(of, [&](Index i) { return i > 0 && !named.contains(i); });
       if (own != of.end()) named.insert(*own);
       loop.name = own != of.end() ? frame.holes[std::size_t(*own) - 1].name : unused("design", " ", used);
     }
     shape.holes.push_back(std::move(loop));
   }
+}
+
+Shape assemble(const Cut& cut, const Lines& lines, const Simplifying& how, const Style& style) {
+  const Shape& frame = cut.block.frame;
+  Shape shape;
+  shape.labels = frame.labels;
+  std::set<std::string> labels(frame.labels.begin(), frame.labels.end());
+  shape.labels.push_back(unused("design", ".", labels));
+  shape.regions = frame.regions;
+  add_loops(cut, lines, how, style, shape);
   std::set<std::string> cracks, first;
   for (const Crack& crack : frame.cracks) cracks.insert(crack.name);
-  for (const CrackPart& part : parts) {
+  for (const CrackPart& part : cut.cracks) {
     const std::string& name = frame.cracks[std::size_t(part.crack)].name;
     shape.cracks.push_back(part.shape);
     shape.cracks.back().name = first.insert(name).second ? name : unused(name, ".", cracks);
@@ -247,23 +278,18 @@ Shape assemble(const Sources& from, const std::vector<Contour>& loops, const Lin
 }
 
 /// What keeping crossings clear of vertices took from the area, per length of the zero line.
-double offset(const Sources& from, const std::vector<Contour>& loops) {
-  Signs exact = from.signs;
+double offset(const Cut& cut) {
+  const Mesh& mesh = cut.block.mesh;
+  Signs exact = cut.signs;
   std::fill(exact.clear.begin(), exact.clear.end(), 0.0);
   double area = 0, length = 0;
-  for (std::size_t t = 0; t < from.mesh.triangles.size(); ++t)
-    area += inside_area(from.mesh, exact, Index(t)) - inside_area(from.mesh, from.signs, Index(t));
-  for (const Contour& loop : loops)
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    area += inside_area(mesh, exact, Index(t)) - inside_area(mesh, cut.signs, Index(t));
+  for (const Contour& loop : cut.contours)
     for (std::size_t i = 0; i < loop.nodes.size(); ++i)
       if (loop.strand[i] == none)
-        length += (from.at(loop.nodes[i]) - from.at(loop.nodes[(i + 1) % loop.nodes.size()])).norm();
+        length += (cut.at(loop.nodes[i]) - cut.at(loop.nodes[(i + 1) % loop.nodes.size()])).norm();
   return length > 0 ? area / length : 0;
-}
-
-double shape_area(const Shape& shape) {
-  double sum = std::abs(signed_area(shape.outline));
-  for (const Loop& hole : shape.holes) sum -= std::abs(signed_area(hole));
-  return sum;
 }
 
 /// How much of the frame's boundary is left, where that is not all of it.
@@ -274,9 +300,8 @@ void note_labels(const Shape& frame, const Shape& shape, const Carving& how, std
       for (std::size_t i = 0; i < loop.sides.size(); ++i) {
         const Side& side = loop.sides[i];
         if (side.label == none) continue;
-        length[std::size_t(side.label)] += side.arc
-                                               ? largest_radius(*side.arc) * std::abs(side.arc->to - side.arc->from)
-                                               : (loop.sides[(i + 1) % loop.sides.size()].start - side.start).norm();
+        length[std::size_t(side.label)] +=
+            side.arc ? kerf::length(*side.arc) : (loop.sides[(i + 1) % loop.sides.size()].start - side.start).norm();
       }
     };
     add(s.outline);
@@ -322,20 +347,25 @@ struct Attempt {
   bool good = false;
 };
 
-Attempt attempt(const Shape& frame, const Mesh& mesh, const Rim& rim, const Eigen::VectorXd& phi, const Carving& how) {
+Cut cut_out(const Block& block, const Eigen::VectorXd& phi, std::vector<std::string>& notes) {
+  Signs signs = signs_of(block.mesh, phi);
+  clean(block, signs, notes);
+  choose_pieces(block, signs, notes);
+  std::vector<Contour> loops = contours(block.mesh, signs, block.rim);
+  std::vector<CrackPart> parts = cut_cracks(block, signs, 4 * block.how.tolerance, notes);
+  return {block, std::move(signs), std::move(loops), std::move(parts)};
+}
+
+Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
+  const Carving& how = block.how;
   Attempt result;
   Carved& carved = result.carved;
-  Signs signs = signs_of(mesh, phi);
-  clean(frame, mesh, rim, how, signs, carved.notes);
-  choose_pieces(frame, mesh, how, signs, carved.notes);
-  const std::vector<Contour> loops = contours(mesh, signs, rim);
-  const std::vector<CrackPart> parts = cut_cracks(frame, mesh, signs, rim, 4 * how.tolerance, carved.notes);
-  const Sources sources{frame, mesh, signs, rim};
-  const double missing = offset(sources, loops);
-  const Lines lines = lines_of(sources, loops, parts, how);
+  const Cut cut = cut_out(block, phi, carved.notes);
+  const double missing = offset(cut);
+  const Lines lines = lines_of(cut);
   for (const Style style : {Style{1, true}, Style{1, false}, Style{0.25, true}, Style{0, true}, Style{0, false}}) {
     const double within = 0.4 * style.part * how.tolerance;
-    carved.shape = assemble(sources, loops, lines, parts, {how.spacing, within, within, missing}, style);
+    carved.shape = assemble(cut, lines, {how.spacing, within, within, missing}, style);
     const auto found = find_problem(carved.shape);
     if (found) {
       if (result.problem.empty()) result.problem = *found;
@@ -346,10 +376,10 @@ Attempt attempt(const Shape& frame, const Mesh& mesh, const Rim& rim, const Eige
       carved.notes.push_back(
           fmt::format("{} ({})", style.part > 0 ? "smoothed less" : "did not smooth", result.problem));
     if (!style.arcs) carved.notes.push_back(fmt::format("drew curved sides as polygons ({})", result.problem));
-    note_labels(frame, carved.shape, how, carved.notes);
-    carved.design_label = Index(frame.labels.size());
-    carved.area = shape_area(carved.shape);
-    for (const CrackPart& p : parts) carved.crack_of.push_back(p.crack);
+    note_labels(block.frame, carved.shape, how, carved.notes);
+    carved.design_label = Index(block.frame.labels.size());
+    carved.area = area(carved.shape);
+    for (const CrackPart& p : cut.cracks) carved.crack_of.push_back(p.crack);
     return result;
   }
   return result;
@@ -372,12 +402,13 @@ double slope(const Mesh& mesh, const Eigen::VectorXd& phi) {
 Carved carve(const Shape& frame, const Mesh& mesh, const Eigen::VectorXd& phi, const Carving& given) {
   const Carving how = checked(frame, mesh, given);
   const Rim rim = find_rim(frame, mesh);
-  Attempt first = attempt(frame, mesh, rim, phi, how);
+  const Block block{frame, mesh, rim, how};
+  Attempt first = attempt(block, phi);
   if (first.good) return std::move(first.carved);
   const double unit = slope(mesh, phi) * how.tolerance;
   for (const double part : {-0.25, 0.25, -0.75, 0.75}) {
     try {
-      Attempt next = attempt(frame, mesh, rim, (phi.array() + part * unit).matrix(), how);
+      Attempt next = attempt(block, (phi.array() + part * unit).matrix());
       if (!next.good) continue;
       next.carved.notes.push_back(fmt::format("shifted the function by {:.3g}, {} the body ({})", part * unit,
                                               part < 0 ? "thickening" : "thinning", first.problem));

@@ -1,6 +1,6 @@
 // How near the pieces of a zero line come to one another and to what is there already.
 
-#include "geometry/carve/contour.hpp"
+#include "geometry/carve/simplify.hpp"
 #include "geometry/plane.hpp"
 
 #include <algorithm>
@@ -60,23 +60,47 @@ Cells file(const std::vector<Segment>& segments, double cell, double margin) {
   return cells;
 }
 
+/// What the fixed points that a chord over point i can reach lie on, before it and after it.
+std::array<Index, 2> met_beside(const Chain& chain, Index i) {
+  const Index n = Index(chain.points.size());
+  std::array<Index, 2> met{none, none};
+  for (const int way : {-1, 1})
+    for (Index k = 0; k < longest_chord; ++k) {
+      const Index at = i + way * k;
+      if (!chain.closed && (at < 0 || at >= n)) break;
+      const std::size_t p = std::size_t(((at % n) + n) % n);
+      if (!chain.fixed[p]) continue;
+      met[way < 0 ? 0 : 1] = chain.meets[p];
+      break;
+    }
+  return met;
+}
+
+/// How many points of its own chain lie between point i and segment `number`.
+Index steps_between(const Chain& chain, Index i, Index number) {
+  const Index n = Index(chain.points.size());
+  const Index one = std::abs(number - i), other = std::abs(number + 1 - i);
+  const Index apart = std::min(one, other);
+  return chain.closed ? std::min(apart, n - std::max(one, other)) : apart;
+}
+
 }  // namespace
 
-std::vector<std::vector<Room>> room(const std::vector<Chain>& chains, const std::vector<Obstacle>& obstacles,
-                                    double far) {
+std::vector<std::vector<Clearance>> clearances(const std::vector<Chain>& chains, const std::vector<Obstacle>& obstacles,
+                                               double far) {
   std::vector<Segment> segments;
   for (const Obstacle& o : obstacles) segments.push_back({o.a, o.b, none, o.group});
   double longest = far;
-  std::vector<std::vector<Room>> room;
+  std::vector<std::vector<Clearance>> clearance;
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const std::vector<Vec2>& x = chains[c].points;
-    room.emplace_back(x.size(), Room{far, far});
+    clearance.emplace_back(x.size(), Clearance{far, far});
     for (std::size_t i = 0; i + (chains[c].closed ? 0 : 1) < x.size(); ++i) {
       segments.push_back({x[i], x[(i + 1) % x.size()], Index(c), Index(i)});
       longest = std::max(longest, (segments.back().b - segments.back().a).norm());
     }
   }
-  if (segments.empty()) return room;
+  if (segments.empty()) return clearance;
   const Cells cells = file(segments, 2 * longest, far);
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const Chain& chain = chains[c];
@@ -85,32 +109,19 @@ std::vector<std::vector<Room>> room(const std::vector<Chain>& chains, const std:
     const Index near = std::max<Index>(2, Index(std::ceil(4 * far / std::max(step, far / 10))));
     for (Index i = 0; i < n; ++i) {
       const Vec2& x = chain.points[std::size_t(i)];
-      std::array<Index, 2> met{none, none};  // at the fixed points that a chord over x can reach
-      for (const int way : {-1, 1})
-        for (Index k = 0; k < longest_chord; ++k) {
-          const Index at = i + way * k;
-          if (!chain.closed && (at < 0 || at >= n)) break;
-          const std::size_t p = std::size_t(((at % n) + n) % n);
-          if (!chain.fixed[p]) continue;
-          met[way < 0 ? 0 : 1] = chain.meets[p];
-          break;
-        }
-      Room& least = room[c][std::size_t(i)];
+      const std::array<Index, 2> met = met_beside(chain, i);
+      Clearance& least = clearance[c][std::size_t(i)];
       const std::size_t cell = cells.at(cells.column(x.x()), cells.row(x.y()));
       for (Index k = cells.start[cell]; k < cells.start[cell + 1]; ++k) {
         const Segment& s = segments[std::size_t(cells.listed[std::size_t(k)])];
-        if (s.chain == Index(c)) {
-          Index apart = std::min(std::abs(s.number - i), std::abs(s.number + 1 - i));
-          if (chain.closed) apart = std::min(apart, n - std::max(std::abs(s.number - i), std::abs(s.number + 1 - i)));
-          if (apart <= near) continue;
-        }
+        if (s.chain == Index(c) && steps_between(chain, i, s.number) <= near) continue;
         const double d = distance(x, s.a, s.b);
         least.all = std::min(least.all, d);
         if (s.chain != none || (s.number != met[0] && s.number != met[1])) least.beside = std::min(least.beside, d);
       }
     }
   }
-  return room;
+  return clearance;
 }
 
 }  // namespace kerf

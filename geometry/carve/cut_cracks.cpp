@@ -1,12 +1,11 @@
 // Cracks of the frame, cut to what lies inside.
 
-#include "geometry/carve/contour.hpp"
+#include "geometry/carve/contours.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace kerf {
@@ -21,10 +20,9 @@ struct Path {
 
 /// Turning angle from the start of the arc to the point's direction, along the arc.
 double turned(const Arc& arc, const Vec2& x) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
+  const double turn = arc.to - arc.from;
   // Near the start a hair before it, not a whole turn after it.
-  const double ahead = std::remainder(t - arc.from - turn / 2, 2 * std::numbers::pi) + turn / 2;
+  const double ahead = beyond_middle(arc, x) + turn / 2;
   return turn < 0 ? -ahead : ahead;
 }
 
@@ -49,90 +47,119 @@ Path path_of(const Crack& crack, const Mesh& mesh, const std::vector<CrackEdge>&
   return path;
 }
 
-/// The crack between two distances along it, ends given.
-Crack between(const Crack& crack, double from, double to, const Vec2& start, const Vec2& end, double near) {
+/// A place on the path: a cut edge of the mesh, or none at the crack's own ends.
+struct Mark {
+  ContourNode node;
+  double s = 0;
+  Vec2 x;
+};
+
+/// The crack between two places.
+Crack between(const Crack& crack, const Mark& from, const Mark& to, double near) {
   if (crack.arc) {
     const double radius = largest_radius(*crack.arc), sign = crack.arc->to < crack.arc->from ? -1 : 1;
     Arc arc = *crack.arc;
-    arc.from = crack.arc->from + sign * from / radius;
-    arc.to = crack.arc->from + sign * to / radius;
-    return {"", {start, end}, arc};
+    arc.from = crack.arc->from + sign * from.s / radius;
+    arc.to = crack.arc->from + sign * to.s / radius;
+    return {"", {from.x, to.x}, arc};
   }
-  Crack part{"", {start}, {}};
+  Crack part{"", {from.x}, {}};
   double s = 0;
   for (std::size_t i = 0; i < crack.points.size(); ++i) {
     if (i > 0) s += (crack.points[i] - crack.points[i - 1]).norm();
-    if (s > from + near && s < to - near) part.points.push_back(crack.points[i]);
+    if (s > from.s + near && s < to.s - near) part.points.push_back(crack.points[i]);
   }
-  part.points.push_back(end);
+  part.points.push_back(to.x);
   return part;
 }
 
-}  // namespace
+/// One crack of the frame, to be cut.
+struct Cutter {
+  const Block& block;
+  const Signs& signs;
+  const double least;
+  std::vector<std::string>& notes;
+  const Index number;
+  const Crack& crack = block.frame.cracks[std::size_t(number)];
+  const Path path = path_of(crack, block.mesh, block.mesh.cracks[std::size_t(number)]);
+  const double whole = path_length(crack);
+  bool stub = false;
 
-std::vector<CrackPart> cut_cracks(const Shape& frame, const Mesh& mesh, const Signs& signs, const Rim& rim,
-                                  double least, std::vector<std::string>& notes) {
-  if (mesh.cracks.size() != frame.cracks.size())
-    throw std::invalid_argument(
-        fmt::format("a background with {} cracks for a frame with {}", mesh.cracks.size(), frame.cracks.size()));
-  std::vector<CrackPart> parts;
-  for (std::size_t c = 0; c < frame.cracks.size(); ++c) {
-    const Crack& crack = frame.cracks[c];
-    const Path path = path_of(crack, mesh, mesh.cracks[c]);
+  /// Where edge i of the path is crossed.
+  Mark cut(std::size_t i) const {
+    Mark mark{{path.edges[i]}, 0, place(block, signs, path.edges[i])};
+    const bool forward = block.mesh.edges[std::size_t(path.edges[i])][0] == path.vertices[i];
+    const double t = crossing(block.mesh, signs, path.edges[i]);
+    mark.s = crack.arc ? turned(*crack.arc, mark.x) * largest_radius(*crack.arc)
+                       : path.s[i] + (forward ? t : 1 - t) * (path.s[i + 1] - path.s[i]);
+    return mark;
+  }
+
+  void note_passed_ends(const Mark& from, const Mark& to) const {
+    for (const auto& [edge, gone, tip] : {std::tuple(from.node.edge, from.s, crack.points.front()),
+                                          std::tuple(to.node.edge, whole - to.s, crack.points.back())})
+      if (edge != none && gone < least / 2)
+        notes.push_back(
+            fmt::format("the zero line passes the end of crack '{}' at ({:.4g}, {:.4g}) within {:.3g}: "
+                        "the crack ends on it",
+                        crack.name, tip.x(), tip.y(), least / 2));
+  }
+
+  /// What lies inside, in parts; stubs are left out.
+  std::vector<CrackPart> parts() {
     const auto inside = [&](std::size_t i) { return bool(signs.inside[std::size_t(path.vertices[i])]); };
-    const std::size_t last = path.vertices.size() - 1, known = parts.size();
-    const double whole = path_length(crack);
-    // Where edge i of the path is crossed.
-    const auto cut = [&](std::size_t i, ContourNode& node, double& s, Vec2& x) {
-      node.edge = path.edges[i];
-      x = place(frame, mesh, signs, rim, node.edge);
-      const bool forward = mesh.edges[std::size_t(node.edge)][0] == path.vertices[i];
-      const double t = crossing(mesh, signs, node.edge);
-      s = crack.arc ? turned(*crack.arc, x) * largest_radius(*crack.arc)
-                    : path.s[i] + (forward ? t : 1 - t) * (path.s[i + 1] - path.s[i]);
-    };
-    bool stub = false;
+    const std::size_t last = path.vertices.size() - 1;
+    std::vector<CrackPart> parts;
     for (std::size_t i = 0; i <= last;) {
       if (!inside(i)) {
         ++i;
         continue;
       }
-      CrackPart part{Index(c), {}, {}, {}};
-      double from = 0, to = whole;
-      Vec2 start = crack.points.front(), end = crack.points.back();
-      if (i > 0) cut(i - 1, part.from, from, start);
+      Mark from{{}, 0, crack.points.front()}, to{{}, whole, crack.points.back()};
+      if (i > 0) from = cut(i - 1);
       while (i <= last && inside(i)) ++i;
-      if (i <= last) cut(i - 1, part.to, to, end);
-      if (part.from.edge == none && part.to.edge == none) {
-        part.shape = crack;
-      } else if (to - from < least) {
+      if (i <= last) to = cut(i - 1);
+      if (from.node.edge == none && to.node.edge == none) {
+        parts.push_back({number, {}, {}, crack});
+      } else if (to.s - from.s < least) {
         notes.push_back(fmt::format("dropped a stub of crack '{}', {:.3g} long, at ({:.4g}, {:.4g})", crack.name,
-                                    to - from, start.x(), start.y()));
+                                    to.s - from.s, from.x.x(), from.x.y()));
         stub = true;
-        continue;
       } else {
-        for (const auto& [edge, gone, tip] : {std::tuple(part.from.edge, from, crack.points.front()),
-                                              std::tuple(part.to.edge, whole - to, crack.points.back())})
-          if (edge != none && gone < least / 2)
-            notes.push_back(
-                fmt::format("the zero line passes the end of crack '{}' at ({:.4g}, {:.4g}) within {:.3g}: "
-                            "the crack ends on it",
-                            crack.name, tip.x(), tip.y(), least / 2));
-        part.shape = between(crack, from, to, start, end, least / 64);
+        note_passed_ends(from, to);
+        parts.push_back({number, from.node, to.node, between(crack, from, to, least / 64)});
       }
-      parts.push_back(std::move(part));
     }
-    const std::size_t count = parts.size() - known;
-    if (count == 0) {
+    return parts;
+  }
+
+  void note_rest(const std::vector<CrackPart>& parts) const {
+    if (parts.empty()) {
       notes.push_back(fmt::format("crack '{}' lies in the void{}", crack.name, stub ? ", but for stubs" : ""));
-    } else if (count > 1 || parts[known].from.edge != none || parts[known].to.edge != none) {
+    } else if (parts.size() > 1 || parts[0].from.edge != none || parts[0].to.edge != none) {
       double rest = 0;
-      for (std::size_t k = known; k < parts.size(); ++k) rest += path_length(parts[k].shape);
+      for (const CrackPart& part : parts) rest += path_length(part.shape);
       notes.push_back(fmt::format("crack '{}' is cut to {:.4g} of its length of {:.4g}{}", crack.name, rest, whole,
-                                  count > 1 ? fmt::format(", in {} parts", count) : ""));
+                                  parts.size() > 1 ? fmt::format(", in {} parts", parts.size()) : ""));
     }
   }
-  return parts;
+};
+
+}  // namespace
+
+std::vector<CrackPart> cut_cracks(const Block& block, const Signs& signs, double least,
+                                  std::vector<std::string>& notes) {
+  if (block.mesh.cracks.size() != block.frame.cracks.size())
+    throw std::invalid_argument(fmt::format("a background with {} cracks for a frame with {}", block.mesh.cracks.size(),
+                                            block.frame.cracks.size()));
+  std::vector<CrackPart> all;
+  for (std::size_t c = 0; c < block.frame.cracks.size(); ++c) {
+    Cutter cutter{block, signs, least, notes, Index(c)};
+    const std::vector<CrackPart> parts = cutter.parts();
+    cutter.note_rest(parts);
+    all.insert(all.end(), parts.begin(), parts.end());
+  }
+  return all;
 }
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // Polylines with fewer and better placed points.
 
-#include "geometry/carve/contour.hpp"
+#include "geometry/carve/simplify.hpp"
+#include "geometry/plane.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,10 +67,10 @@ Chain sample(const Chain& chain, double spacing) {
 
 namespace {
 
-constexpr double of_room = 0.2;  // that smoothing may use, and chords
+constexpr double share = 0.2;  // of the clearance that smoothing may use, and chords
 
 /// Short waves go, long ones stay; no point moves further than `move`.
-void relax(Chain& chain, const std::vector<Room>& room, double most) {
+void relax(Chain& chain, const std::vector<Clearance>& clearance, double most) {
   if (!(most > 0)) return;
   const std::vector<Vec2> origin = chain.points;
   const std::size_t n = origin.size();
@@ -81,32 +82,46 @@ void relax(Chain& chain, const std::vector<Room>& room, double most) {
       const Vec2 &a = chain.points[i == 0 ? n - 1 : i - 1], &b = chain.points[i + 1 == n ? 0 : i + 1];
       next[i] = chain.points[i] + factor * ((a + b) / 2 - chain.points[i]);
       const Vec2 moved = next[i] - origin[i];
-      const double move = std::min(most, of_room * room[i].all);
+      const double move = std::min(most, share * clearance[i].all);
       if (moved.norm() > move) next[i] = origin[i] + move / moved.norm() * moved;
     }
     chain.points.swap(next);
   }
 }
 
-/// The cheapest way from the first to the last point of x by chords of about the wanted length, none further than
-/// `chord` from the points between: numbers of the points that stay.
-std::vector<std::size_t> cheapest(const std::vector<Vec2>& x, const std::vector<Room>& room, bool loose,
-                                  std::size_t most, double spacing, double chord) {
-  const std::size_t n = x.size() - 1;
+/// A chain between two fixed points, or a loose one from a point around to it again.
+struct Stretch {
+  std::vector<Vec2> x;
+  std::vector<Clearance> clearance;
+  bool loose;
+};
+
+/// How far the points between lie from the chord x[i] -> x[j], in relation to what is allowed.
+double off_chord(const Stretch& s, std::size_t i, std::size_t j, double chord) {
+  double off = 0;
+  const bool at_end = !s.loose && (i == 0 || j + 1 == s.x.size());
+  for (std::size_t k = i + 1; k < j; ++k)
+    off = std::max(off, distance(s.x[k], s.x[i], s.x[j]) /
+                            std::min(chord, share * (at_end ? s.clearance[k].beside : s.clearance[k].all)));
+  return off;
+}
+
+/// The cheapest way from the first to the last point by chords of about the wanted length, none further than allowed
+/// from the points between: numbers of the points that stay.
+std::vector<std::size_t> cheapest(const Stretch& s, const Simplifying& how) {
+  const std::size_t n = s.x.size() - 1;
+  const std::size_t most =
+      std::max<std::size_t>(1, s.loose ? std::min<std::size_t>(longest_chord, n / 4) : longest_chord);
   std::vector<double> cost(n + 1, std::numeric_limits<double>::infinity());
   std::vector<std::size_t> from(n + 1, 0);
   cost[0] = 0;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j <= std::min(n, i + most); ++j) {
-      double off = 0;  // relative to what is allowed
-      const bool at_end = !loose && (i == 0 || j == n);
-      for (std::size_t k = i + 1; k < j; ++k)
-        off = std::max(off,
-                       distance(x[k], x[i], x[j]) / std::min(chord, of_room * (at_end ? room[k].beside : room[k].all)));
+      const double off = off_chord(s, i, j, how.chord);
       if (off > 1 && j > i + 1) continue;
-      const double length = (x[j] - x[i]).norm();
+      const double length = (s.x[j] - s.x[i]).norm();
       if (!(length > 0)) continue;
-      const double ratio = std::log(length / spacing);
+      const double ratio = std::log(length / how.spacing);
       const double total = cost[i] + ratio * ratio + 0.5 * off * off + 1e-3;
       if (total >= cost[j]) continue;
       cost[j] = total;
@@ -127,7 +142,7 @@ double twice_area(const std::vector<Vec2>& x, bool closed) {
 }
 
 /// Moves what is not fixed along its normals until twice the area on the left is as wanted.
-void restore_area(Chain& chain, const std::vector<Room>& room, double wanted, double most) {
+void restore_area(Chain& chain, const std::vector<Clearance>& clearance, double wanted, double most) {
   const std::size_t n = chain.points.size();
   double rest = most;
   for (int round = 0; round < 3; ++round) {
@@ -138,7 +153,7 @@ void restore_area(Chain& chain, const std::vector<Room>& room, double wanted, do
       if (chain.fixed[i] || (!chain.closed && (i == 0 || i + 1 == n))) continue;
       const Vec2 along = chain.points[(i + 1) % n] - chain.points[(i + n - 1) % n];
       if (!(along.norm() > 0)) continue;
-      const double part = std::min(1.0, of_room * room[i].all / most);
+      const double part = std::min(1.0, share * clearance[i].all / most);
       way[i] = part * right(along).normalized();
       gain += part * along.norm();
     }
@@ -149,52 +164,59 @@ void restore_area(Chain& chain, const std::vector<Room>& room, double wanted, do
   }
 }
 
+/// A closed chain that may start anywhere: where it turns most.
+void start_sharpest(Chain& chain, std::vector<Clearance>& clearance) {
+  const std::size_t n = chain.points.size();
+  std::size_t sharpest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double wide = (chain.points[(i + 2) % n] - chain.points[(i + n - 2) % n]).norm();
+    if (wide < least * (1 - 1e-9)) sharpest = i, least = wide;
+  }
+  std::rotate(chain.points.begin(), chain.points.begin() + Index(sharpest), chain.points.end());
+  std::rotate(clearance.begin(), clearance.begin() + Index(sharpest), clearance.end());
+}
+
+double length(const Chain& chain) {
+  double sum = chain.closed ? (chain.points.front() - chain.points.back()).norm() : 0;
+  for (std::size_t i = 0; i + 1 < chain.points.size(); ++i) sum += (chain.points[i + 1] - chain.points[i]).norm();
+  return sum;
+}
+
 }  // namespace
 
-Chain simplify(const Chain& chain, const Chain& given, const std::vector<Room>& given_room, const Simplifying& how) {
+Chain simplify(const Chain& chain, const Chain& given, const std::vector<Clearance>& given_clearance,
+               const Simplifying& how) {
   Chain fine = given;
-  std::vector<Room> room = given_room;
-  relax(fine, room, how.move);
+  std::vector<Clearance> clearance = given_clearance;
+  relax(fine, clearance, how.move);
   const std::size_t n = fine.points.size();
   const bool loose = fine.closed && !fine.fixed.front();
-  if (loose) {  // it may start anywhere: where it turns most
-    std::size_t sharpest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i) {
-      const double wide = (fine.points[(i + 2) % n] - fine.points[(i + n - 2) % n]).norm();
-      if (wide < least * (1 - 1e-9)) sharpest = i, least = wide;
-    }
-    std::rotate(fine.points.begin(), fine.points.begin() + Index(sharpest), fine.points.end());
-    std::rotate(room.begin(), room.begin() + Index(sharpest), room.end());
-  }
+  if (loose) start_sharpest(fine, clearance);
   Chain result{{}, {}, {}, chain.closed};
-  std::vector<Room> kept;
+  std::vector<Clearance> kept;
   for (std::size_t start = 0; start < (fine.closed ? n : n - 1);) {
-    std::vector<Vec2> x{fine.points[start]};
-    std::vector<Room> r{room[start]};
+    Stretch stretch{{fine.points[start]}, {clearance[start]}, loose};
     std::size_t end = start;
     do {
       ++end;
-      x.push_back(fine.points[end % n]);
-      r.push_back(room[end % n]);
+      stretch.x.push_back(fine.points[end % n]);
+      stretch.clearance.push_back(clearance[end % n]);
     } while (end < n - (fine.closed ? 0 : 1) && !fine.fixed[end % n]);
-    const std::size_t most = loose ? std::min<std::size_t>(longest_chord, (x.size() - 1) / 4) : longest_chord;
-    const std::vector<std::size_t> path = cheapest(x, r, loose, std::max<std::size_t>(1, most), how.spacing, how.chord);
+    const std::vector<std::size_t> path = cheapest(stretch, how);
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-      result.points.push_back(x[path[i]]);
+      result.points.push_back(stretch.x[path[i]]);
       result.fixed.push_back(i == 0 && !loose);
-      kept.push_back(r[path[i]]);
+      kept.push_back(stretch.clearance[path[i]]);
     }
     start = end;
   }
   if (!fine.closed) {
     result.points.push_back(fine.points.back());
     result.fixed.push_back(true);
-    kept.push_back(room.back());
+    kept.push_back(clearance.back());
   }
-  double length = chain.closed ? (chain.points.front() - chain.points.back()).norm() : 0;
-  for (std::size_t i = 0; i + 1 < chain.points.size(); ++i) length += (chain.points[i + 1] - chain.points[i]).norm();
-  restore_area(result, kept, twice_area(chain.points, chain.closed) + 2 * how.offset * length, how.chord);
+  restore_area(result, kept, twice_area(chain.points, chain.closed) + 2 * how.offset * length(chain), how.chord);
   return result;
 }
 

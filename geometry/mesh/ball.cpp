@@ -23,7 +23,8 @@ void require(bool holds, const std::string& words) {
   if (!holds) throw std::invalid_argument(words);
 }
 
-void check(const Vec2& center, double radius, int n) {
+void check(const Ball& ball) {
+  const auto& [center, radius, n] = ball;
   require(center.allFinite() && std::isfinite(radius) && radius > 0,
           fmt::format("a ball of radius {:g}; it must be positive", radius));
   require(n >= 12 && n % 4 == 0, fmt::format("a ball of {} edges; it needs a multiple of 4, at least 12", n));
@@ -232,30 +233,31 @@ BallMesh shells(const Ovals& ovals, const std::vector<Vec2>& boundary) {
 
 }  // namespace
 
-std::vector<Vec2> ball_boundary(const Vec2& center, double radius, int n) {
-  check(center, radius, n);
+std::vector<Vec2> ball_boundary(const Ball& ball) {
+  check(ball);
+  const auto& [center, radius, n] = ball;
   std::vector<Vec2> points;
   for (int i = 0; i < n; ++i)
     points.push_back(center + radius * Vec2(std::cos(2 * pi * i / n), std::sin(2 * pi * i / n)));
   return points;
 }
 
-Loop ball_hole(std::string name, const Vec2& center, double radius, int n, Index label) {
-  Loop loop = polygon(std::move(name), ball_boundary(center, radius, n), label);
+Loop ball_hole(std::string name, const Ball& ball, Index label) {
+  Loop loop = polygon(std::move(name), ball_boundary(ball), label);
   for (Side& side : loop.sides) side.keep = true;
   return loop;
 }
 
-BallMesh ball_mesh(const Vec2& center, double ball_radius, const std::vector<double>& radii, int n, double aspect,
-                   double angle) {
-  check(center, ball_radius, n);
+BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle) {
+  check(ball);
   require(std::isfinite(aspect) && aspect >= 1 && std::isfinite(angle),
           fmt::format("ellipses of aspect {:g}; it must be at least 1", aspect));
+  const int n = ball.n;
   const double step = 2 * pi / n;
   if (aspect == 1) angle = 0;
   const double along = std::sqrt(aspect * step / std::sin(step)), lag = std::round(angle / step) / n;
-  Ovals ovals{center, {{ball_radius, ball_radius, angle, angle / (2 * pi)}}};
-  double outer = ball_radius;
+  Ovals ovals{ball.center, {{ball.radius, ball.radius, angle, angle / (2 * pi)}}};
+  double outer = ball.radius;
   for (std::size_t k = 0; k < radii.size(); ++k) {
     require(std::isfinite(radii[k]) && radii[k] > 0, fmt::format("a contour of radius {:g}", radii[k]));
     const double reach = k == 0 ? radii[k] * along : radii[k];
@@ -265,17 +267,18 @@ BallMesh ball_mesh(const Vec2& center, double ball_radius, const std::vector<dou
     ovals.contour.push_back({radii[k] * along, radii[k] * along / aspect, angle, lag});
     outer = radii[k];
   }
-  const std::vector<Vec2> boundary = ball_boundary(center, ball_radius, n);
-  std::optional<BallMesh> ball = rings(ovals, boundary);
-  return ball ? std::move(*ball) : shells(ovals, boundary);
+  const std::vector<Vec2> boundary = ball_boundary(ball);
+  std::optional<BallMesh> mesh = rings(ovals, boundary);
+  return mesh ? std::move(*mesh) : shells(ovals, boundary);
 }
 
-BallMesh slit_mesh(const Vec2& center, double ball_radius, double half_length, double angle, int n) {
-  check(center, ball_radius, n);
-  require(half_length > 0 && half_length <= 0.8 * ball_radius && std::isfinite(angle),
+BallMesh slit_mesh(const Ball& ball, double half_length, double angle) {
+  check(ball);
+  const auto& [center, radius, n] = ball;
+  require(half_length > 0 && half_length <= 0.8 * radius && std::isfinite(angle),
           fmt::format("a slit of half length {:g} in a ball of radius {:g}; it may reach 0.8 of that", half_length,
-                      ball_radius));
-  const double step = 2 * pi / n, end = std::log(2 * ball_radius / half_length);
+                      radius));
+  const double step = 2 * pi / n, end = std::log(2 * radius / half_length);
   const int count = std::max(2, int(std::lround(end / (equilateral * step))));
   const std::size_t size = std::size_t(n), half = size / 2;
   const Vec2 along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
@@ -283,7 +286,7 @@ BallMesh slit_mesh(const Vec2& center, double ball_radius, double half_length, d
   // The last ring takes the vertices of the boundary: vertex i is point i + shift, after a turn of at most half a step.
   const double last_phase = count % 2 == 0 ? 0 : 0.5;
   const double shift = std::round(last_phase + angle / step), twist = (shift - last_phase) / n - angle / (2 * pi);
-  Triangles all{ball_boundary(center, ball_radius, n), {}, {}};
+  Triangles all{ball_boundary(ball), {}, {}};
   Ring boundary, outer{{}, last_phase};
   for (std::size_t i = 0; i < size; ++i) {
     boundary.vertex.push_back(Index(i));

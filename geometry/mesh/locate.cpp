@@ -3,6 +3,8 @@
 
 #include "kerf/mesh.hpp"
 
+#include "geometry/plane.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -36,18 +38,13 @@ double outside(const Mesh& mesh, Index t, const Vec2& x) {
   return worst;
 }
 
-double squared_distance(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const double s = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  return (a + s * (b - a) - x).squaredNorm();
-}
-
 double squared_distance(const Mesh& mesh, Index t, const Vec2& x) {
   if (outside(mesh, t, x) <= 0) return 0;
   const auto& v = mesh.triangles[std::size_t(t)];
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 3; ++i)
-    least =
-        std::min(least, squared_distance(x, mesh.points[std::size_t(v[i])], mesh.points[std::size_t(v[(i + 1) % 3])]));
+    least = std::min(
+        least, kerf::squared_distance(x, mesh.points[std::size_t(v[i])], mesh.points[std::size_t(v[(i + 1) % 3])]));
   return least;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace kerf {
 
@@ -184,7 +185,7 @@ Quality quality(const Mesh& mesh) {
     const double least = std::min({a, b, c});
     smallest_tangent = std::min(smallest_tangent, 2 * twice / (a + b + c - 2 * least));
   }
-  const double degrees = 180 / std::acos(-1.0);
+  const double degrees = 180 / std::numbers::pi;
   return {std::sqrt(shortest), std::sqrt(longest), std::atan(smallest_tangent) * degrees,
           sum / double(mesh.triangles.size())};
 }

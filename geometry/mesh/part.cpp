@@ -36,6 +36,94 @@ Ends ends(Index a, Index b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+/// The body with the balls put in so far.
+struct Filler {
+  const Mesh& outside;
+  std::vector<Vec2> points = outside.points;
+  std::vector<std::array<Index, 3>> triangles = outside.triangles;
+  std::vector<Index> region = outside.region;
+  std::vector<bool> keep = std::vector<bool>(outside.edges.size(), true);  // not between body and ball
+  std::vector<std::vector<Index>> number = {};                             // per ball, its vertices in the whole
+  const std::map<Ends, Index> edge_of = by_ends(outside);
+  const std::map<std::pair<double, double>, Index> at = boundary_vertices();
+
+  std::map<std::pair<double, double>, Index> boundary_vertices() const {
+    std::map<std::pair<double, double>, Index> at;
+    for (std::size_t e = 0; e < outside.edges.size(); ++e)
+      if (outside.label[e] != none)
+        for (const Index v : outside.edges[e]) at[{outside.points[v].x(), outside.points[v].y()}] = v;
+    return at;
+  }
+
+  /// The ball's first vertices are those of the hole, the rest is new.
+  std::vector<Index> number_vertices(const BallMesh& ball) {
+    std::vector<Index> vertex(ball.mesh.points.size());
+    for (std::size_t v = 0; v < vertex.size(); ++v) {
+      const Vec2& x = ball.mesh.points[v];
+      if (v >= ball.contour[0].size()) {
+        vertex[v] = static_cast<Index>(points.size());
+        points.push_back(x);
+        continue;
+      }
+      const auto found = at.find({x.x(), x.y()});
+      if (found == at.end()) throw std::invalid_argument("fill: the ball's boundary is not in the mesh");
+      vertex[v] = found->second;
+    }
+    return vertex;
+  }
+
+  void open_boundary(const std::vector<Index>& vertex, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto found = edge_of.find(ends(vertex[i], vertex[(i + 1) % n]));
+      if (found == edge_of.end()) throw std::invalid_argument("fill: the ball's boundary was split");
+      keep[found->second] = false;
+    }
+  }
+
+  void add(const BallMesh& ball) {
+    std::vector<Index> vertex = number_vertices(ball);
+    open_boundary(vertex, ball.contour[0].size());
+    if (!region.empty()) {  // that around the ball
+      const auto& sides = outside.sides[edge_of.at(ends(vertex[0], vertex[1]))];
+      const Index around = outside.region[sides[0] == none ? sides[1] : sides[0]];
+      region.insert(region.end(), ball.mesh.triangles.size(), around);
+    }
+    for (const auto& v : ball.mesh.triangles) triangles.push_back({vertex[v[0]], vertex[v[1]], vertex[v[2]]});
+    number.push_back(std::move(vertex));
+  }
+
+  /// Labels and cracks of the body, then the slits of the balls.
+  std::vector<Marked> marks(const std::vector<BallMesh>& balls) const {
+    std::vector<Index> same(outside.points.size());
+    for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
+    std::vector<Marked> marked;
+    carry_marks(outside, same, keep, marked);
+    for (std::size_t b = 0; b < balls.size(); ++b)
+      for (std::size_t c = 0; c < balls[b].mesh.cracks.size(); ++c)
+        for (const CrackEdge& k : balls[b].mesh.cracks[c]) {
+          const auto& [from, to] = balls[b].mesh.edges[k.edge];
+          marked.push_back({.a = number[b][k.forward ? from : to],
+                            .b = number[b][k.forward ? to : from],
+                            .crack = static_cast<Index>(outside.cracks.size() + c)});
+        }
+    return marked;
+  }
+};
+
+/// Per contour of the ball its edges in the whole.
+std::vector<std::vector<Index>> contours_in(const std::map<Ends, Index>& edge_of, const BallMesh& ball,
+                                            const std::vector<Index>& number) {
+  std::vector<std::vector<Index>> contours;
+  for (const auto& contour : ball.contour) {
+    auto& edges = contours.emplace_back();
+    for (const Index e : contour) {
+      const auto& [from, to] = ball.mesh.edges[e];
+      edges.push_back(edge_of.at(ends(number[from], number[to])));
+    }
+  }
+  return contours;
+}
+
 }  // namespace
 
 Part part(const Mesh& whole, const std::vector<bool>& use) {
@@ -72,74 +160,19 @@ Part part(const Mesh& whole, const std::vector<bool>& use) {
 }
 
 Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
-  std::vector<Vec2> points = outside.points;
-  std::vector<std::array<Index, 3>> triangles = outside.triangles;
-  std::vector<Index> region = outside.region;
-  std::map<std::pair<double, double>, Index> at;
-  for (std::size_t e = 0; e < outside.edges.size(); ++e)
-    if (outside.label[e] != none)
-      for (const Index v : outside.edges[e]) at[{points[v].x(), points[v].y()}] = v;
+  Filler filler{outside};
   Filled filled;
-  std::vector<bool> keep(outside.edges.size(), true);
-  const std::map<Ends, Index> edge_of = by_ends(outside);
-  std::vector<std::vector<Index>> number;  // per ball, its vertices in the whole
   for (const BallMesh& ball : balls) {
-    const std::size_t n = ball.contour[0].size();
-    std::vector<Index> vertex(ball.mesh.points.size());
-    for (std::size_t v = 0; v < vertex.size(); ++v) {
-      const Vec2& x = ball.mesh.points[v];
-      if (v >= n) {
-        vertex[v] = static_cast<Index>(points.size());
-        points.push_back(x);
-        continue;
-      }
-      const auto found = at.find({x.x(), x.y()});
-      if (found == at.end()) throw std::invalid_argument("fill: the ball's boundary is not in the mesh");
-      vertex[v] = found->second;
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto found = edge_of.find(ends(vertex[i], vertex[(i + 1) % n]));
-      if (found == edge_of.end()) throw std::invalid_argument("fill: the ball's boundary was split");
-      keep[found->second] = false;
-    }
-    filled.first_triangle.push_back(static_cast<Index>(triangles.size()));
-    Index around = none;
-    if (!region.empty()) {
-      const auto& sides = outside.sides[edge_of.at(ends(vertex[0], vertex[1]))];
-      around = outside.region[sides[0] == none ? sides[1] : sides[0]];
-    }
-    for (const auto& v : ball.mesh.triangles) {
-      triangles.push_back({vertex[v[0]], vertex[v[1]], vertex[v[2]]});
-      if (!region.empty()) region.push_back(around);
-    }
-    number.push_back(std::move(vertex));
+    filled.first_triangle.push_back(static_cast<Index>(filler.triangles.size()));
+    filler.add(ball);
   }
-  filled.first_triangle.push_back(static_cast<Index>(triangles.size()));
-  std::vector<Index> same(outside.points.size());
-  for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
-  std::vector<Marked> marked;
-  carry_marks(outside, same, keep, marked);
-  for (std::size_t b = 0; b < balls.size(); ++b)  // slits
-    for (std::size_t c = 0; c < balls[b].mesh.cracks.size(); ++c)
-      for (const CrackEdge& k : balls[b].mesh.cracks[c]) {
-        const auto& [from, to] = balls[b].mesh.edges[k.edge];
-        marked.push_back({.a = number[b][k.forward ? from : to],
-                          .b = number[b][k.forward ? to : from],
-                          .crack = static_cast<Index>(outside.cracks.size() + c)});
-      }
-  filled.mesh = connect(std::move(points), std::move(triangles), marked, std::move(region));
+  filled.first_triangle.push_back(static_cast<Index>(filler.triangles.size()));
+  const std::vector<Marked> marked = filler.marks(balls);
+  filled.mesh = connect(std::move(filler.points), std::move(filler.triangles), marked, std::move(filler.region));
   if (filled.mesh.cracks.size() < outside.cracks.size()) filled.mesh.cracks.resize(outside.cracks.size());
-  const std::map<Ends, Index> final_edge = by_ends(filled.mesh);
-  for (std::size_t b = 0; b < balls.size(); ++b) {
-    auto& contours = filled.contour.emplace_back();
-    for (const auto& contour : balls[b].contour) {
-      auto& edges = contours.emplace_back();
-      for (const Index e : contour) {
-        const auto& [from, to] = balls[b].mesh.edges[e];
-        edges.push_back(final_edge.at(ends(number[b][from], number[b][to])));
-      }
-    }
-  }
+  const std::map<Ends, Index> edge_of = by_ends(filled.mesh);
+  for (std::size_t b = 0; b < balls.size(); ++b)
+    filled.contour.push_back(contours_in(edge_of, balls[b], filler.number[b]));
   return filled;
 }
 

@@ -87,33 +87,40 @@ Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach)
   return targets;
 }
 
-/// `normal` zero: every way. Strands that share a corner with `from` make an angle, not a gap.
-Gap nearest(const Drawing& drawing, const Targets& targets, const Vec2& x, const Vec2& normal, Index from, double reach,
-            Index corner) {
+/// A point that looks across the body.
+struct Look {
+  Vec2 x, normal;       // zero: every way
+  Index from;           // its strand
+  Index corner = none;  // where it lies, if on one
+};
+
+/// Whether a strand makes a gap with that of the point: those that share a corner make an angle.
+bool faces(const Drawing& drawing, const Look& look, Index strand) {
+  const Strand &own = drawing.strands[std::size_t(look.from)], &other = drawing.strands[std::size_t(strand)];
+  if (look.corner != none) return other.from != look.corner && other.to != look.corner;
+  // Cracks and regions have short edges where they face themselves.
+  if (strand == look.from) return own.arc && own.loop != none;
+  return other.from != own.from && other.from != own.to && other.to != own.from && other.to != own.to;
+}
+
+Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, double reach) {
+  const Vec2& x = look.x;
   Gap best{.width = reach};
-  const Strand& own = drawing.strands[std::size_t(from)];
   const int c = targets.column(x.x()), r = targets.row(x.y());
   for (int j = std::max(0, r - 1); j <= std::min(targets.rows - 1, r + 1); ++j)
     for (int i = std::max(0, c - 1); i <= std::min(targets.columns - 1, c + 1); ++i)
       for (const Index t : targets.in[std::size_t(j) * std::size_t(targets.columns) + std::size_t(i)]) {
         const Target& target = targets.all[std::size_t(t)];
-        const Strand& other = drawing.strands[std::size_t(target.strand)];
         const Vec2 d = target.b - target.a;
-        const double s = std::clamp((x - target.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+        const double s = foot(x, target.a, target.b);
         const Vec2 y = target.a + s * d;
         const double width = (y - x).norm();
-        if (!(width < best.width) || width == 0) continue;
-        if (corner != none) {
-          if (other.from == corner || other.to == corner) continue;
-        } else if (target.strand == from) {
-          if (!own.arc || own.loop == none) continue;  // cracks and regions have short edges where they face themselves
-        } else if (other.from == own.from || other.from == own.to || other.to == own.from || other.to == own.to) {
-          continue;
-        }
-        if (normal != Vec2::Zero() && normal.dot(y - x) < leaving * width) continue;
+        if (!(width < best.width) || width == 0 || !faces(drawing, look, target.strand)) continue;
+        if (look.normal != Vec2::Zero() && look.normal.dot(y - x) < leaving * width) continue;
         const bool tip = (s == 0 && target.tip_a) || (s == 1 && target.tip_b);
         const double turned = left(d).dot(x - y) / d.norm();
-        if (!tip && (other.loop == none ? std::abs(turned) : turned) < arriving * width) continue;
+        const bool both = drawing.strands[std::size_t(target.strand)].loop == none;  // sides face the body
+        if (!tip && (both ? std::abs(turned) : turned) < arriving * width) continue;
         best = {width, y, target.strand};
       }
   return best;
@@ -151,7 +158,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, double ac
       if (strand.loop != none && !reentrant[std::size_t(corner)]) continue;
       const Vec2& x = drawing.corners[std::size_t(corner)];
       // Both strands of an inner corner ask: the same answer twice does no harm.
-      use(x, nearest(drawing, targets, x, Vec2::Zero(), Index(k), reach, corner), Index(k));
+      use(x, nearest(drawing, targets, {x, Vec2::Zero(), Index(k), corner}, reach), Index(k));
     }
     const int count = even_pieces(drawing, strand, size);
     std::vector<std::array<double, 2>> open;
@@ -165,7 +172,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, double ac
       double width = reach;
       for (const double sign : {1.0, -1.0}) {
         if (sign < 0 && strand.loop != none) break;  // a side faces the body on its left only
-        const Gap gap = nearest(drawing, targets, x, sign * normal, Index(k), reach, none);
+        const Gap gap = nearest(drawing, targets, {x, sign * normal, Index(k)}, reach);
         use(x, gap, Index(k));
         width = std::min(width, gap.width);
       }

@@ -28,6 +28,22 @@ Lattice fit(const Vec2& low, const Vec2& high, double step) {
   return {low, fitted(high.x() - low.x(), step), fitted(high.y() - low.y(), step * std::sqrt(0.75))};
 }
 
+struct Square {
+  Vec2 low;
+  double width;
+};
+
+/// Target lengths in a square: bounds.
+struct Bounds {
+  double low, high;
+};
+
+/// A point and whether it lies in the body: crossings counted from there say it of others.
+struct Witness {
+  Vec2 x;
+  bool inside;
+};
+
 struct Filler {
   const Drawing& drawing;
   const Pieces& pieces;
@@ -68,10 +84,10 @@ struct Filler {
     return true;
   }
 
-  void fill(const Vec2& low, double width, double h_low, double h_high, const std::vector<Index>& near,
-            const Vec2& reference, bool inside) {
-    for (int k = level(h_high); k <= level(h_low); ++k) {
-      const bool sure = level(h_high) == level(h_low);
+  void fill(const Square& square, const Bounds& h, const std::vector<Index>& near, const Witness& witness) {
+    const auto& [low, width] = square;
+    for (int k = level(h.high); k <= level(h.low); ++k) {
+      const bool sure = level(h.high) == level(h.low);
       const double scale = std::ldexp(1.0, -k), column = lattice.column * scale, row = lattice.row * scale;
       const auto first = std::int64_t(std::ceil((low.y() - lattice.origin.y()) / row));
       const auto last = std::int64_t(std::ceil((low.y() + width - lattice.origin.y()) / row)) - 1;
@@ -83,7 +99,7 @@ struct Filler {
         for (std::int64_t i = left; i <= right; ++i) {
           const Vec2 x(shift + double(i) * column, y);
           if (!sure && level(size_at(field, x)) != k) continue;
-          if (!near.empty() && (!is_clear(x, field.cap * scale, near) || crosses(reference, x, near) == inside))
+          if (!near.empty() && (!is_clear(x, field.cap * scale, near) || crosses(witness.x, x, near) == witness.inside))
             continue;
           found.push_back(x);
         }
@@ -95,14 +111,14 @@ struct Filler {
                                                2 * most));
   }
 
-  /// `inside`: whether the reference point, somewhere in the parent square, lies in the body; `near`: the parent's
-  /// pieces.
-  void visit(const Vec2& low, double width, const std::vector<Index>& near_parent, const Vec2& reference, bool inside) {
+  /// With the pieces and the witness of the parent square.
+  void visit(const Square& square, const std::vector<Index>& near_parent, const Witness& witness) {
+    const auto& [low, width] = square;
     const Vec2 center = low.array() + width / 2;
     const double radius = width * std::sqrt(0.5), h = size_at(field, center);
     const double change = steepest(field, center, radius) * radius;
     const double h_low = h - change, h_high = std::min(largest_size(field, center, radius), h + change);
-    inside = inside != crosses(reference, center, near_parent);
+    const Witness here{center, witness.inside != crosses(witness.x, center, near_parent)};
     std::vector<Index> near;
     for (const Index i : near_parent) {
       const Vec2 &a = pieces.points[std::size_t(pieces.pieces[std::size_t(i)].a)],
@@ -110,13 +126,13 @@ struct Filler {
       const double reach = radius + std::max(1.5 * clear * h_high, (b - a).norm() / 2);
       if (distance(center, a, b) <= reach) near.push_back(i);
     }
-    if (near.empty() && !inside) return;
+    if (near.empty() && !here.inside) return;
     // Small squares where h varies, so that h_low stays positive and few levels meet in one.
     if (width > leaf * h_high || (h_low < h_high && (h_low < 0.3 * h_high) && width > 1e-3 * h)) {
-      for (int q = 0; q < 4; ++q) visit(low + width / 2 * Vec2(q & 1, q >> 1), width / 2, near, center, inside);
+      for (int q = 0; q < 4; ++q) visit({low + width / 2 * Vec2(q & 1, q >> 1), width / 2}, near, here);
       return;
     }
-    fill(low, width, std::max(h_low, 0.25 * h), h_high, near, center, inside);
+    fill(square, {std::max(h_low, 0.25 * h), h_high}, near, here);
   }
 };
 
@@ -135,7 +151,7 @@ std::vector<Vec2> lattice_points(const Drawing& drawing, const Pieces& pieces, c
   // Odd numbers: no square's center, from which crossings are counted, is likely to lie on a side.
   const double size = (high - low).maxCoeff();
   const Vec2 corner = low - size * Vec2(0.0127432, 0.0171931);
-  filler.visit(corner, 1.0418273 * size, all, corner, false);
+  filler.visit({corner, 1.0418273 * size}, all, {corner, false});
   return std::move(filler.found);
 }
 

@@ -422,7 +422,7 @@ Mesh triangulate(const Shape& shape, const Sizing& given, const Background* back
   // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
   for (int finer = 1;; finer *= 2) {
     const Pieces pieces = split_to_size(drawing, field, finer);
-    const auto problem = find_contact(shape, drawing, pieces, {0, 0}, false);
+    const auto problem = find_crossing(shape, drawing, pieces, {0, 0}, false);
     if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
     if (problem) continue;
     Rough rough = mesh_of(shape, drawing, pieces, field, sizing.min_angle_deg);

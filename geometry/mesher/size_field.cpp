@@ -23,9 +23,16 @@ double size_of(const SizeField& field, const Source& s, const Vec2& x) {
   return std::min(linear, std::max(s.size, field.cap * std::pow(d / s.reach, 0.8)));
 }
 
-void grow(SizeField& field, std::size_t node, const Vec2& low, double width, const std::vector<Index>& candidates,
-          int depth) {
-  const Vec2 center = low.array() + width / 2;
+struct Square {
+  Vec2 low;
+  double width;
+  int depth = 0;
+};
+
+/// Fills the node of a square with what of the candidates can be the least one somewhere in it.
+void grow(SizeField& field, std::size_t node, const Square& square, const std::vector<Index>& candidates) {
+  const double width = square.width;
+  const Vec2 center = square.low.array() + width / 2;
   const double reach = field.grading * width / std::numbers::sqrt2;  // h changes no more from the center to a corner
   double upper = field.cap;
   std::vector<double> value;
@@ -38,7 +45,7 @@ void grow(SizeField& field, std::size_t node, const Vec2& low, double width, con
   for (std::size_t i = 0; i < candidates.size(); ++i)
     if (value[i] - reach < upper) kept.push_back(Index(i));
   // Squares as small as the edges themselves need no sharper answer than the few sources that matter most.
-  const bool small = width < upper || depth == max_depth;
+  const bool small = width < upper || square.depth == max_depth;
   if (kept.size() <= few || small) {
     if (kept.size() > many) {
       std::stable_sort(kept.begin(), kept.end(),
@@ -56,7 +63,8 @@ void grow(SizeField& field, std::size_t node, const Vec2& low, double width, con
   field.nodes[node].child = Index(child);
   field.nodes.resize(child + 4);
   for (int q = 0; q < 4; ++q)
-    grow(field, child + std::size_t(q), low + width / 2 * Vec2(q & 1, q >> 1), width / 2, kept, depth + 1);
+    grow(field, child + std::size_t(q), {square.low + width / 2 * Vec2(q & 1, q >> 1), width / 2, square.depth + 1},
+         kept);
 }
 
 /// Lowers sizes until none exceeds a neighbor's by more than grading times the edge: in the order of the sizes, so
@@ -101,10 +109,10 @@ double background_at(const SizeField& field, const Vec2& x) {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& v = mesh.triangles[std::size_t(t)];
       const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];
-      const Vec2 foot = a + std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a);
-      if ((foot - x).squaredNorm() >= least) continue;
-      least = (foot - x).squaredNorm();
-      y = foot;
+      const Vec2 nearest = a + foot(x, a, b) * (b - a);
+      if ((nearest - x).squaredNorm() >= least) continue;
+      least = (nearest - x).squaredNorm();
+      y = nearest;
     }
   }
   const auto& [a, b, c] = mesh.triangles[std::size_t(t)];
@@ -121,47 +129,6 @@ bool beside_kept(const SizeField& field, const Vec2& x, double distance) {
          (x.array() - distance < field.kept_high.array()).all();
 }
 
-constexpr double degree = std::numbers::pi / 180;
-
-double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
-  return std::atan2(cross(in, out), in.dot(out));
-}
-
-/// Curved sides: 32 pieces per turn of a circle with the local radius of curvature.
-void add_curved(const Drawing& drawing, const Strand& strand, double size, std::vector<Source>& sources) {
-  const Arc& arc = *strand.arc;
-  const double product = std::abs(determinant(arc));
-  const auto wanted = [&](double s) {
-    const double t = arc.from + s * (arc.to - arc.from);
-    const double v = (arc.axes * Vec2(-std::sin(t), std::cos(t))).norm();
-    return 2 * std::numbers::pi / 32 * v * v * v / product;
-  };
-  // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
-  const auto p = arc.axes.col(0), q = arc.axes.col(1);
-  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = std::numbers::pi / 2;
-  const auto [low, high] = std::minmax(arc.from, arc.to);
-  std::vector<double> breaks{0, 1};
-  for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
-    breaks.push_back((t - arc.from) / (arc.to - arc.from));
-  std::sort(breaks.begin(), breaks.end());
-  std::vector<std::array<double, 2>> open;
-  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
-  while (!open.empty()) {
-    const auto [from, to] = open.back();
-    open.pop_back();
-    const double middle = (from + to) / 2;
-    const double least = std::min({wanted(from), wanted(middle), wanted(to)});
-    const double length = velocity(drawing, strand, middle).norm() * (to - from);
-    const double angle = (to - from) * std::abs(arc.to - arc.from);
-    if (angle > std::numbers::pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
-      open.push_back({middle, to});
-      open.push_back({from, middle});
-    } else if (least < size) {
-      sources.push_back({point(drawing, strand, from), point(drawing, strand, to), least});
-    }
-  }
-}
-
 }  // namespace
 
 SizeField size_field(std::vector<Source> sources, double cap, double grading, const Vec2& low, const Vec2& high) {
@@ -173,7 +140,7 @@ SizeField size_field(std::vector<Source> sources, double cap, double grading, co
                   .nodes = std::vector<SizeField::Node>(1)};
   std::vector<Index> all(field.sources.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = Index(i);
-  grow(field, 0, field.low, field.width, all, 0);
+  grow(field, 0, {field.low, field.width}, all);
   return field;
 }
 
@@ -238,105 +205,6 @@ double size_at(const SizeField& field, const Vec2& x) {
   if (beside_kept(field, x, 0))
     for (const Source& k : field.kept) h = std::max(h, k.size - steepness * distance(x, k.a, k.b));
   return h;
-}
-
-std::vector<bool> reentrant_corners(const Drawing& drawing) {
-  std::vector<Index> arriving(drawing.corners.size(), none);
-  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
-    if (drawing.strands[i].loop != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
-  std::vector<bool> reentrant(drawing.corners.size(), false);
-  for (const Strand& strand : drawing.strands)
-    if (strand.loop != none) {
-      // The body lies to the left of its loops: a turn to the right is a reentrant corner.
-      const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
-      if (before.smooth && strand.smooth) continue;
-      reentrant[std::size_t(strand.from)] =
-          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -10 * degree;
-    }
-  return reentrant;
-}
-
-std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
-                                 bool singular_points) {
-  const double size = sizing.size;
-  const double corner = size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
-  const double mild = size / 10;    // and corners between materials
-  std::vector<Source> sources;
-  const auto ask = [&](Index corner, double wanted, double reach = 0) {
-    if (!singular_points) return;
-    const Vec2& x = drawing.corners[std::size_t(corner)];
-    sources.push_back({x, x, wanted, std::min(reach, extent(shape) / 8)});
-  };
-  std::vector<double> crack_length(shape.cracks.size(), 0), shortest(drawing.corners.size(), extent(shape));
-  for (const Strand& s : drawing.strands) {
-    if (s.crack != none) crack_length[std::size_t(s.crack)] += length(drawing, s);
-    const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
-    if (s.crack == none)
-      for (const Index corner : {s.from, s.to})
-        shortest[std::size_t(corner)] = std::min(shortest[std::size_t(corner)], chord);
-  }
-  std::vector<bool> on_loop(drawing.corners.size(), false);
-  std::vector<Index> meets(drawing.corners.size(), none);  // the cracks that meet there, if several
-  std::vector<bool> junction(drawing.corners.size(), false), asked(drawing.corners.size(), false);
-  for (const Strand& s : drawing.strands)
-    for (const Index corner : {s.from, s.to}) {
-      if (s.loop != none) {
-        on_loop[std::size_t(corner)] = true;
-        continue;
-      }
-      if (s.region != none) continue;
-      Index& crack = meets[std::size_t(corner)];
-      if (crack != none && crack != s.crack) junction[std::size_t(corner)] = true;
-      crack = s.crack;
-    }
-
-  for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
-    const Strand& strand = drawing.strands[i];
-    const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
-    if (strand.arc) add_curved(drawing, strand, size, sources);
-    // A short side is an edge of the mesh as it is: its neighbors grow from its length.
-    const double side = length(drawing, strand);
-    if (side < size && strand.from != strand.to) sources.push_back({a, b, side});
-    const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
-    if (strand.crack != none) {
-      const double reach = crack_length[std::size_t(strand.crack)] / 4;
-      const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
-      const auto ask_end = [&](Index end) {
-        if (on_loop[std::size_t(end)])
-          ask(end, size / 4);
-        else if (!junction[std::size_t(end)])
-          ask(end, sizing.crack_tip_size, reach);
-      };
-      const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
-                                                 velocity(drawing, strand, 0))) > 5 * degree;
-      for (const Index end : {strand.from, strand.to})
-        if (junction[std::size_t(end)] && !on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
-          asked[std::size_t(end)] = true;
-          ask(end, corner, reach / 2);
-        }
-      if (kink && !junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
-      if (!follows) ask_end(strand.from);
-      if (last) ask_end(strand.to);
-      // The two ends of an arc that nearly closes.
-      if (strand.arc && (b - a).norm() < std::min(size, side / 2)) sources.push_back({a, b, (b - a).norm() / 2});
-    }
-  }
-  std::vector<Index> arriving(drawing.corners.size(), none);
-  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
-    if (drawing.strands[i].region != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
-  for (const Strand& s : drawing.strands) {
-    if (s.region == none) continue;
-    const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
-    if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > 10 * degree)
-      ask(s.from, mild, shortest[std::size_t(s.from)] / 2);
-  }
-  std::vector<bool> reentrant = reentrant_corners(drawing);
-  for (const Strand& s : drawing.strands)
-    if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
-  for (std::size_t v = 0; v < reentrant.size(); ++v)
-    if (reentrant[v]) ask(Index(v), corner, shortest[v] / 2);
-  add_gaps(shape, drawing, size, sizing.across, sources);
-  return sources;
 }
 
 }  // namespace kerf

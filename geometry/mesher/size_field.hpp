@@ -59,7 +59,7 @@ double steepest(const SizeField& field, const Vec2& x, double distance);
 std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
                                  bool singular_points);
 
-/// Per corner whether the body fills more than 190 degrees around it (corners of loops only).
+/// Per corner whether the body fills more than reentrant_angle around it (corners of loops only).
 std::vector<bool> reentrant_corners(const Drawing& drawing);
 
 /// The narrow gaps alone: between two sides or cracks that face each other across the body nearer than twice the size.

@@ -26,7 +26,7 @@ Meeting meeting(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, doub
   Meeting result;
   const auto look = [&](const Vec2& x, const Vec2& p, const Vec2& q) {
     if (!(distance(x, p, q) <= gap)) return;
-    // A second contact at the same place makes no overlap.
+    // A second end at the same place makes no overlap.
     if (near > 0 && (x - result.at).norm() <= 4 * gap) return;
     if (near++ == 0) result.at = x;
   };
@@ -38,10 +38,8 @@ Meeting meeting(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, doub
     result.how = near > 1 ? How::Overlaps : How::Touches;
     return result;
   }
-  const double ca = cross(d - c, a - c), cb = cross(d - c, b - c);
-  const double ac = cross(b - a, c - a), ad = cross(b - a, d - a);
-  if ((ca > 0) == (cb > 0) || (ac > 0) == (ad > 0)) return {};
-  return {How::Crosses, a + ca / (ca - cb) * (b - a)};
+  if (const auto part = crossing(a, b, c, d)) return {How::Crosses, a + *part * (b - a)};
+  return {};
 }
 
 /// Two pieces o-a and o-b: they overlap when the shorter one lies on the other, or makes an angle of less than 1e-5
@@ -119,9 +117,7 @@ double sagitta(const Strand& strand, double from, double to) {
 }
 
 double separation(const Chord& p, const Chord& q) {
-  const double ca = cross(q.b - q.a, p.a - q.a), cb = cross(q.b - q.a, p.b - q.a);
-  const double ac = cross(p.b - p.a, q.a - p.a), ad = cross(p.b - p.a, q.b - p.a);
-  if ((ca > 0) != (cb > 0) && (ac > 0) != (ad > 0)) return 0;
+  if (crossing(p.a, p.b, q.a, q.b)) return 0;
   return std::min({distance(p.a, q.a, q.b), distance(p.b, q.a, q.b), distance(q.a, p.a, p.b), distance(q.b, p.a, p.b)});
 }
 
@@ -133,7 +129,14 @@ struct Shared {
   }
 };
 
-Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Shared& shared, double gap, double near) {
+/// What nearer than `gap` touches; below `near` wedges are too narrow.
+struct Tolerance {
+  double gap, near;
+};
+
+Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Shared& shared,
+                const Tolerance& tolerance) {
+  const auto& [gap, near] = tolerance;
   if (p.sagitta + q.sagitta > 0.1 * gap) {
     if (!shared.any() && separation(p, q) > p.sagitta + q.sagitta + gap) return {};
     const bool first = p.sagitta >= q.sagitta;
@@ -148,9 +151,9 @@ Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Sh
     const Shared at_tail =
         first ? Shared{false, false, shared.ba, shared.bb} : Shared{false, shared.ab, false, shared.bb};
     const Meeting m =
-        first ? meeting(drawing, head, q, at_head, gap, near) : meeting(drawing, p, head, at_head, gap, near);
+        first ? meeting(drawing, head, q, at_head, tolerance) : meeting(drawing, p, head, at_head, tolerance);
     if (m.how != How::Apart) return m;
-    return first ? meeting(drawing, tail, q, at_tail, gap, near) : meeting(drawing, p, tail, at_tail, gap, near);
+    return first ? meeting(drawing, tail, q, at_tail, tolerance) : meeting(drawing, p, tail, at_tail, tolerance);
   }
   if ((shared.aa && shared.bb) || (shared.ab && shared.ba)) return {How::Overlaps, p.a};
   if (shared.aa || shared.ab) return meeting(p.a, p.b, shared.aa ? q.b : q.a, gap, near);
@@ -160,23 +163,17 @@ Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Sh
 
 /// Whether what touches a loop at a corner or at the end of a piece passes through it: some of it lies on either side.
 bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, const Strand& other,
-            const Vec2& contact) {
-  const auto inside = [&](const Vec2& x) {
-    bool odd = false;
-    for (const Piece& piece : pieces.pieces) {
-      if (!of_one(drawing.strands[std::size_t(piece.strand)], loop)) continue;
-      const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
-      if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        odd = !odd;
-    }
-    return odd;
-  };
+            const Vec2& meeting) {
+  std::vector<std::array<Vec2, 2>> sides;
+  for (const Piece& piece : pieces.pieces)
+    if (of_one(drawing.strands[std::size_t(piece.strand)], loop))
+      sides.push_back({pieces.points[std::size_t(piece.a)], pieces.points[std::size_t(piece.b)]});
   int within = 0, beyond = 0;
   for (const Strand& strand : drawing.strands) {
     if (!of_one(strand, other)) continue;
     for (int i = 0; i < 8; ++i) {
       const Vec2 x = point(drawing, strand, (i + 0.5) / 8);
-      if ((x - contact).norm() > 1e-3 * drawing.extent) ++(inside(x) ? within : beyond);
+      if ((x - meeting).norm() > 1e-3 * drawing.extent) ++(inside(sides, x) ? within : beyond);
     }
   }
   return within > 0 && beyond > 0;
@@ -184,8 +181,8 @@ bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, co
 
 }  // namespace
 
-std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
-                                        const Gaps& gaps, bool curved) {
+std::optional<std::string> find_crossing(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                         const Gaps& gaps, bool curved) {
   struct Box {
     Vec2 low, high;
     Index piece;
@@ -216,8 +213,8 @@ std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawi
     const Strand &s = drawing.strands[std::size_t(p.strand)], &t = drawing.strands[std::size_t(q.strand)];
     if (p.strand == q.strand && shared.any()) return;  // neighbors on a smooth strand
     const bool same = of_one(s, t);
-    const Meeting m = meeting(drawing, chords[std::size_t(i)], chords[std::size_t(j)], shared,
-                              same || (s.crack == none && t.crack == none) ? gaps.loop : gaps.crack, gaps.crack);
+    const double gap = same || (s.crack == none && t.crack == none) ? gaps.loop : gaps.crack;
+    const Meeting m = meeting(drawing, chords[std::size_t(i)], chords[std::size_t(j)], shared, {gap, gaps.crack});
     if (m.how == How::Apart) return;
     first = m;
     where = {q.strand, p.strand};

@@ -28,14 +28,13 @@ Vec2 on_strand(const std::vector<Vec2>& corners, const Strand& strand, double s)
 Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
   const std::vector<Vec2>& corners = drawing.corners;
   if (!strand.arc) {
-    const Vec2 a = corners[std::size_t(strand.from)], d = corners[std::size_t(strand.to)] - a;
-    const double s = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-    return {s, (a + s * d - x).norm()};
+    const Vec2 &a = corners[std::size_t(strand.from)], &b = corners[std::size_t(strand.to)];
+    return {foot(x, a, b), distance(x, a, b)};
   }
   const Arc& arc = *strand.arc;
   const auto slope = [&](double s) {
     const double t = parameter(arc, s);
-    const Vec2 derivative = arc.axes * Vec2(-std::sin(t), std::cos(t)) * (arc.to - arc.from);
+    const Vec2 derivative = velocity(arc, t) * (arc.to - arc.from);
     return derivative.dot(at(arc, t) - x);  // of half the squared distance
   };
   Foot best{0, std::numeric_limits<double>::infinity()};
@@ -146,23 +145,6 @@ Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
 
 }  // namespace
 
-Vec2 at(const Arc& arc, double t) {
-  return arc.center + arc.axes * Vec2(std::cos(t), std::sin(t));
-}
-
-double determinant(const Arc& arc) {
-  return cross(arc.axes.col(0), arc.axes.col(1));
-}
-
-double largest_radius(const Arc& arc) {
-  const double sum = arc.axes.squaredNorm(), product = 2 * std::abs(determinant(arc));
-  return (std::sqrt(std::max(0.0, sum + product)) + std::sqrt(std::max(0.0, sum - product))) / 2;
-}
-
-double smallest_radius(const Arc& arc) {
-  return std::abs(determinant(arc)) / largest_radius(arc);
-}
-
 double signed_area(const Loop& loop) {
   double twice = 0;  // the integral of x cross dx
   if (loop.sides.empty()) return 0;
@@ -190,19 +172,13 @@ Vec2 velocity(const Drawing& drawing, const Strand& strand, double s) {
   if (!strand.arc) return drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)];
   const Arc& arc = *strand.arc;
   const double t = parameter(arc, s);
+  // Not by way of velocity(arc, t): as one product, which rounds in another way.
   return (arc.to - arc.from) * (arc.axes * Vec2(-std::sin(t), std::cos(t)));
 }
 
 double length(const Drawing& drawing, const Strand& strand) {
-  if (strand.arc) return largest_radius(*strand.arc) * std::abs(strand.arc->to - strand.arc->from);
+  if (strand.arc) return length(*strand.arc);
   return (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
-}
-
-double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double squared = d.squaredNorm();
-  if (squared == 0) return (x - a).norm();
-  return (a + std::clamp((x - a).dot(d) / squared, 0.0, 1.0) * d - x).norm();
 }
 
 Drawing draw(const Shape& shape) {

@@ -12,12 +12,8 @@ inline constexpr double join_tolerance = 1e-6;
 /// Nothing nearer than this part of the extent counts as apart.
 inline constexpr double touch_tolerance = 1e-9;
 
-Vec2 at(const Arc& arc, double t);
-double determinant(const Arc& arc);      // of the semi-axes
-double largest_radius(const Arc& arc);   // the larger semi-axis
-double smallest_radius(const Arc& arc);  // the smaller one
-double signed_area(const Loop& loop);    // positive when counter-clockwise
-bool closed(const Side& side);           // a whole circle or ellipse
+double signed_area(const Loop& loop);  // positive when counter-clockwise
+bool closed(const Side& side);         // a whole circle or ellipse
 
 /// A side (or a part of it between crack ends), the body on its left; a segment or arc of a crack between kinks, ends
 /// and junctions; or a side of a region, that on its left.
@@ -76,9 +72,9 @@ struct Gaps {
   double loop, crack;
 };
 
-/// The first crossing, contact or overlap among pieces, in words, or nothing. Pieces that share a point may meet there.
-/// `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
-std::optional<std::string> find_contact(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
-                                        const Gaps& gaps, bool curved);
+/// The first place where pieces cross, touch or overlap, in words, or nothing. Pieces that share a point may meet
+/// there. `curved`: a piece stands for its part of the arc, and is halved until its chord says what the arc does.
+std::optional<std::string> find_crossing(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
+                                         const Gaps& gaps, bool curved);
 
 }  // namespace kerf

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace kerf {
@@ -118,11 +117,8 @@ void cut_at_corners(Joiner& j) {
 }
 
 /// s of the point x of the arc's circle, or a number outside [0, 1].
-double parameter(const Arc& arc, const Vec2& x) {
-  const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
-  const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
-  const double ahead = std::remainder(t - arc.from - turn / 2, 2 * std::numbers::pi);  // of the middle of the arc
-  return 0.5 + ahead / turn;
+double place_on(const Arc& arc, const Vec2& x) {
+  return 0.5 + beyond_middle(arc, x) / (arc.to - arc.from);
 }
 
 std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const Strand& q) {
@@ -144,7 +140,7 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
     const double height = (a + s * d - q.arc->center).norm();
     if (height >= radius) return {};
     const double half = std::sqrt((radius - height) * (radius + height)) / d.norm();
-    for (const double u : {s - half, s + half}) offer(u, parameter(*q.arc, a + u * d), a + u * d);
+    for (const double u : {s - half, s + half}) offer(u, place_on(*q.arc, a + u * d), a + u * d);
   } else if (!q.arc) {
     for (const Crossing& c : crossings(drawing, q, p)) found.push_back({c.t, c.s, c.at});
   } else {
@@ -158,7 +154,7 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
     const double half = std::sqrt((r - along) * (r + along));
     for (const double h : {-half, half}) {
       const Vec2 x = foot + h * across;
-      offer(parameter(*p.arc, x), parameter(*q.arc, x), x);
+      offer(place_on(*p.arc, x), place_on(*q.arc, x), x);
     }
   }
   return found;

@@ -153,28 +153,23 @@ Problem lengths(const Shape& shape, double size) {
   return {};
 }
 
-bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, const Vec2& x) {
-  bool inside = false;
-  for (const Piece& piece : loop) {
-    const Vec2 &a = points[std::size_t(piece.a)], &b = points[std::size_t(piece.b)];
-    if ((a.y() > x.y()) == (b.y() > x.y())) continue;
-    if (x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
-  }
-  return inside;
-}
-
 /// Whether most of the points, or of some twenty of them, lie in the loop. All do or none, but close to an arc its
 /// chords may say otherwise.
-bool contains(const std::vector<Vec2>& points, const std::vector<Piece>& loop, const std::vector<Vec2>& x) {
+bool contains(const std::vector<std::array<Vec2, 2>>& loop, const std::vector<Vec2>& x) {
   const std::size_t step = std::max<std::size_t>(1, x.size() / 20);
-  std::ptrdiff_t inside = 0;
-  for (std::size_t i = 0; i < x.size(); i += step) inside += contains(points, loop, x[i]) ? 1 : -1;
-  return inside > 0;
+  std::ptrdiff_t within = 0;
+  for (std::size_t i = 0; i < x.size(); i += step) within += inside(loop, x[i]) ? 1 : -1;
+  return within > 0;
 }
 
 /// Loops and cracks are known not to cross: each lies on one side of every other.
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
-  std::vector<std::vector<Piece>> loops(loop_count(shape));
+  // A box says most of what there is to say: arcs bulge from it by less than their chords are long.
+  struct Box {
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  };
+  std::vector<std::vector<std::array<Vec2, 2>>> loops(loop_count(shape));
+  std::vector<Box> boxes(loops.size());
   std::vector<std::vector<Vec2>> on_loop(loops.size()), on_crack(shape.cracks.size());
   for (const Piece& piece : pieces.pieces) {
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
@@ -184,26 +179,17 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     } else {
       const std::size_t l =
           strand.region == none ? std::size_t(strand.loop) : 1 + shape.holes.size() + std::size_t(strand.region);
-      loops[l].push_back(piece);
+      loops[l].push_back({a, b});
       on_loop[l].push_back(a);
-    }
-  }
-  // A box says most of what there is to say: arcs bulge from it by less than their chords are long.
-  struct Box {
-    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  };
-  std::vector<Box> boxes(loops.size());
-  for (std::size_t l = 0; l < loops.size(); ++l)
-    for (const Piece& piece : loops[l]) {
-      const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
-      const double bulge = drawing.strands[std::size_t(piece.strand)].arc ? (b - a).norm() : 0;
+      const double bulge = strand.arc ? (b - a).norm() : 0;
       boxes[l].low = boxes[l].low.cwiseMin((a.cwiseMin(b).array() - bulge).matrix());
       boxes[l].high = boxes[l].high.cwiseMax((a.cwiseMax(b).array() + bulge).matrix());
     }
+  }
   const auto within = [&](const std::vector<Vec2>& x, std::size_t l) {
     const Vec2& first = x.front();
     if ((first.array() < boxes[l].low.array()).any() || (first.array() > boxes[l].high.array()).any()) return false;
-    return contains(pieces.points, loops[l], x);
+    return contains(loops[l], x);
   };
   for (std::size_t h = 1; h < loops.size(); ++h) {
     if (!within(on_loop[h], 0))
@@ -307,7 +293,7 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Drawing drawing = draw(shape);
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
-  if (Problem problem = find_contact(shape, drawing, pieces, gaps, true)) return problem;
+  if (Problem problem = find_crossing(shape, drawing, pieces, gaps, true)) return problem;
   if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;
   if (Problem problem = wedges(shape, drawing)) return problem;

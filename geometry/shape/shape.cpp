@@ -50,7 +50,7 @@ Crack arc_crack(std::string name, const Vec2& center, double radius, double from
 }
 
 double path_length(const Crack& crack) {
-  if (crack.arc) return largest_radius(*crack.arc) * std::abs(crack.arc->to - crack.arc->from);
+  if (crack.arc) return length(*crack.arc);
   double sum = 0;
   for (std::size_t i = 1; i < crack.points.size(); ++i) sum += (crack.points[i] - crack.points[i - 1]).norm();
   return sum;

@@ -1,5 +1,6 @@
 #include "io/case/measured.hpp"
 
+#include "geometry/plane.hpp"
 #include "io/case/table.hpp"
 #include "io/words.hpp"
 
@@ -26,8 +27,7 @@ Vec2 interpolate(const Measured& m, const Vec2& x) {
   Vec2 u = Vec2::Zero();
   for (std::size_t i = 0; i + 1 < m.x.size(); ++i) {
     const Vec2 along = m.x[i + 1] - m.x[i];
-    const double square = along.squaredNorm();
-    const double t = square > 0 ? std::clamp(along.dot(x - m.x[i]) / square, 0.0, 1.0) : 0.0;
+    const double t = foot(x, m.x[i], m.x[i + 1]);
     const double distance = (x - m.x[i] - t * along).norm();
     if (distance < least) {
       least = distance;

@@ -1,3 +1,4 @@
+#include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
 
@@ -94,12 +95,9 @@ std::vector<Vec2> points_along(const Shape& shape, double step) {
     for (const Loop& loop : *loops) add_loop(loop);
   for (const Crack& crack : shape.cracks) {
     if (crack.arc) {
-      const Arc& arc = *crack.arc;
       const int pieces = std::max(1, static_cast<int>(std::ceil(path_length(crack) / step)));
-      for (int k = 0; k <= pieces; ++k) {
-        const double t = arc.from + (arc.to - arc.from) * k / pieces;
-        out.push_back(arc.center + arc.axes * Vec2(std::cos(t), std::sin(t)));
-      }
+      const std::vector<Vec2> points = points_on(*crack.arc, pieces);
+      out.insert(out.end(), points.begin(), points.end());
       continue;
     }
     for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) add(crack.points[i], crack.points[i + 1]);
@@ -148,16 +146,6 @@ Mirror read_mirror(const Value& field, const Case& c) {
                       field.name, image.x(), image.y(), x.x(), x.y()));
   }
   return mirror;
-}
-
-bool inside(const std::vector<Vec2>& polygon, const Vec2& x) {
-  bool in = false;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      in = !in;
-  }
-  return in;
 }
 
 /// A mask may leave the body, but it must have an inside, some of the body in it and some outside.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -29,10 +28,7 @@ double distance(const Vec2& x, const Crack& crack, std::size_t first, std::size_
   }
   const Arc& arc = *crack.arc;
   for (const Vec2& end : crack.points) least = std::min(least, (x - end).norm());
-  const Vec2 out = x - arc.center;
-  const double low = std::min(arc.from, arc.to), turn = 2 * std::numbers::pi;
-  const double angle = std::fmod(std::fmod(std::atan2(out.y(), out.x()) - low, turn) + turn, turn);
-  if (angle <= std::abs(arc.to - arc.from)) least = std::min(least, std::abs(out.norm() - arc.axes.col(0).norm()));
+  if (faces(arc, x)) least = std::min(least, std::abs((x - arc.center).norm() - arc.axes.col(0).norm()));
   return least;
 }
 

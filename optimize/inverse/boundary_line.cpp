@@ -1,5 +1,7 @@
 #include "optimize/inverse/boundary_line.hpp"
 
+#include "geometry/plane.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -82,8 +84,7 @@ Place nearest_place(const BoundaryLine& line, const Vec2& x) {
     const BoundaryCurve& curve = line.curves[c];
     for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
       const Vec2 along = curve.points[i + 1] - curve.points[i];
-      const double square = along.squaredNorm();
-      const double t = square > 0 ? std::clamp(along.dot(x - curve.points[i]) / square, 0.0, 1.0) : 0.0;
+      const double t = foot(x, curve.points[i], curve.points[i + 1]);
       const double distance = (x - curve.points[i] - t * along).norm();
       if (distance < best.distance)
         best = {static_cast<Index>(c), curve.arc[i] + t * (curve.arc[i + 1] - curve.arc[i]), distance};

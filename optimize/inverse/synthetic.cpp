@@ -1,6 +1,7 @@
 #include "kerf/inverse.hpp"
 #include "solver/system.hpp"
 
+#include "geometry/plane.hpp"
 #include "kerf/recover.hpp"
 #include "optimize/inverse/boundary_line.hpp"
 
@@ -20,11 +21,9 @@ namespace {
 /// u* of recover.hpp, which is nearer to the truth than the edge multipliers (by 1.2 to 3 in the tests), or the
 /// displacement itself where it is continuous.
 Vec2 trace_at(const Model& m, const State& s, Index edge, const Vec2& x) {
-  const Vec2& a = m.mesh.points[m.mesh.edges[edge][0]];
-  const Vec2 side = m.mesh.points[m.mesh.edges[edge][1]] - a;
-  const double t = std::clamp((x - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  const Vec2 &a = m.mesh.points[m.mesh.edges[edge][0]], &b = m.mesh.points[m.mesh.edges[edge][1]];
   const Index inside = m.mesh.sides[edge][0] != none ? m.mesh.sides[edge][0] : m.mesh.sides[edge][1];
-  const Vec2 at = a + t * side;
+  const Vec2 at = a + foot(x, a, b) * (b - a);
   return is_mixed(m.element) ? Vec2(recovered_displacement(m, s, inside, at).col(0))
                              : Vec2(evaluate(m, s, inside, at).displacement.col(0));
 }
@@ -35,8 +34,7 @@ Vec2 trace_at(const Model& m, const State& s, const std::vector<Index>& edges, d
   std::vector<Index> near;
   for (const Index e : edges) {
     const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
-    const double t = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-    const double away = (x - a - t * (b - a)).norm();
+    const double away = (x - a - foot(x, a, b) * (b - a)).norm();
     if (away < least - 1e-9 * size) near.clear();
     if (away < least + 1e-9 * size) near.push_back(e);
     least = std::min(least, away);

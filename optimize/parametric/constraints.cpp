@@ -1,5 +1,6 @@
 #include "optimize/parametric/constraints.hpp"
 
+#include "geometry/plane.hpp"
 #include "kerf/optimize.hpp"
 
 #include <fmt/core.h>
@@ -85,11 +86,8 @@ class Soft {
 
 bool inside(const std::vector<Vec2>& polygon, const Vec2& x) {
   bool in = false;
-  for (std::size_t i = 0, k = polygon.size() - 1; i < polygon.size(); k = i++) {
-    const Vec2 &a = polygon[i], &b = polygon[k];
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      in = !in;
-  }
+  for (std::size_t i = 0, k = polygon.size() - 1; i < polygon.size(); k = i++)
+    if (crosses_ray(x, polygon[i], polygon[k])) in = !in;
   return in;
 }
 
@@ -99,7 +97,7 @@ struct Foot {
 };
 Foot foot_on(const Vec2& x, const Vec2& a, const Vec2& b) {
   const double square = (b - a).squaredNorm();
-  const double part = square > 0 ? std::clamp((x - a).dot(b - a) / square, 0.0, 1.0) : 0;
+  const double part = foot(x, a, b);
   const Vec2 away = x - a - part * (b - a);
   const double d = away.norm();
   // On the line itself: its normal, so that there is a way out.
@@ -262,14 +260,8 @@ Thing fixed_loop(std::string name, const Loop& loop, double chord, double longes
 Curve path_of(const Crack& crack, double longest) {
   std::vector<Vec2> points = crack.points;
   if (crack.arc) {
-    const Arc& arc = *crack.arc;
-    const double angle = std::abs(arc.to - arc.from);
     const int pieces = std::max(16, static_cast<int>(std::ceil(path_length(crack) / longest)));
-    points.clear();
-    for (int i = 0; i <= pieces; ++i) {
-      const double t = arc.from + (arc.to > arc.from ? angle : -angle) * i / pieces;
-      points.push_back(arc.center + arc.axes * Vec2(std::cos(t), std::sin(t)));
-    }
+    points = points_on(*crack.arc, pieces);
   }
   return polyline(std::move(points), false);
 }
@@ -404,7 +396,7 @@ bool always_inside(const Thing& a, const Curve& b, double least) {
       if (std::min({foot_on(c, p, q).distance, foot_on(e, p, q).distance, foot_on(p, c, e).distance,
                     foot_on(q, c, e).distance}) <= least)
         return false;
-      if (cross(q - p, c - p) * cross(q - p, e - p) < 0 && cross(e - c, p - c) * cross(e - c, q - c) < 0) return false;
+      if (cross_inside(c, e, p, q)) return false;
     }
   }
   return true;

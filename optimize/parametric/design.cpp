@@ -39,10 +39,10 @@ Vec2 spline_point(const VectorXd& v, double s) {
   return x;
 }
 
-/// Pieces of the polygon of a spline: no corner turns by more than what the mesher takes for a smooth boundary.
+/// Pieces of the polygon of a spline: each corner turns by 6 degrees at most, well below what counts as one.
 Index spline_pieces(const VectorXd& v, double size) {
   const auto n = static_cast<Index>(v.size() / 2);
-  constexpr double most_turn = 6 * std::numbers::pi / 180;
+  constexpr double most_turn = 0.3 * (reentrant_angle - std::numbers::pi);
   constexpr Index most = 64;  // per span
   for (Index per_span = 4;; per_span *= 2) {
     double turn = 0, longest = 0;
@@ -137,7 +137,7 @@ std::pair<Index, double> place_on(const std::vector<Vec2>& points, bool closed, 
     if (i > 0 && away >= least) continue;
     least = away;
     best = i;
-    part = std::clamp((y - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    part = foot(y, a, b);
   }
   return {best, part};
 }

@@ -2,6 +2,7 @@
 #include "solver/post/blend.hpp"
 #include "solver/recovery.hpp"
 
+#include "geometry/plane.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
@@ -11,7 +12,6 @@
 #include "solver/system/lists.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -387,12 +387,11 @@ std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
 }  // namespace
 
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
-  constexpr double little = 0.3;
   const std::vector<bool> changes = contact_changes(model, state);
   const std::vector<double> angle = corner_angles(model.mesh, c);
   std::vector<bool> result(c.vertex.size(), false);
   for (std::size_t i = 0; i < angle.size(); ++i)
-    result[i] = angle[i] > std::numbers::pi + little || changes[c.vertex[i]];
+    result[i] = angle[i] > reentrant_angle || changes[c.vertex[i]];
   return result;
 }
 

@@ -1,5 +1,7 @@
 #include "solver/stress.hpp"
 
+#include "geometry/plane.hpp"
+
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -72,7 +74,6 @@ std::vector<double> angles(const Mesh& mesh) {
 
 // Reentrant corners, and where the two edges of the boundary are not held in the same way.
 void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
-  constexpr double reentrant = 200 * std::numbers::pi / 180;  // polygonal arcs turn by less per vertex
   const Mesh& mesh = model.mesh;
   const std::vector<double> angle = angles(mesh);
   std::vector<int> held(mesh.points.size(), -1);
@@ -82,7 +83,7 @@ void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
     for (const Support& support : model.scene.supports)
       if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
     for (const Index v : mesh.edges[e]) {
-      if (angle[v] > reentrant || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
+      if (angle[v] > reentrant_angle || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
       held[v] = kind;
     }
   }

@@ -28,7 +28,7 @@ void expect_ball(const BallMesh& ball, const Vec2& center, double radius, const 
   EXPECT_EQ(Index(m.points.size()) - Index(m.edges.size()) + Index(m.triangles.size()), 1);
   ASSERT_EQ(ball.contour.size(), radii.size() + 1);
   ASSERT_EQ(ball.shell.size(), m.triangles.size());
-  const std::vector<Vec2> boundary = ball_boundary(center, radius, n);
+  const std::vector<Vec2> boundary = ball_boundary({center, radius, n});
   for (int i = 0; i < n; ++i) {
     EXPECT_EQ(m.points[std::size_t(i)], boundary[std::size_t(i)]);
     const std::array<Index, 2> ends{std::min(i, (i + 1) % n), std::max(i, (i + 1) % n)};
@@ -63,14 +63,14 @@ void expect_ball(const BallMesh& ball, const Vec2& center, double radius, const 
 }
 
 TEST(Ball, BoundaryAndHoleAreTheSamePolygon) {
-  const std::vector<Vec2> points = ball_boundary({1, 2}, 0.5, 32);
+  const std::vector<Vec2> points = ball_boundary({{1, 2}, 0.5, 32});
   ASSERT_EQ(points.size(), 32u);
   EXPECT_EQ(points[0], Vec2(1.5, 2));
   for (std::size_t i = 0; i < 32; ++i) {
     EXPECT_NEAR((points[i] - Vec2(1, 2)).norm(), 0.5, 1e-15);
     EXPECT_NEAR(turned(points[i] - Vec2(1, 2), points[(i + 1) % 32] - Vec2(1, 2)), pi / 16, 1e-13);
   }
-  const Loop hole = ball_hole("ball", {1, 2}, 0.5, 32, 7);
+  const Loop hole = ball_hole("ball", {{1, 2}, 0.5, 32}, 7);
   for (std::size_t i = 0; i < 32; ++i) {
     EXPECT_EQ(hole.sides[i].start, points[i]);
     EXPECT_TRUE(hole.sides[i].keep);
@@ -83,26 +83,26 @@ TEST(Ball, CirclesAtManyRadii) {
     for (const double apart : {1.5, 8.0, 64.0})
       for (const double ratio : {2.0, 1.3}) {
         const std::vector<double> radii{1 / apart, 1 / apart / ratio, 1 / apart / ratio / ratio};
-        const BallMesh ball = ball_mesh({0.3, -0.2}, 1, radii, n);
+        const BallMesh ball = ball_mesh({{0.3, -0.2}, 1, n}, radii);
         if (n < 128) expect_ball(ball, {0.3, -0.2}, 1, radii, n);
         EXPECT_GT(quality(ball.mesh).min_angle_deg, 43) << n << ' ' << apart << ' ' << ratio;  // 43.7 is the least
         EXPECT_GT(quality(ball.mesh).mean_quality, 0.96);
       }
   // Numbers that cannot be halved down to a few; the ring between one and one half is thin for 12 edges: 29.3 degrees.
   for (int n = 12; n <= 140; n += 4)
-    EXPECT_GT(quality(ball_mesh({0, 0}, 1, {0.5}, n).mesh).min_angle_deg, n == 12 ? 29 : 34) << n;
-  expect_ball(ball_mesh({0, 0}, 1, {}, 32), {0, 0}, 1, {}, 32);
+    EXPECT_GT(quality(ball_mesh({{0, 0}, 1, n}, {0.5}).mesh).min_angle_deg, n == 12 ? 29 : 34) << n;
+  expect_ball(ball_mesh({{0, 0}, 1, 32}, {}), {0, 0}, 1, {}, 32);
 }
 
 TEST(Ball, MoreRadiiChangeNothingElse) {
   // Contours of the same ratio: every shell is a scaled copy of the first one.
-  const BallMesh ball = ball_mesh({0, 0}, 1, {0.5, 0.25, 0.125}, 48);
+  const BallMesh ball = ball_mesh({{0, 0}, 1, 48}, {0.5, 0.25, 0.125});
   const auto of = [&](Index k) { return std::ranges::count(ball.shell, k); };
   EXPECT_EQ(of(1), of(2));
   const Mesh& m = ball.mesh;
   for (std::size_t i = 0; i < 48; ++i)
     EXPECT_NEAR(length(m, ball.contour[1][i]) / length(m, ball.contour[3][i]), 4, 1e-12);
-  const BallMesh again = ball_mesh({0, 0}, 1, {0.5, 0.25, 0.125}, 48);
+  const BallMesh again = ball_mesh({{0, 0}, 1, 48}, {0.5, 0.25, 0.125});
   EXPECT_EQ(again.mesh.points, m.points);
   EXPECT_EQ(again.mesh.triangles, m.triangles);
 }
@@ -110,7 +110,7 @@ TEST(Ball, MoreRadiiChangeNothingElse) {
 TEST(Ball, Ellipses) {
   const auto least = [](int n, double aspect, double apart, double ratio) {
     const std::vector<double> radii{1 / apart, 1 / apart / ratio, 1 / apart / ratio / ratio};
-    const BallMesh ball = ball_mesh({0.3, -0.2}, 1, radii, n, aspect, 0.4);
+    const BallMesh ball = ball_mesh({{0.3, -0.2}, 1, n}, radii, aspect, 0.4);
     expect_ball(ball, {0.3, -0.2}, 1, radii, n);
     return quality(ball.mesh).min_angle_deg;
   };
@@ -128,7 +128,7 @@ TEST(Ball, Ellipses) {
 TEST(Ball, EllipsesHaveTheirAxes) {
   for (const double angle : {0.0, 0.4, -2.0, 9.0})
     for (const double aspect : {1.5, 8.0}) {
-      const BallMesh ball = ball_mesh({0, 0}, 1, {0.2}, 64, aspect, angle);
+      const BallMesh ball = ball_mesh({{0, 0}, 1, 64}, {0.2}, aspect, angle);
       const double factor = std::sqrt(2 * pi / 64 / std::sin(2 * pi / 64));
       const Vec2 along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
       double longest = 0, widest = 0;
@@ -148,7 +148,7 @@ TEST(Ball, Slits) {
   for (const int n : {32, 48, 64, 128})
     for (const double half : {0.8, 0.67, 0.25, 1.0 / 64})
       for (const double angle : {0.0, 0.4, -2.0}) {
-        const BallMesh ball = slit_mesh(center, 1, half, angle, n);
+        const BallMesh ball = slit_mesh({center, 1, n}, half, angle);
         const Mesh& m = ball.mesh;
         if (n == 48) expect_ball(ball, center, 1, {}, n);
         EXPECT_GT(quality(m).min_angle_deg, half > 0.7 ? 21 : 26) << n << ' ' << half << ' ' << angle;
@@ -173,23 +173,23 @@ TEST(Ball, Slits) {
 
 TEST(Ball, NonsenseIsRefused) {
   const auto bad = [](auto&& build) { EXPECT_THROW(build(), std::invalid_argument); };
-  bad([] { ball_boundary({0, 0}, 1, 30); });
-  bad([] { ball_boundary({0, 0}, 1, 8); });
-  bad([] { ball_boundary({0, 0}, 0, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {1}, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {0.98}, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {0.5, 0.5}, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {0.5, 0.6}, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {0.5, -0.1}, 32); });
-  bad([] { ball_mesh({0, 0}, 1, {0.5}, 32, 0.5); });
-  bad([] { ball_mesh({0, 0}, 1, {0.5}, 32, 4); });  // as long as the ball
-  bad([] { slit_mesh({0, 0}, 1, 0.9, 0, 32); });
-  bad([] { slit_mesh({0, 0}, 1, 0, 0, 32); });
+  bad([] { ball_boundary({{0, 0}, 1, 30}); });
+  bad([] { ball_boundary({{0, 0}, 1, 8}); });
+  bad([] { ball_boundary({{0, 0}, 0, 32}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {1}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.98}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.5, 0.5}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.5, 0.6}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.5, -0.1}); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.5}, 0.5); });
+  bad([] { ball_mesh({{0, 0}, 1, 32}, {0.5}, 4); });  // as long as the ball
+  bad([] { slit_mesh({{0, 0}, 1, 32}, 0.9, 0); });
+  bad([] { slit_mesh({{0, 0}, 1, 32}, 0, 0); });
 }
 
 Shape square_around(const Vec2& center, double radius, int n, std::vector<Crack> cracks = {}) {
   return {polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0),
-          {ball_hole("ball", center, radius, n, 1)},
+          {ball_hole("ball", {center, radius, n}, 1)},
           std::move(cracks),
           {"side", "ball"}};
 }

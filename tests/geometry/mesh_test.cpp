@@ -1,4 +1,5 @@
 #include "kerf/mesh.hpp"
+#include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
 
 #include <gtest/gtest.h>
@@ -290,8 +291,7 @@ TEST(Locate, FindsTheNearestTriangle) {
       for (const Index e : m.edges_of[std::size_t(t)]) {
         const Vec2 &a = m.points[std::size_t(m.edges[std::size_t(e)][0])],
                    &b = m.points[std::size_t(m.edges[std::size_t(e)][1])];
-        const double s = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-        best = std::min(best, (a + s * (b - a) - x).norm());
+        best = std::min(best, distance(x, a, b));
       }
       return best;
     };

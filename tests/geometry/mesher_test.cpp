@@ -1,4 +1,6 @@
 #include "kerf/mesher.hpp"
+
+#include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
 
 #include <gtest/gtest.h>
@@ -301,6 +303,16 @@ TEST(Triangulate, KeepsSmallInputAnglesAndEndsThere) {
     expect_valid(shallow, n);
     EXPECT_NEAR(total_area(n), 16, 1e-10);
   }
+}
+
+TEST(Triangulate, RefinesAtReentrantCornersOnly) {
+  const auto shortest = [](double angle) {  // of the body at the middle of the upper side
+    const double dent = 2 * std::tan((angle - pi) / 2);
+    const Shape plate{polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {0, 2 - dent}, {-2, 2}}, 0), {}, {}, {"side"}};
+    return quality(triangulate(plate, {.size = 0.2})).h_min;
+  };
+  EXPECT_LT(shortest(reentrant_angle + 0.02), 0.02);
+  EXPECT_GT(shortest(reentrant_angle - 0.02), 0.1);
 }
 
 TEST(Triangulate, SurvivesTinyGaps) {

@@ -3,6 +3,7 @@
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
+#include "geometry/plane.hpp"
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 
@@ -174,7 +175,7 @@ void divide(const Triangle& shape, double share, const Singular& added, const Tr
 
 int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b) {
   const Vec2 side = b - a;
-  const double along = std::clamp((singular - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  const double along = foot(singular, a, b);
   constexpr double most = 64;
   return static_cast<int>(std::clamp(std::ceil(side.norm() / (singular - a - along * side).norm()), 1.0, most));
 }

@@ -1,6 +1,7 @@
 #include "topo/map/green_samples.hpp"
 #include "solver/system.hpp"
 
+#include "geometry/plane.hpp"
 #include "kerf/recover.hpp"
 
 #include <Eigen/LU>
@@ -81,9 +82,7 @@ std::vector<std::vector<Wall>> find_walls(const Model& m, const Field& s, const 
 }
 
 bool crosses(const std::pair<Vec2, Vec2>& wall, const Vec2& a, const Vec2& b) {
-  const Vec2 side = wall.second - wall.first, ray = b - a;
-  return cross(side, a - wall.first) * cross(side, b - wall.first) < 0 &&
-         cross(ray, wall.first - a) * cross(ray, wall.second - a) < 0;
+  return cross_inside(a, b, wall.first, wall.second);
 }
 
 // Where the body's scale is a point: tips, corners, ends of supports.

@@ -5,22 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
-
-// Even-odd rule.
-bool inside(const Polygon& p, const Vec2& x) {
-  bool in = false;
-  for (std::size_t i = 0, n = p.points.size(); i < n; ++i) {
-    const Vec2 &a = p.points[i], &b = p.points[(i + 1) % n];
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      in = !in;
-  }
-  return in;
-}
 
 // Negative outside the body.
 double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& in_body) {
@@ -31,21 +19,13 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
     const Polygon p = flatten(l, 1e-4 * size, size);
     for (std::size_t i = 0; i < p.points.size(); ++i)
       least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
-    if (counts && inside(p, x) != body_inside) in_body = false;
+    if (counts && inside(p.points, x) != body_inside) in_body = false;
   };
   loop(shape.outline, true, true);
   for (const Loop& hole : shape.holes) loop(hole, false, true);
   for (const Loop& region : shape.regions) loop(region, true, false);
   for (const Crack& crack : shape.cracks) {
-    std::vector<Vec2> points = crack.points;
-    if (crack.arc) {
-      constexpr int pieces = 256;
-      points.clear();
-      for (int i = 0; i <= pieces; ++i) {
-        const double t = crack.arc->from + (crack.arc->to - crack.arc->from) * i / pieces;
-        points.push_back(crack.arc->center + crack.arc->axes * Vec2(std::cos(t), std::sin(t)));
-      }
-    }
+    const std::vector<Vec2> points = crack.arc ? points_on(*crack.arc, 256) : crack.points;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) least = std::min(least, distance(x, points[i], points[i + 1]));
   }
   for (const Term& term : j.terms)

@@ -117,8 +117,8 @@ Batch mesh_batch(const Shape& shape, const Sizing& sizing, const std::vector<Sit
   const Index label = static_cast<Index>(outside.labels.size()) - 1;
   Batch b;
   for (const Site& s : sites) {
-    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), s.at, s.ball, around, label));
-    b.balls.push_back(ball_mesh(s.at, s.ball, s.radii, around, p.aspect, angle[s.number]));
+    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, around}, label));
+    b.balls.push_back(ball_mesh({s.at, s.ball, around}, s.radii, p.aspect, angle[s.number]));
   }
   b.filled = fill(triangulate(outside, sizing), b.balls);
   return b;
@@ -191,7 +191,7 @@ void validate_crack(const Shape& shape, const Sizing& sizing, const Element& e, 
   Shape outside = shape;
   outside.labels.push_back("ball of the validation");
   outside.holes.push_back(
-      ball_hole("ball", site.at, site.ball, 2 * around, static_cast<Index>(outside.labels.size()) - 1));
+      ball_hole("ball", {site.at, site.ball, 2 * around}, static_cast<Index>(outside.labels.size()) - 1));
   const Mesh mesh = triangulate(outside, sizing);
   Scene bonded = scene, cracked = scene;
   bonded.laws.push_back({.kind = CrackLaw::Kind::Bonded});
@@ -205,7 +205,7 @@ void validate_crack(const Shape& shape, const Sizing& sizing, const Element& e, 
   for (std::size_t row = 0; row < v.rows.size(); ++row) {
     ValidationRow& to = v.rows[row];
     if (std::find(site.radii.begin(), site.radii.end(), to.radius) == site.radii.end()) continue;
-    const Filled f = fill(mesh, {slit_mesh(site.at, site.ball, to.radius, angle, 2 * around)});
+    const Filled f = fill(mesh, {slit_mesh({site.at, site.ball, 2 * around}, to.radius, angle)});
     const Model whole = prepare(f.mesh, e, bonded, r.threads), broken = prepare(f.mesh, e, cracked, r.threads);
     const Field before = solved(whole), after = solved(broken);
     const Analysis a = analyze(j, whole, before);

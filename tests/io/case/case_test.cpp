@@ -1,5 +1,7 @@
 #include "tests/io/case/case_files.hpp"
 
+#include "geometry/plane.hpp"
+
 #include <cmath>
 #include <sstream>
 
@@ -186,7 +188,6 @@ poisson = 0
   ASSERT_EQ(sides.size(), 4u);
   EXPECT_FALSE(sides[0].arc || sides[2].arc);
   ASSERT_TRUE(sides[1].arc && sides[3].arc);
-  const auto at = [](const Arc& arc, double t) { return Vec2(arc.center + arc.axes * Vec2(std::cos(t), std::sin(t))); };
   for (const std::size_t k : {1u, 3u}) {
     const Arc& arc = *sides[k].arc;
     EXPECT_NEAR((at(arc, arc.from) - sides[k].start).norm(), 0, 1e-15);
@@ -231,9 +232,8 @@ poisson = 0
   const Side& side = c.shape.outline.sides[2];
   ASSERT_TRUE(side.arc);
   EXPECT_NEAR(side.arc->to - side.arc->from, M_PI / 2, 1e-6);
-  const auto at = [&](double t) { return Vec2(side.arc->center + side.arc->axes * Vec2(std::cos(t), std::sin(t))); };
-  EXPECT_NEAR((at(side.arc->from) - Vec2(2, 1.0000005)).norm(), 0, 1e-15);
-  EXPECT_NEAR((at(side.arc->to) - Vec2(1, 2)).norm(), 0, 1e-15);
+  EXPECT_NEAR((at(*side.arc, side.arc->from) - Vec2(2, 1.0000005)).norm(), 0, 1e-15);
+  EXPECT_NEAR((at(*side.arc, side.arc->to) - Vec2(1, 2)).norm(), 0, 1e-15);
 }
 
 // [reference/exact, case 5 in the Westergaard form]

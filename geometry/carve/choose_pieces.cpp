@@ -1,6 +1,6 @@
 // Which pieces of the negative set are the body, and which of its holes stay.
 
-#include "geometry/carve/contour.hpp"
+#include "geometry/carve/signs.hpp"
 
 #include <fmt/format.h>
 
@@ -28,27 +28,14 @@ struct Sets {
   }
 };
 
-std::string text(const Vec2& x) {
-  return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
-}
-
 std::string names(const Shape& frame, const std::vector<Index>& labels) {
   std::string list;
   for (const Index l : labels) list += fmt::format("{}'{}'", list.empty() ? "" : ", ", frame.labels[std::size_t(l)]);
   return list;
 }
 
-struct Lump {
-  Vec2 at;  // a point of it
-  double area = 0;
-  std::set<Index> labels;  // of those to keep
-};
-
-bool has(const std::vector<Index>& list, Index i) {
-  return std::ranges::find(list, i) != list.end();
-}
-
-void fill_holes(const Mesh& mesh, const Carving& how, Signs& signs, std::vector<std::string>& notes) {
+void fill_holes(const Block& block, Signs& signs, std::vector<std::string>& notes) {
+  const auto& [frame, mesh, rim, how] = block;
   if (!(how.least_area > 0)) return;
   Sets sets(mesh.points.size());
   std::vector<bool> fixed(mesh.points.size(), false);  // on the frame's boundary
@@ -96,8 +83,8 @@ std::vector<Index> apart_at_cracks(const Mesh& mesh, const Signs& signs) {
 }
 
 /// Drops what only cracks connect with the rest and bears no label. Whether there was any.
-bool drop_behind_cracks(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
-                        std::vector<std::string>& notes) {
+bool drop_behind_cracks(const Block& block, Signs& signs, std::vector<std::string>& notes) {
+  const auto& [frame, mesh, rim, how] = block;
   if (how.keep.empty() || mesh.cracks.empty()) return false;
   const std::vector<Index> piece = apart_at_cracks(mesh, signs);
   std::vector<bool> wanted(mesh.triangles.size(), false), behind(mesh.triangles.size(), false);
@@ -128,99 +115,117 @@ bool drop_behind_cracks(const Shape& frame, const Mesh& mesh, const Carving& how
   return true;
 }
 
-/// The one connected body; the rest is dropped.
-void choose_body(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
-                 std::vector<std::string>& notes) {
+/// A connected piece of material.
+struct Lump {
+  Vec2 at;  // a point of it
+  double area = 0;
+  std::set<Index> labels = {};  // of those to keep and those that hold
+};
+
+struct Lumps {
+  std::vector<Lump> all;
+  std::vector<Index> of;  // per vertex, none in the void
+};
+
+Lumps find_lumps(const Block& block, const Signs& signs) {
+  const Mesh& mesh = block.mesh;
   Sets sets(mesh.points.size());
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto& [a, b] = mesh.edges[e];
+  for (const auto& [a, b] : mesh.edges)
     if (signs.inside[std::size_t(a)] && signs.inside[std::size_t(b)]) sets.join(a, b);
-  }
-  std::vector<Index> number(mesh.points.size(), none);
-  std::vector<Lump> pieces;
+  Lumps lumps{{}, std::vector<Index>(mesh.points.size(), none)};
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     if (!signs.inside[v]) continue;
-    Index& n = number[std::size_t(sets.of(Index(v)))];
+    Index& n = lumps.of[std::size_t(sets.of(Index(v)))];
     if (n == none) {
-      n = Index(pieces.size());
-      pieces.push_back({mesh.points[v]});
+      n = Index(lumps.all.size());
+      lumps.all.push_back({mesh.points[v]});
     }
+    lumps.of[v] = n;
   }
-  if (pieces.empty()) throw Error(Fault::Geometry, "no material is left: the function is negative nowhere");
-  const auto piece_of = [&](Index v) { return std::size_t(number[std::size_t(sets.of(v))]); };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const Index v : mesh.triangles[t])
       if (signs.inside[std::size_t(v)]) {
-        pieces[piece_of(v)].area += inside_area(mesh, signs, Index(t));
+        lumps.all[std::size_t(lumps.of[std::size_t(v)])].area += inside_area(mesh, signs, Index(t));
         break;
       }
-  std::set<Index> present;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (has(how.keep, mesh.label[e]) || has(how.holding, mesh.label[e]))
+    if (has(block.how.keep, mesh.label[e]) || has(block.how.holding, mesh.label[e]))
       for (const Index v : mesh.edges[e])
-        if (signs.inside[std::size_t(v)]) {
-          pieces[piece_of(v)].labels.insert(mesh.label[e]);
-          present.insert(mesh.label[e]);
-        }
-  std::vector<Index> lost;
-  for (const Index l : how.keep)
-    if (!present.contains(l)) lost.push_back(l);
-  if (!lost.empty())
-    throw Error(Fault::Geometry, fmt::format("the boundary {} has lost its material", names(frame, lost)));
+        if (signs.inside[std::size_t(v)]) lumps.all[std::size_t(lumps.of[std::size_t(v)])].labels.insert(mesh.label[e]);
+  return lumps;
+}
 
-  const auto loads = [&](const Lump& p) {
-    return std::count_if(p.labels.begin(), p.labels.end(), [&](Index l) { return !has(how.holding, l); });
+void require_labels(const Block& block, const Lumps& lumps) {
+  std::vector<Index> lost;
+  for (const Index l : block.how.keep)
+    if (std::ranges::none_of(lumps.all, [&](const Lump& lump) { return lump.labels.contains(l); })) lost.push_back(l);
+  if (!lost.empty())
+    throw Error(Fault::Geometry, fmt::format("the boundary {} has lost its material", names(block.frame, lost)));
+}
+
+bool held(const Lump& lump, const Carving& how) {
+  return std::ranges::any_of(lump.labels, [&](Index l) { return has(how.holding, l); });
+}
+
+/// What is held and bears most loads, then the largest.
+std::size_t choose_body(const Block& block, const std::vector<Lump>& lumps) {
+  const auto rank = [&](const Lump& lump) {
+    const auto loads = std::ranges::count_if(lump.labels, [&](Index l) { return !has(block.how.holding, l); });
+    return std::tuple(held(lump, block.how), loads, lump.labels.size(), lump.area);
   };
-  const auto held = [&](const Lump& p) {
-    return std::any_of(p.labels.begin(), p.labels.end(), [&](Index l) { return has(how.holding, l); });
-  };
-  // The body: what is held and bears most loads, then the largest.
   std::size_t body = 0;
-  for (std::size_t p = 1; p < pieces.size(); ++p) {
-    const Lump &a = pieces[p], &b = pieces[body];
-    if (std::tuple(held(a), loads(a), a.labels.size(), a.area) > std::tuple(held(b), loads(b), b.labels.size(), b.area))
-      body = p;
-  }
-  const Lump& main = pieces[body];
-  if (!how.holding.empty() && !held(main))
+  for (std::size_t p = 1; p < lumps.size(); ++p)
+    if (rank(lumps[p]) > rank(lumps[body])) body = p;
+  if (!block.how.holding.empty() && !held(lumps[body], block.how))
+    throw Error(Fault::Geometry, fmt::format("no support is left: the boundary {} has lost its material",
+                                             names(block.frame, block.how.holding)));
+  return body;
+}
+
+/// Says that a lump is dropped. Throws where the body cannot do without it.
+void part_with(const Block& block, const Lump& lump, const Lump& body, std::vector<std::string>& notes) {
+  const auto& [frame, mesh, rim, how] = block;
+  std::vector<Index> needed, supports;
+  for (const Index l : lump.labels)
+    if (!body.labels.contains(l)) (has(how.holding, l) ? supports : needed).push_back(l);
+  const std::string at = text(lump.at);
+  if (!needed.empty() && !how.holding.empty() && !held(lump, how))
     throw Error(Fault::Geometry,
-                fmt::format("no support is left: the boundary {} has lost its material", names(frame, how.holding)));
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    const Lump& piece = pieces[p];
-    if (p == body) continue;
-    std::vector<Index> needed, supports;
-    for (const Index l : piece.labels)
-      if (!main.labels.contains(l)) (has(how.holding, l) ? supports : needed).push_back(l);
-    const std::string at = text(piece.at);
-    if (!needed.empty() && !how.holding.empty() && !held(piece))
-      throw Error(Fault::Geometry,
-                  fmt::format("the load on {} is cut off from the supports: the piece of material at {} that bears it "
-                              "touches none",
-                              names(frame, needed), at));
-    if (!needed.empty())
-      throw Error(Fault::Geometry,
-                  fmt::format("the body falls apart: the piece of material at {} with the boundary {} is not connected "
-                              "with the rest",
-                              at, names(frame, needed)));
-    if (!supports.empty())
-      notes.push_back(
-          fmt::format("dropped a piece of material of area {:.3g} at {} that bears no load, and with it the "
-                      "support on {}",
-                      piece.area, at, names(frame, supports)));
-    else
-      notes.push_back(fmt::format("dropped an island of area {:.3g} at {}", piece.area, at));
-  }
-  for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    if (signs.inside[v] && piece_of(Index(v)) != body) signs.inside[v] = 0;
+                fmt::format("the load on {} is cut off from the supports: the piece of material at {} that bears it "
+                            "touches none",
+                            names(frame, needed), at));
+  if (!needed.empty())
+    throw Error(Fault::Geometry,
+                fmt::format("the body falls apart: the piece of material at {} with the boundary {} is not connected "
+                            "with the rest",
+                            at, names(frame, needed)));
+  if (!supports.empty())
+    notes.push_back(
+        fmt::format("dropped a piece of material of area {:.3g} at {} that bears no load, and with it the "
+                    "support on {}",
+                    lump.area, at, names(frame, supports)));
+  else
+    notes.push_back(fmt::format("dropped an island of area {:.3g} at {}", lump.area, at));
+}
+
+/// The one connected body; the rest is dropped.
+void keep_body(const Block& block, Signs& signs, std::vector<std::string>& notes) {
+  const Lumps lumps = find_lumps(block, signs);
+  if (lumps.all.empty()) throw Error(Fault::Geometry, "no material is left: the function is negative nowhere");
+  require_labels(block, lumps);
+  const std::size_t body = choose_body(block, lumps.all);
+  for (std::size_t p = 0; p < lumps.all.size(); ++p)
+    if (p != body) part_with(block, lumps.all[p], lumps.all[body], notes);
+  for (std::size_t v = 0; v < lumps.of.size(); ++v)
+    if (signs.inside[v] && lumps.of[v] != Index(body)) signs.inside[v] = 0;
 }
 
 }  // namespace
 
-void choose_pieces(const Shape& frame, const Mesh& mesh, const Carving& how, Signs& signs,
-                   std::vector<std::string>& notes) {
-  fill_holes(mesh, how, signs, notes);
-  do choose_body(frame, mesh, how, signs, notes);
-  while (drop_behind_cracks(frame, mesh, how, signs, notes));
+void choose_pieces(const Block& block, Signs& signs, std::vector<std::string>& notes) {
+  fill_holes(block, signs, notes);
+  do keep_body(block, signs, notes);
+  while (drop_behind_cracks(block, signs, notes));
 }
 
 }  // namespace kerf

@@ -1,0 +1,192 @@
+// What asks for short edges.
+
+#include "geometry/mesher/size_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr double corner_turn = reentrant_angle - std::numbers::pi;
+
+double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
+  return std::atan2(cross(in, out), in.dot(out));
+}
+
+/// Curved sides: 32 pieces per turn of a circle with the local radius of curvature.
+void add_curved(const Drawing& drawing, const Strand& strand, double size, std::vector<Source>& sources) {
+  const Arc& arc = *strand.arc;
+  const double product = std::abs(determinant(arc));
+  const auto wanted = [&](double s) {
+    const double t = arc.from + s * (arc.to - arc.from);
+    const double v = velocity(arc, t).norm();
+    return 2 * std::numbers::pi / 32 * v * v * v / product;
+  };
+  // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
+  const auto p = arc.axes.col(0), q = arc.axes.col(1);
+  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = std::numbers::pi / 2;
+  const auto [low, high] = std::minmax(arc.from, arc.to);
+  std::vector<double> breaks{0, 1};
+  for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
+    breaks.push_back((t - arc.from) / (arc.to - arc.from));
+  std::sort(breaks.begin(), breaks.end());
+  std::vector<std::array<double, 2>> open;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double middle = (from + to) / 2;
+    const double least = std::min({wanted(from), wanted(middle), wanted(to)});
+    const double length = velocity(drawing, strand, middle).norm() * (to - from);
+    const double angle = (to - from) * std::abs(arc.to - arc.from);
+    if (angle > std::numbers::pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
+      open.push_back({middle, to});
+      open.push_back({from, middle});
+    } else if (least < size) {
+      sources.push_back({point(drawing, strand, from), point(drawing, strand, to), least});
+    }
+  }
+}
+
+/// What meets at the corners of a drawing.
+struct AtCorners {
+  std::vector<bool> on_loop, junction;  // where two cracks meet
+  std::vector<double> shortest;         // chord of the sides there
+};
+
+AtCorners look_at_corners(const Drawing& drawing) {
+  const std::size_t n = drawing.corners.size();
+  AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<double>(n, drawing.extent)};
+  std::vector<Index> crack(n, none);  // the last one that was seen there
+  for (const Strand& s : drawing.strands) {
+    const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
+    for (const std::size_t v : {std::size_t(s.from), std::size_t(s.to)}) {
+      if (s.crack == none) corners.shortest[v] = std::min(corners.shortest[v], chord);
+      if (s.loop != none) corners.on_loop[v] = true;
+      if (s.crack == none) continue;
+      if (crack[v] != none && crack[v] != s.crack) corners.junction[v] = true;
+      crack[v] = s.crack;
+    }
+  }
+  return corners;
+}
+
+std::vector<double> crack_lengths(const Shape& shape, const Drawing& drawing) {
+  std::vector<double> lengths(shape.cracks.size(), 0);
+  for (const Strand& s : drawing.strands)
+    if (s.crack != none) lengths[std::size_t(s.crack)] += length(drawing, s);
+  return lengths;
+}
+
+struct Finder {
+  const Drawing& drawing;
+  const Sizing& sizing;
+  const bool singular_points;
+  const AtCorners corners;
+  const std::vector<double> crack_length;
+  const double corner = sizing.size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
+  const double mild = sizing.size / 10;    // and corners between materials
+  std::vector<bool> asked = std::vector<bool>(drawing.corners.size(), false);  // junctions
+  std::vector<Source> sources = {};
+
+  void ask(Index v, double wanted, double reach = 0) {
+    if (!singular_points) return;
+    const Vec2& x = drawing.corners[std::size_t(v)];
+    sources.push_back({x, x, wanted, std::min(reach, drawing.extent / 8)});
+  }
+
+  /// A tip, or a mouth.
+  void ask_at_end(Index end, double reach) {
+    if (corners.on_loop[std::size_t(end)])
+      ask(end, sizing.size / 4);
+    else if (!corners.junction[std::size_t(end)])
+      ask(end, sizing.crack_tip_size, reach);
+  }
+
+  void ask_along_crack(std::size_t i) {
+    const Strand& strand = drawing.strands[i];
+    const double reach = crack_length[std::size_t(strand.crack)] / 4;
+    const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
+    const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
+    const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
+                                               velocity(drawing, strand, 0))) > 5 * degree;
+    for (const Index end : {strand.from, strand.to})
+      if (corners.junction[std::size_t(end)] && !corners.on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+        asked[std::size_t(end)] = true;
+        ask(end, corner, reach / 2);
+      }
+    if (kink && !corners.junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
+    if (!follows) ask_at_end(strand.from, reach);
+    if (last) ask_at_end(strand.to, reach);
+    // The two ends of an arc that nearly closes.
+    const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
+    if (strand.arc && (b - a).norm() < std::min(sizing.size, length(drawing, strand) / 2))
+      sources.push_back({a, b, (b - a).norm() / 2});
+  }
+
+  void ask_along_strands() {
+    for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
+      const Strand& strand = drawing.strands[i];
+      if (strand.arc) add_curved(drawing, strand, sizing.size, sources);
+      // A short side is an edge of the mesh as it is: its neighbors grow from its length.
+      const double side = length(drawing, strand);
+      if (side < sizing.size && strand.from != strand.to)
+        sources.push_back({drawing.corners[std::size_t(strand.from)], drawing.corners[std::size_t(strand.to)], side});
+      if (strand.crack != none) ask_along_crack(i);
+    }
+  }
+
+  void ask_at_regions() {
+    std::vector<Index> arriving(drawing.corners.size(), none);
+    for (std::size_t i = 0; i < drawing.strands.size(); ++i)
+      if (drawing.strands[i].region != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
+    for (const Strand& s : drawing.strands) {
+      if (s.region == none) continue;
+      const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
+      if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > corner_turn)
+        ask(s.from, mild, corners.shortest[std::size_t(s.from)] / 2);
+    }
+  }
+
+  void ask_at_reentrant_corners() {
+    std::vector<bool> reentrant = reentrant_corners(drawing);
+    for (const Strand& s : drawing.strands)
+      if (s.keep) reentrant[std::size_t(s.from)] = reentrant[std::size_t(s.to)] = false;
+    for (std::size_t v = 0; v < reentrant.size(); ++v)
+      if (reentrant[v]) ask(Index(v), corner, corners.shortest[v] / 2);
+  }
+};
+
+}  // namespace
+
+std::vector<bool> reentrant_corners(const Drawing& drawing) {
+  std::vector<Index> arriving(drawing.corners.size(), none);
+  for (std::size_t i = 0; i < drawing.strands.size(); ++i)
+    if (drawing.strands[i].loop != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
+  std::vector<bool> reentrant(drawing.corners.size(), false);
+  for (const Strand& strand : drawing.strands)
+    if (strand.loop != none) {
+      // The body lies to the left of its loops: a turn to the right is a reentrant corner.
+      const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(strand.from)])];
+      if (before.smooth && strand.smooth) continue;
+      reentrant[std::size_t(strand.from)] =
+          turn(velocity(drawing, before, 1), velocity(drawing, strand, 0)) < -corner_turn;
+    }
+  return reentrant;
+}
+
+std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, const Sizing& sizing,
+                                 bool singular_points) {
+  Finder find{drawing, sizing, singular_points, look_at_corners(drawing), crack_lengths(shape, drawing)};
+  find.ask_along_strands();
+  find.ask_at_regions();
+  find.ask_at_reentrant_corners();
+  add_gaps(shape, drawing, sizing.size, sizing.across, find.sources);
+  return std::move(find.sources);
+}
+
+}  // namespace kerf
