@@ -138,7 +138,7 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
 }  // namespace
 
 Indicator error_indicator(const Model& m, const Field& s) {
-  if (!is_mixed(m.element))  // their gradients are compatible, what they lack is equilibrium
+  if (!can_estimate_error(m.element))  // their gradients are compatible, what they lack is equilibrium
     return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())),
             std::numeric_limits<double>::quiet_NaN()};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
