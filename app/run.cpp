@@ -9,7 +9,6 @@
 #include "io/validation.hpp"
 #include "kerf/adaptive.hpp"
 #include "kerf/bounds.hpp"
-#include "solver/error_bars.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -99,25 +98,15 @@ void refuse_friction(const Case& c, const char* job, const char* table) {
 void refuse_optimization(const Case& c) {
   if (c.optimize->method != "level-set") return;
   refuse_friction(c, "level set", "optimize");
-  for (const char* without : {"p1", "p2", "arnold-winther-c"})
-    if (c.element == without)
-      throw Error(Fault::Usage, fmt::format("the level set needs derivatives, which element \"{}\" does not have; use "
-                                            "\"bdms\" (default), or \"afw\"",
-                                            c.element));
+  require(element(c.element, c.degree), can_optimize);
 }
 
 /// What the element cannot do is refused before anything is solved.
 void refuse_element(const Case& c, bool with_map, bool with_validation) {
   const Element& e = element(c.element, c.degree);
   if (with_map && c.map_request.bounds && c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
-    better_element(e);
-  const bool unseen = e.cut == Cut::LinearDivergence;  // some traces of its cubic edges are seen by no triangle
-  if (with_validation && (!is_mixed(e) || per_vertex(e) > 0 || unseen))
-    throw Error(
-        Fault::Usage,
-        fmt::format("validation condenses the body onto edges, which element \"{}\" does not allow; use \"bdms\" "
-                    "(any degree), \"afw\" or \"arnold-winther-nc\"",
-                    c.element));
+    require(e, can_be_bettered);
+  if (with_validation) require(e, can_validate);
 }
 
 void describe_failure(const Model& model, const State& state, Result& r) {

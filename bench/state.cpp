@@ -35,7 +35,7 @@ std::vector<Sequence> sequences(const StateBenchOptions& options) {
         all.push_back({kind.name, poisson, e, Grading::Uniform});
         if (kind.name == "smooth") continue;
         all.push_back({kind.name, poisson, e, Grading::Graded});
-        if (is_mixed(e)) all.push_back({kind.name, poisson, e, Grading::Adaptive});
+        if (can_estimate_error(e)) all.push_back({kind.name, poisson, e, Grading::Adaptive});
       }
     }
   }

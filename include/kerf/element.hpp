@@ -5,6 +5,8 @@
 #include "kerf/types.hpp"
 
 #include <array>
+#include <optional>
+#include <string>
 #include <string_view>
 
 namespace kerf {
@@ -141,7 +143,82 @@ constexpr bool is_mixed(const Element& e) {
 constexpr bool is_symmetric(const Element& e) {
   return e.cut == Cut::LinearDivergence || e.cut == Cut::LinearNormal;
 }
+/// At a vertex the tractions on two edges determine each other (s n1 . n2 = s n2 . n1): some traces are seen by no
+/// triangle.
+constexpr bool has_unseen_traces(const Element& e) {
+  return e.cut == Cut::LinearDivergence && e.at_vertices == AtVertices::Nothing;
+}
+
+// What an element can do. Every refusal asks these functions, and docs/case-files.md is tested against them.
+
+/// Cracks whose faces part: a stress that is continuous at vertices ties them together there.
+constexpr bool can_open(const Element& e) {
+  return e.at_vertices != AtVertices::Stress;
+}
+/// Unilateral contact on cracks, with friction or without: bounds on jumps at the Gauss points of edges.
+constexpr bool can_contact(const Element& e) {
+  return is_mixed(e) && can_open(e);
+}
+/// Regions of other materials, across which the stress along the interface jumps.
+constexpr bool can_have_regions(const Element& e) {
+  return e.at_vertices != AtVertices::Stress;
+}
+/// Incompressible materials, nu = 1/2.
+constexpr bool can_be_incompressible(const Element& e) {
+  return is_mixed(e);
+}
+/// Incompressible bodies whose supports prescribe their area: the level of the pressure is free.
+constexpr bool can_be_enclosed(const Element& e) {
+  return is_mixed(e) && e.at_vertices != AtVertices::Stress;
+}
+/// The saddle point that is not condensed (umfpack): the normal stress of a triangle reaches the moments of its edges
+/// independently.
+constexpr bool can_stay_uncondensed(const Element& e) {
+  return is_mixed(e) && e.at_vertices != AtVertices::Stress && !has_unseen_traces(e);
+}
+/// Adjoints, and with them the maps of functionals that need one.
+constexpr bool can_adjoint(const Element& e) {
+  return is_mixed(e) && e.at_vertices != AtVertices::Stress;
+}
+/// Functionals over a part of the boundary, from the traces on its edges.
+constexpr bool can_integrate_boundaries(const Element& e) {
+  return is_mixed(e);
+}
+/// Maps of clamped holes, which need the Green tensor of the body.
+constexpr bool can_clamp_holes(const Element& e) {
+  return can_adjoint(e);
+}
+/// Validation of maps: the body is condensed onto edges alone, each trace seen from either side.
+constexpr bool can_validate(const Element& e) {
+  return e.at_vertices == AtVertices::Nothing && !has_unseen_traces(e);
+}
+/// Derivatives by the shape, and with them optimization: Piola's transformation maps the spaces onto themselves when
+/// the mesh moves. It does not keep a stress symmetric.
+constexpr bool can_optimize(const Element& e) {
+  return is_mixed(e) && !is_symmetric(e);
+}
+/// Bounds of the energy, which need a rotation of the triangle's own.
+constexpr bool can_bound_energy(const Element& e) {
+  return e.at_vertices == AtVertices::Nothing && !is_symmetric(e);
+}
+/// An estimate of the error, and with it adaptive meshes: the indicator knows what equilibrated stresses lack.
+constexpr bool can_estimate_error(const Element& e) {
+  return is_mixed(e);
+}
+/// Error bars, from an element of higher order: bdms of that degree, up to 3.
+constexpr bool can_be_bettered(const Element& e) {
+  return e.order <= 3;
+}
+
+using Ability = bool (*)(const Element&);
 
 const Element& element(std::string_view name, int degree = 1);  // throws Error(Usage) naming the known ones
+
+/// `"bdms", "peers" or "afw"`: those that can, with their degrees where only some can.
+std::string elements_that(Ability can);
+/// The one wording of every refusal, such as `element "p2" has no adjoint; use "bdms" or "afw"`, where the element
+/// cannot; nothing where it can. `can` is one of the functions above.
+std::optional<std::string> refusal(const Element& e, Ability can);
+void require(const Element& e, Ability can);  // throws Error(Usage) with it
 
 }  // namespace kerf

@@ -32,10 +32,8 @@ void read_element(const Value& table, const Case& c, Synthetic& s) {
                      blamed.name, s.element, s.degree));
   const bool contact = std::any_of(s.true_scene.laws.begin(), s.true_scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact && (s.element == "p1" || s.element == "p2"))
-    fail(blamed.node->position, fmt::format("{}: element \"{}\" knows no contact, which a crack of the true body has; "
-                                            "use \"bdms\" or \"afw\", or contact = \"open\"",
-                                            blamed.name, s.element));
+  const auto why = refusal(element(s.element, s.degree), can_contact);
+  if (contact && why) fail(blamed.node->position, fmt::format("{}: {}", blamed.name, *why));
 }
 
 }  // namespace

@@ -148,11 +148,7 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
         Fault::Usage,
         "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
         "[[optimize.bound]]");
-  const Element& e = element(p.element, p.degree);
-  if (!is_mixed(e) || e.cut == Cut::LinearDivergence || per_vertex(e) == 3)
-    throw Error(Fault::Usage, fmt::format("element \"{}\" has no derivatives for an optimization; use \"bdms\", "
-                                          "\"peers\", \"afw\" or \"bdms-c\"",
-                                          p.element));
+  require(element(p.element, p.degree), can_optimize);
   if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
     throw Error(Fault::Usage,
                 "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");

@@ -91,10 +91,7 @@ std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
   for (const Drawn& one : d.drawn) rubs |= one.kind == Drawn::Kind::Crack && has_friction(one.law);
   if (rubs) return "cracks with friction have none";
-  const Element& e = element(p.element, p.degree);
-  const bool moves = e.name == "bdms" || e.name == "bdms-c" || e.name == "peers" || e.name == "afw";
-  if (!moves) return fmt::format("element \"{}\" has none (bdms, bdms-c, peers and afw have)", e.name);
-  return std::nullopt;
+  return refusal(element(p.element, p.degree), can_optimize);
 }
 
 /// A tip that moves leaves the ring of its functional behind.

@@ -258,8 +258,8 @@ OptimizeResult Rounds::run() {
   const std::string& method = request_.method;
   const bool wants_gradients = method != "cobyla";
   if (wants_gradients && trials_.blind())
-    throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *trials_.blind()));
+    throw Error(Fault::Usage, fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"", method,
+                                          *trials_.blind()));
   if (request_.max_iterations < 1)
     throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
   Program program;

@@ -393,9 +393,7 @@ Oscillation oscillation(const Model& m, const std::vector<EdgeData>& data, const
 }
 
 std::string unavailable(const Model& m) {
-  const Element& e = m.element;
-  if (e.at_vertices != AtVertices::Nothing || is_symmetric(e))
-    return fmt::format("no bounds of the energy: they need the rotation of \"bdms\" or \"afw\", not \"{}\"", e.name);
+  if (const auto why = refusal(m.element, can_bound_energy)) return *why;
   for (const CrackLaw& law : m.scene.laws) {
     if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
       return "no bounds of the energy: the chords of a curved crack in contact do not slide";

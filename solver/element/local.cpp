@@ -160,11 +160,8 @@ Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& ma
 }
 
 LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
-  if (k.run->local_system) return k.run->local_system(k, t, material, force);
-  throw Error(Fault::Usage,
-              fmt::format("element \"{}\" has no saddle-point system of its own (backend \"umfpack\"); use a mixed "
-                          "element, such as \"bdms\", or the backend \"cholmod\"",
-                          k.element.name));
+  require(k.element, can_stay_uncondensed);
+  return k.run->local_system(k, t, material, force);
 }
 
 Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
@@ -172,23 +169,15 @@ Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& 
   return k.run->interior_of(k, t, material, local, m);
 }
 
-namespace {
-void require_dual(const Kernel& k) {
-  if (!k.run->condense_dual)
-    throw Error(Fault::Usage,
-                fmt::format("element \"{}\" has no adjoint; use a mixed element, such as \"bdms\"", k.element.name));
-}
-}  // namespace
-
 DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                        const Penalty& penalty) {
-  require_dual(k);
+  require(k.element, can_adjoint);
   return k.run->condense_dual(k, t, material, J, penalty);
 }
 
 Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                               const SkeletonVector& mu, const Penalty& penalty) {
-  require_dual(k);
+  require(k.element, can_adjoint);
   return k.run->interior_dual(k, t, material, J, mu, penalty);
 }
 

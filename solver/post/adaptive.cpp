@@ -60,11 +60,7 @@ Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted,
 
 Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
                          const Adaptation& wanted) {
-  if (!is_mixed(e))
-    throw Error(
-        Fault::Usage,
-        fmt::format("element \"{}\" has no error estimate to adapt the mesh to; use a mixed one, such as \"bdms\"",
-                    e.name));
+  require(e, can_estimate_error);
   constexpr std::size_t most_rounds = 40;
   Stopwatch watch;
   Mesh mesh = triangulate(shape, sizing);

@@ -100,9 +100,7 @@ double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, 
 }
 
 const Element& better_element(const Element& e) {
-  if (e.order > 3)
-    throw Error(Fault::Usage, "no element is better than " + std::string(e.name) + " of degree " +
-                                  std::to_string(e.degree) + ": error bars need degree 1 or 2");
+  require(e, can_be_bettered);
   return element("bdms", e.order);
 }
 

@@ -204,7 +204,7 @@ struct EdgeResiduals {
 }  // namespace
 
 Indicator error_indicator(const Model& m, const Field& s) {
-  if (!is_mixed(m.element))  // their gradients are compatible, what they lack is equilibrium
+  if (!can_estimate_error(m.element))  // their gradients are compatible, what they lack is equilibrium
     return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Derivatives difference =

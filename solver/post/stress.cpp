@@ -3,7 +3,6 @@
 #include "geometry/plane.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 namespace kerf {

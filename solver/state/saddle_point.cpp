@@ -62,11 +62,10 @@ Local local(const Model& m, const Layout& layout, Index t) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a.Ct.leftCols(edge));
   qr.setThreshold(1e-8);
   if (qr.rank() < edge)
-    throw Error(Fault::Usage,
-                fmt::format("element \"{}\" has no saddle-point system (backend \"umfpack\"): the normal stress of a "
-                            "triangle reaches only {} of {} edge moments independently; use another element, such as "
-                            "\"bdms\", or the backend \"cholmod\"",
-                            m.element.name, qr.rank(), edge));
+    throw Error(Fault::Numerics,
+                fmt::format("triangle {} is too flat for the saddle-point system (backend \"umfpack\"): its normal "
+                            "stress reaches only {} of {} edge moments independently; use the backend \"cholmod\"",
+                            t, qr.rank(), edge));
   const Eigen::MatrixXd q = qr.householderQ();
   const Eigen::MatrixXd permuted = qr.colsPermutation().transpose();
   l.basis.resize(stress, stress);

@@ -29,23 +29,20 @@ bool opens(const Mesh& mesh, const Scene& scene, Index e) {
   return mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
 }
 
-[[noreturn]] void refuse(const Element& e, const char* what, const char* instead) {
-  throw Error(Fault::Numerics, fmt::format("element \"{}\" cannot do {}; use {}", e.name, what, instead));
+// As `require`; the element does not fit the scene.
+void need(const Element& e, Ability can) {
+  if (const auto why = refusal(e, can)) throw Error(Fault::Numerics, *why);
 }
 
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
-  if (e.at_vertices == AtVertices::Stress && !mesh.region.empty())
-    refuse(e, "regions of other materials: its stress is one at every vertex",
-           "\"arnold-winther\", which shares its functions");
-  if (!is_mixed(e) && std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
-    refuse(e, "an incompressible material (poisson = 0.5)", "a mixed element, such as \"bdms\"");
+  if (!mesh.region.empty()) need(e, can_have_regions);
+  if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
+    need(e, can_be_incompressible);
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     const auto kind = scene.laws[crack].kind;
     if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;
-    if (e.at_vertices == AtVertices::Stress)
-      refuse(e, "cracks: its stress is one at every vertex", "\"arnold-winther\", which shares its functions");
-    if (!is_mixed(e) && kind == CrackLaw::Kind::Unilateral)
-      refuse(e, "contact on cracks", "a mixed element, such as \"bdms\", or contact = \"open\"");
+    need(e, can_open);
+    if (kind == CrackLaw::Kind::Unilateral) need(e, can_contact);
   }
 }
 
@@ -317,12 +314,10 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
   support_edges(mesh, k, scene, s);
   if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
   if (k.element.at_vertices == AtVertices::Stress) {
-    if (has_free_pressure(mesh, scene, s))
-      refuse(k.element, "an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level",
-             "\"arnold-winther\", which sets the mean pressure to zero");
+    if (has_free_pressure(mesh, scene, s)) need(k.element, can_be_enclosed);
     load_corners(mesh, scene, s);
   }
-  if (k.element.cut == Cut::LinearDivergence && s.per_vertex == 0) mark_unseen(mesh, scene, s);
+  if (has_unseen_traces(k.element)) mark_unseen(mesh, scene, s);
   return s;
 }
 

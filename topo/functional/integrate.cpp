@@ -69,7 +69,7 @@ struct BoundaryPoint {
 };
 void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at,
                  const Vec2* singular = nullptr) {
-  if (!is_mixed(m.element)) throw Error(Fault::Usage, "boundary functionals need a mixed element, such as \"bdms\"");
+  require(m.element, can_integrate_boundaries);
   const EdgeRule rule = gauss(8);
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     if (m.mesh.label[e] != label) continue;

@@ -21,8 +21,7 @@ namespace {
 
 std::vector<bool> held_rows(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
-  if (!is_mixed(m.element) || m.element.at_vertices == AtVertices::Stress)
-    refuse("its Green tensor needs a mixed element without stresses at vertices, such as \"bdms\"");
+  require(m.element, can_clamp_holes);
   if (!m.inner->floating.empty())
     refuse("the supports leave the body a rigid motion, which the hole alone would stop; add a support");
   if (std::any_of(m.mesh.region.begin(), m.mesh.region.end(), [](Index r) { return r != none; }))

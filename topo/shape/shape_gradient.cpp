@@ -55,16 +55,6 @@ Parts parts_of(const Analysis& a, const Functional& j) {
   return p;
 }
 
-void check(const Model& m) {
-  const Element& e = m.element;
-  if (!is_mixed(e) || is_symmetric(e))
-    throw Error(
-        Fault::Usage,
-        fmt::format("shape gradients need an element whose stresses turn with the triangle, \"bdms\", \"bdms-c\", "
-                    "\"peers\" or \"afw\", not \"{}\"",
-                    e.name));
-}
-
 void add(Points& gradient, const Mesh& mesh, Index e, const Mat2& by) {
   for (int end = 0; end < 2; ++end) gradient.col(mesh.edges[e][end]) += by.col(end);
 }
@@ -291,7 +281,7 @@ void add_cracks(const Loaded& body, const Field* dual, Points& gradient) {
 
 Points shape_gradient(const Analysis& a, const Functional& j) {
   const Model& m = *a.model;
-  check(m);
+  require(m.element, can_optimize);
   require_supports(j, m);
   Parts p = parts_of(a, j);
   // Loads that come out of balance are balanced by a body force (see prepare), which does no work on such a dual.

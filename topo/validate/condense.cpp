@@ -1,18 +1,12 @@
 #include "topo/validate/condense.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 
 namespace kerf {
 
 CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
                         const Kernel& k, const Scene& scene, bool body) {
-  if (!is_mixed(k.element) || per_vertex(k.element) > 0)
-    throw Error(Fault::Usage,
-                fmt::format("validation condenses onto edges; element \"{}\" has unknowns at vertices: use \"bdms\" or "
-                            "another element without",
-                            k.element.name));
+  require(k.element, can_validate);
   CondensedPiece p;
   p.part = part(whole, use);
   Scene inside = scene;

@@ -444,8 +444,8 @@ TEST(Synthetic, WrongOnesAreNamed) {
       "for the answer: an inverse crime; choose another element or degree");
   EXPECT_EQ(
       error(inverse + "[synthetic]\nelement = 'p2'\n[[synthetic.crack]]\nname = 'c'\npath = [[1, 0.3], [1, 0.6]]"),
-      "a.toml:18:11: element in [synthetic]: element \"p2\" knows no contact, which a crack of the true body has; use "
-      "\"bdms\" or \"afw\", or contact = \"open\"");
+      "a.toml:18:11: element in [synthetic]: element \"p2\" cannot do contact on cracks; use \"bdms\", \"bdms-c\", "
+      "\"peers\", \"afw\", \"arnold-winther\" or \"arnold-winther-nc\", or contact = \"open\"");
   EXPECT_EQ(error(inverse + hole + hole),
             "a.toml:21:8: name in [[synthetic.hole]]: the name \"h\" is taken; give each its "
             "own");
