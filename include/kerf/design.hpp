@@ -22,7 +22,7 @@ struct Drawn {
   Eigen::VectorXd lower, upper, start;  // equally long
   CrackLaw law = {};                    // of a crack
   double poisson = 0.3;                 // of an inclusion
-  bool from_map = false;                // `start` is to be read off the map: see one_shot.hpp
+  bool from_map = false;                // `start` is to be read off the map: initial_guess
 };
 
 /// The variables of all drawn things, one after the other.
@@ -53,7 +53,7 @@ struct DrawnBody {
   Shape shape;
   Scene scene;
 };
-DrawnBody draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
+DrawnBody body_of(const Design& d, const Eigen::VectorXd& x, const Problem& p);
 
 /// Material of a drawn inclusion.
 Material material_of(const Drawn& inclusion, double young, const Problem& p);
@@ -66,7 +66,7 @@ struct SplineWeights {
 };
 SplineWeights spline_weights(Index control_points, double s);
 
-/// Which vertices of a mesh of draw(d, at, p) lie on what is drawn, and where there.
+/// Which vertices of a mesh of body_of(d, at, p) lie on what is drawn, and where there.
 struct Followers {
   struct One {
     Index vertex;

@@ -506,7 +506,7 @@ struct Search {
 
 /// The guess is drawn and solved for, and what the expansion missed is taken off the data, before the expansion is
 /// fitted again, as long as that leaves less unexplained. Returns the explained part of the data.
-double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
+double correct(Search& search, const Problem& p, double spacing, InitialGuess& out) {
   const Data& data = search.data;
   constexpr int most = 12;
   const double whole = data.b.squaredNorm();
@@ -517,7 +517,7 @@ double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
     for (const Guess& g : guesses) draw_guess(g, drawn.drawn[g.drawn]);
     Eigen::VectorXd change;
     try {
-      auto body = draw(drawn, start_of(drawn), p);
+      auto body = body_of(drawn, start_of(drawn), p);
       const Model m =
           prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
       const State s = solve(m, p.contact);
@@ -573,8 +573,8 @@ bool wants_map(const Design& design) {
   return std::any_of(design.drawn.begin(), design.drawn.end(), [](const Drawn& d) { return d.from_map; });
 }
 
-OneShot one_shot(const Problem& p, const Design& design, double clear) {
-  OneShot out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
+InitialGuess initial_guess(const Problem& p, const Design& design, double clear) {
+  InitialGuess out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
   Design given;
   std::vector<Sought> wanted;
   for (std::size_t k = 0; k < design.drawn.size(); ++k) {
@@ -584,7 +584,7 @@ OneShot one_shot(const Problem& p, const Design& design, double clear) {
       given.drawn.push_back(design.drawn[k]);
   }
   if (wanted.empty()) return out;
-  auto body = draw(given, start_of(given), p);
+  auto body = body_of(given, start_of(given), p);
   const Model m =
       prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);

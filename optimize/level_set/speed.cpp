@@ -10,12 +10,12 @@ namespace kerf {
 namespace {
 
 /// Half the thickness of the member that an edge bounds, along its normal: the distance falls again behind the middle.
-double half_thickness(const Canvas& canvas, const Eigen::VectorXd& distance, const Vec2& x, const Vec2& normal,
-                      double most) {
-  for (double depth = 0.5 * canvas.size;; depth *= 2) {
+double half_thickness(const BackgroundMesh& background, const Eigen::VectorXd& distance, const Vec2& x,
+                      const Vec2& normal, double most) {
+  for (double depth = 0.5 * background.size;; depth *= 2) {
     depth = std::min(depth, most);
-    const double inside = -value_at(canvas, distance, x - depth * normal);
-    if (inside < 0.6 * depth) return std::max(0.5 * (inside + depth), 0.25 * canvas.size);
+    const double inside = -value_at(background, distance, x - depth * normal);
+    if (inside < 0.6 * depth) return std::max(0.5 * (inside + depth), 0.25 * background.size);
     if (depth >= most) return most;
   }
 }
@@ -76,18 +76,18 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b) {
   a.density += factor * b.density;
 }
 
-Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
+Speed boundary_speed(const BackgroundMesh& background, const Eigen::VectorXd& distance, const BoundaryRate& rate,
                      const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier) {
   const Eigen::Index n = rate.density.size();
   Speed s;
-  s.on_canvas = Eigen::VectorXd::Zero(distance.size());
+  s.on_background = Eigen::VectorXd::Zero(distance.size());
   if (n == 0) return s;
   const Eigen::VectorXd gain = -rate.density;
   Eigen::VectorXd half(n);
   const double fast = limits.smoothing, slow = 4 * limits.smoothing;
   const double reach = std::max(slow, limits.min_feature);
   for (Eigen::Index i = 0; i < n; ++i)
-    half[i] = half_thickness(canvas, distance, rate.middle[static_cast<std::size_t>(i)],
+    half[i] = half_thickness(background, distance, rate.middle[static_cast<std::size_t>(i)],
                              rate.normal[static_cast<std::size_t>(i)], reach);
   const double scale = std::sqrt(gain.cwiseAbs2().dot(rate.length) / rate.length.sum());
   // Short waves of a thick member's boundary change the stress there far more than its thickness does: they may go as
@@ -137,8 +137,8 @@ Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, cons
   }
   s.optimality /= rate.length.sum();
   const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
-  s.on_canvas =
-      elastic ? elastic->extend(canvas, rate.curve, moved, distance) : extend(canvas, rate.curve.points, moved);
+  s.on_background =
+      elastic ? elastic->extend(background, rate.curve, moved, distance) : extend(background, rate.curve.points, moved);
   return s;
 }
 

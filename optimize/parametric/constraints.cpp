@@ -411,7 +411,7 @@ bool always_inside(const Thing& a, const Curve& b, double least) {
   return true;
 }
 
-Condition apart(const Thing& a, const Thing& b, double least, const std::string& what, const Design& d) {
+Constraint apart(const Thing& a, const Thing& b, double least, const std::string& what, const Design& d) {
   const std::vector<Eigen::Index> first = first_variables(d);
   const auto begin = [&](const Thing& t) { return t.drawn == none ? 0 : first[static_cast<std::size_t>(t.drawn)]; };
   const auto count = [&](const Thing& t) {
@@ -431,9 +431,9 @@ Condition apart(const Thing& a, const Thing& b, double least, const std::string&
           }};
 }
 
-/// A condition on the variables of one thing.
-Condition own(std::string what, Eigen::Index first, Eigen::Index count,
-              std::function<double(const VectorXd& v, VectorXd& gradient)> value) {
+/// A constraint on the variables of one thing.
+Constraint own(std::string what, Eigen::Index first, Eigen::Index count,
+               std::function<double(const VectorXd& v, VectorXd& gradient)> value) {
   return {std::move(what), [=](const VectorXd& x, VectorXd* gradient) {
             VectorXd by = VectorXd::Zero(count);
             const double c = value(x.segment(first, count), by);
@@ -460,7 +460,7 @@ double cosine(const Vec2& a, const Vec2& b, Vec2& by_a, Vec2& by_b) {
 
 constexpr double fold = -0.5;  // cosine of the sharpest turn allowed, 120 degrees
 
-void add_spline(const Drawn& d, Eigen::Index first, double least, std::vector<Condition>& all) {
+void add_spline(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
   const Eigen::Index n = d.lower.size();
   const Design alone{{d}};
   const double smallest = std::numbers::pi / 4 * least * least;
@@ -517,7 +517,7 @@ void add_spline(const Drawn& d, Eigen::Index first, double least, std::vector<Co
   }));
 }
 
-void add_path(const Drawn& d, Eigen::Index first, double least, std::vector<Condition>& all) {
+void add_path(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
   const Eigen::Index n = d.lower.size();
   for (Eigen::Index i = 0; i + 2 < n; i += 2) {
     if (d.lower.segment<4>(i) == d.upper.segment<4>(i)) continue;
@@ -563,8 +563,8 @@ void add_path(const Drawn& d, Eigen::Index first, double least, std::vector<Cond
 
 }  // namespace
 
-std::vector<Condition> conditions(const Design& d, const Problem& p, double least,
-                                  const std::vector<Forbidden>& forbidden) {
+std::vector<Constraint> constraints(const Design& d, const Problem& p, double least,
+                                    const std::vector<Forbidden>& forbidden) {
   const double longest = std::max(least, extent(p.frame) / 200), chord = least / 20;
   std::vector<Thing> others;
   others.push_back(fixed_loop("the outline", p.frame.outline, chord, extent(p.frame)));
@@ -578,7 +578,7 @@ std::vector<Condition> conditions(const Design& d, const Problem& p, double leas
   const std::size_t first_region = others.size() - p.frame.regions.size();
   for (const Forbidden& f : forbidden) others.push_back(fixed(f.name, disc(f.center, f.radius)));
 
-  std::vector<Condition> all;
+  std::vector<Constraint> all;
   const std::vector<Eigen::Index> first = first_variables(d);
   std::vector<Thing> things;
   for (std::size_t k = 0; k < d.drawn.size(); ++k) things.push_back(drawn_thing(d.drawn[k], static_cast<Index>(k)));

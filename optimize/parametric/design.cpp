@@ -258,7 +258,7 @@ Material material_of(const Drawn& inclusion, double young, const Problem& p) {
   return p.plane_strain ? plane_strain(young, inclusion.poisson) : plane_stress(young, inclusion.poisson);
 }
 
-DrawnBody draw(const Design& d, const VectorXd& x, const Problem& p) {
+DrawnBody body_of(const Design& d, const VectorXd& x, const Problem& p) {
   DrawnBody body{p.frame, p.scene};
   const std::vector<VectorXd> part = parts(d, x);
   for (std::size_t k = 0; k < d.drawn.size(); ++k) {

@@ -21,9 +21,9 @@ using Eigen::VectorXd;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double feasibility = 1e-6;  // relative violations that do not count
 
-// Trials as numbers, for the checkpoint.
+// Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
-VectorXd packed(const Trial& t) {
+VectorXd packed(const DesignEvaluation& t) {
   const Evaluation& e = t.evaluation;
   const auto bounds = static_cast<Eigen::Index>(t.bounds.size());
   VectorXd v(head + bounds + e.x.size() + e.values.size() + e.gradients.size());
@@ -39,10 +39,10 @@ VectorXd packed(const Trial& t) {
   return v;
 }
 
-Trial unpacked(const VectorXd& v, const std::string& failure) {
+DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   const Error broken(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
   if (v.size() < head) throw broken;
-  Trial t;
+  DesignEvaluation t;
   t.round = static_cast<int>(v[0]);
   t.base = static_cast<Index>(v[1]);
   t.fresh = v[2] != 0;
@@ -85,17 +85,17 @@ class Rounds {
         request_(request),
         see_(see),
         place_(place),
-        trials_(problem, request),
+        evaluations_(problem, request),
         lower_(lower_bounds(request.design)),
         upper_(upper_bounds(request.design)) {}
 
   OptimizeResult run();
 
  private:
-  Trial evaluate(const VectorXd& x, bool gradients);
-  void check_derivatives(const Trial& start);
+  DesignEvaluation evaluate(const VectorXd& x, bool gradients);
+  void check_derivatives(const DesignEvaluation& start);
   bool look_at(const Evaluation& e, double kkt);
-  void show(const Iteration& row, const Trial& trial);
+  void show(const Iteration& row, const DesignEvaluation& design);
   void keep();
   void restore();
 
@@ -103,16 +103,16 @@ class Rounds {
   const OptimizeRequest& request_;
   const Observer& see_;
   const CheckpointPlace& place_;
-  Trials trials_;
+  Evaluations evaluations_;
   VectorXd lower_, upper_;
-  std::vector<Trial> done_;              // evaluated, in this run or before it was interrupted
+  std::vector<DesignEvaluation> done_;   // evaluated, in this run or before it was interrupted
   std::size_t restored_ = 0, next_ = 0;  // how many of them are from before, and how many this run has seen
   Checkpoint checkpoint_;
   int state_solves_ = 0;
   std::optional<std::string> checked_;  // note of the derivative check
   int checked_solves_ = 0;
   OptimizeResult result_;
-  std::vector<std::size_t> trial_of_row_;  // of the history
+  std::vector<std::size_t> evaluation_of_row_;  // of the history
   bool first_of_round_ = true, stopped_ = false;
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
@@ -155,26 +155,26 @@ void Rounds::keep() {
   write_checkpoint(place_.path, checkpoint_);
 }
 
-Trial Rounds::evaluate(const VectorXd& x, bool gradients) {
+DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   if (next_ < done_.size()) {
-    const Trial& known = done_[next_];
+    const DesignEvaluation& known = done_[next_];
     const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
-                      known.evaluation.values.size() == 1 + trials_.constraints() &&
+                      known.evaluation.values.size() == 1 + evaluations_.constraints() &&
                       (known.evaluation.gradients.cols() > 0) == gradients;
     if (!fits)
       throw Error(Fault::Usage, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
                                             "(another version or machine?); start without --resume",
                                             next_ + 1, place_.path.string()));
-    trials_.replay(known);
+    evaluations_.replay(known);
   } else {
-    done_.push_back(trials_.evaluate(x, gradients));
+    done_.push_back(evaluations_.evaluate(x, gradients));
   }
   ++next_;
   state_solves_ += done_[next_ - 1].state_solves;
   return done_[next_ - 1];
 }
 
-void Rounds::check_derivatives(const Trial& start) {
+void Rounds::check_derivatives(const DesignEvaluation& start) {
   if (!checked_) {
     constexpr double allowed = 1e-2;
     const VectorXd direction = some_direction(lower_.size());
@@ -182,13 +182,13 @@ void Rounds::check_derivatives(const Trial& start) {
     std::string where;
     // Contact may change within the longer steps.
     for (const double step : {1e-4, 1e-5, 1e-6}) {
-      const Trials::Check check = trials_.check_derivatives(start, direction, step);
+      const Evaluations::Check check = evaluations_.check_derivatives(start, direction, step);
       checked_solves_ += check.state_solves;
       const auto most = std::max_element(check.error.begin(), check.error.end());
       const auto k = static_cast<Eigen::Index>(most - check.error.begin());
       if (where.empty() || *most < worst) {
         worst = *most;
-        where = k == 0 ? "the objective" : fmt::format("the constraint \"{}\"", trials_.constraint(k - 1));
+        where = k == 0 ? "the objective" : fmt::format("the constraint \"{}\"", evaluations_.constraint(k - 1));
       }
       if (worst <= allowed) break;
     }
@@ -203,37 +203,37 @@ void Rounds::check_derivatives(const Trial& start) {
   result_.notes.push_back(*checked_);
 }
 
-void Rounds::show(const Iteration& row, const Trial& trial) {
+void Rounds::show(const Iteration& row, const DesignEvaluation& design) {
   if (!see_) return;
-  const std::shared_ptr<const SolvedTrial> solved = trials_.solved(trial);
+  const std::shared_ptr<const SolvedDesign> solved = evaluations_.solved(design);
   if (!see_({row, solved->body.shape, solved->model, solved->state})) stopped_ = true;
 }
 
 /// After every evaluation: a row of the history when it is accepted, the observer, the checkpoint.
 bool Rounds::look_at(const Evaluation& e, double kkt) {
   const std::size_t number = next_ - 1;
-  const Trial& trial = done_[number];
+  const DesignEvaluation& design = done_[number];
   const bool replayed = number < restored_;
   const double violation = violation_of(e);
   const bool feasible = violation <= feasibility, was_feasible = accepted_violation_ <= feasibility;
-  const bool better = feasible ? !was_feasible || trial.evaluation.values[0] < accepted_merit_
+  const bool better = feasible ? !was_feasible || design.evaluation.values[0] < accepted_merit_
                                : !was_feasible && violation < accepted_violation_;
-  if (e.failure.empty() && e.x == trial.evaluation.x && (first_of_round_ || better)) {
+  if (e.failure.empty() && e.x == design.evaluation.x && (first_of_round_ || better)) {
     std::vector<Iteration>& history = result_.history;
     Iteration row;
     row.number = static_cast<int>(history.size());
-    row.objective = trial.objective;
-    row.merit = trial.evaluation.values[0];
-    row.volume_fraction = trial.volume_fraction;
-    row.bounds = trial.bounds;
+    row.objective = design.objective;
+    row.merit = design.evaluation.values[0];
+    row.volume_fraction = design.volume_fraction;
+    row.bounds = design.bounds;
     row.violation = violation;
     if (!history.empty())
       for (Eigen::Index i = 0; i < lower_.size(); ++i)
         if (upper_[i] > lower_[i])
           row.step = std::max(row.step, std::abs(e.x[i] - history.back().variables[i]) / (upper_[i] - lower_[i]));
     row.optimality = kkt;
-    row.holes = trial.holes;
-    row.triangles = trial.triangles;
+    row.holes = design.holes;
+    row.triangles = design.triangles;
     row.state_solves = state_solves_;
     row.variables = e.x;
     if (first_of_round_ && !history.empty()) row.note = "a fresh mesh";
@@ -244,8 +244,8 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
     accepted_violation_ = violation;
     first_of_round_ = false;
     history.push_back(std::move(row));
-    trial_of_row_.push_back(number);
-    if (!replayed) show(history.back(), trial);
+    evaluation_of_row_.push_back(number);
+    if (!replayed) show(history.back(), design);
   } else if (!std::isnan(kkt)) {  // cobyla: derivatives asked for afterwards
     for (Iteration& row : result_.history)
       if (std::isnan(row.optimality) && row.variables == e.x) row.optimality = kkt;
@@ -258,17 +258,17 @@ OptimizeResult Rounds::run() {
   restore();
   const std::string& method = request_.method;
   const bool wants_gradients = method != "cobyla";
-  if (wants_gradients && trials_.blind())
+  if (wants_gradients && evaluations_.blind())
     throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *trials_.blind()));
+                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *evaluations_.blind()));
   if (request_.max_iterations < 1)
     throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
   Program program;
   program.lower = lower_;
   program.upper = upper_;
-  program.constraints = trials_.constraints();
-  program.gradients = !trials_.blind();
-  std::optional<Trial> begun;  // the first evaluation of a round
+  program.constraints = evaluations_.constraints();
+  program.gradients = !evaluations_.blind();
+  std::optional<DesignEvaluation> begun;  // the first evaluation of a round
   program.evaluate = [&](const VectorXd& x, bool gradients) {
     if (begun) return std::exchange(begun, std::nullopt)->evaluation;
     return evaluate(x, gradients).evaluation;
@@ -281,7 +281,7 @@ OptimizeResult Rounds::run() {
   double scale = 0;      // of derivatives, at the start of all
   constexpr int most_rounds = 25;
   for (int round = 0;; ++round) {
-    trials_.begin_round();
+    evaluations_.begin_round();
     first_of_round_ = true;
     accepted_merit_ = accepted_violation_ = nan;
     const std::size_t first = result_.history.size();
@@ -334,7 +334,7 @@ OptimizeResult Rounds::run() {
   }
 
   const Iteration& row = result_.history[best];
-  show(row, done_[trial_of_row_[best]]);  // once more, at the end
+  show(row, done_[evaluation_of_row_[best]]);  // once more, at the end
   result_.method = method;
   result_.iterations = static_cast<int>(result_.history.size()) - 1;
   result_.state_solves = state_solves_;
@@ -345,7 +345,7 @@ OptimizeResult Rounds::run() {
   result_.converged = found.converged;
   result_.stopped = found.reason;
   result_.variables = row.variables;
-  DrawnBody body = draw(request_.design, row.variables, problem_);
+  DrawnBody body = body_of(request_.design, row.variables, problem_);
   result_.shape = std::move(body.shape);
   result_.scene = std::move(body.scene);
   return std::move(result_);
