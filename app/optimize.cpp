@@ -17,7 +17,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 namespace kerf {
 
@@ -58,14 +57,7 @@ std::string duration(double seconds) {
 /// What the initial guess found, and how much of the data it explains.
 std::vector<std::string> in_words(const InitialGuess& found, const Design& design) {
   std::vector<std::string> notes;
-  for (const Guess& guess : found.guesses) {
-    const Drawn& d = design.drawn.at(guess.drawn);
-    std::string text = fmt::format("one shot: {} at ({:.4g}, {:.4g}), {} {:.3g}", name(d), guess.at.x(), guess.at.y(),
-                                   d.kind == Drawn::Kind::Crack ? "half its length" : "radius", guess.size);
-    if (d.kind == Drawn::Kind::Crack) text += fmt::format(", {:.0f} degrees", guess.angle * 180 / std::numbers::pi);
-    if (d.kind == Drawn::Kind::Inclusion) text += fmt::format(", young {:.3g}", guess.young);
-    notes.push_back(std::move(text));
-  }
+  for (const Guess& guess : found.guesses) notes.push_back("one shot: " + in_words(guess, design));
   if (std::isfinite(found.explained))
     notes.push_back(fmt::format("one shot explains {:.1f} % of the data", 100 * found.explained));
   return notes;

@@ -54,6 +54,9 @@ struct Guess {
   double young = 0;  // of an inclusion
 };
 
+/// "hole 'a' at (0.62, 0.57), radius 0.08".
+std::string in_words(const Guess& g, const Design& design);
+
 struct InitialGuess {
   Design design;  // with the starts filled in
   std::vector<Guess> guesses;

@@ -4,6 +4,7 @@
 #include "kerf/element.hpp"
 #include "kerf/map.hpp"
 #include "optimize/inverse/boundary_line.hpp"
+#include "optimize/parametric/shapes/shape.hpp"
 #include "topo/responses.hpp"
 
 #include <fmt/core.h>
@@ -20,81 +21,8 @@ namespace kerf {
 
 namespace {
 
-using Kind = Drawn::Kind;
 constexpr double pi = std::numbers::pi;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// What one drawn thing may be.
-struct Variant {
-  Perturbation what;
-  double angle = 0, young = 0;
-};
-struct Sought {
-  std::size_t drawn;
-  Vec2 low, high;      // of its middle
-  double least, most;  // size
-  std::vector<Variant> variants;
-  bool turns = false;  // the angles of the variants are samples of a continuum
-};
-
-Vec2 middle(const Eigen::VectorXd& xy) {
-  Vec2 sum = Vec2::Zero();
-  for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += xy.segment<2>(i);
-  return 2 * sum / static_cast<double>(xy.size());
-}
-double mean_radius(const Eigen::VectorXd& xy) {
-  const Vec2 center = middle(xy);
-  double sum = 0;
-  for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += (xy.segment<2>(i) - center).norm();
-  return 2 * sum / static_cast<double>(xy.size());
-}
-
-Sought sought(const Drawn& d, std::size_t number, const Problem& p) {
-  const Eigen::VectorXd &l = d.lower, &u = d.upper;
-  Sought s{number, l.head<2>(), u.head<2>(), 0, 0, {}};
-  switch (d.kind) {
-    case Kind::Circle:
-      s.least = l[2], s.most = u[2];
-      s.variants = {{}};
-      break;
-    case Kind::Ellipse:
-      s.least = std::sqrt(l[2] * l[3]), s.most = std::sqrt(u[2] * u[3]);
-      s.variants = {{}};
-      break;
-    case Kind::Spline: {
-      s.low = middle(l), s.high = middle(u);
-      constexpr double range = 4;
-      s.least = mean_radius(d.start) / range, s.most = mean_radius(d.start) * range;
-      s.variants = {{}};
-      break;
-    }
-    case Kind::Inclusion:
-      s.least = l[2], s.most = u[2];
-      for (int i = 0, last = l[3] < u[3] ? 8 : 0; i <= last; ++i) {
-        Variant v{.young = last > 0 ? l[3] * std::pow(u[3] / l[3], static_cast<double>(i) / last) : l[3]};
-        v.what.kind = Perturbation::Kind::Inclusion;
-        v.what.inclusion = material_of(d, v.young, p);
-        s.variants.push_back(v);
-      }
-      break;
-    case Kind::Crack: {
-      const Eigen::Index last = l.size() - 2;
-      s.low = 0.5 * (l.head<2>() + l.segment<2>(last)), s.high = 0.5 * (u.head<2>() + u.segment<2>(last));
-      const Vec2 nearest = (l.segment<2>(last) - u.head<2>()).cwiseMax(l.head<2>() - u.segment<2>(last)).cwiseMax(0);
-      const Vec2 furthest = (u.segment<2>(last) - l.head<2>()).cwiseMax(u.head<2>() - l.segment<2>(last));
-      s.least = std::max(0.5 * nearest.norm(), 1e-3 * furthest.norm()), s.most = 0.5 * furthest.norm();
-      constexpr int angles = 24;
-      for (int i = 0; i < angles; ++i) {
-        Variant v{.angle = pi * i / angles};
-        v.what.kind = Perturbation::Kind::Crack;
-        s.variants.push_back(v);
-      }
-      s.turns = true;
-      break;
-    }
-  }
-  return s;
-}
 
 /// Distance from a point to everything that is no plain material.
 struct Surroundings {
@@ -286,39 +214,7 @@ struct Pick {
 };
 
 void draw_guess(const Guess& g, Drawn& d) {
-  Eigen::VectorXd v = d.start;
-  switch (d.kind) {
-    case Kind::Circle:
-      v << g.at, g.size;
-      break;
-    case Kind::Ellipse:
-      v.head<2>() = g.at;
-      v[2] = v[3] = g.size;
-      break;
-    case Kind::Inclusion:
-      v << g.at, g.size, g.young;
-      break;
-    case Kind::Spline: {
-      const Vec2 center = middle(v);
-      const double factor = g.size / mean_radius(v);
-      for (Eigen::Index i = 0; i < v.size(); i += 2) v.segment<2>(i) = g.at + factor * (v.segment<2>(i) - center);
-      break;
-    }
-    case Kind::Crack: {
-      const Vec2 half = g.size * Vec2(std::cos(g.angle), std::sin(g.angle));
-      const auto path = [&](double sign) {
-        Eigen::VectorXd w(v.size());
-        const Eigen::Index pieces = v.size() / 2 - 1;
-        for (Eigen::Index i = 0; i <= pieces; ++i)
-          w.segment<2>(2 * i) = g.at + sign * (2.0 * static_cast<double>(i) / static_cast<double>(pieces) - 1) * half;
-        return w;
-      };
-      const auto outside = [&](const Eigen::VectorXd& w) { return (w - w.cwiseMax(d.lower).cwiseMin(d.upper)).norm(); };
-      v = outside(path(-1)) < outside(path(1)) ? path(-1) : path(1);
-      break;
-    }
-  }
-  d.start = v.cwiseMax(d.lower).cwiseMin(d.upper);
+  d.start = shape_of(d).guessed(g, d).cwiseMax(d.lower).cwiseMin(d.upper);
 }
 
 /// No larger than there is room for.
@@ -545,8 +441,7 @@ std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s,
   std::vector<Guess> guesses;
   for (const Sought& one : sought) {
     const Drawn& d = design.drawn[one.drawn];
-    double size = std::sqrt(one.least * one.most);
-    if (d.kind == Kind::Circle || d.kind == Kind::Inclusion) size = d.start[2];
+    const double size = one.size;
     const std::vector<Vec2> places = candidates(one, m.mesh, around, size + clear, spacing);
     double best = infinity;
     Guess guess{.drawn = one.drawn, .size = size};
@@ -569,6 +464,11 @@ std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s,
 
 }  // namespace
 
+std::string in_words(const Guess& g, const Design& design) {
+  const Drawn& d = design.drawn.at(g.drawn);
+  return fmt::format("{} at ({:.4g}, {:.4g}), {}", name(d), g.at.x(), g.at.y(), shape_of(d).guess_in_words(g));
+}
+
 bool wants_map(const Design& design) {
   return std::any_of(design.drawn.begin(), design.drawn.end(), [](const Drawn& d) { return d.from_map; });
 }
@@ -578,10 +478,13 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
   Design given;
   std::vector<Sought> wanted;
   for (std::size_t k = 0; k < design.drawn.size(); ++k) {
-    if (design.drawn[k].from_map)
-      wanted.push_back(sought(design.drawn[k], k, p));
-    else
-      given.drawn.push_back(design.drawn[k]);
+    const Drawn& one = design.drawn[k];
+    if (!one.from_map) {
+      given.drawn.push_back(one);
+      continue;
+    }
+    wanted.push_back(shape_of(one).seek(one, p));
+    wanted.back().drawn = k;
   }
   if (wanted.empty()) return out;
   auto body = body_of(given, start_of(given), p);

@@ -3,6 +3,7 @@
 #include "kerf/element.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "optimize/loop/evaluate.hpp"
+#include "optimize/parametric/followers.hpp"
 #include "solver/system.hpp"
 #include "topo/young_gradient.hpp"
 
@@ -30,7 +31,7 @@ struct Base {
   VectorXd at;
   struct Built {
     Mesh mesh;
-    Followers followers;
+    std::vector<Follower> followers;
     Extension extension;
     std::vector<double> angles;
     Points start;  // of the followers
@@ -41,7 +42,7 @@ struct Base {
 
 std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Problem& p, const Shape& shape) {
   Mesh mesh = triangulate(shape, p.sizing);
-  Followers f = followers(d, x, p, mesh);
+  std::vector<Follower> f = followers(d, x, p, mesh);
   Extension extension = make_extension(mesh, vertices_that_mean_something(mesh));
   std::vector<double> angles = smallest_angles(mesh);
   Points start = positions(d, f, x);
@@ -71,9 +72,9 @@ bool distorted(const Mesh& before, const Mesh& after, std::size_t t) {
 std::optional<Mesh> moved(const Base::Built& base, const Design& d, const VectorXd& x) {
   Points motion = Points::Zero(2, static_cast<Eigen::Index>(base.mesh.points.size()));
   const Points to = positions(d, base.followers, x);
-  for (std::size_t k = 0; k < base.followers.all.size(); ++k) {
+  for (std::size_t k = 0; k < base.followers.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    motion.col(base.followers.all[k].vertex) = to.col(column) - base.start.col(column);
+    motion.col(base.followers[k].vertex) = to.col(column) - base.start.col(column);
   }
   Mesh mesh = base.mesh;
   if (!motion.isZero(0)) {
@@ -90,7 +91,7 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
 std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   const auto friction = [](const CrackLaw& law) { return has_friction(law); };
   bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
-  for (const Drawn& one : d.drawn) rubs |= one.kind == Drawn::Kind::Crack && has_friction(one.law);
+  for (const Drawn& one : d.drawn) rubs |= shape_of(one).part == BodyPart::Crack && has_friction(one.law);
   if (rubs) return "cracks with friction have none";
   const Element& e = element(p.element, p.degree);
   const bool moves = e.name == "bdms" || e.name == "bdms-c" || e.name == "peers" || e.name == "afw";
@@ -103,7 +104,7 @@ void refuse_moving_tips(const Functional& j, const Design& d) {
   for (const Term& term : j.terms) {
     if (!(term.feature_radius > 0)) continue;
     for (const Drawn& one : d.drawn) {
-      if (one.kind != Drawn::Kind::Crack) continue;
+      if (shape_of(one).part != BodyPart::Crack) continue;
       for (Eigen::Index i = 0; i < one.start.size(); i += 2)
         if ((one.start.segment<2>(i) - term.feature).norm() < term.feature_radius &&
             one.lower.segment<2>(i) != one.upper.segment<2>(i))
@@ -246,16 +247,17 @@ struct Evaluations::Impl {
     const Analysis a = analyze(j, model, state, gradient == nullptr);
     if (!gradient) return a.value;
     const Points force = gather(base.extension, shape_gradient(a, j));
-    Points on(2, static_cast<Eigen::Index>(base.followers.all.size()));
-    for (std::size_t k = 0; k < base.followers.all.size(); ++k)
-      on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers.all[k].vertex);
+    Points on(2, static_cast<Eigen::Index>(base.followers.size()));
+    for (std::size_t k = 0; k < base.followers.size(); ++k)
+      on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers[k].vertex);
     *gradient = pull_back(design, base.followers, x, on);
     auto region = static_cast<Index>(problem.frame.regions.size());
     const std::vector<Eigen::Index> first = first_variables(design);
     for (std::size_t k = 0; k < design.drawn.size(); ++k) {
-      if (design.drawn[k].kind != Drawn::Kind::Inclusion) continue;
-      const Eigen::Index at = first[k] + 3;
-      if (upper[at] > lower[at]) (*gradient)[at] = young_gradient(a, j, model, region, x[at]);
+      const DrawnShape& shape = shape_of(design.drawn[k]);
+      if (shape.part != BodyPart::Region) continue;
+      const Eigen::Index at = first[k] + shape.young;
+      if (shape.young != none && upper[at] > lower[at]) (*gradient)[at] = young_gradient(a, j, model, region, x[at]);
       ++region;
     }
     return a.value;

@@ -1,5 +1,6 @@
 #include "optimize/parametric/constraints.hpp"
 #include "optimize/parametric/extend.hpp"
+#include "optimize/parametric/followers.hpp"
 #include "tests/optimize/designs.hpp"
 
 #include <gtest/gtest.h>
@@ -53,21 +54,21 @@ TEST(Design, MeshVerticesFollowTheVariables) {
   const Design d = everything_drawn();
   const VectorXd x = start_of(d);
   const Mesh mesh = triangulate(body_of(d, x, p).shape, p.sizing);
-  const Followers f = followers(d, x, p, mesh);
+  const std::vector<Follower> f = followers(d, x, p, mesh);
   std::vector<int> count(5, 0);
   const Points at = positions(d, f, x);
-  for (std::size_t i = 0; i < f.all.size(); ++i) {
-    ++count[static_cast<std::size_t>(f.all[i].drawn)];
-    EXPECT_LT((at.col(static_cast<Eigen::Index>(i)) - mesh.points[static_cast<std::size_t>(f.all[i].vertex)]).norm(),
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    ++count[static_cast<std::size_t>(f[i].drawn)];
+    EXPECT_LT((at.col(static_cast<Eigen::Index>(i)) - mesh.points[static_cast<std::size_t>(f[i].vertex)]).norm(),
               1e-12);
   }
   for (const int n : count) EXPECT_GE(n, 8);
   // Where they go lies on what is drawn there.
   const VectorXd y = random_in(d, 3);
   const Points to = positions(d, f, y);
-  for (std::size_t i = 0; i < f.all.size(); ++i) {
+  for (std::size_t i = 0; i < f.size(); ++i) {
     const Vec2 v = to.col(static_cast<Eigen::Index>(i));
-    const Index drawn = f.all[i].drawn;
+    const Index drawn = f[i].drawn;
     if (drawn != 0 && drawn != 4) continue;
     const Eigen::Index first = drawn == 0 ? 0 : 26;
     EXPECT_NEAR((v - y.segment<2>(first)).norm() / y[first + 2], 1, 0.02);
