@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <tuple>
 
 namespace kerf {
 
@@ -62,6 +63,51 @@ struct Progress {
   std::vector<std::string> drawn;  // what carving the present design said
   std::vector<Iteration> rows;
 };
+
+// What a checkpoint holds of it, by name: vectors, "track", the texts "ended" and "drawn", the rows, and "scalars" in
+// this order.
+constexpr std::array<std::pair<const char*, Eigen::VectorXd Progress::*>, 6> kept_vectors{
+    {{"phi", &Progress::phi},
+     {"psi", &Progress::psi},
+     {"lambda", &Progress::lambda},
+     {"best", &Progress::best},
+     {"kept", &Progress::kept},
+     {"best_bounds", &Progress::best_bounds}}};
+template <typename State, typename Number>
+auto kept_scalars(State& s, Number& mesh_size) {
+  return std::tie(s.iteration, s.solves, s.wanted, s.step, s.turn, s.multiplier, s.best_J, s.best_area,
+                  s.best_iteration, s.since, mesh_size, s.kept_J, s.kept_iteration);
+}
+
+Eigen::VectorXd vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+Checkpoint packed(const Progress& s, double mesh_size) {
+  Checkpoint c;
+  for (const auto& [name, member] : kept_vectors) c.numbers[name] = s.*member;
+  c.numbers["track"] = vector_of(s.track);
+  c.numbers["scalars"] =
+      std::apply([](const auto&... x) { return vector_of({static_cast<double>(x)...}); }, kept_scalars(s, mesh_size));
+  c.texts["ended"] = s.ended;
+  c.texts["drawn"] = join(s.drawn, "\n");
+  write_rows(c, s.rows);
+  return c;
+}
+
+Progress unpacked(const Checkpoint& c, double& mesh_size) {
+  Progress s;
+  for (const auto& [name, member] : kept_vectors) s.*member = c.numbers.at(name);
+  const Eigen::VectorXd &track = c.numbers.at("track"), &scalars = c.numbers.at("scalars");
+  s.track.assign(track.begin(), track.end());
+  Eigen::Index i = 0;
+  std::apply([&](auto&... x) { ((x = static_cast<std::remove_reference_t<decltype(x)>>(scalars[i++])), ...); },
+             kept_scalars(s, mesh_size));
+  s.ended = c.texts.at("ended");
+  s.drawn = split_lines(c.texts.at("drawn"));
+  s.rows = read_rows(c);
+  return s;
+}
 
 class LevelSetRun {
  public:
@@ -255,10 +301,6 @@ std::string excess(double value, double best) {
                    : fmt::format("{:.3g}", value - best);
 }
 
-Eigen::VectorXd vector_of(const std::vector<double>& v) {
-  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
-}
-
 double LevelSetRun::merit(const Evaluated& e) const {
   return merit(e.J, e.area, vector_of(e.bounds));
 }
@@ -341,7 +383,7 @@ Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::str
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature};
-  const Speed speed = boundary_speed(background_, distance, rate, limits, elastic_.get(),
+  const Speed speed = boundary_speed({background_, distance, rate}, limits, elastic_.get(),
                                      penalized_ ? std::optional(r_.volume_penalty + price_) : std::nullopt);
   s_.multiplier = speed.multiplier - price_;
   optimality_ = speed.optimality;
@@ -363,8 +405,8 @@ Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::str
 
 Eigen::VectorXd LevelSetRun::fixed_point_step(const Evaluated& e) {
   const Eigen::VectorXd T = derivative(e);
-  const FixedPoint f = fixed_point(background_, *filter_, e.cases.front().model.mesh, T, s_.psi, s_.turn,
-                                   penalized_ ? std::optional(r_.volume_penalty) : std::nullopt, s_.wanted);
+  const FixedPoint f = fixed_point(background_, *filter_, {e.cases.front().model.mesh, T}, s_.psi,
+                                   {s_.turn, penalized_ ? std::optional(r_.volume_penalty) : std::nullopt, s_.wanted});
   s_.multiplier = f.multiplier;
   optimality_ = f.angle;
   s_.psi = f.psi;
@@ -590,21 +632,8 @@ OptimizeResult LevelSetRun::run() {
 
 void LevelSetRun::save() const {
   if (place_.path.empty()) return;
-  Checkpoint c{.fingerprint = place_.fingerprint};
-  c.numbers["phi"] = s_.phi;
-  c.numbers["psi"] = s_.psi;
-  c.numbers["lambda"] = s_.lambda;
-  c.numbers["best"] = s_.best;
-  c.numbers["kept"] = s_.kept;
-  c.numbers["track"] = vector_of(s_.track);
-  c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] =
-      (Eigen::VectorXd(13) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier, s_.best_J,
-       s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size, s_.kept_J, s_.kept_iteration)
-          .finished();
-  c.texts["ended"] = s_.ended;
-  c.texts["drawn"] = join(s_.drawn, "\n");
-  write_rows(c, s_.rows);
+  Checkpoint c = packed(s_, fitted_.sizing.size);
+  c.fingerprint = place_.fingerprint;
   write_checkpoint(place_.path, c);
 }
 
@@ -615,27 +644,9 @@ bool LevelSetRun::restore() {
   if (c->fingerprint != place_.fingerprint)
     throw Error(Fault::Usage, fmt::format("{} belongs to another case: run without --resume, or restore the case file",
                                           place_.path.string()));
-  s_.phi = c->numbers.at("phi");
-  s_.psi = c->numbers.at("psi");
-  s_.lambda = c->numbers.at("lambda");
-  s_.best = c->numbers.at("best");
-  s_.kept = c->numbers.at("kept");
-  s_.kept_J = c->numbers.at("scalars")[11];
-  s_.kept_iteration = static_cast<int>(c->numbers.at("scalars")[12]);
-  s_.best_bounds = c->numbers.at("best_bounds");
-  const Eigen::VectorXd& x = c->numbers.at("scalars");
-  s_.iteration = static_cast<int>(x[0]);
-  s_.solves = static_cast<int>(x[1]);
-  s_.wanted = x[2], s_.step = x[3], s_.turn = x[4], s_.multiplier = x[5], s_.best_J = x[6], s_.best_area = x[7];
-  s_.best_iteration = static_cast<int>(x[8]);
-  s_.since = static_cast<int>(x[9]);
-  const Eigen::VectorXd& track = c->numbers.at("track");
-  s_.track.assign(track.begin(), track.end());
-  s_.ended = c->texts.at("ended");
-  s_.drawn = split_lines(c->texts.at("drawn"));
-  s_.rows = read_rows(*c);
+  s_ = unpacked(*c, fitted_.sizing.size);
+  carving_.spacing = fitted_.sizing.size;
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
-  fitted_.sizing.size = carving_.spacing = x[10];
   if (s_.ended.starts_with(out_of_iterations) && s_.iteration < r_.max_iterations) {
     s_.ended.clear();
     if (s_.rows.back().number > s_.iteration) s_.rows.pop_back();

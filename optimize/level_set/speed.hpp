@@ -35,9 +35,15 @@ struct Speed {
   Eigen::VectorXd on_curve;       // per edge, before it is made smooth
   Eigen::VectorXd on_background;  // per vertex, smooth, constant along normals
 };
+/// The design whose boundary moves: its rate, and the signed distance to the boundary on the background mesh.
+struct SpeedOf {
+  const BackgroundMesh& background;
+  const Eigen::VectorXd& distance;
+  const BoundaryRate& rate;
+};
 /// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such
 /// that the area does not change to first order.
-Speed boundary_speed(const BackgroundMesh& background, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                     const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier);
+Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const ElasticProduct* elastic,
+                     std::optional<double> multiplier);
 
 }  // namespace kerf

@@ -98,6 +98,17 @@ class Rounds {
   void show(const Iteration& row, const DesignEvaluation& design);
   void keep();
   void restore();
+  Program program(std::optional<DesignEvaluation>& begun);
+  std::optional<DesignEvaluation> begin_round(int round, const VectorXd& x, Minimum& found);
+  void note(const Minimum& found);
+  bool settled(const Iteration& begin, const Iteration& end, bool feasible) const;
+  OptimizeResult finish(const Minimum& found, std::size_t best);
+  bool wants_gradients() const {
+    return request_.method != "cobyla";
+  }
+  int left() const {  // of the evaluations
+    return request_.max_iterations - static_cast<int>(next_);
+  }
 
   const Problem& problem_;
   const OptimizeRequest& request_;
@@ -254,88 +265,109 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
   return !stopped_;
 }
 
-OptimizeResult Rounds::run() {
-  restore();
-  const std::string& method = request_.method;
-  const bool wants_gradients = method != "cobyla";
-  if (wants_gradients && evaluations_.blind())
-    throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *evaluations_.blind()));
-  if (request_.max_iterations < 1)
-    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
+/// What the minimizer asks for, answered and recorded here. `begun`: the first evaluation of a round, made already.
+Program Rounds::program(std::optional<DesignEvaluation>& begun) {
   Program program;
   program.lower = lower_;
   program.upper = upper_;
   program.constraints = evaluations_.constraints();
   program.gradients = !evaluations_.blind();
-  std::optional<DesignEvaluation> begun;  // the first evaluation of a round
-  program.evaluate = [&](const VectorXd& x, bool gradients) {
+  program.evaluate = [this, &begun](const VectorXd& x, bool gradients) {
     if (begun) return std::exchange(begun, std::nullopt)->evaluation;
     return evaluate(x, gradients).evaluation;
   };
-  program.see = [&](const Evaluation& e, double kkt) { return look_at(e, kkt); };
+  program.see = [this](const Evaluation& e, double kkt) { return look_at(e, kkt); };
+  return program;
+}
 
+/// Notes of a minimization, each once where it is about a failure.
+void Rounds::note(const Minimum& found) {
+  for (const std::string& note : found.notes) result_.notes.push_back(note);
+  for (const std::string& failure : found.failure) {
+    const std::string note = "a trial could not be evaluated: " + failure;
+    if (std::ranges::find(result_.notes, note) == result_.notes.end()) result_.notes.push_back(note);
+  }
+}
+
+/// Whether a round from `begin` to `end` changed little.
+bool Rounds::settled(const Iteration& begin, const Iteration& end, bool feasible) const {
+  const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
+  const bool was_feasible = begin.violation <= feasibility;
+  return was_feasible == feasible &&
+         (feasible ? begin.merit - end.merit <= request_.tolerance * scale
+                   : begin.violation - end.violation <= request_.tolerance * begin.violation);
+}
+
+/// The first evaluation of a round, on a fresh mesh; nothing, and why, when the best design cannot be evaluated there.
+std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x, Minimum& found) {
+  evaluations_.begin_round();
+  first_of_round_ = true;
+  accepted_merit_ = accepted_violation_ = nan;
+  if (round > 0 && left() < 1) {
+    found.reason = "all evaluations are used";
+    found.converged = false;
+    return std::nullopt;
+  }
+  DesignEvaluation begun = evaluate(x, wants_gradients());
+  if (const std::string& failure = begun.evaluation.failure; !failure.empty()) {
+    if (round == 0) throw Error(begun.fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
+    if (next_ > restored_) keep();
+    found.converged = false;
+    found.reason = "the best design cannot be evaluated on a fresh mesh: " + failure;
+    return std::nullopt;
+  }
+  if (round == 0 && wants_gradients()) check_derivatives(begun);
+  return begun;
+}
+
+OptimizeResult Rounds::run() {
+  restore();
+  const std::string& method = request_.method;
+  if (wants_gradients() && evaluations_.blind())
+    throw Error(Fault::Usage,
+                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *evaluations_.blind()));
+  if (request_.max_iterations < 1)
+    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
+  std::optional<DesignEvaluation> begun;
+  const Program asked = program(begun);
   VectorXd x = start_of(request_.design);
   Minimum found;
   std::size_t best = 0;  // row of the history
   double scale = 0;      // of derivatives, at the start of all
   constexpr int most_rounds = 25;
   for (int round = 0;; ++round) {
-    evaluations_.begin_round();
-    first_of_round_ = true;
-    accepted_merit_ = accepted_violation_ = nan;
     const std::size_t first = result_.history.size();
-    const int left = request_.max_iterations - static_cast<int>(next_);
-    if (round > 0 && left < 1) {
-      found.reason = "all evaluations are used";
-      found.converged = false;
-      break;
-    }
-    begun = evaluate(x, wants_gradients);
-    if (const std::string& failure = begun->evaluation.failure; !failure.empty()) {
-      if (round == 0)
-        throw Error(begun->fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
-      if (next_ > restored_) keep();
-      found.converged = false;
-      found.reason = "the best design cannot be evaluated on a fresh mesh: " + failure;
-      break;
-    }
-    if (round == 0 && wants_gradients) check_derivatives(*begun);
+    const int evaluations = left();
+    begun = begin_round(round, x, found);
+    if (!begun) break;
     if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
-    found = minimize(program, x, method,
-                     {.evaluations = left,
+    found = minimize(asked, x, method,
+                     {.evaluations = evaluations,
                       .kkt = request_.tolerance,
                       .scale = scale,
                       .feasibility = feasibility,
                       .value = 1e-3 * request_.tolerance,
                       .simplex = round == 0 ? 0.1 : 0.02});
-    for (const std::string& note : found.notes) result_.notes.push_back(note);
-    for (const std::string& failure : found.failure) {
-      const std::string note = "a trial could not be evaluated: " + failure;
-      if (std::ranges::find(result_.notes, note) == result_.notes.end()) result_.notes.push_back(note);
-    }
+    note(found);
     x = found.best.x;
     best = first;
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;
-    if (found.asked_to_stop || next_ >= static_cast<std::size_t>(request_.max_iterations)) break;
-    const Iteration &begin = result_.history[first], &end = result_.history[best];
-    const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
-    const bool was_feasible = begin.violation <= feasibility;
-    const bool settled = was_feasible == found.feasible &&
-                         (found.feasible ? begin.merit - end.merit <= request_.tolerance * scale
-                                         : begin.violation - end.violation <= request_.tolerance * begin.violation);
-    if (settled) break;
+    if (found.asked_to_stop || left() < 1) break;
+    if (settled(result_.history[first], result_.history[best], found.feasible)) break;
     if (round + 1 == most_rounds) {
       found.converged = false;
       found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);
       break;
     }
   }
+  return finish(found, best);
+}
 
+OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
   const Iteration& row = result_.history[best];
   show(row, done_[evaluation_of_row_[best]]);  // once more, at the end
-  result_.method = method;
+  result_.method = request_.method;
   result_.iterations = static_cast<int>(result_.history.size()) - 1;
   result_.state_solves = state_solves_;
   result_.objective = row.objective;

@@ -154,7 +154,7 @@ TEST(FixedPoint, TurnsTowardsTheTopologicalDerivativeAndStopsThere) {
   Eigen::VectorXd psi = Eigen::VectorXd::Constant(c.lumped.size(), -1);
   double before = 4;
   for (int i = 0; i < 30; ++i) {
-    const FixedPoint f = fixed_point(c, filter, c.mesh, T, psi, 0.5, {}, 1.0);
+    const FixedPoint f = fixed_point(c, filter, {c.mesh, T}, psi, {.share = 0.5, .price = {}, .area = 1.0});
     EXPECT_TRUE(f.angle < before || f.angle < 1e-6);
     before = f.angle;
     psi = f.psi;

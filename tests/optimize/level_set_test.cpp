@@ -224,15 +224,15 @@ TEST(Speed, IsZeroInATieThatIsStressedToTheMultiplier) {
     phi[v] = std::abs(background.mesh.points[static_cast<std::size_t>(v)].y() - 0.5) - 0.1;
   const Eigen::VectorXd d = signed_distance(background, phi);
   const SpeedLimits limits{.most = 1, .smoothing = 0.05};
-  EXPECT_LT(boundary_speed(background, d, rate, limits, nullptr, 4.5).on_curve.cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT(boundary_speed({background, d, rate}, limits, nullptr, 4.5).on_curve.cwiseAbs().maxCoeff(), 1e-6);
   // At a quarter of the price twice the thickness: every side moves by the half thickness.
-  const Speed faster = boundary_speed(background, d, rate, limits, nullptr, 4.5 / 4);
+  const Speed faster = boundary_speed({background, d, rate}, limits, nullptr, 4.5 / 4);
   for (Eigen::Index i = 0; i < rate.length.size(); ++i)
     if (const double x = rate.middle[static_cast<std::size_t>(i)].x(); x > 0.4 && x < 1.6) {
       EXPECT_NEAR(faster.on_curve[i], 0.1, 0.012);
     }
   // Without a price the area stays.
-  const Speed balanced = boundary_speed(background, d, rate, limits, nullptr, {});
+  const Speed balanced = boundary_speed({background, d, rate}, limits, nullptr, {});
   EXPECT_NEAR(balanced.multiplier, 4.5, 0.01);
   EXPECT_NEAR(balanced.optimality, 0, 1e-3);
 }
