@@ -434,21 +434,27 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
   return whole > 0 ? 1 - least / whole : 0;
 }
 
+/// Everything that is looked for, and what it must keep away from.
+struct Wanted {
+  const Design& design;
+  const std::vector<Sought>& sought;
+  const Surroundings& around;
+  double clear, spacing;  // distances: to keep, between candidates
+};
+
 /// The most negative values of the map of the objective.
-std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s, const std::vector<Sought>& sought,
-                               const Surroundings& around, const Design& design, double clear, double spacing) {
-  const Analysis a = analyze(p.objective, m, s);
+std::vector<Guess> best_of_map(const Functional& objective, const Analysis& a, const Wanted& wanted) {
+  const auto& [design, sought, around, clear, spacing] = wanted;
   std::vector<Guess> guesses;
   for (const Sought& one : sought) {
-    const Drawn& d = design.drawn[one.drawn];
     const double size = one.size;
-    const std::vector<Vec2> places = candidates(one, m.mesh, around, size + clear, spacing);
+    const std::vector<Vec2> places = candidates(one, a.model->mesh, around, size + clear, spacing);
     double best = infinity;
     Guess guess{.drawn = one.drawn, .size = size};
     for (const Variant& v : one.variants) {
       MapRequest request{.perturbation = v.what, .radius = size};
       if (one.turns) request.perturbation.angle = v.angle;
-      for (const MapPoint& x : map_at(a, p.objective, request, places)) {
+      for (const MapPoint& x : map_at(a, objective, request, places)) {
         const bool apart = std::all_of(guesses.begin(), guesses.end(),
                                        [&](const Guess& g) { return (g.at - x.at).norm() >= g.size + size + clear; });
         if (!apart || !(x.value < best)) continue;
@@ -456,10 +462,39 @@ std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s,
         guess.at = x.at, guess.angle = v.angle, guess.young = v.young;
       }
     }
-    if (best == infinity) no_room(d);
+    if (best == infinity) no_room(design.drawn[one.drawn]);
     guesses.push_back(guess);
   }
   return guesses;
+}
+
+/// What explains the data best to second order in the areas. Things with the same candidates share a dictionary.
+Search search_in(const Data& data, const Mesh& mesh, const Wanted& wanted) {
+  const auto& [design, sought, around, clear, spacing] = wanted;
+  Search search{data, around, sought, clear, data.b};
+  for (std::size_t i = 0; i < sought.size(); ++i) {
+    const Sought& one = sought[i];
+    const std::vector<Vec2> places = candidates(one, mesh, around, one.least + clear, spacing);
+    if (places.empty()) no_room(design.drawn[one.drawn]);
+    const auto same =
+        std::find_if(search.dictionary.begin(), search.dictionary.end(), [&, &sought = sought](const auto& d) {
+          const Sought& other = sought[static_cast<std::size_t>(&d - search.dictionary.data())];
+          return other.turns == one.turns && d->x == places && one.variants.size() == d->variants.size() &&
+                 std::equal(one.variants.begin(), one.variants.end(), d->variants.begin(),
+                            [](const Variant& a, const Variant& b) {
+                              return a.what.kind == b.what.kind && a.angle == b.angle && a.young == b.young &&
+                                     a.what.inclusion.mu == b.what.inclusion.mu &&
+                                     a.what.inclusion.c == b.what.inclusion.c;
+                            });
+        });
+    search.dictionary.push_back(same != search.dictionary.end()
+                                    ? *same
+                                    : std::make_shared<const Dictionary>(make_dictionary(data, places, one.variants)));
+  }
+  search.find(spacing);
+  for (std::size_t i = 0; i < sought.size(); ++i)
+    if (search.picks[i].column.size() == 0) no_room(design.drawn[sought[i].drawn]);
+  return search;
 }
 
 }  // namespace
@@ -476,59 +511,37 @@ bool wants_map(const Design& design) {
 InitialGuess initial_guess(const Problem& p, const Design& design, double clear) {
   InitialGuess out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
   Design given;
-  std::vector<Sought> wanted;
+  std::vector<Sought> sought;
   for (std::size_t k = 0; k < design.drawn.size(); ++k) {
     const Drawn& one = design.drawn[k];
     if (!one.from_map) {
       given.drawn.push_back(one);
       continue;
     }
-    wanted.push_back(shape_of(one).seek(one, p));
-    wanted.back().drawn = k;
+    sought.push_back(shape_of(one).seek(one, p));
+    sought.back().drawn = k;
   }
-  if (wanted.empty()) return out;
+  if (sought.empty()) return out;
   auto body = body_of(given, start_of(given), p);
   const Model m =
       prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
   if (!certified(s))
     throw Error(Fault::Numerics, "start = \"map\": the body without what is looked for could not be solved");
-  const Surroundings around = surroundings(m.mesh, p.objective);
-  const double spacing = extent(p.frame) / 60;
   out.solves = 1;
-
+  const Surroundings around = surroundings(m.mesh, p.objective);
+  const Wanted wanted{design, sought, around, clear, extent(p.frame) / 60};
   const auto with_data = std::find_if(p.objective.terms.begin(), p.objective.terms.end(),
                                       [](const Term& term) { return term.measured.has_value(); });
   if (with_data == p.objective.terms.end()) {
-    out.guesses = best_of_map(p, m, s, wanted, around, design, clear, spacing);
+    out.guesses = best_of_map(p.objective, analyze(p.objective, m, s), wanted);
     out.solves = 2;
   } else {
     const Data data = read_data(body.shape, *with_data->measured, m, s);
     out.solves += static_cast<int>(data.responses.dual.size());
-    Search search{data, around, wanted, clear, data.b};
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      const Sought& one = wanted[i];
-      const std::vector<Vec2> places = candidates(one, m.mesh, around, one.least + clear, spacing);
-      if (places.empty()) no_room(design.drawn[one.drawn]);
-      const auto same = std::find_if(search.dictionary.begin(), search.dictionary.end(), [&](const auto& d) {
-        const Sought& other = wanted[static_cast<std::size_t>(&d - search.dictionary.data())];
-        return other.turns == one.turns && d->x == places && one.variants.size() == d->variants.size() &&
-               std::equal(one.variants.begin(), one.variants.end(), d->variants.begin(),
-                          [](const Variant& a, const Variant& b) {
-                            return a.what.kind == b.what.kind && a.angle == b.angle && a.young == b.young &&
-                                   a.what.inclusion.mu == b.what.inclusion.mu &&
-                                   a.what.inclusion.c == b.what.inclusion.c;
-                          });
-      });
-      search.dictionary.push_back(same != search.dictionary.end() ? *same
-                                                                  : std::make_shared<const Dictionary>(
-                                                                        make_dictionary(data, places, one.variants)));
-    }
-    search.find(spacing);
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      if (search.picks[i].column.size() == 0) no_room(design.drawn[wanted[i].drawn]);
+    Search search = search_in(data, m.mesh, wanted);
     out.guesses = search.guesses();
-    out.explained = correct(search, p, spacing, out);
+    out.explained = correct(search, p, wanted.spacing, out);
   }
   for (const Guess& g : out.guesses) draw_guess(g, out.design.drawn[g.drawn]);
   return out;
