@@ -17,7 +17,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 namespace kerf {
 
@@ -55,19 +54,12 @@ std::string duration(double seconds) {
   return fmt::format("{} s", s);
 }
 
-/// What one shot found, and how much of the data it explains.
-std::vector<std::string> in_words(const OneShot& shot, const Design& design) {
+/// What the initial guess found, and how much of the data it explains.
+std::vector<std::string> in_words(const InitialGuess& found, const Design& design) {
   std::vector<std::string> notes;
-  for (const Guess& guess : shot.guesses) {
-    const Drawn& d = design.drawn.at(guess.drawn);
-    std::string text = fmt::format("one shot: {} at ({:.4g}, {:.4g}), {} {:.3g}", name(d), guess.at.x(), guess.at.y(),
-                                   d.kind == Drawn::Kind::Crack ? "half its length" : "radius", guess.size);
-    if (d.kind == Drawn::Kind::Crack) text += fmt::format(", {:.0f} degrees", guess.angle * 180 / std::numbers::pi);
-    if (d.kind == Drawn::Kind::Inclusion) text += fmt::format(", young {:.3g}", guess.young);
-    notes.push_back(std::move(text));
-  }
-  if (std::isfinite(shot.explained))
-    notes.push_back(fmt::format("one shot explains {:.1f} % of the data", 100 * shot.explained));
+  for (const Guess& guess : found.guesses) notes.push_back("one shot: " + in_words(guess, design));
+  if (std::isfinite(found.explained))
+    notes.push_back(fmt::format("one shot explains {:.1f} % of the data", 100 * found.explained));
   return notes;
 }
 
@@ -248,9 +240,9 @@ Optimized optimize(const Case& c, const RunOptions& options) {
   std::vector<std::string> notes;
   if (wants_map(request.design)) {
     if (options.on_phase) options.on_phase("read the start off the topological derivative");
-    OneShot shot = one_shot(problem, request.design, request.min_distance);
-    request.design = std::move(shot.design);
-    notes = in_words(shot, request.design);
+    InitialGuess guess = initial_guess(problem, request.design, request.min_distance);
+    request.design = std::move(guess.design);
+    notes = in_words(guess, request.design);
   }
   recorder.since_start.lap();
   out.result = request.method == "level-set" ? optimize_level_set(problem, request, see, place)

@@ -1,5 +1,5 @@
 #pragma once
-// A weak phase in place of the void, on the canvas itself: what other programs do, for comparison.
+// A weak phase in place of the void, on the background mesh itself: what other programs do, for comparison.
 
 #include "optimize/level_set/background.hpp"
 #include "optimize/loop/evaluate.hpp"
@@ -15,6 +15,7 @@ Material weak_material(const Material& solid, double share);
 inline constexpr Index mixed_phases = 16;
 /// Share of the strong phase in a region of such a mesh.
 double strong_share(Index region);
-Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const Canvas& canvas, const Eigen::VectorXd& phi);
+Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const BackgroundMesh& background,
+                          const Eigen::VectorXd& phi);
 
 }  // namespace kerf

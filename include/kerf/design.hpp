@@ -1,7 +1,6 @@
 #pragma once
-// A few numbers that draw holes, cracks and inclusions into a frame, and how meshes follow them.
+// A few numbers that draw holes, cracks and inclusions into a frame.
 
-#include "kerf/mesh.hpp"
 #include "kerf/scene.hpp"
 #include "kerf/shape.hpp"
 
@@ -22,7 +21,7 @@ struct Drawn {
   Eigen::VectorXd lower, upper, start;  // equally long
   CrackLaw law = {};                    // of a crack
   double poisson = 0.3;                 // of an inclusion
-  bool from_map = false;                // `start` is to be read off the map: see one_shot.hpp
+  bool from_map = false;                // `start` is to be read off the map: initial_guess
 };
 
 /// The variables of all drawn things, one after the other.
@@ -32,14 +31,12 @@ struct Design {
 
 /// "hole 'h'", "crack 'c'", "region 'r'".
 std::string name(const Drawn& drawn);
-bool is_hole(const Drawn& drawn);
+/// Of all variables: "h.x", "h.y", "h.radius", ...
+std::vector<std::string> variable_names(const Design& d);
 
 Eigen::VectorXd lower_bounds(const Design& d);
 Eigen::VectorXd upper_bounds(const Design& d);
 Eigen::VectorXd start_of(const Design& d);
-Eigen::Index variables(const Design& d);
-/// Where the variables of drawn[k] begin.
-std::vector<Eigen::Index> first_variables(const Design& d);
 
 /// Throws Error(Usage) naming what is drawn wrong: nothing at all, numbers of variables that do not fit the kind,
 /// bounds that are not finite or cross, a start outside of them, radii, semi-axes and moduli that may vanish, names
@@ -53,40 +50,6 @@ struct DrawnBody {
   Shape shape;
   Scene scene;
 };
-DrawnBody draw(const Design& d, const Eigen::VectorXd& x, const Problem& p);
-
-/// Material of a drawn inclusion.
-Material material_of(const Drawn& inclusion, double young, const Problem& p);
-
-/// Point of the closed uniform cubic B-spline through its spans: s in [0, number of control points].
-/// weights: of the control points in `first`, first + 1, ... (cyclic).
-struct SplineWeights {
-  Index first;
-  Eigen::Vector4d position, derivative;
-};
-SplineWeights spline_weights(Index control_points, double s);
-
-/// Which vertices of a mesh of draw(d, at, p) lie on what is drawn, and where there.
-struct Followers {
-  struct One {
-    Index vertex;
-    Index drawn;
-    Vec2 local = Vec2::Zero();  // circles, ellipses: x = center + axes local
-    Index piece = none;         // polygons, paths: of their pieces
-    double part = 0;            // along it
-  };
-  Eigen::VectorXd at;
-  std::vector<One> all;
-  std::vector<Index> pieces;  // per drawn thing: of the polygon of a spline
-};
-Followers followers(const Design& d, const Eigen::VectorXd& at, const Problem& p, const Mesh& mesh);
-
-/// Where the followers lie in the design x: 2 x followers. At `at` they lie where the mesh has them, up to rounding.
-Points positions(const Design& d, const Followers& f, const Eigen::VectorXd& x);
-/// sum over followers k of force(k) . d positions(k) / dx.
-Eigen::VectorXd pull_back(const Design& d, const Followers& f, const Eigen::VectorXd& x, const Points& force);
-
-/// Area of the holes drawn, and its derivative unless null. Splines exactly, not as polygons.
-double area_of_holes(const Design& d, const Eigen::VectorXd& x, Eigen::VectorXd* gradient);
+DrawnBody body_of(const Design& d, const Eigen::VectorXd& x, const Problem& p);
 
 }  // namespace kerf

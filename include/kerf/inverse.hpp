@@ -54,7 +54,10 @@ struct Guess {
   double young = 0;  // of an inclusion
 };
 
-struct OneShot {
+/// "hole 'a' at (0.62, 0.57), radius 0.08".
+std::string in_words(const Guess& g, const Design& design);
+
+struct InitialGuess {
   Design design;  // with the starts filled in
   std::vector<Guess> guesses;
   double explained = 0;  // part of the data: 1 - |u_m - u(guess)|^2 / |u_m - u|^2 in the hats; NaN: no misfit
@@ -79,7 +82,7 @@ struct OneShot {
 ///
 /// `clear`: what must remain between two of them and to everything else. Throws Error(Usage) where nothing of the boxes
 /// lies in the body, and like analyze and responses.
-OneShot one_shot(const Problem& problem, const Design& design, double clear);
+InitialGuess initial_guess(const Problem& problem, const Design& design, double clear);
 
 /// Whether there is anything to be read off a map.
 bool wants_map(const Design& design);

@@ -11,6 +11,9 @@
 
 namespace kerf {
 
+// What is asked.
+
+/// The body to begin with, its loads, and J.
 struct Problem {
   Shape frame;  // fixed holes, cracks and regions included
   Scene scene;  // of the frame: a law per crack, a material per region
@@ -21,14 +24,6 @@ struct Problem {
   ContactMethod contact = ContactMethod::DualQp;
   bool plane_strain = true;  // how Young's modulus and Poisson's ratio of a drawn inclusion become a Material
   int threads = 1;
-};
-
-/// Where a loop keeps what it needs to go on. An empty path: nowhere. `fingerprint`: of the case, made by the caller; a
-/// checkpoint of another one is refused with Error(Usage).
-struct CheckpointPlace {
-  std::filesystem::path path;
-  std::string fingerprint;
-  bool resume = false;  // false: what lies there is overwritten
 };
 
 /// Another set of loads on the same body with the same supports: J is the sum of weight J(state under these loads).
@@ -59,6 +54,7 @@ struct StartHoles {
   double radius = 0.1;
 };
 
+/// How a level set moves.
 struct LevelSetRequest {
   enum class Move { ShapeGradient, FixedPoint } move = Move::ShapeGradient;
   enum class Product { H1, Elasticity } product = Product::H1;
@@ -72,6 +68,7 @@ struct LevelSetRequest {
   double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
 };
 
+/// What is minimized over, under which constraints, and how.
 struct OptimizeRequest {
   std::string method = "level-set";      // | mma | ccsaq | slsqp | cobyla
   std::optional<double> volume_at_most;  // fraction of the area of the body without the design's holes
@@ -81,9 +78,11 @@ struct OptimizeRequest {
   double min_distance = 0;               // NLopt methods: between holes, and from holes to cracks and the outline
   std::vector<FunctionalBound> bounds;
   std::vector<LoadCase> load_cases;  // empty: the loads of the scene alone
-  LevelSetRequest level_set;
-  Design design;
+  LevelSetRequest level_set;         // of the level set
+  Design design;                     // of the others: what numbers draw
 };
+
+// What is reported.
 
 /// A row of history.csv. No times: a resumed run writes the same file bit for bit.
 struct Iteration {
@@ -109,7 +108,8 @@ struct Iterate {
   const Model& model;
   const State& state;
 };
-/// Called after every accepted iterate, `at_end` once more with the last one. false: stop here.
+/// Called after every accepted iterate, and at the end once more with the best one: always with a design of numbers,
+/// with a level set where that is not the last one. false: stop here.
 using Observer = std::function<bool(const Iterate&)>;
 
 struct OptimizeResult {
@@ -126,11 +126,29 @@ struct OptimizeResult {
   Eigen::VectorXd variables = {};  // NLopt methods
 };
 
+// The loops.
+
+/// Where a loop keeps what it needs to go on. An empty path: nowhere. `fingerprint`: of the case, made by the caller; a
+/// checkpoint of another one is refused with Error(Usage).
+struct CheckpointPlace {
+  std::filesystem::path path;
+  std::string fingerprint;
+  bool resume = false;  // false: what lies there is overwritten
+};
+
+/// Minimizes J + penalty * area over the boundary: a level set on a mesh of the frame, its design meshed anew in every
+/// iteration, moved by the shape gradient or the fixed point of the topological derivative; holes appear where the
+/// topological derivative pays (request.level_set.nucleate_every). The area falls to the one wanted first, then J falls
+/// until no step of 3% of the mesh size makes it fall further, or over 8 iterations by less than the tolerance;
+/// request.max_iterations in all. What bears supports, loads and functionals stays solid. `place`: after every
+/// iteration a checkpoint is written; resumed, the run goes on from there and ends with the same bits. Every iterate is
+/// shown to `see`. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry) or
+/// Error(Numerics) when the start cannot be meshed or solved.
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place);
 
-/// Minimizes J + penalty * area over the variables of request.design, under its constraints and conditions that keep
-/// designs meshable, by request.method (minimize.hpp). In rounds, each on fresh meshes (trials.hpp), until a round
+/// Minimizes J + penalty * area over the variables of request.design, under its constraints and those that keep designs
+/// meshable, by request.method through NLopt. In rounds, each on a fresh mesh that follows the design, until a round
 /// lowers J by less than the tolerance; request.max_iterations evaluations in all. The derivative is checked once at
 /// the start: a note, and an Error(Numerics) when it is off by more than 1%. `place`: after every evaluation a
 /// checkpoint is written; resumed, the run repeats from what was evaluated and ends with the same bits. Iterates of the

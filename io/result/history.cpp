@@ -17,21 +17,7 @@ OptimizeNames optimize_names(const OptimizeRequest& request) {
     names.bounds.push_back(bound.name);
     names.at_most.push_back(bound.at_most);
   }
-  for (const Drawn& d : request.design.drawn) {
-    const auto add = [&](const std::string& what) { names.variables.push_back(fmt::format("{}.{}", d.name, what)); };
-    if (d.kind == Drawn::Kind::Spline || d.kind == Drawn::Kind::Crack) {
-      for (Eigen::Index i = 0; i < d.start.size(); ++i) add(fmt::format("{}{}", i % 2 == 0 ? "x" : "y", i / 2 + 1));
-      continue;
-    }
-    add("x");
-    add("y");
-    if (d.kind == Drawn::Kind::Ellipse) {
-      for (const char* what : {"a", "b", "angle"}) add(what);
-      continue;
-    }
-    add("radius");
-    if (d.kind == Drawn::Kind::Inclusion) add("young");
-  }
+  names.variables = variable_names(request.design);
   return names;
 }
 

@@ -93,7 +93,7 @@ std::string numbers(Sort sort, const VectorXd& v) {
 }  // namespace
 
 std::vector<Identified> identified(const Design& design, const VectorXd& x, const Problem& p, const Synthetic& truth) {
-  const auto body = draw(design, x, p);
+  const auto body = body_of(design, x, p);
   const std::vector<Thing> found = things(body.shape, body.scene, p),
                            exact = things(truth.true_shape, truth.true_scene, p);
   std::vector<Identified> out;

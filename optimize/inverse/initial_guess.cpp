@@ -4,6 +4,7 @@
 #include "kerf/element.hpp"
 #include "kerf/map.hpp"
 #include "optimize/inverse/boundary_line.hpp"
+#include "optimize/parametric/shapes/shape.hpp"
 #include "topo/responses.hpp"
 
 #include <fmt/core.h>
@@ -20,80 +21,7 @@ namespace kerf {
 
 namespace {
 
-using Kind = Drawn::Kind;
 constexpr double pi = std::numbers::pi;
-
-/// What one drawn thing may be.
-struct Variant {
-  Perturbation what;
-  double angle = 0, young = 0;
-};
-struct Sought {
-  std::size_t drawn;
-  Vec2 low, high;      // of its middle
-  double least, most;  // size
-  std::vector<Variant> variants;
-  bool turns = false;  // the angles of the variants are samples of a continuum
-};
-
-Vec2 middle(const Eigen::VectorXd& xy) {
-  Vec2 sum = Vec2::Zero();
-  for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += xy.segment<2>(i);
-  return 2 * sum / static_cast<double>(xy.size());
-}
-double mean_radius(const Eigen::VectorXd& xy) {
-  const Vec2 center = middle(xy);
-  double sum = 0;
-  for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += (xy.segment<2>(i) - center).norm();
-  return 2 * sum / static_cast<double>(xy.size());
-}
-
-Sought sought(const Drawn& d, std::size_t number, const Problem& p) {
-  const Eigen::VectorXd &l = d.lower, &u = d.upper;
-  Sought s{number, l.head<2>(), u.head<2>(), 0, 0, {}};
-  switch (d.kind) {
-    case Kind::Circle:
-      s.least = l[2], s.most = u[2];
-      s.variants = {{}};
-      break;
-    case Kind::Ellipse:
-      s.least = std::sqrt(l[2] * l[3]), s.most = std::sqrt(u[2] * u[3]);
-      s.variants = {{}};
-      break;
-    case Kind::Spline: {
-      s.low = middle(l), s.high = middle(u);
-      constexpr double range = 4;
-      s.least = mean_radius(d.start) / range, s.most = mean_radius(d.start) * range;
-      s.variants = {{}};
-      break;
-    }
-    case Kind::Inclusion:
-      s.least = l[2], s.most = u[2];
-      for (int i = 0, last = l[3] < u[3] ? 8 : 0; i <= last; ++i) {
-        Variant v{.young = last > 0 ? l[3] * std::pow(u[3] / l[3], static_cast<double>(i) / last) : l[3]};
-        v.what.kind = Perturbation::Kind::Inclusion;
-        v.what.inclusion = material_of(d, v.young, p);
-        s.variants.push_back(v);
-      }
-      break;
-    case Kind::Crack: {
-      const Eigen::Index last = l.size() - 2;
-      s.low = 0.5 * (l.head<2>() + l.segment<2>(last)), s.high = 0.5 * (u.head<2>() + u.segment<2>(last));
-      const Vec2 nearest = (l.segment<2>(last) - u.head<2>()).cwiseMax(l.head<2>() - u.segment<2>(last)).cwiseMax(0);
-      const Vec2 furthest = (u.segment<2>(last) - l.head<2>()).cwiseMax(u.head<2>() - l.segment<2>(last));
-      s.least = std::max(0.5 * nearest.norm(), 1e-3 * furthest.norm()), s.most = 0.5 * furthest.norm();
-      constexpr int angles = 24;
-      for (int i = 0; i < angles; ++i) {
-        Variant v{.angle = pi * i / angles};
-        v.what.kind = Perturbation::Kind::Crack;
-        s.variants.push_back(v);
-      }
-      s.turns = true;
-      break;
-    }
-  }
-  return s;
-}
 
 /// Distance from a point to everything that is no plain material.
 struct Surroundings {
@@ -285,39 +213,7 @@ struct Pick {
 };
 
 void draw_guess(const Guess& g, Drawn& d) {
-  Eigen::VectorXd v = d.start;
-  switch (d.kind) {
-    case Kind::Circle:
-      v << g.at, g.size;
-      break;
-    case Kind::Ellipse:
-      v.head<2>() = g.at;
-      v[2] = v[3] = g.size;
-      break;
-    case Kind::Inclusion:
-      v << g.at, g.size, g.young;
-      break;
-    case Kind::Spline: {
-      const Vec2 center = middle(v);
-      const double factor = g.size / mean_radius(v);
-      for (Eigen::Index i = 0; i < v.size(); i += 2) v.segment<2>(i) = g.at + factor * (v.segment<2>(i) - center);
-      break;
-    }
-    case Kind::Crack: {
-      const Vec2 half = g.size * Vec2(std::cos(g.angle), std::sin(g.angle));
-      const auto path = [&](double sign) {
-        Eigen::VectorXd w(v.size());
-        const Eigen::Index pieces = v.size() / 2 - 1;
-        for (Eigen::Index i = 0; i <= pieces; ++i)
-          w.segment<2>(2 * i) = g.at + sign * (2.0 * static_cast<double>(i) / static_cast<double>(pieces) - 1) * half;
-        return w;
-      };
-      const auto outside = [&](const Eigen::VectorXd& w) { return (w - w.cwiseMax(d.lower).cwiseMin(d.upper)).norm(); };
-      v = outside(path(-1)) < outside(path(1)) ? path(-1) : path(1);
-      break;
-    }
-  }
-  d.start = v.cwiseMax(d.lower).cwiseMin(d.upper);
+  d.start = shape_of(d).guessed(g, d).cwiseMax(d.lower).cwiseMin(d.upper);
 }
 
 /// No larger than there is room for.
@@ -505,7 +401,7 @@ struct Search {
 
 /// The guess is drawn and solved for, and what the expansion missed is taken off the data, before the expansion is
 /// fitted again, as long as that leaves less unexplained. Returns the explained part of the data.
-double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
+double correct(Search& search, const Problem& p, double spacing, InitialGuess& out) {
   const Data& data = search.data;
   constexpr int most = 12;
   const double whole = data.b.squaredNorm();
@@ -516,7 +412,7 @@ double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
     for (const Guess& g : guesses) draw_guess(g, drawn.drawn[g.drawn]);
     Eigen::VectorXd change;
     try {
-      auto body = draw(drawn, start_of(drawn), p);
+      auto body = body_of(drawn, start_of(drawn), p);
       const Model m =
           prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
       const State s = solve(m, p.contact);
@@ -537,22 +433,27 @@ double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
   return whole > 0 ? 1 - least / whole : 0;
 }
 
+/// Everything that is looked for, and what it must keep away from.
+struct Wanted {
+  const Design& design;
+  const std::vector<Sought>& sought;
+  const Surroundings& around;
+  double clear, spacing;  // distances: to keep, between candidates
+};
+
 /// The most negative values of the map of the objective.
-std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s, const std::vector<Sought>& sought,
-                               const Surroundings& around, const Design& design, double clear, double spacing) {
-  const Analysis a = analyze(p.objective, m, s);
+std::vector<Guess> best_of_map(const Functional& objective, const Analysis& a, const Wanted& wanted) {
+  const auto& [design, sought, around, clear, spacing] = wanted;
   std::vector<Guess> guesses;
   for (const Sought& one : sought) {
-    const Drawn& d = design.drawn[one.drawn];
-    double size = std::sqrt(one.least * one.most);
-    if (d.kind == Kind::Circle || d.kind == Kind::Inclusion) size = d.start[2];
-    const std::vector<Vec2> places = candidates(one, m.mesh, around, size + clear, spacing);
+    const double size = one.size;
+    const std::vector<Vec2> places = candidates(one, a.model->mesh, around, size + clear, spacing);
     double best = infinity;
     Guess guess{.drawn = one.drawn, .size = size};
     for (const Variant& v : one.variants) {
       MapRequest request{.perturbation = v.what, .radius = size};
       if (one.turns) request.perturbation.angle = v.angle;
-      for (const MapPoint& x : map_at(a, p.objective, request, places)) {
+      for (const MapPoint& x : map_at(a, objective, request, places)) {
         const bool apart = std::all_of(guesses.begin(), guesses.end(),
                                        [&](const Guess& g) { return (g.at - x.at).norm() >= g.size + size + clear; });
         if (!apart || !(x.value < best)) continue;
@@ -560,71 +461,86 @@ std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s,
         guess.at = x.at, guess.angle = v.angle, guess.young = v.young;
       }
     }
-    if (best == infinity) no_room(d);
+    if (best == infinity) no_room(design.drawn[one.drawn]);
     guesses.push_back(guess);
   }
   return guesses;
 }
 
+/// What explains the data best to second order in the areas. Things with the same candidates share a dictionary.
+Search search_in(const Data& data, const Mesh& mesh, const Wanted& wanted) {
+  const auto& [design, sought, around, clear, spacing] = wanted;
+  Search search{data, around, sought, clear, data.b};
+  for (std::size_t i = 0; i < sought.size(); ++i) {
+    const Sought& one = sought[i];
+    const std::vector<Vec2> places = candidates(one, mesh, around, one.least + clear, spacing);
+    if (places.empty()) no_room(design.drawn[one.drawn]);
+    const auto same =
+        std::find_if(search.dictionary.begin(), search.dictionary.end(), [&, &sought = sought](const auto& d) {
+          const Sought& other = sought[static_cast<std::size_t>(&d - search.dictionary.data())];
+          return other.turns == one.turns && d->x == places && one.variants.size() == d->variants.size() &&
+                 std::equal(one.variants.begin(), one.variants.end(), d->variants.begin(),
+                            [](const Variant& a, const Variant& b) {
+                              return a.what.kind == b.what.kind && a.angle == b.angle && a.young == b.young &&
+                                     a.what.inclusion.mu == b.what.inclusion.mu &&
+                                     a.what.inclusion.c == b.what.inclusion.c;
+                            });
+        });
+    search.dictionary.push_back(same != search.dictionary.end()
+                                    ? *same
+                                    : std::make_shared<const Dictionary>(make_dictionary(data, places, one.variants)));
+  }
+  search.find(spacing);
+  for (std::size_t i = 0; i < sought.size(); ++i)
+    if (search.picks[i].column.size() == 0) no_room(design.drawn[sought[i].drawn]);
+  return search;
+}
+
 }  // namespace
+
+std::string in_words(const Guess& g, const Design& design) {
+  const Drawn& d = design.drawn.at(g.drawn);
+  return fmt::format("{} at ({:.4g}, {:.4g}), {}", name(d), g.at.x(), g.at.y(), shape_of(d).guess_in_words(g));
+}
 
 bool wants_map(const Design& design) {
   return std::any_of(design.drawn.begin(), design.drawn.end(), [](const Drawn& d) { return d.from_map; });
 }
 
-OneShot one_shot(const Problem& p, const Design& design, double clear) {
-  OneShot out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
+InitialGuess initial_guess(const Problem& p, const Design& design, double clear) {
+  InitialGuess out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
   Design given;
-  std::vector<Sought> wanted;
+  std::vector<Sought> sought;
   for (std::size_t k = 0; k < design.drawn.size(); ++k) {
-    if (design.drawn[k].from_map)
-      wanted.push_back(sought(design.drawn[k], k, p));
-    else
-      given.drawn.push_back(design.drawn[k]);
+    const Drawn& one = design.drawn[k];
+    if (!one.from_map) {
+      given.drawn.push_back(one);
+      continue;
+    }
+    sought.push_back(shape_of(one).seek(one, p));
+    sought.back().drawn = k;
   }
-  if (wanted.empty()) return out;
-  auto body = draw(given, start_of(given), p);
+  if (sought.empty()) return out;
+  auto body = body_of(given, start_of(given), p);
   const Model m =
       prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
   if (!certified(s))
     throw Error(Fault::Numerics, "start = \"map\": the body without what is looked for could not be solved");
-  const Surroundings around = surroundings(m.mesh, p.objective);
-  const double spacing = extent(p.frame) / 60;
   out.solves = 1;
-
+  const Surroundings around = surroundings(m.mesh, p.objective);
+  const Wanted wanted{design, sought, around, clear, extent(p.frame) / 60};
   const auto with_data = std::find_if(p.objective.terms.begin(), p.objective.terms.end(),
                                       [](const Term& term) { return term.measured.has_value(); });
   if (with_data == p.objective.terms.end()) {
-    out.guesses = best_of_map(p, m, s, wanted, around, design, clear, spacing);
+    out.guesses = best_of_map(p.objective, analyze(p.objective, m, s), wanted);
     out.solves = 2;
   } else {
     const Data data = read_data(body.shape, *with_data->measured, m, s);
     out.solves += static_cast<int>(data.responses.dual.size());
-    Search search{data, around, wanted, clear, data.b};
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      const Sought& one = wanted[i];
-      const std::vector<Vec2> places = candidates(one, m.mesh, around, one.least + clear, spacing);
-      if (places.empty()) no_room(design.drawn[one.drawn]);
-      const auto same = std::find_if(search.dictionary.begin(), search.dictionary.end(), [&](const auto& d) {
-        const Sought& other = wanted[static_cast<std::size_t>(&d - search.dictionary.data())];
-        return other.turns == one.turns && d->x == places && one.variants.size() == d->variants.size() &&
-               std::equal(one.variants.begin(), one.variants.end(), d->variants.begin(),
-                          [](const Variant& a, const Variant& b) {
-                            return a.what.kind == b.what.kind && a.angle == b.angle && a.young == b.young &&
-                                   a.what.inclusion.mu == b.what.inclusion.mu &&
-                                   a.what.inclusion.c == b.what.inclusion.c;
-                          });
-      });
-      search.dictionary.push_back(same != search.dictionary.end() ? *same
-                                                                  : std::make_shared<const Dictionary>(
-                                                                        make_dictionary(data, places, one.variants)));
-    }
-    search.find(spacing);
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      if (search.picks[i].column.size() == 0) no_room(design.drawn[wanted[i].drawn]);
+    Search search = search_in(data, m.mesh, wanted);
     out.guesses = search.guesses();
-    out.explained = correct(search, p, spacing, out);
+    out.explained = correct(search, p, wanted.spacing, out);
   }
   for (const Guess& g : out.guesses) draw_guess(g, out.design.drawn[g.drawn]);
   return out;

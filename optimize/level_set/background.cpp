@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 constexpr double far = std::numeric_limits<double>::infinity();
-constexpr double band = 20;  // edges of the canvas; farther from the boundary nothing needs to be exact
+constexpr double band = 20;  // edges of the mesh; farther from the boundary nothing needs to be exact
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
 /// vertex v to source i.
@@ -21,7 +21,7 @@ struct Carried {
   std::vector<Index> source;
 };
 template <typename DistanceTo>
-Carried carry(const Canvas& b, std::span<const std::pair<Index, Index>> seeds, double reach,
+Carried carry(const BackgroundMesh& b, std::span<const std::pair<Index, Index>> seeds, double reach,
               const DistanceTo& distance_to) {
   const std::size_t n = b.mesh.points.size();
   Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), far), std::vector<Index>(n, none)};
@@ -102,8 +102,8 @@ Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& x) {
 
 }  // namespace
 
-Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
-  Canvas b{.mesh = std::move(mesh)};
+BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
+  BackgroundMesh b{.mesh = std::move(mesh)};
   const std::size_t n = b.mesh.points.size();
   b.lumped.setZero(static_cast<Eigen::Index>(n));
   double lengths = 0;
@@ -138,7 +138,7 @@ Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& m
     for (const Vec2& x : b.mesh.points) {
       const Vec2 d = x - mirror->point, y = mirror->point + 2 * along.dot(d) * along - d;
       // A point next to the boundary may have its image a rounding outside.
-      Canvas::Image image{nearest_triangle(b.mesh, b.locator, y)};
+      BackgroundMesh::Image image{nearest_triangle(b.mesh, b.locator, y)};
       image.weight = barycentric(b.mesh, image.triangle, y);
       if (image.weight.minCoeff() < -1e-3) image.triangle = none;
       b.image.push_back(image);
@@ -147,7 +147,7 @@ Canvas make_canvas(Mesh mesh, const Solid& solid, const std::optional<Mirror>& m
   return b;
 }
 
-Eigen::VectorXd signed_distance(const Canvas& b, const Eigen::VectorXd& phi) {
+Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& phi) {
   std::vector<ZeroPiece> pieces = zero_line(b.mesh, phi);
   for (const Index e : b.rim) {
     const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
@@ -172,13 +172,13 @@ Eigen::VectorXd signed_distance(const Canvas& b, const Eigen::VectorXd& phi) {
   return d;
 }
 
-double value_at(const Canvas& b, const Eigen::VectorXd& f, const Vec2& x) {
+double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x) {
   const Index t = nearest_triangle(b.mesh, b.locator, x);
   const auto& v = b.mesh.triangles[static_cast<std::size_t>(t)];
   return barycentric(b.mesh, t, x).dot(Eigen::Vector3d(f[v[0]], f[v[1]], f[v[2]]));
 }
 
-Eigen::VectorXd spread_onto(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts) {
+Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Index t = nearest_triangle(b.mesh, b.locator, points[i]);
@@ -190,11 +190,11 @@ Eigen::VectorXd spread_onto(const Canvas& b, std::span<const Vec2> points, const
   return load;
 }
 
-Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi) {
+Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi) {
   if (!b.image.empty()) {
     const Eigen::VectorXd given = phi;
     for (Eigen::Index v = 0; v < phi.size(); ++v) {
-      const Canvas::Image& image = b.image[static_cast<std::size_t>(v)];
+      const BackgroundMesh::Image& image = b.image[static_cast<std::size_t>(v)];
       if (image.triangle == none) continue;
       const auto& corner = b.mesh.triangles[static_cast<std::size_t>(image.triangle)];
       phi[v] =
@@ -205,7 +205,7 @@ Eigen::VectorXd constrained(const Canvas& b, Eigen::VectorXd phi) {
   return phi;
 }
 
-void drop_islands(const Canvas& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
+void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
   const std::size_t n = b.mesh.points.size();
   std::vector<Index> piece(n, none), open;
   std::vector<double> weight;
@@ -246,7 +246,7 @@ void drop_islands(const Canvas& b, std::span<const Index> labels, Eigen::VectorX
     }
 }
 
-Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double area) {
+Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
   const auto shifted = [&](double c) {
     Eigen::VectorXd s = phi.array() + c;
     if (b.frozen.size() > 0) s = s.cwiseMin(b.frozen);
@@ -274,14 +274,14 @@ Eigen::VectorXd with_area(const Canvas& b, const Eigen::VectorXd& phi, double ar
   return shifted(at);
 }
 
-void cut_discs(const Canvas& b, std::span<const Disc> discs, Eigen::VectorXd& phi) {
+void cut_discs(const BackgroundMesh& b, std::span<const Disc> discs, Eigen::VectorXd& phi) {
   for (const Disc& disc : discs)
     for (Eigen::Index v = 0; v < phi.size(); ++v)
       phi[v] = std::max(phi[v], disc.radius - (b.mesh.points[static_cast<std::size_t>(v)] - disc.center).norm());
   if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
 }
 
-Eigen::VectorXd extend(const Canvas& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
+Eigen::VectorXd extend(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
   // Points and the three corners of the triangle around (or next to) each.
   std::vector<std::pair<Index, Index>> seeds;
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i)

@@ -13,11 +13,11 @@ Material weak_material(const Material& solid, double share) {
   return {solid.mu * share, solid.c / share};
 }
 
-Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const Canvas& canvas,
+Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const BackgroundMesh& background,
                           const Eigen::VectorXd& phi) {
   if (!p.frame.regions.empty())
     throw Error(Fault::Usage, "a weak phase (optimize.ersatz) does not go with [[region]]: remove one of them");
-  Mesh mesh = canvas.mesh;
+  Mesh mesh = background.mesh;
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
@@ -32,7 +32,7 @@ Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const Canv
   std::vector<Index> cracks(p.frame.cracks.size());
   std::iota(cracks.begin(), cracks.end(), Index{0});
   Evaluated e = evaluate_mesh(weak, r, p.frame, std::move(mesh), cracks);
-  e.area = negative_area(canvas.mesh, phi);
+  e.area = negative_area(background.mesh, phi);
   return e;
 }
 

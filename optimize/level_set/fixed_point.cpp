@@ -5,34 +5,35 @@
 
 namespace kerf {
 
-FixedPoint fixed_point(const Canvas& canvas, const Helmholtz& filter, const Mesh& mesh, const Eigen::VectorXd& T,
-                       const Eigen::VectorXd& psi, double turn, std::optional<double> price, double wanted) {
+FixedPoint fixed_point(const BackgroundMesh& background, const Helmholtz& filter, const TriangleDerivative& derivative,
+                       const Eigen::VectorXd& psi, const Turn& turn) {
+  const auto& [mesh, T] = derivative;
   std::vector<Vec2> centroids;
   Eigen::VectorXd amount(T.size());
   for (Index t = 0; t < T.size(); ++t) {
     centroids.push_back(centroid(mesh, t));
     amount[t] = area(mesh, t) * T[t];
   }
-  const Eigen::VectorXd gain = filter.solve(spread_onto(canvas, centroids, amount));
-  const auto towards = [&](double multiplier) { return constrained(canvas, (multiplier - gain.array()).matrix()); };
+  const Eigen::VectorXd gain = filter.solve(spread_onto(background, centroids, amount));
+  const auto towards = [&](double multiplier) { return constrained(background, (multiplier - gain.array()).matrix()); };
   FixedPoint f;
-  if (price) {
-    f.multiplier = *price;
+  if (turn.price) {
+    f.multiplier = *turn.price;
   } else {
     double low = gain.minCoeff(), high = gain.maxCoeff();
     for (int i = 0; i < 60; ++i) {
       f.multiplier = 0.5 * (low + high);
-      (negative_area(canvas.mesh, towards(f.multiplier)) > wanted ? low : high) = f.multiplier;
+      (negative_area(background.mesh, towards(f.multiplier)) > turn.area ? low : high) = f.multiplier;
     }
   }
-  const auto norm = [&](const Eigen::VectorXd& v) { return std::sqrt(canvas.lumped.dot(v.cwiseAbs2())); };
+  const auto norm = [&](const Eigen::VectorXd& v) { return std::sqrt(background.lumped.dot(v.cwiseAbs2())); };
   // What is frozen has no say in the angle: its values are distances.
   const Eigen::VectorXd target = (f.multiplier - gain.array()).matrix();
   const Eigen::VectorXd unit = target / norm(target);
   f.psi = psi / norm(psi);
-  f.angle = std::acos(std::clamp(canvas.lumped.dot(unit.cwiseProduct(f.psi)), -1.0, 1.0));
+  f.angle = std::acos(std::clamp(background.lumped.dot(unit.cwiseProduct(f.psi)), -1.0, 1.0));
   if (const double s = std::sin(f.angle); s > 1e-9)
-    f.psi = (std::sin((1 - turn) * f.angle) * f.psi + std::sin(turn * f.angle) * unit) / s;
+    f.psi = (std::sin((1 - turn.share) * f.angle) * f.psi + std::sin(turn.share * f.angle) * unit) / s;
   f.psi /= norm(f.psi);
   return f;
 }

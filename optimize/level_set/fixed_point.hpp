@@ -12,10 +12,21 @@ struct FixedPoint {
   double multiplier = 0;
 };
 
-/// T per triangle of a mesh of the material (0 outside) becomes a function on the canvas by the Helmholtz filter, which
-/// lets material grow where it would be used; psi turns by `turn` of the angle towards multiplier - T on the sphere,
-/// and is shifted to the area. `price`: a multiplier that is given, and no area.
-FixedPoint fixed_point(const Canvas& canvas, const Helmholtz& filter, const Mesh& mesh, const Eigen::VectorXd& T,
-                       const Eigen::VectorXd& psi, double turn, std::optional<double> price, double area);
+/// T per triangle of a mesh of the material, 0 outside.
+struct TriangleDerivative {
+  const Mesh& mesh;
+  const Eigen::VectorXd& T;
+};
+
+struct Turn {
+  double share = 0;             // of the angle towards multiplier - T on the sphere
+  std::optional<double> price;  // a multiplier that is given, and no area
+  double area = 0;              // otherwise: the area wanted
+};
+
+/// T becomes a function on the background mesh by the Helmholtz filter, which lets material grow where it would be
+/// used; psi turns towards it, and is shifted to the area.
+FixedPoint fixed_point(const BackgroundMesh& background, const Helmholtz& filter, const TriangleDerivative& derivative,
+                       const Eigen::VectorXd& psi, const Turn& turn);
 
 }  // namespace kerf

@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <tuple>
 
 namespace kerf {
 
@@ -25,8 +26,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Lengths relative to the mesh size, shares of the area of the frame.
-constexpr double fine = 0.5;          // the canvas against the mesh of the body
-constexpr double strip = 1.5;         // of canvas edges beside loads that stay solid
+constexpr double fine = 0.5;          // the background mesh against the mesh of the body
+constexpr double strip = 1.5;         // of background edges beside loads that stay solid
 constexpr double drop = 0.02;         // of the area that is taken away in one step
 constexpr double early = 1.4;         // the mesh of the body while its area still falls
 constexpr double largest_step = 1.0;  // of the boundary
@@ -63,6 +64,51 @@ struct Progress {
   std::vector<Iteration> rows;
 };
 
+// What a checkpoint holds of it, by name: vectors, "track", the texts "ended" and "drawn", the rows, and "scalars" in
+// this order.
+constexpr std::array<std::pair<const char*, Eigen::VectorXd Progress::*>, 6> kept_vectors{
+    {{"phi", &Progress::phi},
+     {"psi", &Progress::psi},
+     {"lambda", &Progress::lambda},
+     {"best", &Progress::best},
+     {"kept", &Progress::kept},
+     {"best_bounds", &Progress::best_bounds}}};
+template <typename State, typename Number>
+auto kept_scalars(State& s, Number& mesh_size) {
+  return std::tie(s.iteration, s.solves, s.wanted, s.step, s.turn, s.multiplier, s.best_J, s.best_area,
+                  s.best_iteration, s.since, mesh_size, s.kept_J, s.kept_iteration);
+}
+
+Eigen::VectorXd vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+Checkpoint packed(const Progress& s, double mesh_size) {
+  Checkpoint c;
+  for (const auto& [name, member] : kept_vectors) c.numbers[name] = s.*member;
+  c.numbers["track"] = vector_of(s.track);
+  c.numbers["scalars"] =
+      std::apply([](const auto&... x) { return vector_of({static_cast<double>(x)...}); }, kept_scalars(s, mesh_size));
+  c.texts["ended"] = s.ended;
+  c.texts["drawn"] = join(s.drawn, "\n");
+  write_rows(c, s.rows);
+  return c;
+}
+
+Progress unpacked(const Checkpoint& c, double& mesh_size) {
+  Progress s;
+  for (const auto& [name, member] : kept_vectors) s.*member = c.numbers.at(name);
+  const Eigen::VectorXd &track = c.numbers.at("track"), &scalars = c.numbers.at("scalars");
+  s.track.assign(track.begin(), track.end());
+  Eigen::Index i = 0;
+  std::apply([&](auto&... x) { ((x = static_cast<std::remove_reference_t<decltype(x)>>(scalars[i++])), ...); },
+             kept_scalars(s, mesh_size));
+  s.ended = c.texts.at("ended");
+  s.drawn = split_lines(c.texts.at("drawn"));
+  s.rows = read_rows(c);
+  return s;
+}
+
 class LevelSetRun {
  public:
   LevelSetRun(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place);
@@ -94,7 +140,7 @@ class LevelSetRun {
   const Observer& see_;
   const CheckpointPlace& place_;
   Problem fitted_;  // the problem, meshes with one edge across thin members
-  Canvas canvas_;
+  BackgroundMesh background_;
   Carving carving_;
   std::vector<Index> loaded_;  // labels of loads and of what functionals look at
   std::unique_ptr<Helmholtz> filter_;
@@ -160,8 +206,8 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
   even.crack_tip_size = even.size;
   std::vector<std::string> notes;
   const Solid solid = solid_parts(p, r, strip * even.size, notes);
-  canvas_ = make_canvas(triangulate(p.frame, even), solid, how.mirror);
-  whole_ = canvas_.lumped.sum();
+  background_ = background_mesh(triangulate(p.frame, even), solid, how.mirror);
+  whole_ = background_.lumped.sum();
   target_ = r.volume_at_most.value_or(1) * whole_;
   penalized_ = !r.volume_at_most || *r.volume_at_most >= 1;
   carving_ = {.spacing = size_, .least_area = even.size * even.size, .keep = solid.labels};
@@ -169,14 +215,14 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
   for (const Index label : solid.held) carving_.keep.push_back(label), carving_.holding.push_back(label);
   const double smoothing = how.smoothing > 0 ? how.smoothing : size_;
   if (how.move == LevelSetRequest::Move::ShapeGradient && how.product == LevelSetRequest::Product::Elasticity)
-    elastic_ = std::make_unique<ElasticProduct>(canvas_, smoothing);
+    elastic_ = std::make_unique<ElasticProduct>(background_, smoothing);
   if (how.move == LevelSetRequest::Move::FixedPoint)
-    filter_ = std::make_unique<Helmholtz>(canvas_, how.smoothing > 0 ? how.smoothing : 1.5 * canvas_.size);
+    filter_ = std::make_unique<Helmholtz>(background_, how.smoothing > 0 ? how.smoothing : 1.5 * background_.size);
 }
 
 LevelSetRun::Design LevelSetRun::evaluate(const Eigen::VectorXd& phi) const {
-  if (r_.level_set.ersatz > 0) return std::make_shared<Evaluated>(evaluate_ersatz(fitted_, r_, canvas_, phi));
-  Carved carved = carve(p_.frame, canvas_.mesh, phi, carving_);
+  if (r_.level_set.ersatz > 0) return std::make_shared<Evaluated>(evaluate_ersatz(fitted_, r_, background_, phi));
+  Carved carved = carve(p_.frame, background_.mesh, phi, carving_);
   return std::make_shared<Evaluated>(evaluate_design(fitted_, r_, std::move(carved.shape), carved.crack_of));
 }
 
@@ -190,17 +236,17 @@ LevelSetRun::Design LevelSetRun::trial(Eigen::VectorXd& phi, std::vector<std::st
   // What is far from its area needs no fine mesh.
   fitted_.sizing.size = settled() ? size_ : early * size_;
   carving_.spacing = fitted_.sizing.size;
-  Carved carved = carve(p_.frame, canvas_.mesh, phi, carving_);
+  Carved carved = carve(p_.frame, background_.mesh, phi, carving_);
   if (!penalized_)
     for (int i = 0; i < 3 && std::abs(carved.area - s_.wanted) > area_error * whole_; ++i) {
-      const std::vector<ZeroPiece> line = zero_line(canvas_.mesh, phi);
+      const std::vector<ZeroPiece> line = zero_line(background_.mesh, phi);
       const double length = std::accumulate(line.begin(), line.end(), 0.0,
                                             [](double sum, const ZeroPiece& z) { return sum + (z.a - z.b).norm(); });
       if (!(length > 0)) break;
-      const double most = 0.2 * canvas_.size;
+      const double most = 0.2 * background_.size;
       phi.array() += std::clamp((carved.area - s_.wanted) / length, -most, most);
-      if (canvas_.frozen.size() > 0) phi = phi.cwiseMin(canvas_.frozen);
-      carved = carve(p_.frame, canvas_.mesh, phi, carving_);
+      if (background_.frozen.size() > 0) phi = phi.cwiseMin(background_.frozen);
+      carved = carve(p_.frame, background_.mesh, phi, carving_);
     }
   ++s_.solves;
   auto e = std::make_shared<Evaluated>(evaluate_design(fitted_, r_, std::move(carved.shape), carved.crack_of));
@@ -249,10 +295,6 @@ double LevelSetRun::merit(double J, double area, const Eigen::VectorXd& bounds) 
 std::string excess(double value, double best) {
   return best != 0 ? fmt::format("{:.2g} %", 100 * (value - best) / std::abs(best))
                    : fmt::format("{:.3g}", value - best);
-}
-
-Eigen::VectorXd vector_of(const std::vector<double>& v) {
-  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
 double LevelSetRun::merit(const Evaluated& e) const {
@@ -332,41 +374,41 @@ Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::str
   const bool enclosed = rate.curve.edges.empty();
   if (enclosed && how.nucleate_every == 0)
     throw Error(Fault::Geometry, "no boundary is free to move; ask for optimize.nucleate or optimize.start");
-  const Eigen::VectorXd distance = signed_distance(canvas_, s_.phi);
+  const Eigen::VectorXd distance = signed_distance(background_, s_.phi);
   const SpeedLimits limits{.most = s_.step,
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature};
-  const Speed speed = boundary_speed(canvas_, distance, rate, limits, elastic_.get(),
+  const Speed speed = boundary_speed({background_, distance, rate}, limits, elastic_.get(),
                                      penalized_ ? std::optional(r_.volume_penalty + price_) : std::nullopt);
   s_.multiplier = speed.multiplier - price_;
   optimality_ = speed.optimality;
   worthless_ = !penalized_ && !enclosed && !(speed.multiplier > 0);
-  Eigen::VectorXd next = distance - speed.on_canvas;
+  Eigen::VectorXd next = distance - speed.on_background;
   if (how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.iteration < r_.max_iterations / 2) {
     const Eigen::VectorXd T = derivative(e);
     const std::vector<Disc> discs =
-        places_to_nucleate(canvas_, distance, e.cases.front().model.mesh, T,
+        places_to_nucleate(background_, distance, e.cases.front().model.mesh, T,
                            {.multiplier = enclosed && !penalized_ ? lower_third(T) : s_.multiplier,
                             .area = how.nucleate_fraction * whole_,
-                            .least = std::max(1.5 * canvas_.size, 0.5 * how.min_feature),
+                            .least = std::max(1.5 * background_.size, 0.5 * how.min_feature),
                             .most = std::max(1.5 * size_, 0.5 * how.min_feature)});
     if (!discs.empty()) notes.push_back(fmt::format("{} hole{} nucleated", discs.size(), discs.size() == 1 ? "" : "s"));
-    cut_discs(canvas_, discs, next);
+    cut_discs(background_, discs, next);
   }
   return next;
 }
 
 Eigen::VectorXd LevelSetRun::fixed_point_step(const Evaluated& e) {
   const Eigen::VectorXd T = derivative(e);
-  const FixedPoint f = fixed_point(canvas_, *filter_, e.cases.front().model.mesh, T, s_.psi, s_.turn,
-                                   penalized_ ? std::optional(r_.volume_penalty) : std::nullopt, s_.wanted);
+  const FixedPoint f = fixed_point(background_, *filter_, {e.cases.front().model.mesh, T}, s_.psi,
+                                   {s_.turn, penalized_ ? std::optional(r_.volume_penalty) : std::nullopt, s_.wanted});
   s_.multiplier = f.multiplier;
   optimality_ = f.angle;
   s_.psi = f.psi;
   Eigen::VectorXd next = s_.psi;
-  drop_islands(canvas_, loaded_, next);
-  return penalized_ ? next : with_area(canvas_, next, s_.wanted);
+  drop_islands(background_, loaded_, next);
+  return penalized_ ? next : with_area(background_, next, s_.wanted);
 }
 
 bool LevelSetRun::accept(Design e, std::vector<std::string> notes) {
@@ -391,18 +433,18 @@ OptimizeResult LevelSetRun::run() {
   OptimizeResult result{.method = "level-set"};
   bool go_on = true;
   if (!restore()) {
-    const Eigen::Index n = static_cast<Eigen::Index>(canvas_.mesh.points.size());
+    const Eigen::Index n = static_cast<Eigen::Index>(background_.mesh.points.size());
     s_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(r_.bounds.size()));
     s_.step = largest_step * size_;
     Eigen::VectorXd phi = Eigen::VectorXd::Constant(n, -1e3 * size_);
     if (r_.level_set.start) {
-      Vec2 low = canvas_.mesh.points[0], high = low;
-      for (const Vec2& x : canvas_.mesh.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+      Vec2 low = background_.mesh.points[0], high = low;
+      for (const Vec2& x : background_.mesh.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
       const std::vector<Disc> discs = start_discs(*r_.level_set.start, low, high);
-      cut_discs(canvas_, discs, phi);
+      cut_discs(background_, discs, phi);
     }
-    s_.phi = signed_distance(canvas_, constrained(canvas_, phi));
-    s_.wanted = std::max(target_, negative_area(canvas_.mesh, s_.phi));
+    s_.phi = signed_distance(background_, constrained(background_, phi));
+    s_.wanted = std::max(target_, negative_area(background_.mesh, s_.phi));
     if (!settled()) fitted_.sizing.size = carving_.spacing = early * size_;
     ++s_.solves;
     Design start;
@@ -442,10 +484,10 @@ OptimizeResult LevelSetRun::run() {
     try {
       next = fixed ? fixed_point_step(*design_) : shape_step(*design_, notes);
       if (!fixed) {
-        next = constrained(canvas_, next);
-        drop_islands(canvas_, loaded_, next);
-        if (worthless_) s_.wanted = std::min(s_.wanted, negative_area(canvas_.mesh, next));
-        if (!penalized_) next = with_area(canvas_, next, s_.wanted);
+        next = constrained(background_, next);
+        drop_islands(background_, loaded_, next);
+        if (worthless_) s_.wanted = std::min(s_.wanted, negative_area(background_.mesh, next));
+        if (!penalized_) next = with_area(background_, next, s_.wanted);
       }
       tried = trial(next, notes, drawn);
     } catch (const Error& error) {
@@ -571,7 +613,7 @@ OptimizeResult LevelSetRun::run() {
     // What the phases stand for, as a body.
     result.scene.regions.clear();
     try {
-      Carved carved = carve(p_.frame, canvas_.mesh, s_.phi, carving_);
+      Carved carved = carve(p_.frame, background_.mesh, s_.phi, carving_);
       result.scene = with_cracks(scenes_of(p_, r_).front(), carved.crack_of);
       result.shape = std::move(carved.shape);
       result.notes.push_back(
@@ -586,21 +628,8 @@ OptimizeResult LevelSetRun::run() {
 
 void LevelSetRun::save() const {
   if (place_.path.empty()) return;
-  Checkpoint c{.fingerprint = place_.fingerprint};
-  c.numbers["phi"] = s_.phi;
-  c.numbers["psi"] = s_.psi;
-  c.numbers["lambda"] = s_.lambda;
-  c.numbers["best"] = s_.best;
-  c.numbers["kept"] = s_.kept;
-  c.numbers["track"] = vector_of(s_.track);
-  c.numbers["best_bounds"] = s_.best_bounds;
-  c.numbers["scalars"] =
-      (Eigen::VectorXd(13) << s_.iteration, s_.solves, s_.wanted, s_.step, s_.turn, s_.multiplier, s_.best_J,
-       s_.best_area, s_.best_iteration, s_.since, fitted_.sizing.size, s_.kept_J, s_.kept_iteration)
-          .finished();
-  c.texts["ended"] = s_.ended;
-  c.texts["drawn"] = join(s_.drawn, "\n");
-  write_rows(c, s_.rows);
+  Checkpoint c = packed(s_, fitted_.sizing.size);
+  c.fingerprint = place_.fingerprint;
   write_checkpoint(place_.path, c);
 }
 
@@ -611,27 +640,9 @@ bool LevelSetRun::restore() {
   if (c->fingerprint != place_.fingerprint)
     throw Error(Fault::Usage, fmt::format("{} belongs to another case: run without --resume, or restore the case file",
                                           place_.path.string()));
-  s_.phi = c->numbers.at("phi");
-  s_.psi = c->numbers.at("psi");
-  s_.lambda = c->numbers.at("lambda");
-  s_.best = c->numbers.at("best");
-  s_.kept = c->numbers.at("kept");
-  s_.kept_J = c->numbers.at("scalars")[11];
-  s_.kept_iteration = static_cast<int>(c->numbers.at("scalars")[12]);
-  s_.best_bounds = c->numbers.at("best_bounds");
-  const Eigen::VectorXd& x = c->numbers.at("scalars");
-  s_.iteration = static_cast<int>(x[0]);
-  s_.solves = static_cast<int>(x[1]);
-  s_.wanted = x[2], s_.step = x[3], s_.turn = x[4], s_.multiplier = x[5], s_.best_J = x[6], s_.best_area = x[7];
-  s_.best_iteration = static_cast<int>(x[8]);
-  s_.since = static_cast<int>(x[9]);
-  const Eigen::VectorXd& track = c->numbers.at("track");
-  s_.track.assign(track.begin(), track.end());
-  s_.ended = c->texts.at("ended");
-  s_.drawn = split_lines(c->texts.at("drawn"));
-  s_.rows = read_rows(*c);
+  s_ = unpacked(*c, fitted_.sizing.size);
+  carving_.spacing = fitted_.sizing.size;
   if (!s_.rows.empty()) optimality_ = s_.rows.back().optimality;
-  fitted_.sizing.size = carving_.spacing = x[10];
   if (s_.ended.starts_with(out_of_iterations) && s_.iteration < r_.max_iterations) {
     s_.ended.clear();
     if (s_.rows.back().number > s_.iteration) s_.rows.pop_back();

@@ -13,7 +13,7 @@ struct Nucleation {
 
 /// Discs at the least T first, each with a radius of at most a third of the distance to the boundary, to what is frozen
 /// and to the other discs, where the expansion still ranks points; `distance` as by signed_distance.
-std::vector<Disc> places_to_nucleate(const Canvas& canvas, const Eigen::VectorXd& distance, const Mesh& mesh,
-                                     const Eigen::VectorXd& T, const Nucleation& how);
+std::vector<Disc> places_to_nucleate(const BackgroundMesh& background, const Eigen::VectorXd& distance,
+                                     const Mesh& mesh, const Eigen::VectorXd& T, const Nucleation& how);
 
 }  // namespace kerf

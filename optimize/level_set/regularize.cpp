@@ -27,8 +27,8 @@ struct Helmholtz::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
-Helmholtz::Helmholtz(const Canvas& canvas, double r) : impl_(std::make_unique<Impl>()) {
-  const Mesh& mesh = canvas.mesh;
+Helmholtz::Helmholtz(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
+  const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(9 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
@@ -77,8 +77,8 @@ struct ElasticProduct::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
-ElasticProduct::ElasticProduct(const Canvas& canvas, double r) : impl_(std::make_unique<Impl>()) {
-  const Mesh& mesh = canvas.mesh;
+ElasticProduct::ElasticProduct(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
+  const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(36 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
@@ -103,12 +103,12 @@ ElasticProduct::ElasticProduct(const Canvas& canvas, double r) : impl_(std::make
 ElasticProduct::~ElasticProduct() = default;
 ElasticProduct::ElasticProduct(ElasticProduct&&) noexcept = default;
 
-Eigen::VectorXd ElasticProduct::extend(const Canvas& canvas, const EdgeCurve& curve, const Eigen::VectorXd& speed,
-                                       const Eigen::VectorXd& distance) const {
+Eigen::VectorXd ElasticProduct::extend(const BackgroundMesh& background, const EdgeCurve& curve,
+                                       const Eigen::VectorXd& speed, const Eigen::VectorXd& distance) const {
   const Eigen::Index n = distance.size();
   Eigen::Matrix2Xd gradient = Eigen::Matrix2Xd::Zero(2, n);  // of the distance, at vertices
-  for (const auto& t : canvas.mesh.triangles) {
-    const Slopes s = slopes(canvas.mesh, t);
+  for (const auto& t : background.mesh.triangles) {
+    const Slopes s = slopes(background.mesh, t);
     Vec2 g = Vec2::Zero();
     for (std::size_t i = 0; i < 3; ++i) g += distance[t[i]] * s.slope[i];
     for (const Index v : t) gradient.col(v) += s.area * g;
@@ -122,14 +122,14 @@ Eigen::VectorXd ElasticProduct::extend(const Canvas& canvas, const EdgeCurve& cu
     points.push_back(0.5 * (curve.points[i] + curve.points[k]));
     amount[static_cast<Eigen::Index>(e)] = 0.5 * (speed[i] + speed[k]) * (curve.points[k] - curve.points[i]).norm();
   }
-  const Eigen::VectorXd normal_load = spread_onto(canvas, points, amount);
+  const Eigen::VectorXd normal_load = spread_onto(background, points, amount);
   Eigen::VectorXd load(2 * n);
   for (Eigen::Index v = 0; v < n; ++v) load.segment<2>(2 * v) = normal_load[v] * gradient.col(v);
   const Eigen::VectorXd field = impl_->factor.solve(load);
   Eigen::VectorXd along(n);
   for (Eigen::Index v = 0; v < n; ++v) along[v] = field.segment<2>(2 * v).dot(gradient.col(v));
   double fastest = 0;
-  for (const Vec2& x : points) fastest = std::max(fastest, std::abs(value_at(canvas, along, x)));
+  for (const Vec2& x : points) fastest = std::max(fastest, std::abs(value_at(background, along, x)));
   if (fastest > 0) along *= speed.cwiseAbs().maxCoeff() / fastest;
   return along;
 }

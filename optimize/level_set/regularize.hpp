@@ -7,10 +7,11 @@
 
 namespace kerf {
 
-/// (r^2 grad v, grad w) + (v, w) on the linear functions of a canvas, factorized once [H1 gradient; Burger 2003].
+/// (r^2 grad v, grad w) + (v, w) on the linear functions of a background mesh, factorized once [H1 gradient; Burger
+/// 2003].
 class Helmholtz {
  public:
-  Helmholtz(const Canvas& canvas, double r);
+  Helmholtz(const BackgroundMesh& background, double r);
   ~Helmholtz();
   Helmholtz(Helmholtz&&) noexcept;
 
@@ -33,16 +34,17 @@ struct EdgeCurve {
 Eigen::VectorXd smooth_along(const EdgeCurve& curve, const Eigen::VectorXd& length, double r,
                              const Eigen::VectorXd& value);
 
-/// r^2 (eps(v), eps(w)) + (v, w) on the linear vector fields of a canvas, factorized once [Schulz, Siebenborn 2016].
+/// r^2 (eps(v), eps(w)) + (v, w) on the linear vector fields of a background mesh, factorized once [Schulz, Siebenborn
+/// 2016].
 class ElasticProduct {
  public:
-  ElasticProduct(const Canvas& canvas, double r);
+  ElasticProduct(const BackgroundMesh& background, double r);
   ~ElasticProduct();
   ElasticProduct(ElasticProduct&&) noexcept;
 
-  /// Speeds on the points of a curve as a vector field on the canvas: its component along the gradient of `distance`,
-  /// as fast as the given speeds where they are largest.
-  Eigen::VectorXd extend(const Canvas& canvas, const EdgeCurve& curve, const Eigen::VectorXd& speed,
+  /// Speeds on the points of a curve as a vector field on the background mesh: its component along the gradient of
+  /// `distance`, as fast as the given speeds where they are largest.
+  Eigen::VectorXd extend(const BackgroundMesh& background, const EdgeCurve& curve, const Eigen::VectorXd& speed,
                          const Eigen::VectorXd& distance) const;
 
  private:

@@ -9,13 +9,15 @@ namespace kerf {
 
 namespace {
 
+constexpr double slow_waves = 4;  // shorter than this many lengths of smoothing they are short
+
 /// Half the thickness of the member that an edge bounds, along its normal: the distance falls again behind the middle.
-double half_thickness(const Canvas& canvas, const Eigen::VectorXd& distance, const Vec2& x, const Vec2& normal,
-                      double most) {
-  for (double depth = 0.5 * canvas.size;; depth *= 2) {
+double half_thickness(const BackgroundMesh& background, const Eigen::VectorXd& distance, const Vec2& x,
+                      const Vec2& normal, double most) {
+  for (double depth = 0.5 * background.size;; depth *= 2) {
     depth = std::min(depth, most);
-    const double inside = -value_at(canvas, distance, x - depth * normal);
-    if (inside < 0.6 * depth) return std::max(0.5 * (inside + depth), 0.25 * canvas.size);
+    const double inside = -value_at(background, distance, x - depth * normal);
+    if (inside < 0.6 * depth) return std::max(0.5 * (inside + depth), 0.25 * background.size);
     if (depth >= most) return most;
   }
 }
@@ -76,69 +78,93 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b) {
   a.density += factor * b.density;
 }
 
-Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                     const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier) {
+namespace {
+
+/// What the speed of an edge is made of, per edge.
+struct Members {
+  Eigen::VectorXd gain;  // of J, per area taken away
+  Eigen::VectorXd half;  // thickness
+  Eigen::VectorXd root;  // of the gain, where it is one
+  Eigen::VectorXd calm;  // the same without short waves
+  double scale = 0;      // root mean square of the gain
+};
+
+Members members_of(const BackgroundMesh& background, const Eigen::VectorXd& distance, const BoundaryRate& rate,
+                   const SpeedLimits& limits) {
   const Eigen::Index n = rate.density.size();
-  Speed s;
-  s.on_canvas = Eigen::VectorXd::Zero(distance.size());
-  if (n == 0) return s;
-  const Eigen::VectorXd gain = -rate.density;
-  Eigen::VectorXd half(n);
-  const double fast = limits.smoothing, slow = 4 * limits.smoothing;
-  const double reach = std::max(slow, limits.min_feature);
+  Members m{.gain = -rate.density, .half = Eigen::VectorXd(n), .calm = Eigen::VectorXd(n)};
+  const double slow = slow_waves * limits.smoothing, reach = std::max(slow, limits.min_feature);
   for (Eigen::Index i = 0; i < n; ++i)
-    half[i] = half_thickness(canvas, distance, rate.middle[static_cast<std::size_t>(i)],
-                             rate.normal[static_cast<std::size_t>(i)], reach);
-  const double scale = std::sqrt(gain.cwiseAbs2().dot(rate.length) / rate.length.sum());
-  // Short waves of a thick member's boundary change the stress there far more than its thickness does: they may go as
-  // far as the smoothing, only long ones as far as the thickness.
-  const Eigen::VectorXd root = gain.cwiseMax(0).cwiseSqrt();
-  const Eigen::VectorXd calm_at = smooth_along(rate.curve, rate.length, slow, root);
-  Eigen::VectorXd calm(n);
+    m.half[i] = half_thickness(background, distance, rate.middle[static_cast<std::size_t>(i)],
+                               rate.normal[static_cast<std::size_t>(i)], reach);
+  m.scale = std::sqrt(m.gain.cwiseAbs2().dot(rate.length) / rate.length.sum());
+  m.root = m.gain.cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd calm_at = smooth_along(rate.curve, rate.length, slow, m.root);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
-    calm[i] = 0.5 * (calm_at[a] + calm_at[b]);
+    m.calm[i] = 0.5 * (calm_at[a] + calm_at[b]);
   }
-  const auto speed = [&](double price) {
-    Eigen::VectorXd v(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (price > 0)
-        v[i] = limits.share * (std::min(half[i], fast) * (root[i] / std::sqrt(price) - 1) +
-                               std::max(half[i] - fast, 0.0) * (calm[i] / std::sqrt(price) - 1));
-      else
-        v[i] = scale > 0 ? limits.most * (gain[i] - price) / scale : 0;
-      // A member that is too thin: what would it carry at the thickness wanted, for the same force?
-      const double least = 0.5 * limits.min_feature;
-      if (price > 0 && half[i] < least) {
-        constexpr double idle = 0.15;  // of the multiplier
-        const double thick = gain[i] * (half[i] / least) * (half[i] / least);
-        v[i] = thick > idle * price ? std::max(v[i], least - half[i]) : -limits.most;
-      }
-      v[i] = std::clamp(v[i], -limits.most, limits.most);
+  return m;
+}
+
+/// The speed of every edge at a price of area. Short waves of a thick member's boundary change the stress there far
+/// more than its thickness does: they may go as far as the smoothing, only long ones as far as the thickness.
+Eigen::VectorXd speed_at(double price, const Members& m, const SpeedLimits& limits) {
+  const double fast = limits.smoothing;
+  Eigen::VectorXd v(m.gain.size());
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (price > 0)
+      v[i] = limits.share * (std::min(m.half[i], fast) * (m.root[i] / std::sqrt(price) - 1) +
+                             std::max(m.half[i] - fast, 0.0) * (m.calm[i] / std::sqrt(price) - 1));
+    else
+      v[i] = m.scale > 0 ? limits.most * (m.gain[i] - price) / m.scale : 0;
+    // A member that is too thin: what would it carry at the thickness wanted, for the same force?
+    const double least = 0.5 * limits.min_feature;
+    if (price > 0 && m.half[i] < least) {
+      constexpr double idle = 0.15;  // of the multiplier
+      const double thick = m.gain[i] * (m.half[i] / least) * (m.half[i] / least);
+      v[i] = thick > idle * price ? std::max(v[i], least - m.half[i]) : -limits.most;
     }
-    return v;
-  };
-  if (multiplier) {
-    s.multiplier = *multiplier;
-  } else if (gain.maxCoeff() > 0) {
-    double low = 1e-12 * gain.maxCoeff(), high = gain.maxCoeff();
-    if (speed(low).dot(rate.length) > 0) {
-      for (int i = 0; i < 60; ++i) {
-        s.multiplier = std::sqrt(low * high);
-        (speed(s.multiplier).dot(rate.length) > 0 ? low : high) = s.multiplier;
-      }
-    }
+    v[i] = std::clamp(v[i], -limits.most, limits.most);
   }
-  s.on_curve = speed(s.multiplier);
+  return v;
+}
+
+/// The price at which the area does not change; 0 where it always falls.
+double balancing_price(const Members& m, const BoundaryRate& rate, const SpeedLimits& limits) {
+  double price = 0;
+  if (!(m.gain.maxCoeff() > 0)) return price;
+  double low = 1e-12 * m.gain.maxCoeff(), high = m.gain.maxCoeff();
+  const auto grows = [&](double p) { return speed_at(p, m, limits).dot(rate.length) > 0; };
+  if (!grows(low)) return price;
+  for (int i = 0; i < 60; ++i) {
+    price = std::sqrt(low * high);
+    (grows(price) ? low : high) = price;
+  }
+  return price;
+}
+
+}  // namespace
+
+Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const ElasticProduct* elastic,
+                     std::optional<double> multiplier) {
+  const auto& [background, distance, rate] = of;
+  const Eigen::Index n = rate.density.size();
+  Speed s;
+  s.on_background = Eigen::VectorXd::Zero(distance.size());
+  if (n == 0) return s;
+  const Members m = members_of(background, distance, rate, limits);
+  s.multiplier = multiplier ? *multiplier : balancing_price(m, rate, limits);
+  s.on_curve = speed_at(s.multiplier, m, limits);
   s.optimality = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double size = std::abs(gain[i]) + std::abs(s.multiplier);
-    if (size > 0) s.optimality += rate.length[i] * std::abs(gain[i] - s.multiplier) / size;
+    const double size = std::abs(m.gain[i]) + std::abs(s.multiplier);
+    if (size > 0) s.optimality += rate.length[i] * std::abs(m.gain[i] - s.multiplier) / size;
   }
   s.optimality /= rate.length.sum();
   const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
-  s.on_canvas =
-      elastic ? elastic->extend(canvas, rate.curve, moved, distance) : extend(canvas, rate.curve.points, moved);
+  s.on_background =
+      elastic ? elastic->extend(background, rate.curve, moved, distance) : extend(background, rate.curve.points, moved);
   return s;
 }
 

@@ -30,14 +30,20 @@ struct SpeedLimits {
 /// (the fully stressed design is a fixed point). In thick members only waves longer than these go that far: short ones
 /// would overshoot. Where J falls with less material everywhere, the speed is the gradient itself.
 struct Speed {
-  double multiplier = 0;      // per area
-  double optimality = 0;      // mean of |density + multiplier| / (|density| + |multiplier|) along the boundary
-  Eigen::VectorXd on_curve;   // per edge, before it is made smooth
-  Eigen::VectorXd on_canvas;  // per vertex, smooth, constant along normals
+  double multiplier = 0;          // per area
+  double optimality = 0;          // mean of |density + multiplier| / (|density| + |multiplier|) along the boundary
+  Eigen::VectorXd on_curve;       // per edge, before it is made smooth
+  Eigen::VectorXd on_background;  // per vertex, smooth, constant along normals
+};
+/// The design whose boundary moves: its rate, and the signed distance to the boundary on the background mesh.
+struct SpeedOf {
+  const BackgroundMesh& background;
+  const Eigen::VectorXd& distance;
+  const BoundaryRate& rate;
 };
 /// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such
 /// that the area does not change to first order.
-Speed boundary_speed(const Canvas& canvas, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                     const SpeedLimits& limits, const ElasticProduct* elastic, std::optional<double> multiplier);
+Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const ElasticProduct* elastic,
+                     std::optional<double> multiplier);
 
 }  // namespace kerf

@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// A condition on the variables: value(x) <= 0, relative to the length or the shape that it asks for, so that 1 is a
+/// A constraint on the variables: value(x) <= 0, relative to the length or the shape that it asks for, so that 1 is a
 /// large violation: distance 0 instead of the least one, for distances.
-struct Condition {
+struct Constraint {
   std::string name;  // "hole 'a' and crack 'c' are less than 0.05 apart"
   std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd* gradient)> value;
 };
@@ -31,7 +31,7 @@ struct Forbidden {
 ///
 /// Circles are exact. Other boundaries are sampled, and their distance is a soft minimum that is smooth and never
 /// larger than the distance of the samples: -d/40 log sum exp(-40 d_i/d), d the least distance asked for.
-std::vector<Condition> conditions(const Design& d, const Problem& p, double least,
-                                  const std::vector<Forbidden>& forbidden);
+std::vector<Constraint> constraints(const Design& d, const Problem& p, double least,
+                                    const std::vector<Forbidden>& forbidden);
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 #include "kerf/element.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "optimize/loop/evaluate.hpp"
+#include "optimize/parametric/followers.hpp"
 #include "solver/system.hpp"
 #include "topo/young_gradient.hpp"
 
@@ -21,7 +22,7 @@ using Eigen::VectorXd;
 
 constexpr double most_stretch = 1.6;   // of a triangle of a moved mesh, and pressing
 constexpr double least_angle = 13;     // degrees, of moved meshes
-constexpr double too_close = 0.5;      // a violated condition that leaves designs unsolved: half the distance
+constexpr double too_close = 0.5;      // a violated constraint that leaves designs unsolved: half the distance
 constexpr std::size_t most_built = 6;  // meshes kept with their extension
 
 /// A design that was meshed, from which others are moved. Built when first needed: a replay may never need it.
@@ -29,7 +30,7 @@ struct Base {
   VectorXd at;
   struct Built {
     Mesh mesh;
-    Followers followers;
+    std::vector<Follower> followers;
     Extension extension;
     std::vector<double> angles;
     Points start;  // of the followers
@@ -40,7 +41,7 @@ struct Base {
 
 std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Problem& p, const Shape& shape) {
   Mesh mesh = triangulate(shape, p.sizing);
-  Followers f = followers(d, x, p, mesh);
+  std::vector<Follower> f = followers(d, x, p, mesh);
   Extension extension = make_extension(mesh, vertices_that_mean_something(mesh));
   std::vector<double> angles = smallest_angles(mesh);
   Points start = positions(d, f, x);
@@ -70,9 +71,9 @@ bool distorted(const Mesh& before, const Mesh& after, std::size_t t) {
 std::optional<Mesh> moved(const Base::Built& base, const Design& d, const VectorXd& x) {
   Points motion = Points::Zero(2, static_cast<Eigen::Index>(base.mesh.points.size()));
   const Points to = positions(d, base.followers, x);
-  for (std::size_t k = 0; k < base.followers.all.size(); ++k) {
+  for (std::size_t k = 0; k < base.followers.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    motion.col(base.followers.all[k].vertex) = to.col(column) - base.start.col(column);
+    motion.col(base.followers[k].vertex) = to.col(column) - base.start.col(column);
   }
   Mesh mesh = base.mesh;
   if (!motion.isZero(0)) {
@@ -89,7 +90,7 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
 std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   const auto friction = [](const CrackLaw& law) { return has_friction(law); };
   bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
-  for (const Drawn& one : d.drawn) rubs |= one.kind == Drawn::Kind::Crack && has_friction(one.law);
+  for (const Drawn& one : d.drawn) rubs |= shape_of(one).part == BodyPart::Crack && has_friction(one.law);
   if (rubs) return "cracks with friction have none";
   return refusal(element(p.element, p.degree), can_optimize);
 }
@@ -99,7 +100,7 @@ void refuse_moving_tips(const Functional& j, const Design& d) {
   for (const Term& term : j.terms) {
     if (!(term.feature_radius > 0)) continue;
     for (const Drawn& one : d.drawn) {
-      if (one.kind != Drawn::Kind::Crack) continue;
+      if (shape_of(one).part != BodyPart::Crack) continue;
       for (Eigen::Index i = 0; i < one.start.size(); i += 2)
         if ((one.start.segment<2>(i) - term.feature).norm() < term.feature_radius &&
             one.lower.segment<2>(i) != one.upper.segment<2>(i))
@@ -113,21 +114,21 @@ void refuse_moving_tips(const Functional& j, const Design& d) {
 
 }  // namespace
 
-struct Trials::Impl {
+struct Evaluations::Impl {
   const Problem& problem;
   const OptimizeRequest& request;
   const Design& design;
   VectorXd lower, upper;
   double frame = 0;
-  std::vector<LoadCase> loads;  // one at least, with what the scene itself bears
-  std::vector<Condition> conditions;
-  std::vector<std::string> names;  // of constraints
+  std::vector<LoadCase> loads;        // one at least, with what the scene itself bears
+  std::vector<Constraint> geometric;  // need no mesh
+  std::vector<std::string> names;     // of constraints
   std::vector<double> bound_scale;
   std::optional<std::string> blind;
   int round = -1;
   std::vector<Base> bases, before;  // of this round and the one before
   int clock = 0;
-  std::shared_ptr<const SolvedTrial> last;
+  std::shared_ptr<const SolvedDesign> last;
   VectorXd last_at;
 
   Impl(const Problem& p, const OptimizeRequest& r) : problem(p), request(r), design(r.design) {
@@ -165,8 +166,8 @@ struct Trials::Impl {
       bound_scale.push_back(std::abs(bound.at_most));
     }
     const double size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
-    conditions = kerf::conditions(design, p, r.min_distance > 0 ? r.min_distance : size / 2, forbidden);
-    for (const Condition& c : conditions) names.push_back(c.name);
+    geometric = kerf::constraints(design, p, r.min_distance > 0 ? r.min_distance : size / 2, forbidden);
+    for (const Constraint& c : geometric) names.push_back(c.name);
     blind = why_blind(p, design);
   }
 
@@ -190,7 +191,7 @@ struct Trials::Impl {
   }
 
   Base::Built& built(Base& base) {
-    if (!base.built) base.built = build(design, base.at, problem, draw(design, base.at, problem).shape);
+    if (!base.built) base.built = build(design, base.at, problem, body_of(design, base.at, problem).shape);
     base.used = ++clock;
     while (true) {
       std::size_t alive = 0;
@@ -207,33 +208,33 @@ struct Trials::Impl {
     return *base.built;
   }
 
-  /// Geometry: volume and conditions, which need no mesh. Returns the worst condition.
-  void draw_conditions(const VectorXd& x, bool gradients, Trial& trial) const {
-    Evaluation& e = trial.evaluation;
+  /// What needs no mesh: the volume and the constraints on the geometry.
+  void constrain(const VectorXd& x, bool gradients, DesignEvaluation& result) const {
+    Evaluation& e = result.evaluation;
     e.x = x;
     e.values = VectorXd::Constant(1 + count(), nan);
     e.gradients = MatrixXd::Constant(x.size(), gradients ? 1 + count() : 0, nan);
     VectorXd by;
     const double holes = area_of_holes(design, x, &by);
-    trial.volume_fraction = (frame - holes) / frame;
+    result.volume_fraction = (frame - holes) / frame;
     if (request.volume_at_most) {
-      e.values[1] = trial.volume_fraction / *request.volume_at_most - 1;
+      e.values[1] = result.volume_fraction / *request.volume_at_most - 1;
       if (gradients) e.gradients.col(1) = -by / (frame * *request.volume_at_most);
     }
-    const Eigen::Index first = 1 + count() - static_cast<Eigen::Index>(conditions.size());
-    for (std::size_t i = 0; i < conditions.size(); ++i) {
+    const Eigen::Index first = 1 + count() - static_cast<Eigen::Index>(geometric.size());
+    for (std::size_t i = 0; i < geometric.size(); ++i) {
       const Eigen::Index k = first + static_cast<Eigen::Index>(i);
       VectorXd g;
-      e.values[k] = conditions[i].value(x, gradients ? &g : nullptr);
+      e.values[k] = geometric[i].value(x, gradients ? &g : nullptr);
       if (gradients) e.gradients.col(k) = g;
     }
   }
 
-  std::string worst_condition(const Evaluation& e) const {
-    const auto many = static_cast<Eigen::Index>(conditions.size());
+  std::string worst_constraint(const Evaluation& e) const {
+    const auto many = static_cast<Eigen::Index>(geometric.size());
     Eigen::Index worst = 0;
     if (many == 0 || !(e.values.tail(many).maxCoeff(&worst) > too_close)) return {};
-    return conditions[static_cast<std::size_t>(worst)].name;
+    return geometric[static_cast<std::size_t>(worst)].name;
   }
 
   /// J and the bounds of one functional on a solved body, and its derivative by x.
@@ -242,16 +243,17 @@ struct Trials::Impl {
     const Analysis a = analyze(j, model, state, gradient == nullptr);
     if (!gradient) return a.value;
     const Points force = gather(base.extension, shape_gradient(a, j));
-    Points on(2, static_cast<Eigen::Index>(base.followers.all.size()));
-    for (std::size_t k = 0; k < base.followers.all.size(); ++k)
-      on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers.all[k].vertex);
+    Points on(2, static_cast<Eigen::Index>(base.followers.size()));
+    for (std::size_t k = 0; k < base.followers.size(); ++k)
+      on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers[k].vertex);
     *gradient = pull_back(design, base.followers, x, on);
     auto region = static_cast<Index>(problem.frame.regions.size());
     const std::vector<Eigen::Index> first = first_variables(design);
     for (std::size_t k = 0; k < design.drawn.size(); ++k) {
-      if (design.drawn[k].kind != Drawn::Kind::Inclusion) continue;
-      const Eigen::Index at = first[k] + 3;
-      if (upper[at] > lower[at]) (*gradient)[at] = young_gradient(a, j, model, region, x[at]);
+      const DrawnShape& shape = shape_of(design.drawn[k]);
+      if (shape.part != BodyPart::Region) continue;
+      const Eigen::Index at = first[k] + shape.young;
+      if (shape.young != none && upper[at] > lower[at]) (*gradient)[at] = young_gradient(a, j, model, region, x[at]);
       ++region;
     }
     return a.value;
@@ -268,14 +270,15 @@ struct Trials::Impl {
   }
 
   /// Everything that needs the state, on a mesh that fits x. Throws Error(Numerics) when it cannot be solved.
-  void solve_on(const Mesh& mesh, const Base::Built& base, const VectorXd& x, bool gradients, Trial& trial) {
-    Evaluation& e = trial.evaluation;
-    DrawnBody body = draw(design, x, problem);
-    trial.triangles = static_cast<Index>(mesh.triangles.size());
-    trial.holes = static_cast<int>(body.shape.holes.size());
+  void solve_on(const Mesh& mesh, const Base::Built& base, const VectorXd& x, bool gradients,
+                DesignEvaluation& result) {
+    Evaluation& e = result.evaluation;
+    DrawnBody body = body_of(design, x, problem);
+    result.triangles = static_cast<Index>(mesh.triangles.size());
+    result.holes = static_cast<int>(body.shape.holes.size());
     double merit = 0;
     VectorXd by_merit = VectorXd::Zero(x.size()), by;
-    trial.bounds.assign(request.bounds.size(), -std::numeric_limits<double>::infinity());
+    result.bounds.assign(request.bounds.size(), -std::numeric_limits<double>::infinity());
     std::vector<double> values;
     for (std::size_t l = 0; l < loads.size(); ++l) {
       Scene scene = body.scene;
@@ -283,7 +286,7 @@ struct Trials::Impl {
       scene.body = loads[l].body;
       Model model = prepare(mesh, element(problem.element, problem.degree), scene, problem.threads);
       State state = kerf::solve(model, problem.contact);
-      ++trial.state_solves;
+      ++result.state_solves;
       if (!certified(state))
         throw Error(Fault::Numerics,
                     "the state could not be solved for: contact does not settle, or equilibrium holds "
@@ -294,112 +297,112 @@ struct Trials::Impl {
       if (gradients) by_merit += loads[l].weight * by;
       for (std::size_t b = 0; b < request.bounds.size(); ++b) {
         const double bounded = value_of(request.bounds[b].functional, model, state, base, x, gradient);
-        trial.bounds[b] = std::max(trial.bounds[b], bounded);
+        result.bounds[b] = std::max(result.bounds[b], bounded);
         const Eigen::Index k = row_of_bound(b, l);
         e.values[k] = bounded - request.bounds[b].at_most;
         if (gradients) e.gradients.col(k) = by;
       }
-      if (l == 0) last = std::make_shared<SolvedTrial>(SolvedTrial{body, std::move(model), std::move(state)});
+      if (l == 0) last = std::make_shared<SolvedDesign>(SolvedDesign{body, std::move(model), std::move(state)});
       last_at = x;
     }
-    scale_bounds(trial.bounds);
+    scale_bounds(result.bounds);
     for (std::size_t b = 0; b < request.bounds.size(); ++b)
       for (std::size_t l = 0; l < loads.size(); ++l) {
         e.values[row_of_bound(b, l)] /= bound_scale[b];
         if (gradients) e.gradients.col(row_of_bound(b, l)) /= bound_scale[b];
       }
-    trial.objective = merit;
+    result.objective = merit;
     const double holes = area_of_holes(design, x, &by);
     e.values[0] = merit + request.volume_penalty * (frame - holes);
     if (gradients) e.gradients.col(0) = by_merit - request.volume_penalty * by;
   }
 };
 
-Trials::Trials(const Problem& problem, const OptimizeRequest& request)
+Evaluations::Evaluations(const Problem& problem, const OptimizeRequest& request)
     : impl_(std::make_unique<Impl>(problem, request)) {}
-Trials::~Trials() = default;
+Evaluations::~Evaluations() = default;
 
-Eigen::Index Trials::constraints() const {
+Eigen::Index Evaluations::constraints() const {
   return impl_->count();
 }
 
-const std::string& Trials::constraint(Eigen::Index i) const {
+const std::string& Evaluations::constraint(Eigen::Index i) const {
   return impl_->names[static_cast<std::size_t>(i)];
 }
 
-const std::optional<std::string>& Trials::blind() const {
+const std::optional<std::string>& Evaluations::blind() const {
   return impl_->blind;
 }
 
-double Trials::frame_area() const {
+double Evaluations::frame_area() const {
   return impl_->frame;
 }
 
-void Trials::begin_round() {
+void Evaluations::begin_round() {
   ++impl_->round;
   impl_->before = std::move(impl_->bases);
   impl_->bases.clear();
 }
 
-Trial Trials::evaluate(const VectorXd& x, bool gradients) {
+DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   Impl& s = *impl_;
-  Trial trial;
-  trial.round = s.round;
+  DesignEvaluation result;
+  result.round = s.round;
   s.last.reset();
-  s.draw_conditions(x, gradients, trial);
-  Evaluation& e = trial.evaluation;
-  if (const std::string close = s.worst_condition(e); !close.empty() && !s.bases.empty()) {
+  s.constrain(x, gradients, result);
+  Evaluation& e = result.evaluation;
+  if (const std::string close = s.worst_constraint(e); !close.empty() && !s.bases.empty()) {
     e.failure = close;
-    return trial;
+    return result;
   }
   try {
     std::optional<Mesh> mesh;
     if (Base* base = s.nearest(x)) {
-      trial.base = static_cast<Index>(base - s.bases.data());
+      result.base = static_cast<Index>(base - s.bases.data());
       mesh = moved(s.built(*base), s.design, x);
     }
     if (!mesh) {
-      std::unique_ptr<Base::Built> fresh = build(s.design, x, s.problem, draw(s.design, x, s.problem).shape);
-      trial.base = static_cast<Index>(s.bases.size());
-      trial.fresh = true;
+      std::unique_ptr<Base::Built> fresh = build(s.design, x, s.problem, body_of(s.design, x, s.problem).shape);
+      result.base = static_cast<Index>(s.bases.size());
+      result.fresh = true;
       s.bases.push_back({x, std::move(fresh)});
       mesh = s.bases.back().built->mesh;
     }
-    s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(trial.base)]), x, gradients, trial);
+    s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(result.base)]), x, gradients, result);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     e.failure = error.what();
-    trial.fault = error.fault;
+    result.fault = error.fault;
     s.last.reset();
   }
-  return trial;
+  return result;
 }
 
-void Trials::replay(const Trial& trial) {
+void Evaluations::replay(const DesignEvaluation& known) {
   impl_->last.reset();
-  if (trial.fresh) impl_->bases.push_back({trial.evaluation.x});
-  if (trial.evaluation.failure.empty()) impl_->scale_bounds(trial.bounds);
+  if (known.fresh) impl_->bases.push_back({known.evaluation.x});
+  if (known.evaluation.failure.empty()) impl_->scale_bounds(known.bounds);
 }
 
-std::shared_ptr<const SolvedTrial> Trials::solved(const Trial& trial) {
+std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& design) {
   Impl& s = *impl_;
-  const VectorXd& x = trial.evaluation.x;
+  const VectorXd& x = design.evaluation.x;
   if (s.last && s.last_at == x) return s.last;
   const Base::Built& base =
-      s.built((trial.round == s.round ? s.bases : s.before).at(static_cast<std::size_t>(trial.base)));
-  Trial again;
-  s.draw_conditions(x, false, again);
-  s.solve_on(trial.fresh ? base.mesh : moved(base, s.design, x).value(), base, x, false, again);
+      s.built((design.round == s.round ? s.bases : s.before).at(static_cast<std::size_t>(design.base)));
+  DesignEvaluation again;
+  s.constrain(x, false, again);
+  s.solve_on(design.fresh ? base.mesh : moved(base, s.design, x).value(), base, x, false, again);
   return s.last;
 }
 
-Trials::Check Trials::check_derivatives(const Trial& at, const VectorXd& direction, double step) {
+Evaluations::Check Evaluations::check_derivatives(const DesignEvaluation& at, const VectorXd& direction, double step) {
   Impl& s = *impl_;
   const VectorXd& x = at.evaluation.x;
   const VectorXd along = direction.cwiseProduct(s.upper - s.lower);
   const Eigen::Index many =
-      1 + s.count() - static_cast<Eigen::Index>(s.conditions.size());  // the conditions need no state
-  const std::shared_ptr<const SolvedTrial> last = s.last;
+      1 + s.count() - static_cast<Eigen::Index>(s.geometric.size());  // the geometric ones need no state
+  const std::shared_ptr<const SolvedDesign> last = s.last;
   const VectorXd last_at = s.last_at;
   Check check;
   const Base::Built& base = s.built(*s.nearest(x));
@@ -408,11 +411,11 @@ Trials::Check Trials::check_derivatives(const Trial& at, const VectorXd& directi
     const VectorXd y = x + sign * step * along;
     const std::optional<Mesh> mesh = moved(base, s.design, y);
     if (!mesh) throw Error(Fault::Numerics, "the mesh of the start does not survive the step of the derivative check");
-    Trial trial;
-    s.draw_conditions(y, false, trial);
-    s.solve_on(*mesh, base, y, false, trial);
-    check.state_solves += trial.state_solves;
-    values.push_back(trial.evaluation.values.head(many));
+    DesignEvaluation result;
+    s.constrain(y, false, result);
+    s.solve_on(*mesh, base, y, false, result);
+    check.state_solves += result.state_solves;
+    values.push_back(result.evaluation.values.head(many));
   }
   s.last = last;
   s.last_at = last_at;

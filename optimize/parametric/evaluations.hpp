@@ -12,9 +12,9 @@
 
 namespace kerf {
 
-/// What an evaluation leaves behind; all that a replay needs.
-struct Trial {
-  Evaluation evaluation;  // merit and constraints: volume, bounds by load case, conditions
+/// What the evaluation of a design leaves behind; all that a replay needs.
+struct DesignEvaluation {
+  Evaluation evaluation;  // merit and constraints: volume, bounds by load case, those on the geometry
   int round = 0;
   Index base = none;              // which mesh of the round was moved
   bool fresh = false;             // that one was made for this design
@@ -25,8 +25,8 @@ struct Trial {
   int holes = 0, state_solves = 0;
 };
 
-/// The body of a trial and its state under the first load case.
-struct SolvedTrial {
+/// The body of a design and its state under the first load case.
+struct SolvedDesign {
   DrawnBody body;
   Model model;
   State state;
@@ -35,12 +35,12 @@ struct SolvedTrial {
 /// Evaluates designs in rounds. A round begins with a mesh of its first design; the others move the mesh of the nearest
 /// design that was meshed in the round (harmonic extension of the motion of what is drawn), so that J is a smooth
 /// function with an exact derivative. Where that would leave angles below 13 degrees, a fresh mesh is made.
-class Trials {
+class Evaluations {
  public:
   /// Both must outlive it. Throws Error(Usage) for what cannot be optimized: check_design; functionals of a tip that
   /// moves; a misfit together with load cases.
-  Trials(const Problem& problem, const OptimizeRequest& request);
-  ~Trials();
+  Evaluations(const Problem& problem, const OptimizeRequest& request);
+  ~Evaluations();
 
   Eigen::Index constraints() const;
   const std::string& constraint(Eigen::Index i) const;  // what is wrong when it is violated, in words
@@ -50,12 +50,12 @@ class Trials {
 
   void begin_round();
   /// Designs that cannot be drawn, meshed or solved come back with Evaluation::failure, and what is known of them.
-  Trial evaluate(const Eigen::VectorXd& x, bool gradients);
-  /// Takes note of a trial that was evaluated by an earlier run, instead of evaluating it.
-  void replay(const Trial& trial);
-  /// The body of a trial of this round or the one before and its state, solved for again unless it was the last one to
+  DesignEvaluation evaluate(const Eigen::VectorXd& x, bool gradients);
+  /// Takes note of an evaluation that an earlier run made, instead of making it.
+  void replay(const DesignEvaluation& known);
+  /// The body of a design of this round or the one before and its state, solved for again unless it was the last one to
   /// be evaluated.
-  std::shared_ptr<const SolvedTrial> solved(const Trial& trial);
+  std::shared_ptr<const SolvedDesign> solved(const DesignEvaluation& design);
 
   /// Relative errors of derivatives along a direction (in boxes) at a design of this round, against central differences
   /// on its moved mesh; the merit first, then what is constrained and needs the state. `state_solves`: what it took.
@@ -63,7 +63,7 @@ class Trials {
     std::vector<double> error;
     int state_solves = 0;
   };
-  Check check_derivatives(const Trial& at, const Eigen::VectorXd& direction, double step);
+  Check check_derivatives(const DesignEvaluation& at, const Eigen::VectorXd& direction, double step);
 
  private:
   struct Impl;

@@ -19,43 +19,51 @@ double stiffness(const Mesh& mesh, Index t, std::size_t i, std::size_t k) {
   return edge(i).dot(edge(k)) / (4 * whole * whole);
 }
 
-}  // namespace
-
-Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
-  const auto vertices = static_cast<Index>(mesh.points.size());
-  // Neighbors among free vertices, for the order and the pattern.
-  std::vector<Index> number(mesh.points.size(), none);
+/// The free vertices and their neighbors among them.
+struct FreeVertices {
+  std::vector<Index> number;  // per vertex, none where given
+  std::vector<std::vector<Index>> beside;
+};
+FreeVertices free_vertices(const Mesh& mesh, const std::vector<bool>& given) {
+  FreeVertices free{std::vector<Index>(mesh.points.size(), none), {}};
   Index count = 0;
-  for (Index v = 0; v < vertices; ++v)
-    if (!given[static_cast<std::size_t>(v)]) number[static_cast<std::size_t>(v)] = count++;
-  std::vector<std::vector<Index>> beside(static_cast<std::size_t>(count));
+  for (std::size_t v = 0; v < given.size(); ++v)
+    if (!given[v]) free.number[v] = count++;
+  free.beside.resize(static_cast<std::size_t>(count));
   for (const auto& [a, b] : mesh.edges) {
-    const Index i = number[static_cast<std::size_t>(a)], k = number[static_cast<std::size_t>(b)];
+    const Index i = free.number[static_cast<std::size_t>(a)], k = free.number[static_cast<std::size_t>(b)];
     if (i == none || k == none) continue;
-    beside[static_cast<std::size_t>(i)].push_back(k);
-    beside[static_cast<std::size_t>(k)].push_back(i);
+    free.beside[static_cast<std::size_t>(i)].push_back(k);
+    free.beside[static_cast<std::size_t>(k)].push_back(i);
   }
-  std::vector<Index> start{0}, neighbors;
-  for (auto& list : beside) {
-    std::sort(list.begin(), list.end());
+  for (auto& list : free.beside) std::sort(list.begin(), list.end());
+  return free;
+}
+
+/// Where the elimination puts each free vertex.
+std::vector<Index> places_of(const FreeVertices& free) {
+  std::vector<Index> start{0}, neighbors, place(free.beside.size());
+  for (const auto& list : free.beside) {
     neighbors.insert(neighbors.end(), list.begin(), list.end());
     start.push_back(static_cast<Index>(neighbors.size()));
   }
-  std::vector<Index> row(mesh.points.size(), none), place(static_cast<std::size_t>(count));
-  if (count > 0) {
-    const std::vector<Index> order = dissection(start, neighbors);
-    for (Index k = 0; k < count; ++k) place[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])] = k;
-    for (std::size_t v = 0; v < row.size(); ++v)
-      if (number[v] != none) row[v] = place[static_cast<std::size_t>(number[v])];
-  }
+  if (free.beside.empty()) return place;
+  const std::vector<Index> order = dissection(start, neighbors);
+  for (std::size_t k = 0; k < order.size(); ++k) place[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
+  return place;
+}
+
+/// The matrix of the free vertices without its values.
+LowerTriangle pattern_of(const FreeVertices& free, const std::vector<Index>& place) {
+  const std::size_t count = place.size();
   LowerTriangle inner;
-  inner.size = count;
-  inner.start.assign(static_cast<std::size_t>(count) + 1, 0);
-  std::vector<std::vector<Index>> below(static_cast<std::size_t>(count));
-  for (Index i = 0; i < count; ++i) {
-    const auto r = static_cast<std::size_t>(place[static_cast<std::size_t>(i)]);
+  inner.size = static_cast<Index>(count);
+  inner.start.assign(count + 1, 0);
+  std::vector<std::vector<Index>> below(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto r = static_cast<std::size_t>(place[i]);
     below[r].push_back(static_cast<Index>(r));
-    for (const Index k : beside[static_cast<std::size_t>(i)]) {
+    for (const Index k : free.beside[i]) {
       const Index other = place[static_cast<std::size_t>(k)];
       if (other > static_cast<Index>(r)) below[r].push_back(other);
     }
@@ -66,6 +74,11 @@ Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
     inner.start[c + 1] = static_cast<Index>(inner.rows.size());
   }
   inner.values.assign(inner.rows.size(), 0.0);
+  return inner;
+}
+
+/// Stiffnesses between free vertices into the matrix; returns those with given ones.
+std::vector<Extension::Coupling> scatter(const Mesh& mesh, const std::vector<Index>& row, LowerTriangle& inner) {
   std::vector<Extension::Coupling> couplings;
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
     const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
@@ -86,6 +99,19 @@ Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
       }
     }
   }
+  return couplings;
+}
+
+}  // namespace
+
+Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
+  const FreeVertices free = free_vertices(mesh, given);
+  const std::vector<Index> place = places_of(free);
+  std::vector<Index> row(mesh.points.size(), none);
+  for (std::size_t v = 0; v < row.size(); ++v)
+    if (free.number[v] != none) row[v] = place[static_cast<std::size_t>(free.number[v])];
+  LowerTriangle inner = pattern_of(free, place);
+  std::vector<Extension::Coupling> couplings = scatter(mesh, row, inner);
   Factor factor(inner, 0);
   return {std::move(row), std::move(inner), std::move(factor), std::move(couplings)};
 }

@@ -105,6 +105,10 @@ class Run {
   void answer(Evaluation& failed, bool gradients) const;
   void weigh_up(const Evaluation& e);
   bool better(const Evaluation& a, const Evaluation& b) const;
+  bool feasible() const;
+  bool restore(const std::string& said, Minimum& found);
+  bool progress(const Evaluation& before) const;
+  void report(Minimum& found);
   nlopt_result run(const std::string& method, const VectorXd& from);
   Evaluation violations(const Evaluation& e) const;
 
@@ -317,15 +321,39 @@ nlopt_result Run::run(const std::string& method, const VectorXd& from) {
   return code;
 }
 
+bool Run::feasible() const {
+  return violation_of(*best_) <= stop_.feasibility;
+}
+
+/// Minimizes the violations alone, once; `said`: how the minimization ended that left them. Whether to go on.
+bool Run::restore(const std::string& said, Minimum& found) {
+  const double from = violation_of(*best_);
+  restoring_ = true;
+  run(program_.gradients ? "mma" : "cobyla", best_->x);
+  restoring_ = false;
+  if (end_ != End::None) return false;
+  found.notes.push_back(fmt::format("{}, but constraints were violated by {:.2g} there: minimized violations, {}", said,
+                                    from, feasible() ? "to none" : fmt::format("to {:.2g}", violation_of(*best_))));
+  if (!feasible()) found.reason = "no design near by violates them less";
+  return feasible();
+}
+
+/// Whether NLopt has made anything better than `before`.
+bool Run::progress(const Evaluation& before) const {
+  const double was = violation_of(before), is = violation_of(*best_);
+  const double gain = feasible() ? before.values[0] - best_->values[0] : was - is;
+  const double worth = feasible() ? 1e-3 * stop_.kkt * scale_of(*best_, program_.lower, program_.upper) : 1e-3 * is;
+  return gain > worth || (feasible() && was > stop_.feasibility);
+}
+
 Minimum Run::minimize(const std::string& method) {
   Minimum found;
-  const bool gradients = method != "cobyla";
-  evaluate(start_, gradients);
+  evaluate(start_, method != "cobyla");
   std::string now = method;
   constexpr int most_restarts = 6;
   bool restored = false;
   for (int restart = 0; end_ == End::None && !free_.empty(); ++restart) {
-    const Evaluation* before = best_;
+    const Evaluation& before = *best_;
     const nlopt_result code = run(now, best_->x);
     if (end_ != End::None) break;
     const std::string said = fmt::format("NLopt's {} ended because {}", now, words(code));
@@ -333,52 +361,43 @@ Minimum Run::minimize(const std::string& method) {
       found.reason = said;
       break;
     }
-    bool feasible = violation_of(*best_) <= stop_.feasibility;
-    if (!feasible && !restored) {
-      restored = restoring_ = true;
-      const double from = violation_of(*best_);
-      run(program_.gradients ? "mma" : "cobyla", best_->x);
-      restoring_ = false;
-      if (end_ != End::None) break;
-      feasible = violation_of(*best_) <= stop_.feasibility;
-      found.notes.push_back(fmt::format("{}, but constraints were violated by {:.2g} there: minimized violations, {}",
-                                        said, from,
-                                        feasible ? "to none" : fmt::format("to {:.2g}", violation_of(*best_))));
-      if (!feasible) {
-        found.reason = "no design near by violates them less";
-        break;
-      }
+    if (!feasible() && !restored) {
+      restored = true;
+      if (!restore(said, found)) break;
       if (program_.gradients) now = "mma";
       continue;
     }
     if (!program_.gradients) {
-      found.reason = feasible ? "converged as far as can be told without gradients: " + said : said;
-      found.converged = feasible && code > 0;
+      found.reason = feasible() ? "converged as far as can be told without gradients: " + said : said;
+      found.converged = feasible() && code > 0;
       break;
     }
     if (std::isnan(best_kkt_)) {  // cobyla
       evaluate(best_->x, true);
       if (end_ != End::None) break;
     }
-    const double gain = feasible ? before->values[0] - best_->values[0] : violation_of(*before) - violation_of(*best_);
-    const double worth =
-        feasible ? 1e-3 * stop_.kkt * scale_of(*best_, program_.lower, program_.upper) : 1e-3 * violation_of(*best_);
-    const bool progress = gain > worth || (feasible && violation_of(*before) > stop_.feasibility);
-    const std::string wrong = feasible ? fmt::format("the KKT residual there is {:.2g}", best_kkt_)
-                                       : fmt::format("constraints are violated by {:.2g} there", violation_of(*best_));
-    if ((now == "mma" && !progress) || restart == most_restarts) {
+    const std::string wrong = feasible()
+                                  ? fmt::format("the KKT residual there is {:.2g}", best_kkt_)
+                                  : fmt::format("constraints are violated by {:.2g} there", violation_of(*best_));
+    if ((now == "mma" && !progress(before)) || restart == most_restarts) {
       found.reason = fmt::format("{}, but {}", said, wrong);
       break;
     }
     found.notes.push_back(fmt::format("{}, but {}: went on from there with mma", said, wrong));
     now = "mma";
   }
+  report(found);
+  return found;
+}
+
+/// The best point, and how it ended.
+void Run::report(Minimum& found) {
   if (free_.empty() && end_ == End::Converged) end_ = End::None;
   found.best = *best_;
   found.evaluations = evaluations_;
   found.kkt = best_kkt_;
   found.violation = violation_of(*best_);
-  found.feasible = found.violation <= stop_.feasibility;
+  found.feasible = feasible();
   found.failure = failures_;
   switch (end_) {
     case End::Converged:
@@ -400,7 +419,6 @@ Minimum Run::minimize(const std::string& method) {
   }
   if (!found.feasible)
     found.reason = fmt::format("infeasible, constraints are violated by {:.2g}: {}", found.violation, found.reason);
-  return found;
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ struct Evaluation {
 struct Program {
   Eigen::VectorXd lower, upper;
   Eigen::Index constraints = 0;
-  /// What it throws ends the minimization and is thrown on. A failed evaluation (Evaluation::failure) is a trial that
-  /// is answered from its nearest neighbor: by its linear model where a constraint that is known is violated, so that
+  /// What it throws ends the minimization and is thrown on. A failed evaluation (Evaluation::failure) is answered
+  /// from its nearest neighbor: by its linear model where a constraint that is known is violated, so that
   /// the constraints push back, by values that push towards it otherwise. It never is the result.
   std::function<Evaluation(const Eigen::VectorXd& x, bool gradients)> evaluate;
   bool gradients = true;  // false: `evaluate` has none (cobyla alone)

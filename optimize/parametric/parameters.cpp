@@ -20,9 +20,9 @@ using Eigen::VectorXd;
 
 constexpr double feasibility = 1e-6;  // relative violations that do not count
 
-// Trials as numbers, for the checkpoint.
+// Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
-VectorXd packed(const Trial& t) {
+VectorXd packed(const DesignEvaluation& t) {
   const Evaluation& e = t.evaluation;
   const auto bounds = static_cast<Eigen::Index>(t.bounds.size());
   VectorXd v(head + bounds + e.x.size() + e.values.size() + e.gradients.size());
@@ -38,10 +38,10 @@ VectorXd packed(const Trial& t) {
   return v;
 }
 
-Trial unpacked(const VectorXd& v, const std::string& failure) {
+DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   const Error broken(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
   if (v.size() < head) throw broken;
-  Trial t;
+  DesignEvaluation t;
   t.round = static_cast<int>(v[0]);
   t.base = static_cast<Index>(v[1]);
   t.fresh = v[2] != 0;
@@ -84,34 +84,45 @@ class Rounds {
         request_(request),
         see_(see),
         place_(place),
-        trials_(problem, request),
+        evaluations_(problem, request),
         lower_(lower_bounds(request.design)),
         upper_(upper_bounds(request.design)) {}
 
   OptimizeResult run();
 
  private:
-  Trial evaluate(const VectorXd& x, bool gradients);
-  void check_derivatives(const Trial& start);
+  DesignEvaluation evaluate(const VectorXd& x, bool gradients);
+  void check_derivatives(const DesignEvaluation& start);
   bool look_at(const Evaluation& e, double kkt);
-  void show(const Iteration& row, const Trial& trial);
+  void show(const Iteration& row, const DesignEvaluation& design);
   void keep();
   void restore();
+  Program program(std::optional<DesignEvaluation>& begun);
+  std::optional<DesignEvaluation> begin_round(int round, const VectorXd& x, Minimum& found);
+  void note(const Minimum& found);
+  bool settled(const Iteration& begin, const Iteration& end, bool feasible) const;
+  OptimizeResult finish(const Minimum& found, std::size_t best);
+  bool wants_gradients() const {
+    return request_.method != "cobyla";
+  }
+  int left() const {  // of the evaluations
+    return request_.max_iterations - static_cast<int>(next_);
+  }
 
   const Problem& problem_;
   const OptimizeRequest& request_;
   const Observer& see_;
   const CheckpointPlace& place_;
-  Trials trials_;
+  Evaluations evaluations_;
   VectorXd lower_, upper_;
-  std::vector<Trial> done_;              // evaluated, in this run or before it was interrupted
+  std::vector<DesignEvaluation> done_;   // evaluated, in this run or before it was interrupted
   std::size_t restored_ = 0, next_ = 0;  // how many of them are from before, and how many this run has seen
   Checkpoint checkpoint_;
   int state_solves_ = 0;
   std::optional<std::string> checked_;  // note of the derivative check
   int checked_solves_ = 0;
   OptimizeResult result_;
-  std::vector<std::size_t> trial_of_row_;  // of the history
+  std::vector<std::size_t> evaluation_of_row_;  // of the history
   bool first_of_round_ = true, stopped_ = false;
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
@@ -154,26 +165,26 @@ void Rounds::keep() {
   write_checkpoint(place_.path, checkpoint_);
 }
 
-Trial Rounds::evaluate(const VectorXd& x, bool gradients) {
+DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   if (next_ < done_.size()) {
-    const Trial& known = done_[next_];
+    const DesignEvaluation& known = done_[next_];
     const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
-                      known.evaluation.values.size() == 1 + trials_.constraints() &&
+                      known.evaluation.values.size() == 1 + evaluations_.constraints() &&
                       (known.evaluation.gradients.cols() > 0) == gradients;
     if (!fits)
       throw Error(Fault::Usage, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
                                             "(another version or machine?); start without --resume",
                                             next_ + 1, place_.path.string()));
-    trials_.replay(known);
+    evaluations_.replay(known);
   } else {
-    done_.push_back(trials_.evaluate(x, gradients));
+    done_.push_back(evaluations_.evaluate(x, gradients));
   }
   ++next_;
   state_solves_ += done_[next_ - 1].state_solves;
   return done_[next_ - 1];
 }
 
-void Rounds::check_derivatives(const Trial& start) {
+void Rounds::check_derivatives(const DesignEvaluation& start) {
   if (!checked_) {
     constexpr double allowed = 1e-2;
     const VectorXd direction = some_direction(lower_.size());
@@ -181,13 +192,13 @@ void Rounds::check_derivatives(const Trial& start) {
     std::string where;
     // Contact may change within the longer steps.
     for (const double step : {1e-4, 1e-5, 1e-6}) {
-      const Trials::Check check = trials_.check_derivatives(start, direction, step);
+      const Evaluations::Check check = evaluations_.check_derivatives(start, direction, step);
       checked_solves_ += check.state_solves;
       const auto most = std::max_element(check.error.begin(), check.error.end());
       const auto k = static_cast<Eigen::Index>(most - check.error.begin());
       if (where.empty() || *most < worst) {
         worst = *most;
-        where = k == 0 ? "the objective" : fmt::format("the constraint \"{}\"", trials_.constraint(k - 1));
+        where = k == 0 ? "the objective" : fmt::format("the constraint \"{}\"", evaluations_.constraint(k - 1));
       }
       if (worst <= allowed) break;
     }
@@ -202,37 +213,37 @@ void Rounds::check_derivatives(const Trial& start) {
   result_.notes.push_back(*checked_);
 }
 
-void Rounds::show(const Iteration& row, const Trial& trial) {
+void Rounds::show(const Iteration& row, const DesignEvaluation& design) {
   if (!see_) return;
-  const std::shared_ptr<const SolvedTrial> solved = trials_.solved(trial);
+  const std::shared_ptr<const SolvedDesign> solved = evaluations_.solved(design);
   if (!see_({row, solved->body.shape, solved->model, solved->state})) stopped_ = true;
 }
 
 /// After every evaluation: a row of the history when it is accepted, the observer, the checkpoint.
 bool Rounds::look_at(const Evaluation& e, double kkt) {
   const std::size_t number = next_ - 1;
-  const Trial& trial = done_[number];
+  const DesignEvaluation& design = done_[number];
   const bool replayed = number < restored_;
   const double violation = violation_of(e);
   const bool feasible = violation <= feasibility, was_feasible = accepted_violation_ <= feasibility;
-  const bool better = feasible ? !was_feasible || trial.evaluation.values[0] < accepted_merit_
+  const bool better = feasible ? !was_feasible || design.evaluation.values[0] < accepted_merit_
                                : !was_feasible && violation < accepted_violation_;
-  if (e.failure.empty() && e.x == trial.evaluation.x && (first_of_round_ || better)) {
+  if (e.failure.empty() && e.x == design.evaluation.x && (first_of_round_ || better)) {
     std::vector<Iteration>& history = result_.history;
     Iteration row;
     row.number = static_cast<int>(history.size());
-    row.objective = trial.objective;
-    row.merit = trial.evaluation.values[0];
-    row.volume_fraction = trial.volume_fraction;
-    row.bounds = trial.bounds;
+    row.objective = design.objective;
+    row.merit = design.evaluation.values[0];
+    row.volume_fraction = design.volume_fraction;
+    row.bounds = design.bounds;
     row.violation = violation;
     if (!history.empty())
       for (Eigen::Index i = 0; i < lower_.size(); ++i)
         if (upper_[i] > lower_[i])
           row.step = std::max(row.step, std::abs(e.x[i] - history.back().variables[i]) / (upper_[i] - lower_[i]));
     row.optimality = kkt;
-    row.holes = trial.holes;
-    row.triangles = trial.triangles;
+    row.holes = design.holes;
+    row.triangles = design.triangles;
     row.state_solves = state_solves_;
     row.variables = e.x;
     if (first_of_round_ && !history.empty()) row.note = "a fresh mesh";
@@ -243,8 +254,8 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
     accepted_violation_ = violation;
     first_of_round_ = false;
     history.push_back(std::move(row));
-    trial_of_row_.push_back(number);
-    if (!replayed) show(history.back(), trial);
+    evaluation_of_row_.push_back(number);
+    if (!replayed) show(history.back(), design);
   } else if (!std::isnan(kkt)) {  // cobyla: derivatives asked for afterwards
     for (Iteration& row : result_.history)
       if (std::isnan(row.optimality) && row.variables == e.x) row.optimality = kkt;
@@ -253,88 +264,110 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
   return !stopped_;
 }
 
-OptimizeResult Rounds::run() {
-  restore();
-  const std::string& method = request_.method;
-  const bool wants_gradients = method != "cobyla";
-  if (wants_gradients && trials_.blind())
-    throw Error(Fault::Usage, fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"", method,
-                                          *trials_.blind()));
-  if (request_.max_iterations < 1)
-    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
+/// What the minimizer asks for, answered and recorded here. `begun`: the first evaluation of a round, made already.
+Program Rounds::program(std::optional<DesignEvaluation>& begun) {
   Program program;
   program.lower = lower_;
   program.upper = upper_;
-  program.constraints = trials_.constraints();
-  program.gradients = !trials_.blind();
-  std::optional<Trial> begun;  // the first evaluation of a round
-  program.evaluate = [&](const VectorXd& x, bool gradients) {
+  program.constraints = evaluations_.constraints();
+  program.gradients = !evaluations_.blind();
+  program.evaluate = [this, &begun](const VectorXd& x, bool gradients) {
     if (begun) return std::exchange(begun, std::nullopt)->evaluation;
     return evaluate(x, gradients).evaluation;
   };
-  program.see = [&](const Evaluation& e, double kkt) { return look_at(e, kkt); };
+  program.see = [this](const Evaluation& e, double kkt) { return look_at(e, kkt); };
+  return program;
+}
 
+/// Notes of a minimization, each once where it is about a failure.
+void Rounds::note(const Minimum& found) {
+  for (const std::string& note : found.notes) result_.notes.push_back(note);
+  for (const std::string& failure : found.failure) {
+    const std::string note = "a trial could not be evaluated: " + failure;
+    if (std::ranges::find(result_.notes, note) == result_.notes.end()) result_.notes.push_back(note);
+  }
+}
+
+/// Whether a round from `begin` to `end` changed little.
+bool Rounds::settled(const Iteration& begin, const Iteration& end, bool feasible) const {
+  const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
+  const bool was_feasible = begin.violation <= feasibility;
+  return was_feasible == feasible &&
+         (feasible ? begin.merit - end.merit <= request_.tolerance * scale
+                   : begin.violation - end.violation <= request_.tolerance * begin.violation);
+}
+
+/// The first evaluation of a round, on a fresh mesh; nothing, and why, when the best design cannot be evaluated there.
+std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x, Minimum& found) {
+  evaluations_.begin_round();
+  first_of_round_ = true;
+  accepted_merit_ = accepted_violation_ = nan;
+  if (round > 0 && left() < 1) {
+    found.reason = "all evaluations are used";
+    found.converged = false;
+    return std::nullopt;
+  }
+  DesignEvaluation begun = evaluate(x, wants_gradients());
+  if (const std::string& failure = begun.evaluation.failure; !failure.empty()) {
+    if (round == 0) throw Error(begun.fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
+    if (next_ > restored_) keep();
+    found.converged = false;
+    found.reason = "the best design cannot be evaluated on a fresh mesh: " + failure;
+    return std::nullopt;
+  }
+  if (round == 0 && wants_gradients()) check_derivatives(begun);
+  return begun;
+}
+
+OptimizeResult Rounds::run() {
+  restore();
+  const std::string& method = request_.method;
+  if (wants_gradients() && evaluations_.blind())
+    throw Error(Fault::Usage,
+                fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"", method,
+                                          *evaluations_.blind()));
+  if (request_.max_iterations < 1)
+    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
+  std::optional<DesignEvaluation> begun;
+  const Program asked = program(begun);
   VectorXd x = start_of(request_.design);
   Minimum found;
   std::size_t best = 0;  // row of the history
   double scale = 0;      // of derivatives, at the start of all
   constexpr int most_rounds = 25;
   for (int round = 0;; ++round) {
-    trials_.begin_round();
-    first_of_round_ = true;
-    accepted_merit_ = accepted_violation_ = nan;
     const std::size_t first = result_.history.size();
-    const int left = request_.max_iterations - static_cast<int>(next_);
-    if (round > 0 && left < 1) {
-      found.reason = "all evaluations are used";
-      found.converged = false;
-      break;
-    }
-    begun = evaluate(x, wants_gradients);
-    if (const std::string& failure = begun->evaluation.failure; !failure.empty()) {
-      if (round == 0)
-        throw Error(begun->fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
-      if (next_ > restored_) keep();
-      found.converged = false;
-      found.reason = "the best design cannot be evaluated on a fresh mesh: " + failure;
-      break;
-    }
-    if (round == 0 && wants_gradients) check_derivatives(*begun);
+    const int evaluations = left();
+    begun = begin_round(round, x, found);
+    if (!begun) break;
     if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
-    found = minimize(program, x, method,
-                     {.evaluations = left,
+    found = minimize(asked, x, method,
+                     {.evaluations = evaluations,
                       .kkt = request_.tolerance,
                       .scale = scale,
                       .feasibility = feasibility,
                       .value = 1e-3 * request_.tolerance,
                       .simplex = round == 0 ? 0.1 : 0.02});
-    for (const std::string& note : found.notes) result_.notes.push_back(note);
-    for (const std::string& failure : found.failure) {
-      const std::string note = "a trial could not be evaluated: " + failure;
-      if (std::ranges::find(result_.notes, note) == result_.notes.end()) result_.notes.push_back(note);
-    }
+    note(found);
     x = found.best.x;
     best = first;
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;
-    if (found.asked_to_stop || next_ >= static_cast<std::size_t>(request_.max_iterations)) break;
-    const Iteration &begin = result_.history[first], &end = result_.history[best];
-    const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
-    const bool was_feasible = begin.violation <= feasibility;
-    const bool settled = was_feasible == found.feasible &&
-                         (found.feasible ? begin.merit - end.merit <= request_.tolerance * scale
-                                         : begin.violation - end.violation <= request_.tolerance * begin.violation);
-    if (settled) break;
+    if (found.asked_to_stop || left() < 1) break;
+    if (settled(result_.history[first], result_.history[best], found.feasible)) break;
     if (round + 1 == most_rounds) {
       found.converged = false;
       found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);
       break;
     }
   }
+  return finish(found, best);
+}
 
+OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
   const Iteration& row = result_.history[best];
-  show(row, done_[trial_of_row_[best]]);  // once more, at the end
-  result_.method = method;
+  show(row, done_[evaluation_of_row_[best]]);  // once more, at the end
+  result_.method = request_.method;
   result_.iterations = static_cast<int>(result_.history.size()) - 1;
   result_.state_solves = state_solves_;
   result_.objective = row.objective;
@@ -344,7 +377,7 @@ OptimizeResult Rounds::run() {
   result_.converged = found.converged;
   result_.stopped = found.reason;
   result_.variables = row.variables;
-  DrawnBody body = draw(request_.design, row.variables, problem_);
+  DrawnBody body = body_of(request_.design, row.variables, problem_);
   result_.shape = std::move(body.shape);
   result_.scene = std::move(body.scene);
   return std::move(result_);

@@ -21,18 +21,18 @@ Shape box(double width, double height) {
   return s;
 }
 
-Canvas canvas(const Solid& solid = {}, const std::optional<Mirror>& mirror = {}, double size = 0.05) {
-  return make_canvas(triangulate(box(2, 1), {.size = size}), solid, mirror);
+BackgroundMesh rectangle_mesh(const Solid& solid = {}, const std::optional<Mirror>& mirror = {}, double size = 0.05) {
+  return background_mesh(triangulate(box(2, 1), {.size = size}), solid, mirror);
 }
 
-Eigen::VectorXd sample(const Canvas& c, const std::function<double(const Vec2&)>& f) {
+Eigen::VectorXd sample(const BackgroundMesh& c, const std::function<double(const Vec2&)>& f) {
   Eigen::VectorXd v(static_cast<Eigen::Index>(c.mesh.points.size()));
   for (std::size_t i = 0; i < c.mesh.points.size(); ++i) v[static_cast<Eigen::Index>(i)] = f(c.mesh.points[i]);
   return v;
 }
 
-TEST(Front, DistancesToACircleAreThoseOfTheCircle) {
-  const Canvas c = canvas({.held = {0, 1, 2, 3}});  // no rim
+TEST(BackgroundMesh, DistancesToACircleAreThoseOfTheCircle) {
+  const BackgroundMesh c = rectangle_mesh({.held = {0, 1, 2, 3}});  // no rim
   const auto circle_distance = [](const Vec2& x) { return 0.3 - (x - Vec2(1, 0.5)).norm(); };
   // Far from a distance itself: steep on one side.
   const Eigen::VectorXd phi = sample(c, [&](const Vec2& x) {
@@ -47,18 +47,18 @@ TEST(Front, DistancesToACircleAreThoseOfTheCircle) {
   EXPECT_LT(worst, 0.0085);
 }
 
-TEST(Front, TheFreeRimIsABoundaryToo) {
-  const Canvas c = canvas({.held = {3}});
+TEST(BackgroundMesh, TheFreeRimIsABoundaryToo) {
+  const BackgroundMesh c = rectangle_mesh({.held = {3}});
   const Eigen::VectorXd d = signed_distance(c, Eigen::VectorXd::Constant(c.lumped.size(), -1));
   EXPECT_LT(d.maxCoeff(), 0);                            // it keeps its sign on the rim
   EXPECT_NEAR(value_at(c, d, {1, 0.5}), -0.5, 0.025);    // between two rows of vertices
   EXPECT_NEAR(value_at(c, d, {0.02, 0.5}), -0.5, 0.02);  // the support is no boundary that moves
 }
 
-TEST(Front, AreasAreMetByShiftsAndFrozenPartsStay) {
+TEST(BackgroundMesh, AreasAreMetByShiftsAndFrozenPartsStay) {
   Solid solid;
   solid.loops = {{polygon("pad", {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}}, none), 0}};
-  const Canvas c = canvas(solid);
+  const BackgroundMesh c = rectangle_mesh(solid);
   const Eigen::VectorXd phi = sample(c, [](const Vec2& x) { return std::sin(5 * x.x()) * std::cos(4 * x.y()); });
   for (const double area : {0.3, 0.9, 1.7}) {
     const Eigen::VectorXd shifted = with_area(c, phi, area);
@@ -69,15 +69,15 @@ TEST(Front, AreasAreMetByShiftsAndFrozenPartsStay) {
   EXPECT_NEAR(negative_area(c.mesh, with_area(c, phi, 0.01)), 0.04, 0.01);
 }
 
-TEST(Front, MirrorsMakeImagesOfEachOther) {
-  const Canvas c = canvas({}, Mirror{{0, 0.5}, {1, 0}});
+TEST(BackgroundMesh, MirrorsMakeImagesOfEachOther) {
+  const BackgroundMesh c = rectangle_mesh({}, Mirror{{0, 0.5}, {1, 0}});
   const Eigen::VectorXd phi = constrained(c, sample(c, [](const Vec2& x) { return x.x() + x.y() - 1.2; }));
   for (const Vec2& x : {Vec2(0.3, 0.1), Vec2(1.1, 0.35), Vec2(1.7, 0.45)})
     EXPECT_NEAR(value_at(c, phi, x), value_at(c, phi, {x.x(), 1 - x.y()}), 2e-3);
 }
 
-TEST(Front, IslandsDoNotCount) {
-  const Canvas c = canvas();
+TEST(BackgroundMesh, IslandsDoNotCount) {
+  const BackgroundMesh c = rectangle_mesh();
   Eigen::VectorXd phi = sample(c, [](const Vec2& x) {
     return std::min(x.x() - 0.8, (x - Vec2(1.5, 0.5)).norm() - 0.2);  // a piece on the left and a disc
   });
@@ -89,8 +89,8 @@ TEST(Front, IslandsDoNotCount) {
   EXPECT_EQ(phi, again);
 }
 
-TEST(Front, ExtensionsAreConstantAlongNormals) {
-  const Canvas c = canvas();
+TEST(BackgroundMesh, ExtensionsAreConstantAlongNormals) {
+  const BackgroundMesh c = rectangle_mesh();
   std::vector<Vec2> points;
   Eigen::VectorXd values(360);
   for (int i = 0; i < 360; ++i) {
@@ -104,7 +104,7 @@ TEST(Front, ExtensionsAreConstantAlongNormals) {
 }
 
 TEST(Regularize, ConstantsAreTheirOwnGradients) {
-  const Canvas c = canvas();
+  const BackgroundMesh c = rectangle_mesh();
   const Helmholtz h(c, 0.1);
   EXPECT_LT((h.solve(c.lumped) - Eigen::VectorXd::Ones(c.lumped.size())).cwiseAbs().maxCoeff(), 1e-10);
   // cos(pi x) is an eigenfunction: 1 / (1 + r^2 pi^2).
@@ -136,7 +136,7 @@ TEST(Regularize, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
 }
 
 TEST(Regularize, ElasticFieldsMoveWithTheSpeeds) {
-  const Canvas c = canvas();
+  const BackgroundMesh c = rectangle_mesh();
   const EdgeCurve curve = ring(80);
   const Eigen::VectorXd d = sample(c, [](const Vec2& x) { return (x - Vec2(1, 0.5)).norm() - 0.3; });
   const ElasticProduct elastic(c, 0.1);
@@ -147,14 +147,14 @@ TEST(Regularize, ElasticFieldsMoveWithTheSpeeds) {
 }
 
 TEST(FixedPoint, TurnsTowardsTheTopologicalDerivativeAndStopsThere) {
-  const Canvas c = canvas();
+  const BackgroundMesh c = rectangle_mesh();
   const Helmholtz filter(c, 0.02);
   Eigen::VectorXd T(static_cast<Eigen::Index>(c.mesh.triangles.size()));
   for (Index t = 0; t < T.size(); ++t) T[t] = 1 + centroid(c.mesh, t).x();
   Eigen::VectorXd psi = Eigen::VectorXd::Constant(c.lumped.size(), -1);
   double before = 4;
   for (int i = 0; i < 30; ++i) {
-    const FixedPoint f = fixed_point(c, filter, c.mesh, T, psi, 0.5, {}, 1.0);
+    const FixedPoint f = fixed_point(c, filter, {c.mesh, T}, psi, {.share = 0.5, .price = {}, .area = 1.0});
     EXPECT_TRUE(f.angle < before || f.angle < 1e-6);
     before = f.angle;
     psi = f.psi;
@@ -166,7 +166,7 @@ TEST(FixedPoint, TurnsTowardsTheTopologicalDerivativeAndStopsThere) {
 }
 
 TEST(Nucleation, TakesTheLeastDerivativesThatHaveRoom) {
-  const Canvas c = canvas();
+  const BackgroundMesh c = rectangle_mesh();
   const Eigen::VectorXd d = signed_distance(c, Eigen::VectorXd::Constant(c.lumped.size(), -1));
   Eigen::VectorXd T(static_cast<Eigen::Index>(c.mesh.triangles.size()));
   for (Index t = 0; t < T.size(); ++t) T[t] = (centroid(c.mesh, t) - Vec2(0.6, 0.5)).norm();

@@ -1,5 +1,6 @@
 #include "optimize/parametric/constraints.hpp"
 #include "optimize/parametric/extend.hpp"
+#include "optimize/parametric/followers.hpp"
 #include "tests/optimize/designs.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ TEST(Design, DrawsBehindWhatTheFrameHas) {
   const Problem p = everything();
   const Design d = everything_drawn();
   check_design(d, p);
-  const DrawnBody body = draw(d, start_of(d), p);
+  const DrawnBody body = body_of(d, start_of(d), p);
   ASSERT_EQ(body.shape.holes.size(), 3u);
   ASSERT_EQ(body.shape.cracks.size(), 2u);
   ASSERT_EQ(body.shape.regions.size(), 1u);
@@ -52,22 +53,22 @@ TEST(Design, MeshVerticesFollowTheVariables) {
   const Problem p = everything();
   const Design d = everything_drawn();
   const VectorXd x = start_of(d);
-  const Mesh mesh = triangulate(draw(d, x, p).shape, p.sizing);
-  const Followers f = followers(d, x, p, mesh);
+  const Mesh mesh = triangulate(body_of(d, x, p).shape, p.sizing);
+  const std::vector<Follower> f = followers(d, x, p, mesh);
   std::vector<int> count(5, 0);
   const Points at = positions(d, f, x);
-  for (std::size_t i = 0; i < f.all.size(); ++i) {
-    ++count[static_cast<std::size_t>(f.all[i].drawn)];
-    EXPECT_LT((at.col(static_cast<Eigen::Index>(i)) - mesh.points[static_cast<std::size_t>(f.all[i].vertex)]).norm(),
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    ++count[static_cast<std::size_t>(f[i].drawn)];
+    EXPECT_LT((at.col(static_cast<Eigen::Index>(i)) - mesh.points[static_cast<std::size_t>(f[i].vertex)]).norm(),
               1e-12);
   }
   for (const int n : count) EXPECT_GE(n, 8);
   // Where they go lies on what is drawn there.
   const VectorXd y = random_in(d, 3);
   const Points to = positions(d, f, y);
-  for (std::size_t i = 0; i < f.all.size(); ++i) {
+  for (std::size_t i = 0; i < f.size(); ++i) {
     const Vec2 v = to.col(static_cast<Eigen::Index>(i));
-    const Index drawn = f.all[i].drawn;
+    const Index drawn = f[i].drawn;
     if (drawn != 0 && drawn != 4) continue;
     const Eigen::Index first = drawn == 0 ? 0 : 26;
     EXPECT_NEAR((v - y.segment<2>(first)).norm() / y[first + 2], 1, 0.02);
@@ -91,7 +92,7 @@ TEST(Design, AreaOfHolesAndItsDerivative) {
     EXPECT_LT((g - expected).norm(), 1e-9);
     // Against the polygons that are meshed.
     const Problem p = everything();
-    Shape shape = draw(d, x, p).shape;
+    Shape shape = body_of(d, x, p).shape;
     EXPECT_NEAR(kerf::area(p.frame) - kerf::area(shape), area, 2e-3 * area);
   }
 }
@@ -132,7 +133,7 @@ TEST(Design, SaysWhatIsDrawnWrong) {
 TEST(Extension, IsTheTransposeOfItsGathering) {
   const Problem p = everything();
   const Design d = everything_drawn();
-  const Mesh mesh = triangulate(draw(d, start_of(d), p).shape, p.sizing);
+  const Mesh mesh = triangulate(body_of(d, start_of(d), p).shape, p.sizing);
   const std::vector<bool> given = vertices_that_mean_something(mesh);
   const Extension e = make_extension(mesh, given);
   const auto n = static_cast<Eigen::Index>(mesh.points.size());
@@ -154,23 +155,23 @@ TEST(Extension, IsTheTransposeOfItsGathering) {
   EXPECT_LT((extend(e, motion) - motion).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-std::vector<Condition> close_conditions(const Design& d, const Problem& p) {
-  return conditions(d, p, 0.6, {{"a ring", {0, 0.9}, 0.3}});
+std::vector<Constraint> close_constraints(const Design& d, const Problem& p) {
+  return constraints(d, p, 0.6, {{"a ring", {0, 0.9}, 0.3}});
 }
 
-TEST(Conditions, HaveTheirDerivatives) {
+TEST(Constraints, HaveTheirDerivatives) {
   const Problem p = everything();
   Design d = everything_drawn();
   for (Drawn& one : d.drawn) {  // so that none is left out
     one.lower.array() -= 2;
     one.upper.array() += 2;
   }
-  const std::vector<Condition> all = close_conditions(d, p);
+  const std::vector<Constraint> all = close_constraints(d, p);
   EXPECT_GE(all.size(), 5u * 3 + 10);
   const Design narrow = everything_drawn();
   for (unsigned seed = 1; seed < 6; ++seed) {
     const VectorXd x = random_in(narrow, seed);
-    for (const Condition& c : all) {
+    for (const Constraint& c : all) {
       VectorXd g;
       c.value(x, &g);
       const VectorXd expected = differences([&](const VectorXd& z) { return c.value(z, nullptr); }, x, 1e-6);
@@ -179,23 +180,23 @@ TEST(Conditions, HaveTheirDerivatives) {
   }
 }
 
-TEST(Conditions, CirclesAreExact) {
+TEST(Constraints, CirclesAreExact) {
   Problem p = everything();
   p.frame.cracks.clear();
   p.scene.laws.clear();
   p.frame.holes = {circle("there", {1, 0}, 0.5, 0)};
   Design d{{drawn(Drawn::Kind::Circle, "a", Eigen::Vector3d(-1, 0, 0.3), 0.25),
             drawn(Drawn::Kind::Circle, "b", Eigen::Vector3d(-1, 1, 0.4), 0.3)}};
-  const std::vector<Condition> all = conditions(d, p, 0.1, {});
+  const std::vector<Constraint> all = constraints(d, p, 0.1, {});
   const VectorXd x = start_of(d);
   std::map<std::string, double> distance;
-  for (const Condition& c : all) distance[c.name] = (1 - c.value(x, nullptr)) * 0.1;
+  for (const Constraint& c : all) distance[c.name] = (1 - c.value(x, nullptr)) * 0.1;
   EXPECT_NEAR(distance.at("hole 'a' and hole 'b' are less than 0.1 apart"), 0.3, 1e-12);
   EXPECT_NEAR(distance.at("hole 'b' and the outline are less than 0.1 apart"), 0.6, 2e-3);  // two sides
   EXPECT_EQ(distance.count("hole 'a' and hole 'there' are less than 0.1 apart"), 0u);       // their bounds keep them
   d.drawn[0].upper[0] = 1;
   bool seen = false;
-  for (const Condition& c : conditions(d, p, 0.1, {}))
+  for (const Constraint& c : constraints(d, p, 0.1, {}))
     if (c.name == "hole 'a' and hole 'there' are less than 0.1 apart") {
       seen = true;
       EXPECT_NEAR((1 - c.value(x, nullptr)) * 0.1, 2 - 0.8, 1e-12);
@@ -203,22 +204,22 @@ TEST(Conditions, CirclesAreExact) {
   EXPECT_TRUE(seen);
 }
 
-TEST(Conditions, KnowOverlapCrossingAndLeaving) {
+TEST(Constraints, KnowOverlapCrossingAndLeaving) {
   const Problem p = everything();
   Design d = everything_drawn();
   for (Drawn& one : d.drawn) {
     one.lower.array() -= 2;
     one.upper.array() += 2;
   }
-  const std::vector<Condition> all = conditions(d, p, 0.1, {});
+  const std::vector<Constraint> all = constraints(d, p, 0.1, {});
   const auto value = [&](const std::string& name, const VectorXd& x) {
-    for (const Condition& c : all)
+    for (const Constraint& c : all)
       if (c.name.rfind(name, 0) == 0) return c.value(x, nullptr);
     ADD_FAILURE() << name;
     return 0.0;
   };
   const VectorXd good = start_of(d);
-  for (const Condition& c : all) EXPECT_LT(c.value(good, nullptr), 0) << c.name;
+  for (const Constraint& c : all) EXPECT_LT(c.value(good, nullptr), 0) << c.name;
   VectorXd x = good;
   x.head<2>() = Vec2(0, 0);  // the circle over the crack
   EXPECT_GT(value("hole 'circle' and crack 'fixed'", x), 1);

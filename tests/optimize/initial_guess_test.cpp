@@ -45,13 +45,13 @@ TEST(Responses, AreTheDerivativesOfReadings) {
   EXPECT_FALSE(response_at(r, {2, 2}).has_value());
 }
 
-TEST(OneShot, FindsAHole) {
+TEST(InitialGuess, FindsAHole) {
   Plate plate;
   plate.holes = {{{0.62, 0.57}, 0.08}};
   const Problem p = plate.problem();
   Design d;
   d.drawn = {plate.circle("h")};
-  const OneShot found = one_shot(p, d, 0.02);
+  const InitialGuess found = initial_guess(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 1u);
   EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.002);
   EXPECT_NEAR(found.guesses[0].size, 0.08, 0.001);
@@ -60,13 +60,13 @@ TEST(OneShot, FindsAHole) {
   EXPECT_GT(found.explained, 0.99);
 }
 
-TEST(OneShot, FindsTwoHoles) {
+TEST(InitialGuess, FindsTwoHoles) {
   Plate plate;
   plate.holes = {{{0.3, 0.65}, 0.07}, {{0.7, 0.4}, 0.09}};
   const Problem p = plate.problem();
   Design d;
   d.drawn = {plate.circle("a"), plate.circle("b")};
-  const OneShot found = one_shot(p, d, 0.02);
+  const InitialGuess found = initial_guess(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 2u);
   const bool swapped = found.guesses[0].at.x() > 0.5;
   const Guess &a = found.guesses[swapped ? 1 : 0], &b = found.guesses[swapped ? 0 : 1];
@@ -78,44 +78,44 @@ TEST(OneShot, FindsTwoHoles) {
 
 // Of an inclusion of unknown stiffness it tells the place and whether it is stiff or soft: small and stiff or large and
 // less so are nearly the same from afar.
-TEST(OneShot, FindsAnInclusion) {
+TEST(InitialGuess, FindsAnInclusion) {
   Plate plate;
   plate.inclusions = {{{0.4, 0.6}, 0.1}};
   plate.inclusion_young = 5;
   const Problem p = plate.problem();
-  const OneShot known = one_shot(p, {{plate.region("r", 5, 5)}}, 0.02);
+  const InitialGuess known = initial_guess(p, {{plate.region("r", 5, 5)}}, 0.02);
   EXPECT_LT((known.guesses[0].at - Vec2(0.4, 0.6)).norm(), 0.005);
   EXPECT_NEAR(known.guesses[0].size, 0.1, 0.002);
-  const OneShot found = one_shot(p, {{plate.region("r", 0.2, 20)}}, 0.02);
+  const InitialGuess found = initial_guess(p, {{plate.region("r", 0.2, 20)}}, 0.02);
   EXPECT_LT((found.guesses[0].at - Vec2(0.4, 0.6)).norm(), 0.01);
   EXPECT_GT(found.guesses[0].young, 1.5);
   EXPECT_NEAR(found.guesses[0].size, 0.1, 0.05);
   EXPECT_GT(found.explained, 0.999);
 }
 
-TEST(OneShot, FindsACrackThatOpens) {
+TEST(InitialGuess, FindsACrackThatOpens) {
   Plate plate;
   plate.cracks = {{Vec2(0.45, 0.45), Vec2(0.62, 0.52)}};
   const Problem p = plate.problem();
   Design d;
   d.drawn = {plate.crack("c")};
-  const OneShot found = one_shot(p, d, 0.02);
+  const InitialGuess found = initial_guess(p, d, 0.02);
   const Eigen::Vector4d start = found.design.drawn[0].start;
   EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.002);
 }
 
 // Noise of 1 %.
-TEST(OneShot, StandsNoise) {
+TEST(InitialGuess, StandsNoise) {
   Plate plate;
   plate.holes = {{{0.62, 0.57}, 0.08}};
   plate.noise = 0.01;
   Design d;
   d.drawn = {plate.circle("h")};
-  const OneShot found = one_shot(plate.problem(), d, 0.02);
+  const InitialGuess found = initial_guess(plate.problem(), d, 0.02);
   EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.02);
 }
 
-TEST(OneShot, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
+TEST(InitialGuess, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
   Plate plate;
   plate.holes = {{{0.62, 0.57}, 0.08}};
   const Problem p = plate.problem();
@@ -123,12 +123,12 @@ TEST(OneShot, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
   d.drawn = {plate.circle("h")};
   d.drawn[0].from_map = false;
   EXPECT_FALSE(wants_map(d));
-  EXPECT_EQ(one_shot(p, d, 0.02).design.drawn[0].start, d.drawn[0].start);
+  EXPECT_EQ(initial_guess(p, d, 0.02).design.drawn[0].start, d.drawn[0].start);
   d.drawn[0].from_map = true;
   d.drawn[0].lower.head<2>() << 0.001, 0.001;
   d.drawn[0].upper.head<2>() << 0.002, 0.002;
   try {
-    one_shot(p, d, 0.02);
+    initial_guess(p, d, 0.02);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.fault, Fault::Usage);
@@ -137,14 +137,14 @@ TEST(OneShot, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
 }
 
 // Without a misfit: the most negative values of the map, apart from one another.
-TEST(OneShot, ReadsAMapWithoutAMisfit) {
+TEST(InitialGuess, ReadsAMapWithoutAMisfit) {
   const Plate plate;
   Problem p = plate.problem();
   p.objective = {"compliance", {compliance(), volume()}};
   p.objective.terms[1].factor = 100;
   Design d;
   d.drawn = {plate.circle("a"), plate.circle("b")};
-  const OneShot found = one_shot(p, d, 0.02);
+  const InitialGuess found = initial_guess(p, d, 0.02);
   ASSERT_EQ(found.guesses.size(), 2u);
   EXPECT_GE((found.guesses[0].at - found.guesses[1].at).norm(), 2 * d.drawn[0].start[2] + 0.02);
   EXPECT_TRUE(std::isnan(found.explained));

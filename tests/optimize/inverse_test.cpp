@@ -26,7 +26,7 @@ Search search(const Plate& plate, const Design& design) {
   const Problem p = plate.problem();
   const Synthetic truth = plate.truth();
   OptimizeRequest r{.method = "slsqp", .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02, .design = design};
-  r.design = one_shot(p, design, r.min_distance).design;
+  r.design = initial_guess(p, design, r.min_distance).design;
   Search s;
   s.guess = identified(r.design, start_of(r.design), p, truth);
   s.result = optimize_parameters(p, r, {}, {});
@@ -118,7 +118,7 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
   hole.from_map = true;
   r.design.drawn = {hole, hole};
   r.design.drawn[1].name = "b";
-  r.design = one_shot(p, r.design, r.min_distance).design;
+  r.design = initial_guess(p, r.design, r.min_distance).design;
   const OptimizeResult result = optimize_parameters(p, r, {}, {});
   EXPECT_TRUE(result.feasible) << result.stopped;
 

@@ -32,20 +32,20 @@ TEST(Parameters, DerivativesByEveryVariableAgreeWithCentralDifferencesOnTheMoved
         crack_opening(0, {}), volume()})
     request.bounds.push_back({term.kind, {term.kind, {term}}, 1});
   const VectorXd x = start_of(request.design);
-  Trials trials(p, request);
-  trials.begin_round();
-  const Trial trial = trials.evaluate(x, true);
-  ASSERT_EQ(trial.evaluation.failure, "");
-  EXPECT_TRUE(trial.fresh);
+  Evaluations evaluations(p, request);
+  evaluations.begin_round();
+  const DesignEvaluation start = evaluations.evaluate(x, true);
+  ASSERT_EQ(start.evaluation.failure, "");
+  EXPECT_TRUE(start.fresh);
   const VectorXd width = upper_bounds(request.design) - lower_bounds(request.design);
   const auto many = static_cast<Eigen::Index>(1 + request.bounds.size());
-  const Eigen::MatrixXd g = width.asDiagonal() * trial.evaluation.gradients.leftCols(many);
+  const Eigen::MatrixXd g = width.asDiagonal() * start.evaluation.gradients.leftCols(many);
   constexpr double step = 2e-4;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const auto at = [&](double t) -> VectorXd {
       VectorXd y = x;
       y[i] += t * width[i];
-      const Trial other = trials.evaluate(y, false);
+      const DesignEvaluation other = evaluations.evaluate(y, false);
       EXPECT_EQ(other.evaluation.failure, "");
       EXPECT_FALSE(other.fresh);
       return other.evaluation.values.head(many);
@@ -137,7 +137,7 @@ TEST(Parameters, ASplineUnderEqualPullOnAllSidesBecomesACircle) {
     }
     return 4 * M_PI * area / (length * length);
   };
-  EXPECT_LT(roundness(draw(r.design, start, p).shape.holes[0]), 0.97);
+  EXPECT_LT(roundness(body_of(r.design, start, p).shape.holes[0]), 0.97);
   EXPECT_GT(roundness(found.shape.holes[0]), 0.995);
 }
 
@@ -182,9 +182,9 @@ TEST(Parameters, BoundsOnOtherFunctionalsHold) {
   Problem p = plate();
   p.objective = {"volume", {volume()}};
   OptimizeRequest r = hole({0.0, 0.0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.5});
-  Trials trials(p, r);
-  trials.begin_round();
-  const Trial start = trials.evaluate(start_of(r.design), true);
+  Evaluations evaluations(p, r);
+  evaluations.begin_round();
+  const DesignEvaluation start = evaluations.evaluate(start_of(r.design), true);
   r.bounds = {{"compliance", {"compliance", {compliance()}}, 4.2}};
   const OptimizeResult found = quietly(p, r);
   EXPECT_TRUE(found.feasible) << found.stopped;
@@ -198,17 +198,17 @@ TEST(Parameters, LoadCasesAddUp) {
   Problem p = plate();
   OptimizeRequest r = hole({0.1, 0.05, 0.2}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
   const auto objective = [&](const Problem& problem, const OptimizeRequest& request) {
-    Trials trials(problem, request);
-    trials.begin_round();
-    return trials.evaluate(start_of(request.design), true);
+    Evaluations evaluations(problem, request);
+    evaluations.begin_round();
+    return evaluations.evaluate(start_of(request.design), true);
   };
-  const Trial first = objective(p, r);
+  const DesignEvaluation first = objective(p, r);
   Problem q = p;
   q.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, x.x()); }}};
-  const Trial second = objective(q, r);
+  const DesignEvaluation second = objective(q, r);
   r.load_cases = {{"pull", 2, p.scene.tractions, {}}, {"bend", 0.5, q.scene.tractions, {}}};
   p.scene.tractions.clear();
-  const Trial both = objective(p, r);
+  const DesignEvaluation both = objective(p, r);
   EXPECT_NEAR(both.objective, 2 * first.objective + 0.5 * second.objective, 1e-12 * both.objective);
   EXPECT_EQ(both.state_solves, 2);
   EXPECT_LT((both.evaluation.gradients.col(0) - 2 * first.evaluation.gradients.col(0) -
