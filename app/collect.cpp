@@ -29,7 +29,7 @@ ContactMethod contact_method(const Case& c) {
                                      : ContactMethod::DualQp;
 }
 
-PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
+PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   PlotData d;
   d.corners = split_for_stress(model.mesh);
   const std::vector<Material> materials = corner_materials(model, d.corners);

@@ -20,7 +20,7 @@ struct PlotData {
 };
 ContactMethod contact_method(const Case& c);
 
-PlotData plot_data(const Model& model, const State& state, bool plane_strain);
+PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
                          const EnergyBounds& bounds);
