@@ -154,7 +154,7 @@ int perform(const Arguments& arguments) {
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  if (options.resume) check_checkpoint(options.folder, c);
+  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.
   options.resume = options.resume && has_checkpoint(options.folder);
   make_ready(options.folder, arguments.force || options.resume, "result.json");

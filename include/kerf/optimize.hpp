@@ -107,7 +107,7 @@ struct Iterate {
   const Iteration& row;
   const Shape& shape;
   const Model& model;
-  const Field& state;
+  const State& state;
 };
 /// Called after every accepted iterate, `at_end` once more with the last one. false: stop here.
 using Observer = std::function<bool(const Iterate&)>;
