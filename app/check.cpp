@@ -54,21 +54,24 @@ std::string place(const Shape& shape, const Mesh& mesh, std::size_t crack, Index
   return found;
 }
 
-std::size_t outside(const Mesh& mesh, const std::vector<Vec2>& points) {
-  const std::vector<Index> found = locate(mesh, points);
-  return static_cast<std::size_t>(std::count(found.begin(), found.end(), none));
-}
+/// Lines of text, one after the other.
+class Lines {
+ public:
+  template <typename... Arguments>
+  void print(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+  }
+  const std::string& text() const {
+    return text_;
+  }
 
-}  // namespace
+ private:
+  std::string text_;
+};
 
-std::string check(const Case& c) {
-  const Mesh mesh = triangulate(c.shape, c.sizing);
-  std::string out;
-  std::vector<std::string> notes;
-  const auto print = [&out]<class... Arguments>(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(out), format, std::forward<Arguments>(arguments)...);
-  };
+using Notes = std::vector<std::string>;
 
+void print_body(Lines& out, const Shape& shape, const Mesh& mesh) {
   double body = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) body += area(mesh, static_cast<Index>(t));
   Vec2 low = mesh.points.at(0), high = low;
@@ -76,68 +79,93 @@ std::string check(const Case& c) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  print("{}\n", c.title);
-  print("body      {} to {}, area {:.6g}, {} hole{}\n", at(low), at(high), body, c.shape.holes.size(),
-        c.shape.holes.size() == 1 ? "" : "s");
-  print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
-  for (std::size_t r = 0; r < c.shape.regions.size(); ++r) {
+  out.print("body      {} to {}, area {:.6g}, {} hole{}\n", at(low), at(high), body, shape.holes.size(),
+            shape.holes.size() == 1 ? "" : "s");
+}
+
+void print_regions(Lines& out, const Shape& shape, const std::vector<Elastic>& materials, const Mesh& mesh) {
+  for (std::size_t r = 0; r < shape.regions.size(); ++r) {
     double size = 0;
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
       if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
-    print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles\n", c.shape.regions[r].name,
-          c.regions[r].young, c.regions[r].poisson, size, count);
+    out.print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles\n", shape.regions[r].name,
+              materials[r].young, materials[r].poisson, size, count);
   }
-  const Quality q = quality(mesh);
-  print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",
-        mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
+}
 
-  for (std::size_t k = 0; k < c.shape.cracks.size(); ++k) {
-    const Crack& crack = c.shape.cracks[k];
+void print_mesh(Lines& out, const Mesh& mesh) {
+  const Quality q = quality(mesh);
+  out.print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",
+            mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
+}
+
+void print_cracks(Lines& out, Notes& notes, const Shape& shape, const Scene& scene, const Mesh& mesh) {
+  for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
+    const Crack& crack = shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
-    print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]), path_length(crack),
-          edges.size());
+    out.print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(scene.laws[k]), path_length(crack),
+              edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
     } else {
       const Index start = mesh.edges[edges.front().edge][edges.front().forward ? 0 : 1];
       const Index end = mesh.edges[edges.back().edge][edges.back().forward ? 1 : 0];
-      print(", {} {} to {} {}", at(crack.points.front()), place(c.shape, mesh, k, start), at(crack.points.back()),
-            place(c.shape, mesh, k, end));
+      out.print(", {} {} to {} {}", at(crack.points.front()), place(shape, mesh, k, start), at(crack.points.back()),
+                place(shape, mesh, k, end));
     }
-    print("\n");
+    out.print("\n");
   }
+}
 
-  print("\n{:<20} {:>6} {:>12}  {}\n", "label", "edges", "length", "condition");
-  std::vector<std::size_t> count(c.shape.labels.size(), 0);
-  std::vector<double> total(c.shape.labels.size(), 0.0);
+void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& scene, const Mesh& mesh) {
+  out.print("\n{:<20} {:>6} {:>12}  {}\n", "label", "edges", "length", "condition");
+  std::vector<std::size_t> count(shape.labels.size(), 0);
+  std::vector<double> total(shape.labels.size(), 0.0);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     if (mesh.label[e] == none) continue;
     ++count[mesh.label[e]];
     total[mesh.label[e]] += length(mesh, static_cast<Index>(e));
   }
   for (std::size_t label = 0; label < count.size(); ++label) {
-    print("{:<20} {:>6} {:>12.6g}  {}\n", c.shape.labels[label], count[label], total[label],
-          condition(c.scene, static_cast<Index>(label)));
-    if (count[label] == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", c.shape.labels[label]));
+    out.print("{:<20} {:>6} {:>12.6g}  {}\n", shape.labels[label], count[label], total[label],
+              condition(scene, static_cast<Index>(label)));
+    if (count[label] == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", shape.labels[label]));
   }
+}
 
-  for (const Probe& probe : c.probes)
-    if (const std::size_t lost = outside(mesh, probe.points))
-      notes.push_back(
-          fmt::format("probe \"{}\": {} of {} points lie outside the body", probe.name, lost, probe.points.size()));
-  if (c.map && !c.map->points.empty())
-    if (const std::size_t lost = outside(mesh, c.map->points))
-      notes.push_back(fmt::format("map: {} of {} points lie outside the body", lost, c.map->points.size()));
-  if (c.validate)
-    if (const std::size_t lost = outside(mesh, c.validate->points))
-      notes.push_back(fmt::format("validate: {} of {} points lie outside the body", lost, c.validate->points.size()));
-  if (c.scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
-  if (c.scene.supports.empty() && c.scene.tractions.empty() && !c.scene.body)
+void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
+  const std::vector<Index> found = locate(mesh, points);
+  if (const auto lost = std::count(found.begin(), found.end(), none))
+    notes.push_back(fmt::format("{}: {} of {} points lie outside the body", whose, lost, points.size()));
+}
+
+void note_loads(Notes& notes, const Scene& scene) {
+  if (scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
+  if (scene.supports.empty() && scene.tractions.empty() && !scene.body)
     notes.push_back("nothing acts on the body: the solution is zero");
-  if (!notes.empty()) print("\n");
-  for (const std::string& note : notes) print("note: {}\n", note);
-  return out;
+}
+
+}  // namespace
+
+std::string check(const Case& c) {
+  const Mesh mesh = triangulate(c.shape, c.sizing);
+  Lines out;
+  Notes notes;
+  out.print("{}\n", c.title);
+  print_body(out, c.shape, mesh);
+  out.print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
+  print_regions(out, c.shape, c.regions, mesh);
+  print_mesh(out, mesh);
+  print_cracks(out, notes, c.shape, c.scene, mesh);
+  print_labels(out, notes, c.shape, c.scene, mesh);
+  for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
+  if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
+  if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);
+  note_loads(notes, c.scene);
+  if (!notes.empty()) out.print("\n");
+  for (const std::string& note : notes) out.print("note: {}\n", note);
+  return out.text();
 }
 
 }  // namespace kerf

@@ -1,23 +1,16 @@
 #include "app/collect.hpp"
+
+#include "io/validation.hpp"
+#include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"
 #include "solver/system.hpp"
-
-#include "geometry/plane.hpp"
-#include "io/validation.hpp"
-#include "kerf/fracture.hpp"
 
 #include <cmath>
 
 namespace kerf {
 
-ContactMethod contact_method(const Case& c) {
-  return c.contact == "uzawa"        ? ContactMethod::Uzawa
-         : c.contact == "active-set" ? ContactMethod::ActiveSet
-                                     : ContactMethod::DualQp;
-}
-
-PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
+PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   PlotData d;
   d.corners = split_for_stress(model.mesh);
   const std::vector<Material> materials = corner_materials(model, d.corners);
@@ -114,7 +107,8 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
     }
     if (any) return e;
   }
-  return {{Vec2::Zero(), nan}, {Vec2::Zero(), nan}};
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  return {{Vec2::Zero(), unknown}, {Vec2::Zero(), unknown}};
 }
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
@@ -125,17 +119,17 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
   return r;
 }
 
-MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map) {
+MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent) {
   const Model& model = *analysis.model;
-  MapResult r{.perturbation = word(c.map_request.perturbation.kind)};
+  MapResult r{.perturbation = word(task.request.perturbation.kind)};
   const std::vector<Vec2> singular = singular_points(model);
   constexpr double share = 0.02;  // of the body's extent
-  r.excluded_radius = singular.empty() ? 0 : share * extent(c.shape);
+  r.excluded_radius = singular.empty() ? 0 : share * extent;
   const Extrema e = extrema(model, map, singular, r.excluded_radius);
   r.min = e.min;
   r.max = e.max;
-  if (c.map && !c.map->points.empty()) r.points = map_at(analysis, c.functional, c.map_request, c.map->points);
-  r.radius = c.map_request.radius;
+  if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
+  r.radius = task.request.radius;
   double masked = 0;
   for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
     if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));

@@ -1,13 +1,11 @@
 #pragma once
-// From a model and its solution to the numbers, fields and pictures of a result.
+// From a model and its solution to the numbers and fields of a result.
 
 #include "io/result.hpp"
 #include "kerf/adaptive.hpp"
 #include "kerf/bounds.hpp"
-#include "kerf/case_file.hpp"
 #include "kerf/map.hpp"
 #include "kerf/vtk.hpp"
-#include "plot/picture.hpp"
 
 namespace kerf {
 
@@ -18,9 +16,8 @@ struct PlotData {
   CornerValues values;
   Eigen::VectorXd von_mises;  // at corners
 };
-ContactMethod contact_method(const Case& c);
 
-PlotData plot_data(const Model& model, const State& state, bool plane_strain);
+PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
                          const EnergyBounds& bounds);
@@ -36,18 +33,19 @@ struct Extrema {
 Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius);
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis);
-MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map);
+/// What is mapped: `points`: where it is asked for; none: everywhere.
+struct MapTask {
+  const Functional& functional;
+  const MapRequest& request;
+  const std::vector<Vec2>& points;
+};
+/// `extent`: of the body.
+MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent);
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);
 /// Of an iterate of an optimization.
 std::vector<NamedField> design_fields(const Model& model, const PlotData& data);
 std::vector<NamedField> crack_fields(const CrackResult& crack);
-
-/// The body in one color with its supports, and its loads as arrows.
-Picture design_picture(const Case& c, const Model& model);
-Picture mesh_picture(const Case& c, const Model& model);
-Picture stress_picture(const Case& c, const Model& model, const PlotData& data);
-Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map);
 
 }  // namespace kerf

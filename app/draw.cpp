@@ -1,4 +1,4 @@
-#include "app/collect.hpp"
+#include "app/draw.hpp"
 
 #include <fmt/core.h>
 
@@ -11,22 +11,21 @@ namespace kerf {
 namespace {
 
 // The corner number that triangle t has at vertex v.
-Index corner(const Model& model, const PlotData& data, Index t, Index v) {
+Index corner(const Mesh& mesh, const Corners& corners, Index t, Index v) {
   for (int i = 0; i < 3; ++i)
-    if (model.mesh.triangles[t][i] == v) return data.corners.of[t][i];
+    if (mesh.triangles[t][i] == v) return corners.of[t][i];
   return none;
 }
 
 // Boundary edges, edges between materials and crack faces as lines through the given positions of the corners.
-void add_lines(const Model& model, const PlotData& data, const std::vector<Vec2>& position, Picture& p) {
-  const Mesh& mesh = model.mesh;
+void add_lines(const Mesh& mesh, const Corners& corners, const std::vector<Vec2>& position, Picture& p) {
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const bool interface = is_interface(mesh, e);
     if (!interface && mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
     const Index t = mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0];
     (interface ? p.interfaces : p.outlines)
-        .push_back(
-            {position[corner(model, data, t, mesh.edges[e][0])], position[corner(model, data, t, mesh.edges[e][1])]});
+        .push_back({position[corner(mesh, corners, t, mesh.edges[e][0])],
+                    position[corner(mesh, corners, t, mesh.edges[e][1])]});
   }
   for (const auto& crack : mesh.cracks)
     for (int side = 0; side < 2; ++side) {
@@ -34,8 +33,8 @@ void add_lines(const Model& model, const PlotData& data, const std::vector<Vec2>
       for (const CrackEdge& c : crack) {
         const Index t = mesh.sides[c.edge][c.forward ? side : 1 - side];
         const int from = c.forward ? 0 : 1;
-        if (line.empty()) line.push_back(position[corner(model, data, t, mesh.edges[c.edge][from])]);
-        line.push_back(position[corner(model, data, t, mesh.edges[c.edge][1 - from])]);
+        if (line.empty()) line.push_back(position[corner(mesh, corners, t, mesh.edges[c.edge][from])]);
+        line.push_back(position[corner(mesh, corners, t, mesh.edges[c.edge][1 - from])]);
       }
       p.cracks.push_back(std::move(line));
     }
@@ -64,14 +63,14 @@ double exaggeration(const PlotData& data) {
   return power;
 }
 
-std::string map_words(const Case& c) {
-  const Perturbation& p = c.map_request.perturbation;
-  std::string j = c.functional.kind == "sum" ? "functional" : c.functional.kind;
+std::string map_words(const MapTask& task) {
+  const Perturbation& p = task.request.perturbation;
+  std::string j = task.functional.kind == "sum" ? "functional" : task.functional.kind;
   std::replace(j.begin(), j.end(), '_', ' ');
   const char* by = " changes it by \u03c0 \u03b5\u00b2 T";
   switch (p.kind) {
     case Perturbation::Kind::ClampedHole:
-      return fmt::format("change of the {} by a clamped hole of radius {:.3g}", j, c.map_request.radius);
+      return fmt::format("change of the {} by a clamped hole of radius {:.3g}", j, task.request.radius);
     case Perturbation::Kind::Inclusion:
       return fmt::format("topological derivative of the {}: an inclusion of radius \u03b5{}", j, by);
     case Perturbation::Kind::Ellipse:
@@ -89,17 +88,15 @@ std::string map_words(const Case& c) {
 
 }  // namespace
 
-Picture mesh_picture(const Case& c, const Model& model) {
-  const Quality q = quality(model.mesh);
-  Picture p{.title = c.title,
+Picture mesh_picture(const std::string& title, const Mesh& mesh) {
+  const Quality q = quality(mesh);
+  Picture p{.title = title,
             .subtitle = fmt::format("mesh: {} triangles, edges {:.3g} to {:.3g}, smallest angle {:.1f} degrees",
-                                    model.mesh.triangles.size(), q.h_min, q.h_max, q.min_angle_deg)};
-  p.points = model.mesh.points;
-  p.triangles = model.mesh.triangles;
+                                    mesh.triangles.size(), q.h_min, q.h_max, q.min_angle_deg)};
+  p.points = mesh.points;
+  p.triangles = mesh.triangles;
   p.edges = true;
-  PlotData plain;
-  plain.corners = {model.mesh.triangles, {}};
-  add_lines(model, plain, p.points, p);
+  add_lines(mesh, {mesh.triangles, {}}, p.points, p);
   return p;
 }
 
@@ -162,55 +159,66 @@ void add_arrows(const std::vector<Vec2>& chain, const BoundaryField& load, doubl
   }
 }
 
+/// All loaded parts of the boundary with what acts on them, and the largest traction at the middle of an edge.
+struct Loaded {
+  std::vector<std::pair<std::vector<Vec2>, const Traction*>> chains;
+  double largest = 0;
+};
+
+Loaded loaded_chains(const Mesh& mesh, std::span<const Traction> tractions) {
+  Loaded out;
+  for (const Traction& t : tractions)
+    for (auto& chain : chains(mesh, t.label)) {
+      for (std::size_t i = 1; i < chain.size(); ++i) {
+        const Vec2 edge = chain[i] - chain[i - 1];
+        const double size = t.value(0.5 * (chain[i] + chain[i - 1]), Vec2(edge.y(), -edge.x()).normalized()).norm();
+        if (std::isfinite(size)) out.largest = std::max(out.largest, size);
+      }
+      out.chains.emplace_back(std::move(chain), &t);
+    }
+  return out;
+}
+
 }  // namespace
 
-Picture design_picture(const Case& c, const Model& model) {
-  Picture p = mesh_picture(c, model);
+Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& scene,
+                       std::span<const LoadCase> further, double size) {
+  Picture p = mesh_picture(title, mesh);
   p.edges = false;
   p.solid = true;
   p.subtitle.clear();
   const auto mention = [&p](const char* words) { p.subtitle += (p.subtitle.empty() ? "" : ", ") + std::string(words); };
-  for (const Support& support : c.scene.supports)
-    for (auto& chain : chains(model.mesh, support.label))
+  for (const Support& support : scene.supports)
+    for (auto& chain : chains(mesh, support.label))
       (support.first && support.second ? p.supports : p.rollers).push_back(std::move(chain));
-  std::vector<Traction> tractions = c.scene.tractions;
-  if (c.optimize)
-    for (std::size_t i = 1; i < c.optimize->load_cases.size(); ++i)  // the scene has those of the first
-      for (const Traction& t : c.optimize->load_cases[i].tractions) tractions.push_back(t);
-  double largest = 0;
-  std::vector<std::pair<std::vector<Vec2>, const Traction*>> loaded;
-  for (const Traction& t : tractions)
-    for (auto& chain : chains(model.mesh, t.label)) {
-      for (std::size_t i = 1; i < chain.size(); ++i) {
-        const Vec2 edge = chain[i] - chain[i - 1];
-        const double size = t.value(0.5 * (chain[i] + chain[i - 1]), Vec2(edge.y(), -edge.x()).normalized()).norm();
-        if (std::isfinite(size)) largest = std::max(largest, size);
-      }
-      loaded.emplace_back(std::move(chain), &t);
-    }
-  if (largest > 0)
-    for (const auto& [chain, t] : loaded) add_arrows(chain, t->value, largest, extent(c.shape), p);
+  std::vector<Traction> tractions = scene.tractions;
+  for (const LoadCase& loads : further)
+    tractions.insert(tractions.end(), loads.tractions.begin(), loads.tractions.end());
+  const Loaded loaded = loaded_chains(mesh, tractions);
+  if (loaded.largest > 0)
+    for (const auto& [chain, t] : loaded.chains) add_arrows(chain, t->value, loaded.largest, size, p);
   if (!p.supports.empty() || !p.rollers.empty()) mention("blue: supports");
   if (!p.arrows.empty()) mention("orange: loads");
   if (!p.cracks.empty()) mention("red: cracks");
   return p;
 }
 
-Picture stress_picture(const Case& c, const Model& model, const PlotData& data) {
+Picture stress_picture(const std::string& title, const Model& model, const PlotData& data) {
   const double factor = exaggeration(data);
-  Picture p{.title = c.title, .subtitle = fmt::format("von Mises stress; displacements drawn {:g} times", factor)};
+  Picture p{.title = title, .subtitle = fmt::format("von Mises stress; displacements drawn {:g} times", factor)};
   p.points = data.points;
   for (std::size_t i = 0; i < p.points.size(); ++i)
     p.points[i] += factor * data.values.displacement.col(static_cast<Eigen::Index>(i));
   p.triangles = data.corners.of;
   p.values = spread(data, data.von_mises);
   p.value_label = "von Mises stress";
-  add_lines(model, data, p.points, p);
+  add_lines(model.mesh, data.corners, p.points, p);
   return p;
 }
 
-Picture map_picture(const Case& c, const Model& model, const PlotData& data, const FullMap& map) {
-  Picture p{.title = c.title, .subtitle = map_words(c)};
+Picture map_picture(const std::string& title, const MapTask& task, const Model& model, const PlotData& data,
+                    const FullMap& map) {
+  Picture p{.title = title, .subtitle = map_words(task)};
   p.points = data.points;
   p.triangles = data.corners.of;
   p.values = spread(data, map.at_corners);
@@ -227,16 +235,14 @@ Picture map_picture(const Case& c, const Model& model, const PlotData& data, con
       positive = positive || values.maxCoeff() > 0;
     }
   }
-  if (gray)
-    p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", c.map_request.radius);
-  p.value_label = c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole ? "predicted change of J"
-                                                                                     : "topological derivative T";
+  if (gray) p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
+  p.value_label = task.request.perturbation.kind == Perturbation::Kind::ClampedHole ? "predicted change of J"
+                                                                                    : "topological derivative T";
   p.scale = negative && positive ? Scale::Diverging : Scale::Linear;
   p.clip = 0.02;  // the map is infinite at tips
-  add_lines(model, data, p.points, p);
-  if (c.map)
-    for (std::size_t i = 0; i < c.map->points.size() && i < 20; ++i)
-      p.marks.emplace_back(c.map->points[i], std::to_string(i + 1));
+  add_lines(model.mesh, data.corners, p.points, p);
+  for (std::size_t i = 0; i < task.points.size() && i < 20; ++i)
+    p.marks.emplace_back(task.points[i], std::to_string(i + 1));
   return p;
 }
 

@@ -37,29 +37,32 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
   return angle;
 }
 
-std::vector<std::vector<double>> probe_rows(const Case& c, const Model& model, const State& state, const Probe& probe,
-                                            const Analysis* analysis) {
-  const std::vector<Index> where = locate(model.mesh, probe.points);
-  std::vector<MapPoint> map(probe.points.size(), MapPoint{.value = unknown});
-  if (analysis) {
-    MapRequest request = c.map_request;
-    request.bounds = false;
-    map = map_at(*analysis, c.functional, request, probe.points);
+/// Fields at the corners and at the centroids.
+void write_map_vtu(const std::filesystem::path& path, const FullMap& map, const PlotData& data) {
+  std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
+                                 {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
+                                 {"mask", false, flags(map.masked_corner)},
+                                 {"mask_at_centroid", true, flags(map.masked_centroid)}};
+  if (map.lower.size() > 0) {
+    fields.push_back({"lower", false, map.lower.transpose()});
+    fields.push_back({"upper", false, map.upper.transpose()});
   }
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < probe.points.size(); ++i) {
-    const Vec2& x = probe.points[i];
-    std::vector<double> row(8, unknown);  // an empty cell: outside the body
-    row[0] = x.x(), row[1] = x.y();
-    if (where[i] != none) {
-      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
-      const Eigen::Vector4d s =
-          stress_at(model.inner->kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
-      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
-    }
-    rows.push_back(std::move(row));
+  if (map.angle.size() > 0) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
+  write_vtu(path, data.points, data.corners.of, fields);
+}
+
+std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const FullMap& map) {
+  const bool oriented = map.angle.size() > 0;
+  const Eigen::VectorXd angle = oriented ? angle_at_corners(mesh, data, map.angle) : Eigen::VectorXd();
+  std::vector<MapPoint> points;
+  for (std::size_t i = 0; i < data.points.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    MapPoint p{.at = data.points[i], .value = map.at_corners[k], .masked = map.masked_corner[i]};
+    if (oriented) p.angle = angle[k];
+    if (map.lower.size() > 0) p.lower = map.lower[k], p.upper = map.upper[k];
+    points.push_back(p);
   }
-  return rows;
+  return points;
 }
 
 }  // namespace
@@ -86,67 +89,64 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
   }
 }
 
-void write_state_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
-                       const Indicator& indicator, const PlotData& data, const std::vector<CrackResult>& cracks) {
-  if (c.output.vtk)
-    write_vtu(folder / "state.vtu", data.points, data.corners.of, state_fields(model, state, data, indicator));
+void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
+                       const std::vector<CrackResult>& cracks) {
+  if (journal.vtk)
+    write_vtu(journal.file("state.vtu"), data.points, data.corners.of,
+              state_fields(adapted.model, adapted.state, data, adapted.indicator));
   for (const CrackResult& crack : cracks) {
-    write_crack_csv(folder / ("crack_" + crack.name + ".csv"), crack);
-    if (!c.output.vtk) continue;
+    write_crack_csv(journal.file("crack_" + crack.name + ".csv"), crack);
+    if (!journal.vtk) continue;
     std::vector<std::vector<Vec2>> line(1);
     for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
-    write_vtp(folder / ("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
+    write_vtp(journal.file("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
   }
 }
 
-void write_map_files(const std::filesystem::path& folder, const Case& c, const MapResult& result, const Mesh& mesh,
-                     const PlotData& data, const FullMap& map) {
-  const bool bounds = c.map_request.bounds, everywhere = map.lower.size() > 0, oriented = map.angle.size() > 0;
-  if (c.output.vtk) {
-    std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
-                                   {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
-                                   {"mask", false, flags(map.masked_corner)},
-                                   {"mask_at_centroid", true, flags(map.masked_centroid)}};
-    if (everywhere) {
-      fields.push_back({"lower", false, map.lower.transpose()});
-      fields.push_back({"upper", false, map.upper.transpose()});
-    }
-    if (oriented) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
-    write_vtu(folder / "map.vtu", data.points, data.corners.of, fields);
-  }
-
+void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data) {
+  if (journal.vtk) write_map_vtu(journal.file("map.vtu"), map.full, data);
+  const bool bounds = task.request.bounds, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});
   if (oriented) columns.push_back("angle_deg");
   columns.push_back("masked");
   std::vector<std::vector<double>> rows;
-  const auto add = [&](const MapPoint& p) {
+  for (const MapPoint& p : map.result.points.empty() ? at_corners(mesh, data, map.full) : map.result.points) {
     std::vector<double> row = {p.at.x(), p.at.y(), p.value};
     if (bounds) row.insert(row.end(), {p.lower.value_or(unknown), p.upper.value_or(unknown)});
     if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : unknown);
     row.push_back(p.masked ? 1 : 0);
     rows.push_back(std::move(row));
-  };
-  for (const MapPoint& p : result.points) add(p);
-  if (result.points.empty()) {
-    const Eigen::VectorXd angle = oriented ? angle_at_corners(mesh, data, map.angle) : Eigen::VectorXd();
-    for (std::size_t i = 0; i < data.points.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      MapPoint p{.at = data.points[i], .value = map.at_corners[k], .masked = map.masked_corner[i]};
-      if (oriented) p.angle = angle[k];
-      if (everywhere) p.lower = map.lower[k], p.upper = map.upper[k];
-      add(p);
-    }
   }
-  write_csv(folder / "map.csv", columns, rows);
+  write_csv(journal.file("map.csv"), columns, rows);
 }
 
-void write_probe_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
-                       const Analysis* analysis) {
-  for (const Probe& probe : c.probes)
-    write_csv(folder / ("probe_" + probe.name + ".csv"),
-              {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"},
-              probe_rows(c, model, state, probe, analysis));
+void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> points, const Adapted& adapted,
+                      const MapTask& task, const Analysis* analysis) {
+  const Model& model = adapted.model;
+  const State& state = adapted.state;
+  const std::vector<Index> where = locate(model.mesh, points);
+  std::vector<MapPoint> map(points.size(), MapPoint{.value = unknown});
+  if (analysis) {
+    MapRequest request = task.request;
+    request.bounds = false;
+    map = map_at(*analysis, task.functional, request, points);
+  }
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2& x = points[i];
+    std::vector<double> row(8, unknown);  // an empty cell: outside the body
+    row[0] = x.x(), row[1] = x.y();
+    if (where[i] != none) {
+      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
+      const Eigen::Vector4d s =
+          stress_at(model.inner->kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
+      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
+    }
+    rows.push_back(std::move(row));
+  }
+  write_csv(path, {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"}, rows);
 }
 
 }  // namespace kerf

@@ -1,7 +1,7 @@
 #pragma once
 // The files of a run, but for result.json and the page.
 
-#include "app/collect.hpp"
+#include "app/map.hpp"
 
 namespace kerf {
 
@@ -10,15 +10,15 @@ namespace kerf {
 void remove_earlier_results(const std::filesystem::path& folder, bool resume);
 
 /// state.vtu, crack_<name>.csv and .vtp.
-void write_state_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
-                       const Indicator& indicator, const PlotData& data, const std::vector<CrackResult>& cracks);
+void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
+                       const std::vector<CrackResult>& cracks);
 
 /// map.vtu; map.csv at the asked points, or at all corners.
-void write_map_files(const std::filesystem::path& folder, const Case& c, const MapResult& result, const Mesh& mesh,
-                     const PlotData& data, const FullMap& map);
+void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data);
 
-/// probe_<name>.csv; without `analysis` the column of the map is empty.
-void write_probe_files(const std::filesystem::path& folder, const Case& c, const Model& model, const State& state,
-                       const Analysis* analysis);
+/// A probe_<name>.csv: the state at the points and, unless `analysis` is null, the map of the task.
+void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> points, const Adapted& adapted,
+                      const MapTask& task, const Analysis* analysis);
 
 }  // namespace kerf

@@ -1,33 +1,35 @@
 #pragma once
-// An optimization and the files that it leaves while it runs.
+// An optimization with everything that it leaves behind.
 
-#include "app/run.hpp"
-#include "plot/evolution.hpp"
+#include "app/journal.hpp"
 
 namespace kerf {
 
 /// Whether there is something to resume.
 bool has_checkpoint(const std::filesystem::path& folder);
 /// Throws Error(Usage) when the folder holds a checkpoint of another case, Error(Files) when it cannot be read.
-void check_checkpoint(const std::filesystem::path& folder, const Case& c);
+void check_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
 
-struct Optimized {
-  OptimizeResult result;
-  OptimizeNames names;
-  std::vector<Identified> identified = {};  // with synthetic data
-  std::vector<Snapshot> snapshots;          // for evolution.png
-  double output = 0;                        // seconds spent on files
-  bool stopped = false;                     // as options.stop_asked wanted; the checkpoint can be resumed
+struct OptimizeTask {
+  Problem problem;
+  OptimizeRequest request;
+  std::optional<Synthetic> truth;  // what synthetic data come from
+  std::string fingerprint;         // of the case, for its checkpoint
 };
 
-/// The case with the data of [synthetic], if it has that, which also go to measured.csv. Throws as measure does.
-Case with_data(Case c, const RunOptions& options);
+/// The functional with the data of a body that is known, which also go to measured.csv. Throws as measure does.
+Functional with_data(Functional j, const Synthetic& truth, const RunOptions& options);
 
-/// Runs [optimize] of the case. Every accepted iterate leaves design_NNNN.vtu, optimize.pvd and history.csv; the loops
-/// keep checkpoint.bin. Resumed, all of these go on as if nothing had happened. Throws what the loops throw.
-Optimized optimize(const Case& c, const RunOptions& options);
+/// What a result says about an optimization. `identified`: with synthetic data.
+struct OptimizeSection {
+  OptimizeResult result;
+  OptimizeNames names;
+  std::vector<Identified> identified = {};
+};
 
-/// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.
-Case designed(const Case& c, const OptimizeResult& result);
+/// Every accepted iterate leaves design_NNNN.vtu, optimize.pvd and history.csv; the loops keep checkpoint.bin. Resumed,
+/// all of these go on as if nothing had happened. Asked to stop it leaves its files, its pictures and a checkpoint, and
+/// throws Error(Numerics). Throws what the loops throw.
+OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal);
 
 }  // namespace kerf

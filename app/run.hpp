@@ -1,20 +1,12 @@
 #pragma once
 // Case -> files. The whole toolkit in one page of calls.
 
-#include "io/result.hpp"
+#include "app/journal.hpp"
 #include "kerf/case_file.hpp"
 
 namespace kerf {
 
 enum class Job { Run, Solve, Map, Validate, Optimize };
-
-struct RunOptions {
-  std::filesystem::path folder;  // made if absent
-  int threads = 1;
-  bool resume = false;                                     // an optimization goes on from its checkpoint
-  std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
-  std::function<bool()> stop_asked;                        // polled between phases: what is done so far stays on disk
-};
 
 /// Runs the jobs and writes every file of the interface; result.json last. Throws Error(Geometry | Numerics | Files).
 /// A state that cannot be solved is written (status, reason) before Error(Numerics) leaves; a map or a validation that

@@ -18,10 +18,6 @@ constexpr const char* validation = "validation";
 constexpr double good_enough = 1e-5;  // no sequence goes beyond this error
 constexpr double growth = 2.3;        // of the time from one level to the next
 
-bool wanted(const std::vector<std::string>& names, std::string_view name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
 Grading grading_of(const BenchProblem& problem) {
   return problem.shape.cracks.empty() ? Grading::Uniform : Grading::Graded;
 }
@@ -39,7 +35,7 @@ class Runner {
     std::vector<Sequence> all;
     for (const BenchProblem& p : problems())
       for (const Element& e : elements)
-        if (p.exact && (options_.elements.empty() ? e.name == "bdms" : wanted(options_.elements, e.name)))
+        if (p.exact && (options_.elements.empty() ? e.name == "bdms" : is_wanted(options_.elements, e.name)))
           all.push_back({p, &e});
     Stopwatch watch;
     double spent = 0;
@@ -68,14 +64,14 @@ class Runner {
   }
 
   void validations() {
-    if (stopped() || !wanted(options_.cases, validation)) return;
+    if (stopped() || !is_wanted(options_.cases, validation)) return;
     attempt("validations", [&] {
       bench_.validations = options_.quick ? measure_validations(1000, 1, 2, 1) : measure_validations(100000);
     });
   }
 
   bool stopped() const {
-    return options_.stop_asked && options_.stop_asked();
+    return stop_asked(options_);
   }
 
  private:
@@ -87,7 +83,7 @@ class Runner {
     std::vector<BenchProblem> all;
     for (const ProblemKind& kind : map_problem_kinds())
       for (const double poisson : kind.poisson)
-        if (wanted(options_.cases, kind.name) && !(options_.quick && poisson != kind.poisson.front()))
+        if (is_wanted(options_.cases, kind.name) && !(options_.quick && poisson != kind.poisson.front()))
           all.push_back(map_problem(kind.name, poisson));
     return all;
   }
@@ -162,34 +158,18 @@ std::string size_table(const MapBench& bench) {
 
 MapBench run_map_bench(const MapBenchOptions& options) {
   if (!options.peers.empty()) require_scripts(options.peers, PeerTask::Map);
-  std::error_code failed;
-  std::filesystem::create_directories(options.folder, failed);
-  if (failed)
-    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
+  make_folder(options.folder);
   MapBench bench;
   Runner runner(options, bench);
   runner.sequences();
   runner.sizes();
   runner.validations();
-  if (!options.peers.empty() && !runner.stopped()) {
-    PeerRuns peers = run_peers({.task = PeerTask::Map,
-                                .scripts = options.peers,
-                                .work = options.folder / "peers",
-                                .seconds = options.peer_seconds,
-                                .quick = options.quick,
-                                .problems = options.cases,
-                                .stop_asked = options.stop_asked,
-                                .on_phase = options.on_phase});
-    bench.peers = std::move(peers.runs);
-    bench.notes.insert(bench.notes.end(), peers.notes.begin(), peers.notes.end());
-  }
+  add_peers(options, PeerTask::Map, bench);
   bench.stopped = runner.stopped();
-  Sequences own, others;
+  Sequences own;
   for (const auto* runs : {&bench.sequences, &bench.sizes})
     for (const MapMeasurement& m : *runs) own.add(m.problem, m.poisson, sequence_name(m), {m.error, m.work()});
-  for (const PeerRun& p : bench.peers) others.add(p.problem, p.poisson, p.name, {p.error, p.work});
-  bench.best = own.fastest(map_errors_to_reach);
-  bench.best_peers = others.fastest(map_errors_to_reach);
+  compare(own, map_errors_to_reach, bench);
   write_map_csv(options.folder / "map.csv", bench);
   write_validation_csv(options.folder / "validation.csv", bench);
   draw_map_plots(options.folder, bench);

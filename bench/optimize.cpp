@@ -24,10 +24,6 @@ constexpr std::size_t most_points = 60;  // of a curve that are judged
 constexpr double near = 0.01;            // of the last compliance
 constexpr double at_volume = 0.005;      // relative: designs on their way to the volume are no part of a curve
 
-bool wanted(const std::vector<std::string>& names, std::string_view name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
 /// All when there are few; otherwise evenly spaced, the first few and the last among them.
 std::vector<std::size_t> chosen(std::size_t count) {
   std::vector<std::size_t> all;
@@ -56,16 +52,16 @@ struct Passed {
 
 class Runner {
  public:
-  Runner(const OptimizeBenchOptions& options, OptimizeBench& bench) : options_(options), bench_(bench) {}
+  Runner(const BenchOptions& options, OptimizeBench& bench) : options_(options), bench_(bench) {}
 
   bool stopped() const {
-    return options_.stop_asked && options_.stop_asked();
+    return stop_asked(options_);
   }
 
   void own_runs() {
     for (const OptimizeProblem& p : optimize_problems())
       for (const std::string& start : optimize_starts()) {
-        if (!wanted(options_.cases, p.name) || stopped() || (options_.quick && start != "holes")) continue;
+        if (!is_wanted(options_.cases, p.name) || stopped() || (options_.quick && start != "holes")) continue;
         attempt(fmt::format("{} from {}", p.name, start), [&] { own_run(p, start); });
       }
   }
@@ -99,7 +95,7 @@ class Runner {
   }
 
   void published() {
-    if (!wanted(options_.cases, "published")) return;
+    if (!is_wanted(options_.cases, "published")) return;
     const OptimizeProblem& p = published_problem();
     OptimizeProblem fitted = p;
     fitted.ersatz = 0;
@@ -115,13 +111,13 @@ class Runner {
   }
 
   void remeshing() {
-    if (!wanted(options_.cases, "remesh") || stopped()) return;
+    if (!is_wanted(options_.cases, "remesh") || stopped()) return;
     attempt("remeshing",
             [&] { bench_.remeshing = options_.quick ? measure_remeshing(0.03, 2) : measure_remeshing(0.0105, 8); });
   }
 
   void random_designs() {
-    if (!wanted(options_.cases, "random") || stopped()) return;
+    if (!is_wanted(options_.cases, "random") || stopped()) return;
     attempt("random designs", [&] {
       bench_.random = try_random_designs(options_.quick ? 10 : 200, options_.stop_asked);
       for (const std::string& f : bench_.random->failures) bench_.notes.push_back(f);
@@ -244,7 +240,7 @@ class Runner {
     bench_.published.push_back(std::move(run));
   }
 
-  const OptimizeBenchOptions& options_;
+  const BenchOptions& options_;
   OptimizeBench& bench_;
 };
 
@@ -257,12 +253,9 @@ const DesignRun* best_peer(const OptimizeBench& bench, const std::string& proble
 
 }  // namespace
 
-OptimizeBench run_optimize_bench(const OptimizeBenchOptions& options) {
+OptimizeBench run_optimize_bench(const BenchOptions& options) {
   if (!options.peers.empty()) require_design_scripts(options.peers);
-  std::error_code failed;
-  std::filesystem::create_directories(options.folder, failed);
-  if (failed)
-    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
+  make_folder(options.folder);
   OptimizeBench bench;
   Runner runner(options, bench);
   runner.own_runs();

@@ -1,22 +1,11 @@
 #pragma once
 // `kerf bench optimize`: kerf's level set beside other programs, every design judged the same way.
 
+#include "bench/bench.hpp"
 #include "bench/judge.hpp"
 #include "bench/remesh.hpp"
 
-#include <filesystem>
-
 namespace kerf {
-
-struct OptimizeBenchOptions {
-  std::filesystem::path folder;    // made if absent
-  std::vector<std::string> cases;  // names; empty: all
-  double peer_seconds = 1200;      // for the runs of other programs
-  bool quick = false;              // coarse, a few iterations from one start: shows that it works, measures nothing
-  std::filesystem::path peers;     // scripts of other programs; empty: none
-  std::function<bool()> stop_asked;
-  std::function<void(const std::string&)> on_phase;
-};
 
 /// A design on its way, judged on a mesh of medium size.
 struct DesignPoint {
@@ -57,9 +46,9 @@ struct OptimizeBench {
   bool stopped = false;
 };
 
-/// Runs, writes optimize.csv, optimize_curves.csv, optimize.json and the PNGs, and returns what they hold.
-/// Throws Error(Files).
-OptimizeBench run_optimize_bench(const OptimizeBenchOptions& options);
+/// Runs, writes optimize.csv, optimize_curves.csv, optimize.json and the PNGs, and returns what they hold. Quick:
+/// coarse, a few iterations from one start. Throws Error(Files).
+OptimizeBench run_optimize_bench(const BenchOptions& options);
 
 /// The tables that a terminal shows.
 std::string summary(const OptimizeBench& bench);

@@ -112,25 +112,24 @@ void require_scripts(const fs::path& folder, PeerTask task) {
     throw Error(Fault::Files, fmt::format("{} holds no peer scripts (s1.edp, dolf.py)", folder.string()));
 }
 
-PeerRuns run_peers(const PeerOptions& options) {
-  PeerRuns result;
-  require_scripts(options.scripts, options.task);
-  copy_scripts(options.scripts, options.work);
+namespace {
+
+/// What the scripts in the folder and the programs that are installed can do, small runs first: when time runs out,
+/// every sequence has its beginning.
+std::vector<Job> jobs_of(const PeerOptions& options, std::vector<std::string>& notes) {
   std::vector<Job> jobs;
   const auto consider = [&](const char* script, const char* program, bool installed, const std::vector<Job>& more) {
     if (!fs::exists(options.scripts / script)) return;
     if (installed)
       jobs.insert(jobs.end(), more.begin(), more.end());
     else
-      result.notes.push_back(fmt::format("{} is not installed: its runs are left out", program));
+      notes.push_back(fmt::format("{} is not installed: its runs are left out", program));
   };
   if (options.task == PeerTask::Map) {
-    write_file(options.work / "map_crack.edp", map_crack_script);
     consider("slit.idp", freefem, in_path(freefem), map_jobs());
     if (!fs::exists(options.scripts / "tdmap.edp")) {
       std::erase_if(jobs, [](const Job& j) { return j.problem == "cantilever"; });
-      result.notes.push_back(
-          fmt::format("{} has no tdmap.edp: no other program on the cantilever", options.scripts.string()));
+      notes.push_back(fmt::format("{} has no tdmap.edp: no other program on the cantilever", options.scripts.string()));
     }
   } else {
     consider("s1.edp", freefem, in_path(freefem), freefem_jobs());
@@ -141,10 +140,36 @@ PeerRuns run_peers(const PeerOptions& options) {
     std::erase_if(jobs, [&](const Job& j) {
       return std::find(options.problems.begin(), options.problems.end(), j.problem) == options.problems.end();
     });
-  // Small runs first: when time runs out, every sequence has its beginning.
   std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.size < b.size; });
   if (options.quick) std::erase_if(jobs, [](const Job& j) { return j.size > 8; });
+  return jobs;
+}
 
+void run_job(const PeerOptions& options, const Job& job, double limit, PeerRuns& result) {
+  const Outcome o = run_script(options.work, job.command, limit);
+  std::optional<PeerRun> run = read_peer_line(o.output);
+  if (o.code != 0 || !run) {
+    const bool late = o.code == 124 || o.code == 137;
+    result.notes.push_back(
+        fmt::format("\"{}\" {}", job.command,
+                    late ? "took too long" : fmt::format("failed (exit {}): {}", o.code, last_line(o.output))));
+    return;
+  }
+  run->problem = job.problem;
+  run->poisson = job.poisson;
+  run->name = job.name;
+  run->memory_mb = o.memory_mb;
+  result.runs.push_back(std::move(*run));
+}
+
+}  // namespace
+
+PeerRuns run_peers(const PeerOptions& options) {
+  PeerRuns result;
+  require_scripts(options.scripts, options.task);
+  copy_scripts(options.scripts, options.work);
+  if (options.task == PeerTask::Map) write_file(options.work / "map_crack.edp", map_crack_script);
+  const std::vector<Job> jobs = jobs_of(options, result.notes);
   Stopwatch watch;
   double spent = 0;
   std::size_t done = 0;
@@ -153,20 +178,7 @@ PeerRuns run_peers(const PeerOptions& options) {
     if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
     ++done;
     if (options.on_phase) options.on_phase(fmt::format("peers: {} {} n = {}", job.problem, job.name, job.size));
-    const Outcome o = run_script(options.work, job.command, std::clamp(options.seconds - spent, 10.0, 300.0));
-    std::optional<PeerRun> run = read_peer_line(o.output);
-    if (o.code != 0 || !run) {
-      const bool late = o.code == 124 || o.code == 137;
-      result.notes.push_back(
-          fmt::format("\"{}\" {}", job.command,
-                      late ? "took too long" : fmt::format("failed (exit {}): {}", o.code, last_line(o.output))));
-      continue;
-    }
-    run->problem = job.problem;
-    run->poisson = job.poisson;
-    run->name = job.name;
-    run->memory_mb = o.memory_mb;
-    result.runs.push_back(std::move(*run));
+    run_job(options, job, std::clamp(options.seconds - spent, 10.0, 300.0), result);
   }
   if (done < jobs.size())
     result.notes.push_back(

@@ -96,63 +96,96 @@ Remeshing measure_remeshing(double size, int iterations) {
   return out;
 }
 
-RandomDesigns try_random_designs(int count, const std::function<bool()>& stop_asked) {
+namespace {
+
+/// A plate with two cracks, held on one side and loaded on the other.
+Shape random_frame() {
   Shape frame;
   frame.labels = {"held", "loaded", "free"};
   frame.outline.name = "outline";
   frame.outline.sides = {{{0, 0}, 2}, {{2, 0}, 1}, {{2, 1}, 2}, {{0, 1}, 0}};
   frame.cracks = {{"long", {{0.4, 0.5}, {1.1, 0.6}}}, {"short", {{1.5, 0.2}, {1.6, 0.4}}}};
-  const Mesh background = triangulate(frame, {.size = 0.04, .crack_tip_size = 0.04});
-  Carving how{.least_area = 0.04 * 0.04, .keep = {0, 1}, .holding = {0}};
-  RandomDesigns out;
-  std::mt19937 bits(2024);
-  const auto uniform = [&bits](double low, double high) {
-    return low + (high - low) * (static_cast<double>(bits()) + 0.5) / 4294967296.0;
-  };
-  for (int i = 0; i < count && !(stop_asked && stop_asked()); ++i) {
-    Eigen::VectorXd phi = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(background.points.size()), -1);
-    const auto cut = [&](const std::function<double(const Vec2&)>& depth) {  // positive where it is void
-      for (Eigen::Index v = 0; v < phi.size(); ++v) phi[v] = std::max(phi[v], depth(background.points[v]));
-    };
-    const auto disc = [&](const Vec2& c, double radius) {
-      cut([=](const Vec2& x) { return radius - (x - c).norm(); });
-    };
+  return frame;
+}
+
+/// The same designs on every machine: level functions on the vertices of a mesh, positive in voids.
+class RandomVoids {
+ public:
+  RandomVoids(const Shape& frame, const Mesh& background) : frame_(frame), background_(background) {}
+
+  Eigen::VectorXd next() {
+    phi_ = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(background_.points.size()), -1);
     const int things = 1 + static_cast<int>(uniform(0, 12));
-    for (int k = 0; k < things; ++k) {
-      const Vec2 c(uniform(0, 2), uniform(0, 1));
-      const double radius = uniform(0.02, 0.2), angle = uniform(0, std::numbers::pi);
-      const Vec2 along(std::cos(angle), std::sin(angle));
-      switch (static_cast<int>(uniform(0, 4))) {
-        case 0:
-          disc(c, radius);
-          break;
-        case 1: {  // a slit
-          const double half = uniform(0.005, 0.03);
-          cut([=](const Vec2& x) { return half - distance(x, c - 2 * radius * along, c + 2 * radius * along); });
-          break;
-        }
-        case 2:  // two that touch
-          disc(c, radius);
-          disc(c + (radius + 0.6 * radius) * along, 0.6 * radius);
-          break;
-        default: {  // over a crack
-          const auto& crack = frame.cracks[k % 2].points;
-          disc(crack[0] + uniform(0, 1) * (crack[1] - crack[0]), 0.5 * radius);
-        }
+    for (int k = 0; k < things; ++k) add_thing(k);
+    return phi_;
+  }
+
+ private:
+  double uniform(double low, double high) {
+    return low + (high - low) * (static_cast<double>(bits_()) + 0.5) / 4294967296.0;
+  }
+  void cut(const std::function<double(const Vec2&)>& depth) {  // positive where it is void
+    for (Eigen::Index v = 0; v < phi_.size(); ++v) phi_[v] = std::max(phi_[v], depth(background_.points[v]));
+  }
+  void disc(const Vec2& c, double radius) {
+    cut([=](const Vec2& x) { return radius - (x - c).norm(); });
+  }
+  void add_thing(int k) {
+    const Vec2 c(uniform(0, 2), uniform(0, 1));
+    const double radius = uniform(0.02, 0.2), angle = uniform(0, std::numbers::pi);
+    const Vec2 along(std::cos(angle), std::sin(angle));
+    switch (static_cast<int>(uniform(0, 4))) {
+      case 0:
+        disc(c, radius);
+        break;
+      case 1: {  // a slit
+        const double half = uniform(0.005, 0.03);
+        cut([=](const Vec2& x) { return half - distance(x, c - 2 * radius * along, c + 2 * radius * along); });
+        break;
+      }
+      case 2:  // two that touch
+        disc(c, radius);
+        disc(c + (radius + 0.6 * radius) * along, 0.6 * radius);
+        break;
+      default: {  // over a crack
+        const auto& crack = frame_.cracks[k % 2].points;
+        disc(crack[0] + uniform(0, 1) * (crack[1] - crack[0]), 0.5 * radius);
       }
     }
+  }
+
+  const Shape& frame_;
+  const Mesh& background_;
+  std::mt19937 bits_{2024};
+  Eigen::VectorXd phi_;
+};
+
+/// Throws where the mesh is none of the carved body.
+void check_mesh(const Carved& carved, const Mesh& mesh) {
+  double area_meshed = 0;
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    if (!(area(mesh, t) > 0)) throw std::runtime_error("a triangle without area");
+    area_meshed += area(mesh, t);
+  }
+  if (std::abs(area_meshed - carved.area) > 1e-9)
+    throw std::runtime_error(fmt::format("area {} became {}", carved.area, area_meshed));
+}
+
+}  // namespace
+
+RandomDesigns try_random_designs(int count, const std::function<bool()>& stop_asked) {
+  const Shape frame = random_frame();
+  const Mesh background = triangulate(frame, {.size = 0.04, .crack_tip_size = 0.04});
+  const Carving how{.least_area = 0.04 * 0.04, .keep = {0, 1}, .holding = {0}};
+  RandomVoids voids(frame, background);
+  RandomDesigns out;
+  for (int i = 0; i < count && !(stop_asked && stop_asked()); ++i) {
+    const Eigen::VectorXd phi = voids.next();
     ++out.count;
     ProcessorWatch watch;
     try {
       const Carved carved = carve(frame, background, phi, how);
-      const Mesh mesh = triangulate(carved.shape, {.size = 0.05, .across = 1});
-      double area_meshed = 0;
-      for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
-        if (!(area(mesh, t) > 0)) throw std::runtime_error("a triangle without area");
-        area_meshed += area(mesh, t);
-      }
-      if (std::abs(area_meshed - carved.area) > 1e-9)
-        throw std::runtime_error(fmt::format("area {} became {}", carved.area, area_meshed));
+      check_mesh(carved, triangulate(carved.shape, {.size = 0.05, .across = 1}));
       ++out.meshed;
     } catch (const Error& e) {
       if (e.fault == Fault::Geometry)

@@ -20,18 +20,14 @@ struct Sequence {
   Grading grading;
 };
 
-bool wanted(const std::vector<std::string>& names, std::string_view name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
 std::vector<Sequence> sequences(const StateBenchOptions& options) {
   std::vector<Sequence> all;
   for (const ProblemKind& kind : problem_kinds()) {
-    if (!wanted(options.cases, kind.name)) continue;
+    if (!is_wanted(options.cases, kind.name)) continue;
     for (const double poisson : kind.poisson) {
       if (options.quick && poisson != kind.poisson.front()) continue;
       for (const Element& e : elements) {
-        if (!wanted(options.elements, e.name)) continue;
+        if (!is_wanted(options.elements, e.name)) continue;
         all.push_back({kind.name, poisson, e, Grading::Uniform});
         if (kind.name == "smooth") continue;
         all.push_back({kind.name, poisson, e, Grading::Graded});
@@ -71,7 +67,7 @@ class Runner {
   }
 
   bool stopped() const {
-    return options_.stop_asked && options_.stop_asked();
+    return stop_asked(options_);
   }
 
  private:
@@ -99,10 +95,7 @@ class Runner {
 
 StateBench run_state_bench(const StateBenchOptions& options) {
   if (!options.peers.empty()) require_scripts(options.peers);
-  std::error_code failed;
-  std::filesystem::create_directories(options.folder, failed);
-  if (failed)
-    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", options.folder.string(), failed.message()));
+  make_folder(options.folder);
   StateBench bench;
   Runner runner(options, bench);
   const std::vector<Sequence> all = sequences(options);
@@ -113,24 +106,12 @@ StateBench run_state_bench(const StateBenchOptions& options) {
     runner.run(all[i], (options.seconds - spent) / static_cast<double>(all.size() - i));
     spent += watch.lap();
   }
-  if (!options.peers.empty() && !runner.stopped()) {
-    PeerRuns peers = run_peers({.scripts = options.peers,
-                                .work = options.folder / "peers",
-                                .seconds = options.peer_seconds,
-                                .quick = options.quick,
-                                .problems = options.cases,
-                                .stop_asked = options.stop_asked,
-                                .on_phase = options.on_phase});
-    bench.peers = std::move(peers.runs);
-    bench.notes.insert(bench.notes.end(), peers.notes.begin(), peers.notes.end());
-  }
+  add_peers(options, PeerTask::State, bench);
   bench.stopped = runner.stopped();
-  Sequences own, others;
+  Sequences own;
   for (const StateMeasurement& m : bench.runs)
     own.add(m.problem, m.poisson, sequence_name(m), {m.error.stress, m.seconds.work()});
-  for (const PeerRun& p : bench.peers) others.add(p.problem, p.poisson, p.name, {p.error, p.work});
-  bench.best = own.fastest(errors_to_reach);
-  bench.best_peers = others.fastest(errors_to_reach);
+  compare(own, errors_to_reach, bench);
   write_state_csv(options.folder / "state.csv", bench);
   draw_state_plots(options.folder, bench);
   write_state_json(options.folder / "state.json", bench);

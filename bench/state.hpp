@@ -1,23 +1,15 @@
 #pragma once
 // `kerf bench state`: every element on every problem, time and memory against error, with files and pictures.
 
-#include "bench/compare.hpp"
+#include "bench/bench.hpp"
 #include "bench/measure.hpp"
-#include "bench/peers.hpp"
-
-#include <filesystem>
 
 namespace kerf {
 
-struct StateBenchOptions {
-  std::filesystem::path folder;              // made if absent
-  std::vector<std::string> cases, elements;  // names; empty: all
-  double seconds = 300;                      // for kerf's runs
-  double peer_seconds = 1200;                // for those of other programs
-  bool quick = false;                        // two coarse meshes of each sequence, one Poisson's ratio per case
-  std::filesystem::path peers;               // scripts of other programs; empty: none
-  std::function<bool()> stop_asked;          // polled before each run: what is done is written
-  std::function<void(const std::string&)> on_phase;
+/// Quick: two coarse meshes of each sequence, one Poisson's ratio per case.
+struct StateBenchOptions : BenchOptions {
+  std::vector<std::string> elements;  // names; empty: all
+  double seconds = 300;               // for kerf's runs
 };
 
 /// The truth of a problem without a closed form, as good as it is.
@@ -29,13 +21,9 @@ struct ReferenceUsed {
   double error = 0;                            // estimated, of the stress
 };
 
-struct StateBench {
+struct StateBench : Comparison {
   std::vector<StateMeasurement> runs;
   std::vector<ReferenceUsed> references;
-  std::vector<PeerRun> peers;
-  std::vector<Fastest> best, best_peers;
-  std::vector<std::string> notes;
-  bool stopped = false;
 };
 
 inline constexpr std::array errors_to_reach{1e-2, 1e-3, 1e-4};

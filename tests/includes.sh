@@ -11,7 +11,7 @@ complain() {
 declare -A below=(
   [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry"
   [io]="io optimize topo solver geometry" [plot]="plot io optimize topo solver geometry"
-  [bench]="bench plot io optimize topo solver geometry" [app]="app plot io optimize topo solver geometry"
+  [bench]="bench app plot io optimize topo solver geometry" [app]="app plot io optimize topo solver geometry"
 )
 # The room that a public header belongs to.
 declare -A home=(

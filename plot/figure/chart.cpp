@@ -1,7 +1,7 @@
 #include "plot/chart.hpp"
 
 #include "io/text.hpp"
-#include "plot/figure/pen.hpp"
+#include "plot/figure/frame.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,13 +13,10 @@ namespace kerf {
 
 namespace {
 
-// [Okabe, Ito 2008]: told apart by color-blind readers, too.
-constexpr std::array<std::uint32_t, 8> palette{0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7,
-                                               0xe69f00, 0x56b4e9, 0x7a4b2a, 0x303030};
-constexpr std::uint32_t decade_gray = 0xdde2e7;
-constexpr double margin = 34, tick_length = 9, tick_gap = 9, marker = 6.5;
+constexpr double margin = 34, marker = 6.5, plot_width = 1050, plot_height = 820;
 constexpr int most_ticks = 9;
 constexpr double legend_gap = 30, legend_line = 54, legend_pitch = 34;
+const Font tick{24}, legend{22}, label{26};
 
 /// The points that can be drawn, in the coordinates of the axes.
 std::vector<Vec2> on_axes(const Series& s, bool linear_y) {
@@ -108,20 +105,15 @@ double draw_axis(cairo_t* pen, const Frame& frame, int along, const Font& font) 
     return frame.place(p);
   };
   const Vec2 outwards = along == 0 ? Vec2(0, 1) : Vec2(-1, 0);
-  const auto line = [&](const Vec2& from, const Vec2& to, double width, std::uint32_t rgb) {
-    cairo_new_path(pen);
-    cairo_move_to(pen, from.x(), from.y());
-    cairo_line_to(pen, to.x(), to.y());
-    stroke(pen, width, rgb);
-  };
   double widest = 0;
-  for (const double value : marks.minor) line(at(value), at(value) + 0.5 * tick_length * outwards, 1.2, frame_gray);
+  for (const double value : marks.minor)
+    line(pen, at(value), at(value) + 0.5 * tick_length * outwards, 1.2, frame_gray);
   for (std::size_t i = 0; i < marks.major.at.size(); ++i) {
     const Vec2 p = at(marks.major.at[i]);
-    line(p, along == 0 ? Vec2(p.x(), plot.y) : Vec2(plot.x + plot.width, p.y()), 1.2, decade_gray);
-    line(p, p + tick_length * outwards, 1.6, frame_gray);
+    line(pen, p, along == 0 ? Vec2(p.x(), plot.y) : Vec2(plot.x + plot.width, p.y()), 1.2, grid_gray);
+    line(pen, p, p + tick_length * outwards, 1.6, frame_gray);
     const Vec2 text = p + (tick_length + tick_gap + (along == 0 ? 0.5 * font.size : 0)) * outwards;
-    write(pen, text, marks.major.labels[i], font, along == 0 ? 0.5 : 1);
+    write(pen, text, marks.major.labels[i], font, {along == 0 ? 0.5 : 1.0});
     widest = std::max(widest, text_width(pen, marks.major.labels[i], font));
   }
   return widest;
@@ -170,7 +162,52 @@ void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slo
     cairo_set_dash(pen, dots.data(), 2, 0);
     stroke(pen, 2.4, gray);
     cairo_set_dash(pen, nullptr, 0, 0);
-    write(pen, to + Vec2(6 * side, 0.35 * font.size), s.name, font, falls ? 0 : 1, gray);
+    write(pen, to + Vec2(6 * side, 0.35 * font.size), s.name, font, {falls ? 0.0 : 1.0, gray});
+  }
+}
+
+/// The points of every series on the axes, and what they span.
+struct Data {
+  std::vector<std::vector<Vec2>> lines;
+  Vec2 least = Vec2::Constant(std::numeric_limits<double>::infinity()), most = -least;
+  int named = 0;
+  double legend_width = 0;
+};
+
+Data collect(const Chart& chart, const Measure& measure) {
+  Data data;
+  for (const Series& s : chart.series) {
+    data.lines.push_back(on_axes(s, chart.linear_y));
+    for (const Vec2& p : data.lines.back()) {
+      data.least = data.least.cwiseMin(p);
+      data.most = data.most.cwiseMax(p);
+    }
+    if (data.lines.back().empty()) continue;
+    ++data.named;
+    data.legend_width = std::max(data.legend_width, legend_line + 12 + measure(clean_text(s.name), legend));
+  }
+  return data;
+}
+
+Frame frame_of(const Data& data, bool linear_y, double top) {
+  const auto x = axis(data.least.x(), data.most.x());
+  const auto y = linear_y ? linear_axis(data.least.y(), data.most.y()) : axis(data.least.y(), data.most.y());
+  const double height = std::max(plot_height, legend_pitch * data.named);
+  return {{margin + 150, top, plot_width, height}, {x[0], y[0]}, {x[1], y[1]}, linear_y};
+}
+
+/// The series with their names to the right of the plot.
+void draw_series(cairo_t* pen, const Box& plot, const std::vector<Series>& series,
+                 const std::vector<std::vector<Vec2>>& pixels) {
+  double entry = plot.y + 0.5 * legend_pitch;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels[i].empty()) continue;
+    const Series& s = series[i];
+    draw_line(pen, pixels[i], s.marked_at_end ? std::vector{pixels[i].back()} : pixels[i], s);
+    const double from = plot.x + plot.width + legend_gap;
+    draw_line(pen, {{from, entry}, {from + legend_line, entry}}, {{from + 0.5 * legend_line, entry}}, s);
+    write(pen, {from + legend_line + 12, entry}, clean_text(s.name), legend);
+    entry += legend_pitch;
   }
 }
 
@@ -178,71 +215,33 @@ void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slo
 
 void draw(const std::filesystem::path& path, const Chart& chart) {
   const Measure measure = ruler();
-  const Font tick{24}, legend{22}, label{26};
-  std::vector<std::vector<Vec2>> lines;
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  Vec2 least(infinite, infinite), most = -least;
-  double legend_width = 0;
-  int named = 0;
-  for (const Series& s : chart.series) {
-    lines.push_back(on_axes(s, chart.linear_y));
-    for (const Vec2& p : lines.back()) {
-      least = least.cwiseMin(p);
-      most = most.cwiseMax(p);
-    }
-    if (lines.back().empty()) continue;
-    ++named;
-    legend_width = std::max(legend_width, legend_line + 12 + measure(clean_text(s.name), legend));
-  }
-  const auto x = axis(least.x(), most.x());
-  const auto y = chart.linear_y ? linear_axis(least.y(), most.y()) : axis(least.y(), most.y());
-
-  constexpr double plot_width = 1050, plot_height = 820;
-  const double page_width = margin + 150 + plot_width + legend_gap + legend_width + margin;
-  const Lines title = wrap(chart.title, {34, true}, 22, page_width - 2 * margin, 2, measure);
-  const Lines subtitle = wrap(chart.subtitle, {24}, 18, page_width - 2 * margin, 2, measure);
-  const double top = margin + title.height() + subtitle.height() + 18;
-  const double height = std::max(plot_height, legend_pitch * named);
-  const Frame frame{{margin + 150, top, plot_width, height}, {x[0], y[0]}, {x[1], y[1]}, chart.linear_y};
+  Data data = collect(chart, measure);
+  const double page_width = margin + 150 + plot_width + legend_gap + data.legend_width + margin;
+  const Heading head = heading(chart.title, chart.subtitle, page_width - 2 * margin, 2, measure);
+  const Frame frame = frame_of(data, chart.linear_y, head.bottom(margin) + 18);
   const Box& plot = frame.plot;
   const double label_y = plot.y + plot.height + tick_length + tick_gap + tick.size + 10;
-  const Lines x_label = wrap(chart.x_label, label, 18, plot.width, 1, measure);
-  const std::string note = chart.linear_y ? ticks(y[0], y[1], most_ticks).note : "";
-  const Lines y_label =
-      wrap(note.empty() ? chart.y_label : chart.y_label + " (" + note + ")", label, 18, plot.height, 1, measure);
+  const Lines x_label = wrap(chart.x_label, label, {plot.width, 18, 1}, measure);
+  const std::string note = chart.linear_y ? ticks(frame.low.y(), frame.high.y(), most_ticks).note : "";
+  const Lines y_label = wrap(with_note(chart.y_label, note), label, {plot.height, 18, 1}, measure);
 
-  const Sheet page = sheet(static_cast<int>(page_width), static_cast<int>(label_y + x_label.height() + margin));
+  const Sheet page =
+      page_with(head, margin, static_cast<int>(page_width), static_cast<int>(label_y + x_label.height() + margin));
   cairo_t* pen = page.pen();
-  color(pen, paper);
-  cairo_paint(pen);
-  write_block(pen, {margin, margin}, title, 0);
-  write_block(pen, {margin, margin + title.height()}, subtitle, 0, gray);
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
   draw_axis(pen, frame, 0, tick);
   const double widest = draw_axis(pen, frame, 1, tick);
-  cairo_new_path(pen);
-  cairo_rectangle(pen, plot.x, plot.y, plot.width, plot.height);
-  stroke(pen, 1.6, frame_gray);
-  write_block(pen, {plot.x + 0.5 * plot.width, label_y}, x_label, 0.5);
+  draw_frame(pen, plot);
+  write_block(pen, {plot.x + 0.5 * plot.width, label_y}, x_label, {0.5});
   write_block(pen, {plot.x - tick_length - tick_gap - widest - 14 - y_label.height(), plot.y + 0.5 * plot.height},
-              y_label, 0.5, ink, true);
-  for (auto& line : lines)
-    for (Vec2& p : line) p = frame.place(p);
-  draw_slopes(pen, frame, chart.slopes, lines, legend);
-
+              y_label, {0.5, ink, true});
+  for (auto& points : data.lines)
+    for (Vec2& p : points) p = frame.place(p);
+  draw_slopes(pen, frame, chart.slopes, data.lines, legend);
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
-  double entry = plot.y + 0.5 * legend_pitch;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].empty()) continue;
-    const Series& s = chart.series[i];
-    draw_line(pen, lines[i], s.marked_at_end ? std::vector{lines[i].back()} : lines[i], s);
-    const double from = plot.x + plot.width + legend_gap;
-    draw_line(pen, {{from, entry}, {from + legend_line, entry}}, {{from + 0.5 * legend_line, entry}}, chart.series[i]);
-    write(pen, {from + legend_line + 12, entry}, clean_text(chart.series[i].name), legend, 0);
-    entry += legend_pitch;
-  }
-  if (named == 0)
-    write(pen, {plot.x + 0.5 * plot.width, plot.y + 0.5 * plot.height}, "no points to draw", label, 0.5, gray);
+  draw_series(pen, plot, chart.series, data.lines);
+  if (data.named == 0)
+    write(pen, {plot.x + 0.5 * plot.width, plot.y + 0.5 * plot.height}, "no points to draw", label, {0.5, gray});
   save(path, page);
 }
 

@@ -1,7 +1,7 @@
 #include "plot/curves.hpp"
 
 #include "io/text.hpp"
-#include "plot/figure/pen.hpp"
+#include "plot/figure/frame.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,8 @@ namespace kerf {
 
 namespace {
 
-// [Okabe, Ito 2008]: told apart by color-blind readers, too.
-constexpr std::array<std::uint32_t, 7> palette{0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x7a4b2a};
-constexpr std::uint32_t line_gray = 0xdde2e7;
-constexpr double margin = 34, tick_length = 9, tick_gap = 9, panel_gap = 34, unit_height = 250, plot_width = 1290;
+constexpr std::size_t colors_used = 7;  // of the palette: limits are lines of the same color
+constexpr double margin = 34, panel_gap = 34, unit_height = 250, plot_width = 1290;
 constexpr double legend_line = 44, legend_pitch = 32;
 const Font tick{24}, legend{22}, label{26};
 
@@ -63,13 +61,6 @@ Marks marks(const Axis& axis, int most) {
   }
   const Ticks t = ticks(axis.low, axis.high, most);
   return {t.at, t.labels, t.note};
-}
-
-void line(cairo_t* pen, const Vec2& from, const Vec2& to, double width, std::uint32_t rgb) {
-  cairo_new_path(pen);
-  cairo_move_to(pen, from.x(), from.y());
-  cairo_line_to(pen, to.x(), to.y());
-  stroke(pen, width, rgb);
 }
 
 struct Placed {
@@ -152,112 +143,141 @@ void draw_legend(cairo_t* pen, const Placed& panel, const std::vector<double>& x
   double y = box.y + 6 + 0.5 * legend_pitch;
   for (std::size_t i = 0; i < curves.size(); ++i) {
     if (curves[i].name.empty()) continue;
-    line(pen, {box.x + 12, y}, {box.x + 12 + legend_line, y}, 3, palette[i % palette.size()]);
-    write(pen, {box.x + 24 + legend_line, y}, clean_text(curves[i].name), legend, 0);
+    line(pen, {box.x + 12, y}, {box.x + 12 + legend_line, y}, 3, palette[i % colors_used]);
+    write(pen, {box.x + 24 + legend_line, y}, clean_text(curves[i].name), legend);
     y += legend_pitch;
   }
 }
 
-std::string with_note(const std::string& text, const std::string& note) {
-  return note.empty() ? text : text + " (" + note + ")";
+/// Everything in its place.
+struct Plan {
+  Heading heading;
+  Axis x;
+  Marks across;
+  std::vector<Placed> panels;
+  std::vector<Marks> marks_of;  // the panels
+  double width = 0, height = 0, label_y = 0;
+  bool upper = false;
+};
+
+/// Whole numbers below one another: iterations are counted.
+Marks whole_marks(const Axis& x) {
+  const Marks all = marks(x, 10);
+  Marks whole;
+  for (std::size_t i = 0; i < all.at.size(); ++i) {
+    if (all.at[i] != std::round(all.at[i])) continue;
+    whole.at.push_back(all.at[i]);
+    whole.labels.push_back(all.labels[i]);
+  }
+  return whole;
+}
+
+Axis value_axis(const Panel& panel) {
+  std::vector<double> values;
+  for (const Curve& curve : panel.curves) {
+    values.insert(values.end(), curve.values.begin(), curve.values.end());
+    if (curve.limit) values.push_back(*curve.limit);
+  }
+  return make_axis(values, panel.logarithmic, 0.08);
+}
+
+Plan lay_out(const Curves& curves, const Measure& measure) {
+  Plan plan{.x = make_axis(curves.x, false, 0.015)};
+  plan.across = whole_marks(plan.x);
+  std::vector<Axis> axes;
+  double widest = 0;
+  for (const Panel& panel : curves.panels) {
+    axes.push_back(value_axis(panel));
+    plan.marks_of.push_back(marks(axes.back(), panel.share > 1 ? 8 : 5));
+    for (const std::string& text : plan.marks_of.back().labels) widest = std::max(widest, measure(text, tick));
+  }
+  const double left = margin + 1.3 * label.size + 14 + widest + tick_length + tick_gap;
+  plan.width = left + plot_width + margin + 20;
+  plan.heading = heading(curves.title, curves.subtitle, plan.width - 2 * margin, 3, measure);
+  plan.upper = curves.upper.size() == curves.x.size() && !curves.upper.empty();
+  double y = plan.heading.bottom(margin) + 18 + (plan.upper ? 34 : 0);
+  for (std::size_t i = 0; i < curves.panels.size(); ++i) {
+    const double height = unit_height * curves.panels[i].share;
+    plan.panels.push_back({{left, y, plot_width, height}, plan.x, axes[i]});
+    y += height + panel_gap;
+  }
+  y -= panel_gap;
+  plan.label_y = y + tick_length + tick_gap + tick.size + 10;
+  plan.height = plan.label_y + 1.3 * label.size + 0.6 * margin;
+  return plan;
+}
+
+/// Grid and ticks; the labels of the common axis below the last panel alone.
+void draw_grid(cairo_t* pen, const Plan& plan, std::size_t p) {
+  const Box& box = plan.panels[p].box;
+  cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
+  for (std::size_t i = 0; i < plan.across.at.size(); ++i) {
+    const double at = box.x + plan.x.share(plan.across.at[i]) * box.width;
+    line(pen, {at, box.y}, {at, box.y + box.height}, 1.2, grid_gray);
+    line(pen, {at, box.y + box.height}, {at, box.y + box.height + tick_length}, 1.6, frame_gray);
+    if (p + 1 == plan.panels.size())
+      write(pen, {at, box.y + box.height + tick_length + tick_gap + 0.5 * tick.size}, plan.across.labels[i], tick,
+            {0.5});
+  }
+  const Marks& marks = plan.marks_of[p];
+  for (std::size_t i = 0; i < marks.at.size(); ++i) {
+    const double at = plan.panels[p].place(0, marks.at[i]).y();
+    line(pen, {box.x, at}, {box.x + box.width, at}, 1.2, grid_gray);
+    line(pen, {box.x - tick_length, at}, {box.x, at}, 1.6, frame_gray);
+    write(pen, {box.x - tick_length - tick_gap, at}, marks.labels[i], tick, {1});
+  }
+  draw_frame(pen, box);
+}
+
+void draw_panel(cairo_t* pen, const Plan& plan, std::size_t p, const Curves& curves, const Measure& measure) {
+  const Panel& panel = curves.panels[p];
+  const Box& box = plan.panels[p].box;
+  draw_grid(pen, plan, p);
+  const Lines name = wrap(with_note(panel.label, plan.marks_of[p].note), label, {box.height, 15, 1}, measure);
+  write_block(pen, {margin, box.y + 0.5 * box.height}, name, {0.5, ink, true});
+  cairo_save(pen);
+  cairo_rectangle(pen, box.x, box.y, box.width, box.height);
+  cairo_clip(pen);
+  cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
+  for (std::size_t k = 0; k < panel.curves.size(); ++k)
+    draw_curve(pen, plan.panels[p], curves.x, panel.curves[k], palette[k % colors_used]);
+  draw_legend(pen, plan.panels[p], curves.x, panel.curves);
+  cairo_restore(pen);
+}
+
+/// What belongs to the marks of the common axis, as far as there is room for it.
+void draw_upper_scale(cairo_t* pen, const Plan& plan, const Curves& curves) {
+  const Font small{20};
+  const Box& box = plan.panels.back().box;
+  const double above = plan.panels.front().box.y - 18;
+  const std::string name = curves.upper_label + ":";
+  const double width = text_width(pen, name, small), from = std::max(0.5 * margin, box.x - tick_gap - width);
+  write(pen, {from, above}, name, small, {0, gray});
+  double free = from + width + 10;
+  for (const double mark : plan.across.at) {
+    const auto at = std::find(curves.x.begin(), curves.x.end(), mark);
+    if (at == curves.x.end()) continue;
+    const std::string text = pretty(curves.upper[static_cast<std::size_t>(at - curves.x.begin())]);
+    const double middle = box.x + plan.x.share(*at) * box.width, half = 0.5 * text_width(pen, text, small);
+    if (middle - half < free) continue;
+    write(pen, {middle, above}, text, small, {0.5, gray});
+    free = middle + half + 12;
+  }
 }
 
 }  // namespace
 
 void draw(const std::filesystem::path& path, const Curves& curves) {
   const Measure measure = ruler();
-  const Axis x = make_axis(curves.x, false, 0.015);
-  std::vector<Axis> axes;
-  std::vector<Marks> marks_of;
-  double widest = 0;
-  for (const Panel& panel : curves.panels) {
-    std::vector<double> values;
-    for (const Curve& curve : panel.curves) {
-      values.insert(values.end(), curve.values.begin(), curve.values.end());
-      if (curve.limit) values.push_back(*curve.limit);
-    }
-    axes.push_back(make_axis(values, panel.logarithmic, 0.08));
-    marks_of.push_back(marks(axes.back(), panel.share > 1 ? 8 : 5));
-    for (const std::string& text : marks_of.back().labels) widest = std::max(widest, measure(text, tick));
-  }
-  const double left = margin + 1.3 * label.size + 14 + widest + tick_length + tick_gap;
-  const double page_width = left + plot_width + margin + 20;
-  const Lines title = wrap(curves.title, {34, true}, 22, page_width - 2 * margin, 2, measure);
-  const Lines subtitle = wrap(curves.subtitle, {24}, 18, page_width - 2 * margin, 3, measure);
-  const bool upper = curves.upper.size() == curves.x.size() && !curves.upper.empty();
-  double y = margin + title.height() + subtitle.height() + 18 + (upper ? 34 : 0);
-  std::vector<Placed> panels;
-  for (std::size_t i = 0; i < curves.panels.size(); ++i) {
-    const double height = unit_height * curves.panels[i].share;
-    panels.push_back({{left, y, plot_width, height}, x, axes[i]});
-    y += height + panel_gap;
-  }
-  y -= panel_gap;
-  const double label_y = y + tick_length + tick_gap + tick.size + 10;
-  const Sheet page = sheet(static_cast<int>(page_width), static_cast<int>(label_y + 1.3 * label.size + 0.6 * margin));
+  const Plan plan = lay_out(curves, measure);
+  const Sheet page = page_with(plan.heading, margin, static_cast<int>(plan.width), static_cast<int>(plan.height));
   cairo_t* pen = page.pen();
-  color(pen, paper);
-  cairo_paint(pen);
-  write_block(pen, {margin, margin}, title, 0);
-  write_block(pen, {margin, margin + title.height()}, subtitle, 0, gray);
-
-  // Whole numbers below one another: iterations are counted.
-  Marks across = marks(x, 10);
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < across.at.size(); ++i)
-    if (across.at[i] == std::round(across.at[i])) kept.push_back(i);
-  for (std::size_t p = 0; p < panels.size(); ++p) {
-    const Box& box = panels[p].box;
-    cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
-    for (const std::size_t i : kept) {
-      const double at = box.x + x.share(across.at[i]) * box.width;
-      line(pen, {at, box.y}, {at, box.y + box.height}, 1.2, line_gray);
-      line(pen, {at, box.y + box.height}, {at, box.y + box.height + tick_length}, 1.6, frame_gray);
-      if (p + 1 == panels.size())
-        write(pen, {at, box.y + box.height + tick_length + tick_gap + 0.5 * tick.size}, across.labels[i], tick, 0.5);
-    }
-    for (std::size_t i = 0; i < marks_of[p].at.size(); ++i) {
-      const double at = panels[p].place(0, marks_of[p].at[i]).y();
-      line(pen, {box.x, at}, {box.x + box.width, at}, 1.2, line_gray);
-      line(pen, {box.x - tick_length, at}, {box.x, at}, 1.6, frame_gray);
-      write(pen, {box.x - tick_length - tick_gap, at}, marks_of[p].labels[i], tick, 1);
-    }
-    cairo_new_path(pen);
-    cairo_rectangle(pen, box.x, box.y, box.width, box.height);
-    stroke(pen, 1.6, frame_gray);
-    const Lines name = wrap(with_note(curves.panels[p].label, marks_of[p].note), label, 15, box.height, 1, measure);
-    write_block(pen, {margin, box.y + 0.5 * box.height}, name, 0.5, ink, true);
-    cairo_save(pen);
-    cairo_rectangle(pen, box.x, box.y, box.width, box.height);
-    cairo_clip(pen);
-    cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
-    for (std::size_t k = 0; k < curves.panels[p].curves.size(); ++k)
-      draw_curve(pen, panels[p], curves.x, curves.panels[p].curves[k], palette[k % palette.size()]);
-    draw_legend(pen, panels[p], curves.x, curves.panels[p].curves);
-    cairo_restore(pen);
-  }
-  if (panels.empty() || curves.x.empty()) {
-    save(path, page);
-    return;
-  }
-  const Box& last = panels.back().box;
-  write_block(pen, {last.x + 0.5 * last.width, label_y}, wrap(curves.x_label, label, 18, plot_width, 1, measure), 0.5);
-  if (upper) {
-    const Font small{20};
-    const double above = panels.front().box.y - 18;
-    const std::string name = curves.upper_label + ":";
-    const double width = text_width(pen, name, small), from = std::max(0.5 * margin, last.x - tick_gap - width);
-    write(pen, {from, above}, name, small, 0, gray);
-    double free = from + width + 10;
-    for (const std::size_t i : kept) {
-      const auto at = std::find(curves.x.begin(), curves.x.end(), across.at[i]);
-      if (at == curves.x.end()) continue;
-      const std::string text = pretty(curves.upper[static_cast<std::size_t>(at - curves.x.begin())]);
-      const double middle = last.x + x.share(*at) * last.width, half = 0.5 * text_width(pen, text, small);
-      if (middle - half < free) continue;
-      write(pen, {middle, above}, text, small, 0.5, gray);
-      free = middle + half + 12;
-    }
+  for (std::size_t p = 0; p < plan.panels.size(); ++p) draw_panel(pen, plan, p, curves, measure);
+  if (!plan.panels.empty() && !curves.x.empty()) {
+    const Box& last = plan.panels.back().box;
+    const Lines name = wrap(curves.x_label, label, {plot_width, 18, 1}, measure);
+    write_block(pen, {last.x + 0.5 * last.width, plan.label_y}, name, {0.5});
+    if (plan.upper) draw_upper_scale(pen, plan, curves);
   }
   save(path, page);
 }

@@ -1,8 +1,6 @@
 #include "plot/evolution.hpp"
 
-#include "io/text.hpp"
-#include "plot/figure/pen.hpp"
-#include "plot/figure/ticks.hpp"
+#include "plot/figure/frame.hpp"
 
 #include <fmt/format.h>
 
@@ -12,149 +10,13 @@
 
 namespace kerf {
 
-Contours contours(const Mesh& mesh) {
-  Contours out;
-  // Boundary edges as they run around the triangle they belong to: the body lies to their left.
-  std::vector<std::pair<Index, Index>> steps;
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto [a, b] = mesh.edges[e];
-    if (mesh.sides[e][1] == none) steps.emplace_back(a, b);
-    if (mesh.sides[e][0] == none) steps.emplace_back(b, a);
-  }
-  std::sort(steps.begin(), steps.end());
-  std::vector<bool> done(steps.size(), false);
-  const auto next = [&](Index from) {
-    auto at = std::lower_bound(steps.begin(), steps.end(), std::pair(from, none));
-    while (at != steps.end() && at->first == from && done[static_cast<std::size_t>(at - steps.begin())]) ++at;
-    return at != steps.end() && at->first == from ? at : steps.end();
-  };
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (done[i]) continue;
-    std::vector<Vec2> loop;
-    for (auto at = steps.begin() + static_cast<std::ptrdiff_t>(i); at != steps.end(); at = next(at->second)) {
-      done[static_cast<std::size_t>(at - steps.begin())] = true;
-      loop.push_back(mesh.points[static_cast<std::size_t>(at->first)]);
-    }
-    out.boundary.push_back(std::move(loop));
-  }
-  for (const auto& crack : mesh.cracks) {
-    std::vector<Vec2> line;
-    for (const CrackEdge& c : crack) {
-      const auto& edge = mesh.edges[static_cast<std::size_t>(c.edge)];
-      if (line.empty()) line.push_back(mesh.points[static_cast<std::size_t>(edge[c.forward ? 0 : 1])]);
-      line.push_back(mesh.points[static_cast<std::size_t>(edge[c.forward ? 1 : 0])]);
-    }
-    if (!line.empty()) out.cracks.push_back(std::move(line));
-  }
-  return out;
-}
-
-void add(Snapshots& snapshots, Snapshot snapshot) {
-  constexpr std::size_t most = 32;
-  if (snapshot.iteration % snapshots.stride == 0) {
-    std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration == snapshot.iteration; });
-    const auto after = std::find_if(snapshots.kept.begin(), snapshots.kept.end(),
-                                    [&](const Snapshot& s) { return s.iteration > snapshot.iteration; });
-    snapshots.kept.insert(after, snapshot);
-  }
-  if (!snapshots.last || snapshots.last->iteration <= snapshot.iteration) snapshots.last = std::move(snapshot);
-  while (snapshots.kept.size() > most) {
-    snapshots.stride *= 2;
-    std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration % snapshots.stride != 0; });
-  }
-}
-
-std::vector<Snapshot> pick(const Snapshots& snapshots, std::size_t most) {
-  std::vector<Snapshot> all = snapshots.kept;
-  if (snapshots.last && (all.empty() || all.back().iteration != snapshots.last->iteration))
-    all.push_back(*snapshots.last);
-  if (all.size() <= most) return all;
-  // Those nearest to evenly spread iterations, each once.
-  std::vector<Snapshot> out;
-  const double first = all.front().iteration, last = all.back().iteration;
-  std::size_t from = 0;
-  for (std::size_t k = 0; k < most; ++k) {
-    const double wanted = first + (last - first) * static_cast<double>(k) / static_cast<double>(most - 1);
-    std::size_t best = from;
-    for (std::size_t i = from; i < all.size(); ++i)
-      if (std::abs(all[i].iteration - wanted) < std::abs(all[best].iteration - wanted)) best = i;
-    best = std::min(best, all.size() - (most - k));  // enough are left for the rest
-    out.push_back(all[best]);
-    from = best + 1;
-  }
-  return out;
-}
-
-namespace {
-
-/// Numbers of points and the points of each line, one after the other.
-Eigen::VectorXd pack(const std::vector<std::vector<Vec2>>& lines) {
-  std::vector<double> values;
-  for (const auto& line : lines) {
-    values.push_back(static_cast<double>(line.size()));
-    for (const Vec2& p : line) values.insert(values.end(), {p.x(), p.y()});
-  }
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-std::vector<std::vector<Vec2>> unpack(const Eigen::VectorXd& values) {
-  std::vector<std::vector<Vec2>> lines;
-  for (Eigen::Index i = 0; i < values.size();) {
-    const double length = values[i++];
-    if (!(length >= 0 && length <= static_cast<double>(values.size()))) break;
-    const auto count = static_cast<Eigen::Index>(length);
-    std::vector<Vec2> line;
-    for (Eigen::Index k = 0; k < count && i + 1 < values.size(); ++k, i += 2)
-      line.emplace_back(values[i], values[i + 1]);
-    lines.push_back(std::move(line));
-  }
-  return lines;
-}
-
-}  // namespace
-
-Checkpoint to_checkpoint(const Snapshots& snapshots, const std::string& fingerprint) {
-  Checkpoint out{fingerprint, {}, {}};
-  const auto put = [&](const std::string& name, const Snapshot& s) {
-    out.numbers[name] = Eigen::Vector3d(s.iteration, s.objective, s.volume_fraction);
-    out.numbers[name + ".boundary"] = pack(s.contours.boundary);
-    out.numbers[name + ".cracks"] = pack(s.contours.cracks);
-  };
-  out.numbers["stride"] = Eigen::VectorXd::Constant(1, snapshots.stride);
-  for (std::size_t i = 0; i < snapshots.kept.size(); ++i) put(fmt::format("{:04}", i), snapshots.kept[i]);
-  if (snapshots.last) put("last", *snapshots.last);
-  return out;
-}
-
-Snapshots from_checkpoint(const Checkpoint& checkpoint) {
-  const auto& numbers = checkpoint.numbers;
-  const auto get = [&](const std::string& name) -> std::optional<Snapshot> {
-    const auto head = numbers.find(name), boundary = numbers.find(name + ".boundary"),
-               cracks = numbers.find(name + ".cracks");
-    if (head == numbers.end() || head->second.size() != 3 || boundary == numbers.end() || cracks == numbers.end())
-      return std::nullopt;
-    return Snapshot{static_cast<int>(head->second[0]),
-                    head->second[1],
-                    head->second[2],
-                    {unpack(boundary->second), unpack(cracks->second)}};
-  };
-  Snapshots out;
-  if (const auto stride = numbers.find("stride"); stride != numbers.end() && stride->second.size() == 1)
-    out.stride = std::max(1, static_cast<int>(stride->second[0]));
-  for (std::size_t i = 0;; ++i) {
-    auto s = get(fmt::format("{:04}", i));
-    if (!s) break;
-    out.kept.push_back(std::move(*s));
-  }
-  out.last = get("last");
-  return out;
-}
-
 namespace {
 
 constexpr std::uint32_t material = 0x2f3d4c, crack_red = 0xe0232e, frame_fill = 0xeff2f5, frame_line = 0xc9d1d8;
 constexpr double margin = 34, gap = 30, widest = 1600;
-const Font caption{24, true}, words{21};
+constexpr double caption_size = 24, words_size = 21;
+const Font caption{caption_size, true}, words{words_size};
+constexpr double heading_height = 1.3 * caption_size + 1.3 * words_size + 10;  // of a drawing
 
 struct View {
   Vec2 low, high;
@@ -202,6 +64,53 @@ Grid arrange(std::size_t count, double aspect, double heading) {
   return best;
 }
 
+/// A drawing: its upper left corner, and how lengths of the body become pixels.
+struct Cell {
+  double x, y;  // of its heading
+  Vec2 corner;  // lower left, of the body
+  Vec2 low;     // the point there
+  double scale;
+};
+
+void trace(cairo_t* pen, const Cell& cell, const std::vector<std::vector<Vec2>>& lines, bool close) {
+  cairo_new_path(pen);
+  for (const auto& points : lines) {
+    cairo_new_sub_path(pen);
+    for (const Vec2& p : points) {
+      const Vec2 at(cell.corner.x() + (p.x() - cell.low.x()) * cell.scale,
+                    cell.corner.y() - (p.y() - cell.low.y()) * cell.scale);
+      if (at.allFinite()) cairo_line_to(pen, at.x(), at.y());
+    }
+    if (close) cairo_close_path(pen);
+  }
+}
+
+/// `start`: what the body filled in the beginning.
+void draw_body(cairo_t* pen, const Cell& cell, const Contours& body, const Contours& start) {
+  cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
+  trace(pen, cell, start.boundary, true);
+  cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
+  color(pen, frame_fill);
+  cairo_fill_preserve(pen);
+  stroke(pen, 1.2, frame_line);
+  trace(pen, cell, body.boundary, true);
+  color(pen, material);
+  cairo_fill_preserve(pen);
+  stroke(pen, 1.2, material);
+  trace(pen, cell, body.cracks, false);
+  stroke(pen, 4.5, paper, 0.9);
+  trace(pen, cell, body.cracks, false);
+  stroke(pen, 2.4, crack_red);
+}
+
+void write_caption(cairo_t* pen, const Cell& cell, const Snapshot& s, double width, const Measure& measure) {
+  write(pen, {cell.x, cell.y + 0.65 * caption.size}, s.iteration == 0 ? "start" : fmt::format("{}", s.iteration),
+        caption);
+  const std::string text = fmt::format("J = {}, volume {:.3f}", pretty(s.objective, 5), s.volume_fraction);
+  write_block(pen, {cell.x, cell.y + 1.3 * caption.size}, wrap(text, words, {width, 13, 1}, measure), {0, gray});
+}
+
 }  // namespace
 
 void draw(const std::filesystem::path& path, const Evolution& evolution) {
@@ -209,66 +118,26 @@ void draw(const std::filesystem::path& path, const Evolution& evolution) {
   const std::vector<Snapshot>& all = evolution.snapshots;
   const View view = view_of(all);
   const Vec2 size = view.high - view.low;
-  const double heading = 1.3 * caption.size + 1.3 * words.size + 10;
   const double aspect = std::clamp(size.x() / size.y(), 0.1, 10.0);
-  const Grid grid = arrange(std::max<std::size_t>(all.size(), 1), aspect, heading);
-  const std::size_t rows = (std::max<std::size_t>(all.size(), 1) + grid.columns - 1) / grid.columns;
+  const std::size_t count = std::max<std::size_t>(all.size(), 1);
+  const Grid grid = arrange(count, aspect, heading_height);
+  const std::size_t rows = (count + grid.columns - 1) / grid.columns;
   const double used = static_cast<double>(grid.columns) * (grid.width + gap) - gap;
   const double page_width = std::max(900.0, used + 2 * margin);
-  const Lines title = wrap(evolution.title, {34, true}, 22, page_width - 2 * margin, 2, measure);
-  const Lines subtitle = wrap(evolution.subtitle, {24}, 18, page_width - 2 * margin, 3, measure);
-  const double top = margin + title.height() + subtitle.height() + 22;
-  const double pitch = heading + grid.height + gap;
-  const Sheet page = sheet(static_cast<int>(std::ceil(page_width)),
-                           static_cast<int>(std::ceil(top + static_cast<double>(rows) * pitch - gap + margin)));
-  cairo_t* pen = page.pen();
-  color(pen, paper);
-  cairo_paint(pen);
-  write_block(pen, {margin, margin}, title, 0);
-  write_block(pen, {margin, margin + title.height()}, subtitle, 0, gray);
-
-  const double scale = std::min(grid.width / size.x(), grid.height / size.y());
-  const double left = 0.5 * (page_width - used);
+  const Heading head = heading(evolution.title, evolution.subtitle, page_width - 2 * margin, 3, measure);
+  const double top = head.bottom(margin) + 22, pitch = heading_height + grid.height + gap;
+  const double page_height = top + static_cast<double>(rows) * pitch - gap + margin;
+  const Sheet page =
+      page_with(head, margin, static_cast<int>(std::ceil(page_width)), static_cast<int>(std::ceil(page_height)));
+  const double scale = std::min(grid.width / size.x(), grid.height / size.y()), left = 0.5 * (page_width - used);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double x = left + static_cast<double>(i % grid.columns) * (grid.width + gap);
     const double y = top + static_cast<double>(i / grid.columns) * pitch;
-    write(pen, {x, y + 0.65 * caption.size}, all[i].iteration == 0 ? "start" : fmt::format("{}", all[i].iteration),
-          caption, 0);
-    const std::string text = fmt::format("J = {}, volume {:.3f}", pretty(all[i].objective, 5), all[i].volume_fraction);
-    const Lines line = wrap(text, words, 13, grid.width, 1, measure);
-    write_block(pen, {x, y + 1.3 * caption.size}, line, 0, gray);
-
     const Vec2 corner(x + 0.5 * (grid.width - scale * size.x()),
-                      y + heading + 0.5 * (grid.height + scale * size.y()));  // lower left
-    const auto place = [&](const Vec2& p) {
-      return Vec2(corner.x() + (p.x() - view.low.x()) * scale, corner.y() - (p.y() - view.low.y()) * scale);
-    };
-    const auto trace = [&](const std::vector<std::vector<Vec2>>& lines, bool close) {
-      cairo_new_path(pen);
-      for (const auto& points : lines) {
-        cairo_new_sub_path(pen);
-        for (const Vec2& p : points) {
-          const Vec2 at = place(p);
-          if (at.allFinite()) cairo_line_to(pen, at.x(), at.y());
-        }
-        if (close) cairo_close_path(pen);
-      }
-    };
-    cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
-    trace(all.front().contours.boundary, true);
-    cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
-    color(pen, frame_fill);
-    cairo_fill_preserve(pen);
-    stroke(pen, 1.2, frame_line);
-    trace(all[i].contours.boundary, true);
-    color(pen, material);
-    cairo_fill_preserve(pen);
-    stroke(pen, 1.2, material);
-    trace(all[i].contours.cracks, false);
-    stroke(pen, 4.5, paper, 0.9);
-    trace(all[i].contours.cracks, false);
-    stroke(pen, 2.4, crack_red);
+                      y + heading_height + 0.5 * (grid.height + scale * size.y()));
+    const Cell cell{x, y, corner, view.low, scale};
+    write_caption(page.pen(), cell, all[i], grid.width, measure);
+    draw_body(page.pen(), cell, all[i].contours, all.front().contours);
   }
   save(path, page);
 }

@@ -1,7 +1,7 @@
 #include "plot/gallery.hpp"
 
 #include "io/text.hpp"
-#include "plot/figure/pen.hpp"
+#include "plot/figure/frame.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 constexpr double page_width = 2000, margin = 40, gap = 36, length_scale = 205;  // pixels per length, at most
 constexpr std::uint32_t own_body = 0x1f5a8a, other_body = 0x6b747d, void_gray = 0xf1f3f5, frame_line = 0xc3cad1,
                         support_green = 0x00785a, load_orange = 0xd55e00;
-const Font title_font{34, true}, subtitle_font{24}, row_font{28, true}, panel_font{22, true}, caption_font{20};
+const Font row_font{28, true}, panel_font{22, true}, caption_font{20};
 
 struct Extent {
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -73,10 +73,10 @@ void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measur
   stroke(pen, 7, support_green);
   paths(panel.loads, false);
   stroke(pen, 7, load_orange);
-  const Lines title = wrap(panel.title, panel_font, 13, title_width, 1, measure);
-  const Lines caption = wrap(panel.caption, caption_font, 13, title_width, 1, measure);
-  write_block(pen, {at.x, at.y + at.height + 8}, title, 0);
-  write_block(pen, {at.x, at.y + at.height + 8 + 1.3 * panel_font.size}, caption, 0, gray);
+  const Lines title = wrap(panel.title, panel_font, {title_width, 13, 1}, measure);
+  const Lines caption = wrap(panel.caption, caption_font, {title_width, 13, 1}, measure);
+  write_block(pen, {at.x, at.y + at.height + 8}, title);
+  write_block(pen, {at.x, at.y + at.height + 8 + 1.3 * panel_font.size}, caption, {0, gray});
 }
 
 }  // namespace
@@ -90,10 +90,9 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
   const double scale = widest > 0 ? std::min(length_scale, room / widest) : length_scale;
   constexpr double least_width = 300;  // of a panel, so that its texts can be read
 
-  const Lines title = wrap(gallery.title, title_font, 22, room, 2, measure);
-  const Lines subtitle = wrap(gallery.subtitle, subtitle_font, 18, room, 2, measure);
+  const Heading head = heading(gallery.title, gallery.subtitle, room, 2, measure);
   const double texts = 8 + 1.3 * (panel_font.size + caption_font.size);
-  double y = margin + title.height() + subtitle.height() + 14;
+  double y = head.bottom(margin) + 14;
   std::vector<Placed> placed;
   std::vector<std::pair<double, const GalleryRow*>> headings;
   for (const GalleryRow& row : gallery.rows) {
@@ -117,14 +116,10 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
     y += line + texts + 10;
   }
 
-  const Sheet page = sheet(static_cast<int>(page_width), static_cast<int>(y + margin));
+  const Sheet page = page_with(head, margin, static_cast<int>(page_width), static_cast<int>(y + margin));
   cairo_t* pen = page.pen();
-  color(pen, paper);
-  cairo_paint(pen);
-  write_block(pen, {margin, margin}, title, 0);
-  write_block(pen, {margin, margin + title.height()}, subtitle, 0, gray);
   for (const auto& [at, row] : headings)
-    write_block(pen, {margin, at}, wrap(row->title, row_font, 18, room, 1, measure), 0);
+    write_block(pen, {margin, at}, wrap(row->title, row_font, {room, 18, 1}, measure));
   for (const Placed& p : placed) draw_panel(pen, p, std::max(p.width, least_width), measure);
   save(path, page);
 }

@@ -130,18 +130,18 @@ Bounds bounds(const Picture& picture) {
   return {middle - half, middle + half};
 }
 
-std::string with_note(const std::string& label, const std::string& note) {
-  return note.empty() ? label : label.empty() ? note : fmt::format("{} ({})", label, note);
-}
-
 }  // namespace
 
 std::string extreme_text(const char* word, double value) {
   return fmt::format("{} {}", word, pretty(value, 3));
 }
 
-Lines wrap(const std::string& text, Font font, double smallest, double width, std::size_t most,
-           const Measure& measure) {
+std::string with_note(const std::string& label, const std::string& note) {
+  return note.empty() ? label : label.empty() ? note : fmt::format("{} ({})", label, note);
+}
+
+Lines wrap(const std::string& text, Font font, const Room& room, const Measure& measure) {
+  const auto& [width, smallest, most] = room;
   const std::string clean = clean_text(text);
   for (std::size_t count = 1; count <= most; ++count) {
     // One more line before the letters get much smaller.
@@ -158,20 +158,50 @@ Lines wrap(const std::string& text, Font font, double smallest, double width, st
   return {std::move(lines), font};
 }
 
-Layout lay_out(const Picture& picture, const Limits& limits, const Measure& measure) {
-  Layout out;
-  out.has_bar = picture.values.cols() > 0;
+namespace {
+
+const Font axis_font{26, false, true}, label_font{26};
+
+double outside(const Layout& out) {
+  return out.tick_length + out.tick_gap;
+}
+
+bool has_bar_beside(const Layout& out) {
+  return out.has_bar && out.beside;
+}
+
+double bar_length_beside(const Layout& out, const Limits& limits) {
+  return out.plot.height - out.point * (limits.below() + limits.above());
+}
+
+/// The values and the label of a bar beside the plot; returns what they need to the right of it.
+double fit_bar_beside(Layout& out, const Picture& picture, const Limits& limits, const Measure& measure) {
+  out.values = upright_ticks(limits.low, limits.high, bar_length_beside(out, limits), out.tick);
+  double extreme = 0;
+  if (limits.below()) extreme = measure(extreme_text("min", limits.least), out.extreme);
+  if (limits.above()) extreme = std::max(extreme, measure(extreme_text("max", limits.most), out.extreme));
+  // The label stands between the words at the ends.
+  out.label_gap = outside(out) + longest(out.values, out.tick, measure) + 14;
+  const double label_length = out.plot.height - (extreme > 0 ? 4 * out.point : 0);
+  out.value_label = wrap(with_note(picture.value_label, out.values.note), label_font, {label_length, 17, 2}, measure);
+  return bar_distance + bar_thickness + out.margin +
+         std::max(out.label_gap + out.value_label.height(), outside(out) + extreme);
+}
+
+struct Sides {
+  double left, right;  // of the plot
+};
+
+/// The size of the plot and its ticks, and what stands to the left and to the right of it.
+Sides fit_plot(Layout& out, const Picture& picture, const Limits& limits, const Measure& measure) {
   const Bounds view = bounds(picture);
   const Vec2 size = view.high - view.low;
   const Vec2 middle = 0.5 * view.low + 0.5 * view.high;
   const double top_height = size.x() < 0.6 * size.y() ? highest_of_tall : highest;
-  const Font axis{26, false, true}, label{26};
-  const double outside = out.tick_length + out.tick_gap;
-
   // The labels' widths depend on the size of the plot and the other way round: a few rounds settle it.
-  double left = 160, right = out.has_bar ? 240 : 60;
+  Sides sides{160, out.has_bar ? 240.0 : 60.0};
   for (int round = 0; round < 6; ++round) {
-    const double room = widest - left - right;
+    const double room = widest - sides.left - sides.right;
     out.scale = std::min(room / size.x(), top_height / size.y());
     out.plot.width = std::max(least_plot, std::round(size.x() * out.scale));
     out.plot.height = std::max(least_plot, std::round(size.y() * out.scale));
@@ -182,63 +212,69 @@ Layout lay_out(const Picture& picture, const Limits& limits, const Measure& meas
     out.y = upright_ticks(out.low.y(), high.y(), out.plot.height, out.tick);
     out.beside = out.beside && out.plot.height >= least_beside;
 
-    left = out.margin + 1.3 * axis.size + 8 + longest(out.y, out.tick, measure) + outside;
-    right = std::max(out.margin, 0.5 * longest(out.x, out.tick, measure) + 14);
-    if (out.has_bar && out.beside) {
-      const double length = out.plot.height - out.point * (limits.below() + limits.above());
-      out.values = upright_ticks(limits.low, limits.high, length, out.tick);
-      double extreme = 0;
-      if (limits.below()) extreme = measure(extreme_text("min", limits.least), out.extreme);
-      if (limits.above()) extreme = std::max(extreme, measure(extreme_text("max", limits.most), out.extreme));
-      // The label stands between the words at the ends.
-      out.label_gap = outside + longest(out.values, out.tick, measure) + 14;
-      const double label_length = out.plot.height - (extreme > 0 ? 4 * out.point : 0);
-      out.value_label = wrap(with_note(picture.value_label, out.values.note), label, 17, label_length, 2, measure);
-      right = bar_distance + bar_thickness + out.margin +
-              std::max(out.label_gap + out.value_label.height(), outside + extreme);
+    sides.left = out.margin + 1.3 * axis_font.size + 8 + longest(out.y, out.tick, measure) + outside(out);
+    sides.right = std::max(out.margin, 0.5 * longest(out.x, out.tick, measure) + 14);
+    if (has_bar_beside(out)) {
+      sides.right = fit_bar_beside(out, picture, limits, measure);
     } else if (out.has_bar) {
       out.values = level_ticks(limits.low, limits.high, out.plot.width, out.tick, measure);
-      right = std::max(right, 0.5 * longest(out.values, out.tick, measure) + 14);
+      sides.right = std::max(sides.right, 0.5 * longest(out.values, out.tick, measure) + 14);
     }
   }
-  const double needed = left + out.plot.width + right;
+  return sides;
+}
+
+/// The width of the page, where the plot lies across it, title and subtitle above.
+void place_heading(Layout& out, const Picture& picture, const Sides& sides, const Measure& measure) {
+  const double needed = sides.left + out.plot.width + sides.right;
   const Font title{38, true}, subtitle{26};
   const double text =
       std::max(measure(clean_text(picture.title), title), measure(clean_text(picture.subtitle), subtitle));
   const double width = std::ceil(std::max({needed, narrowest, std::min(text + 2 * out.margin, narrowest_for_text)}));
   out.width = static_cast<int>(width);
-  out.plot.x = std::round(left + 0.5 * (width - needed));
+  out.plot.x = std::round(sides.left + 0.5 * (width - needed));
 
   // Title and subtitle start above the plot if that leaves them on one line each, else at the margin.
   const double text_x = out.plot.x + text + out.margin <= width ? out.plot.x : out.margin;
   const double text_width = width - text_x - out.margin;
-  out.title = wrap(picture.title, title, 24, text_width, 3, measure);
-  out.subtitle = wrap(picture.subtitle, subtitle, 19, text_width, 3, measure);
+  out.title = wrap(picture.title, title, {text_width, 24, 3}, measure);
+  out.subtitle = wrap(picture.subtitle, subtitle, {text_width, 19, 3}, measure);
   out.title_x = text_x;
+}
 
+/// The color bar beside the plot, or below it from `y` on. Returns where the page ends.
+double place_bar(Layout& out, const Picture& picture, const Limits& limits, double y, const Measure& measure) {
+  if (out.beside) {
+    out.bar = {out.plot.x + out.plot.width + bar_distance, out.plot.y + (limits.above() ? out.point : 0), bar_thickness,
+               bar_length_beside(out, limits)};
+    return y;
+  }
+  const double width = out.width, length = std::max(out.plot.width, 600.0);  // room for labels below a tiny plot
+  const double x = std::clamp(out.plot.x + 0.5 * (out.plot.width - length), out.margin + 20, width - length);
+  out.bar = {std::round(x) + (limits.below() ? out.point : 0), std::round(y + 20),
+             length - out.point * (limits.below() + limits.above()), bar_thickness};
+  out.values = level_ticks(limits.low, limits.high, out.bar.width, out.tick, measure);
+  out.value_label =
+      wrap(with_note(picture.value_label, out.values.note), label_font, {width - 2 * out.margin, 17, 2}, measure);
+  out.label_gap = outside(out) + out.tick.size + 8;
+  return out.bar.y + out.bar.height + out.label_gap + out.value_label.height();
+}
+
+}  // namespace
+
+Layout lay_out(const Picture& picture, const Limits& limits, const Measure& measure) {
+  Layout out;
+  out.has_bar = picture.values.cols() > 0;
+  place_heading(out, picture, fit_plot(out, picture, limits, measure), measure);
   double y = out.margin + out.title.height() + out.subtitle.height();
   if (y > out.margin) y += 18;
   out.plot.y = std::round(y);
-  y = out.plot.y + out.plot.height + outside + out.tick.size + 10;
-  out.x_label = wrap(with_note("x", out.x.note), axis, 15, width - 2 * out.margin, 1, measure);
-  out.y_label = wrap(with_note("y", out.y.note), axis, 15, out.plot.height + 60, 1, measure);
+  y = out.plot.y + out.plot.height + outside(out) + out.tick.size + 10;
+  out.x_label = wrap(with_note("x", out.x.note), axis_font, {out.width - 2 * out.margin, 15, 1}, measure);
+  out.y_label = wrap(with_note("y", out.y.note), axis_font, {out.plot.height + 60, 15, 1}, measure);
   out.x_label_y = y;
   y += out.x_label.height();
-
-  if (out.has_bar && out.beside) {
-    out.bar = {out.plot.x + out.plot.width + bar_distance, out.plot.y + (limits.above() ? out.point : 0), bar_thickness,
-               out.plot.height - out.point * (limits.below() + limits.above())};
-  } else if (out.has_bar) {
-    const double length = std::max(out.plot.width, 600.0);  // room for labels below a tiny plot
-    const double x = std::clamp(out.plot.x + 0.5 * (out.plot.width - length), out.margin + 20, width - length);
-    out.bar = {std::round(x) + (limits.below() ? out.point : 0), std::round(y + 20),
-               length - out.point * (limits.below() + limits.above()), bar_thickness};
-    out.values = level_ticks(limits.low, limits.high, out.bar.width, out.tick, measure);
-    out.value_label =
-        wrap(with_note(picture.value_label, out.values.note), label, 17, width - 2 * out.margin, 2, measure);
-    out.label_gap = outside + out.tick.size + 8;
-    y = out.bar.y + out.bar.height + out.label_gap + out.value_label.height();
-  }
+  if (out.has_bar) y = place_bar(out, picture, limits, y, measure);
   out.height = static_cast<int>(std::ceil(y + 0.6 * out.margin));
   return out;
 }

@@ -46,26 +46,22 @@ double text_width(cairo_t* pen, const std::string& text, const Font& font) {
   return extents.x_advance;
 }
 
-/// `anchor` 0, 1/2, 1: `at` is the left end, the middle or the right end of the text, half way up its capitals.
-void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, double anchor, std::uint32_t rgb,
-           bool upright) {
+void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, const Setting& how) {
   const double width = text_width(pen, text, font);
   cairo_save(pen);
   cairo_translate(pen, at.x(), at.y());
-  if (upright) cairo_rotate(pen, -0.5 * std::numbers::pi);
-  cairo_move_to(pen, -anchor * width, 0.365 * font.size);
-  color(pen, rgb);
+  if (how.upright) cairo_rotate(pen, -0.5 * std::numbers::pi);
+  cairo_move_to(pen, -how.anchor * width, 0.365 * font.size);
+  color(pen, how.rgb);
   cairo_show_text(pen, text.c_str());
   cairo_restore(pen);
 }
 
-/// Lines below each other, the first at the top of the block at `y`; upright: beside each other from `at` to the right.
-void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, double anchor, std::uint32_t rgb, bool upright) {
+void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, const Setting& how) {
   const double pitch = 1.3 * lines.font.size;
   for (std::size_t i = 0; i < lines.text.size(); ++i) {
     const double off = (static_cast<double>(i) + 0.5) * pitch;
-    write(pen, upright ? Vec2(at.x() + off, at.y()) : Vec2(at.x(), at.y() + off), lines.text[i], lines.font, anchor,
-          rgb, upright);
+    write(pen, how.upright ? Vec2(at.x() + off, at.y()) : Vec2(at.x(), at.y() + off), lines.text[i], lines.font, how);
   }
 }
 
@@ -73,6 +69,15 @@ void stroke(cairo_t* pen, double width, std::uint32_t rgb, double alpha) {
   cairo_set_line_width(pen, width);
   color(pen, rgb, alpha);
   cairo_stroke(pen);
+}
+
+void put(cairo_t* pen, Image& image, const Vec2& at) {
+  const Surface source(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
+                                                           CAIRO_FORMAT_ARGB32, image.width, image.height,
+                                                           4 * image.width));
+  cairo_set_source_surface(pen, source.get(), at.x(), at.y());
+  cairo_paint(pen);
+  color(pen, ink);  // lets go of the source before its pixels
 }
 
 Measure ruler() {

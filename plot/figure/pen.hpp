@@ -2,6 +2,7 @@
 // Ink on paper: what pictures and charts share. The only header that includes Cairo's.
 
 #include "plot/figure/layout.hpp"
+#include "plot/figure/raster.hpp"
 
 #include <cairo.h>
 
@@ -35,13 +36,21 @@ void choose(cairo_t* pen, const Font& font);
 double text_width(cairo_t* pen, const std::string& text, const Font& font);
 Measure ruler();
 
-/// `anchor` 0, 1/2, 1: `at` is the left end, the middle or the right end of the text, half way up its capitals.
-void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, double anchor,
-           std::uint32_t rgb = ink, bool upright = false);
+/// How text is set: `anchor` 0, 1/2, 1: its left end, its middle or its right end is at the given point.
+struct Setting {
+  double anchor = 0;
+  std::uint32_t rgb = ink;
+  bool upright = false;  // read from the right
+};
+
+/// `at`: half way up the capitals.
+void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& font, const Setting& how = {});
 
 /// Lines below each other, the first at the top of the block at `y`; upright: beside each other from `at` to the right.
-void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, double anchor, std::uint32_t rgb = ink,
-                 bool upright = false);
+void write_block(cairo_t* pen, const Vec2& at, const Lines& lines, const Setting& how = {});
+
+/// Puts pixels of ours at an integer place.
+void put(cairo_t* pen, Image& image, const Vec2& at);
 
 /// As a PNG. Throws Error(Files) naming the path.
 void save(const std::filesystem::path& path, const Sheet& page);

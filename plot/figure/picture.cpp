@@ -1,9 +1,8 @@
 #include "plot/picture.hpp"
 
 #include "io/text.hpp"
-#include "plot/figure/layout.hpp"
-#include "plot/figure/pen.hpp"
-#include "plot/figure/raster.hpp"
+#include "plot/figure/color_bar.hpp"
+#include "plot/figure/frame.hpp"
 
 #include <fmt/core.h>
 
@@ -29,16 +28,6 @@ void trace(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& line) {
       down = true;
     }
   }
-}
-
-/// Puts pixels of ours at an integer place.
-void put(cairo_t* pen, Image& image, double x, double y) {
-  const Surface source(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
-                                                           CAIRO_FORMAT_ARGB32, image.width, image.height,
-                                                           4 * image.width));
-  cairo_set_source_surface(pen, source.get(), x, y);
-  cairo_paint(pen);
-  color(pen, ink);  // lets go of the source before its pixels
 }
 
 constexpr std::uint32_t solid_color = 0x2f3d4c, crack_red = 0xe0232e, support_blue = 0x0072b2, load_orange = 0xd55e00;
@@ -113,7 +102,7 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
     painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;
   }
   Image image = paint(static_cast<int>(layout.plot.width), static_cast<int>(layout.plot.height), painting);
-  put(pen, image, layout.plot.x, layout.plot.y);
+  put(pen, image, {layout.plot.x, layout.plot.y});
 
   for (const auto& line : picture.interfaces) trace(pen, layout, line);
   stroke(pen, 2.6, interface_orange);
@@ -187,7 +176,7 @@ void draw_marks(cairo_t* pen, const Layout& layout, const Picture& picture) {
     const Vec2 inside = at - Vec2(plot.x, plot.y);
     if (!(inside.minCoeff() >= 0 && inside.x() <= plot.width && inside.y() <= plot.height)) continue;
     const Measure measure = [&](const std::string& text, const Font& font) { return text_width(pen, text, font); };
-    Mark mark{at, wrap(name, {22}, 15, plot.width - 20, 4, measure), 0};
+    Mark mark{at, wrap(name, {22}, {plot.width - 20, 15, 4}, measure), 0};
     for (const auto& line : mark.name.text) mark.width = std::max(mark.width, measure(line, mark.name.font));
     marks.push_back(std::move(mark));
     taken.push_back({at.x() - arm, at.y() - arm, 2 * arm, 2 * arm});
@@ -238,7 +227,7 @@ void draw_axes(cairo_t* pen, const Layout& layout) {
   double labels_width = 0;
   for (std::size_t i = 0; i < layout.x.at.size(); ++i) {
     const double x = layout.place({layout.x.at[i], layout.low.y()}).x();
-    write(pen, {x, bottom + outside + 0.5 * layout.tick.size}, layout.x.labels[i], layout.tick, 0.5);
+    write(pen, {x, bottom + outside + 0.5 * layout.tick.size}, layout.x.labels[i], layout.tick, {0.5});
     cairo_new_path(pen);
     cairo_move_to(pen, x, bottom);
     cairo_line_to(pen, x, bottom + layout.tick_length);
@@ -246,93 +235,16 @@ void draw_axes(cairo_t* pen, const Layout& layout) {
   }
   for (std::size_t i = 0; i < layout.y.at.size(); ++i) {
     const double y = layout.place({layout.low.x(), layout.y.at[i]}).y();
-    write(pen, {plot.x - outside, y}, layout.y.labels[i], layout.tick, 1);
+    write(pen, {plot.x - outside, y}, layout.y.labels[i], layout.tick, {1});
     labels_width = std::max(labels_width, text_width(pen, layout.y.labels[i], layout.tick));
     cairo_new_path(pen);
     cairo_move_to(pen, plot.x, y);
     cairo_line_to(pen, plot.x - layout.tick_length, y);
     stroke(pen, 1.6, frame_gray);
   }
-  write_block(pen, {plot.x + 0.5 * plot.width, layout.x_label_y}, layout.x_label, 0.5);
+  write_block(pen, {plot.x + 0.5 * plot.width, layout.x_label_y}, layout.x_label, {0.5});
   const double label_x = plot.x - outside - labels_width - 8 - layout.y_label.height();
-  write_block(pen, {label_x, plot.y + 0.5 * plot.height}, layout.y_label, 0.5, ink, true);
-}
-
-void draw_bar(cairo_t* pen, const Layout& layout, const Picture& picture, const Limits& limits) {
-  const Box& bar = layout.bar;
-  const Colors& table = colors(picture.scale);
-  const bool upright = layout.beside;
-  Image image{static_cast<int>(bar.width), static_cast<int>(bar.height), {}};
-  image.pixels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  for (int j = 0; j < image.height; ++j) {
-    for (int i = 0; i < image.width; ++i) {
-      const double share = upright ? 1 - (j + 0.5) / image.height : (i + 0.5) / image.width;
-      image.pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(i)] =
-          table[static_cast<std::size_t>(256 * share)];
-    }
-  }
-  put(pen, image, bar.x, bar.y);
-
-  // Everything below is for an upright bar whose low end is at 0, length along -y; a lying one is turned.
-  const double length = upright ? bar.height : bar.width, thickness = upright ? bar.width : bar.height;
-  const auto at = [&](double along, double across) {
-    return upright ? Vec2(bar.x + across, bar.y + bar.height - along) : Vec2(bar.x + along, bar.y + across);
-  };
-  const auto to = [&](double along, double across) {
-    const Vec2 p = at(along, across);
-    cairo_line_to(pen, p.x(), p.y());
-  };
-  const auto pointed = [&](double end, double tip, std::uint32_t rgb) {
-    cairo_new_path(pen);
-    to(end, 0);
-    to(tip, 0.5 * thickness);
-    to(end, thickness);
-    cairo_close_path(pen);
-    color(pen, rgb);
-    cairo_fill(pen);
-  };
-  if (limits.below()) pointed(0, -layout.point, table.front());
-  if (limits.above()) pointed(length, length + layout.point, table.back());
-  cairo_new_path(pen);
-  to(0, 0);
-  if (limits.below()) to(-layout.point, 0.5 * thickness);
-  to(0, thickness);
-  to(length, thickness);
-  if (limits.above()) to(length + layout.point, 0.5 * thickness);
-  to(length, 0);
-  cairo_close_path(pen);
-  stroke(pen, 1.6, frame_gray);
-
-  const double outside = layout.tick_length + layout.tick_gap;
-  for (std::size_t i = 0; i < layout.values.at.size(); ++i) {
-    const double along = (layout.values.at[i] - limits.low) / (limits.high - limits.low) * length;
-    cairo_new_path(pen);
-    to(along, thickness);
-    to(along, thickness + layout.tick_length);
-    stroke(pen, 1.6, frame_gray);
-    const Vec2 where = at(along, thickness + outside + (upright ? 0 : 0.5 * layout.tick.size));
-    write(pen, where, layout.values.labels[i], layout.tick, upright ? 0 : 0.5);
-  }
-  const std::string least = extreme_text("min", limits.least), most = extreme_text("max", limits.most);
-  if (upright) {
-    if (limits.above()) write(pen, at(length + layout.point, thickness + outside), most, layout.extreme, 0, gray);
-    if (limits.below()) write(pen, at(-layout.point, thickness + outside), least, layout.extreme, 0, gray);
-    write_block(pen, {bar.x + thickness + layout.label_gap, layout.plot.y + 0.5 * layout.plot.height},
-                layout.value_label, 0.5, ink, true);
-    return;
-  }
-  const Vec2 label = {bar.x + 0.5 * length, bar.y + thickness + layout.label_gap};
-  write_block(pen, label, layout.value_label, 0.5);
-  double half = 0;
-  for (const auto& line : layout.value_label.text)
-    half = std::max(half, 0.5 * text_width(pen, line, layout.value_label.font));
-  const double y = label.y() + 0.65 * layout.value_label.font.size, room = 0.5 * length + layout.point - half - 30;
-  if (limits.below() && text_width(pen, least, layout.extreme) < room) {
-    write(pen, {bar.x - layout.point, y}, least, layout.extreme, 0, gray);
-  }
-  if (limits.above() && text_width(pen, most, layout.extreme) < room) {
-    write(pen, {bar.x + length + layout.point, y}, most, layout.extreme, 1, gray);
-  }
+  write_block(pen, {label_x, plot.y + 0.5 * plot.height}, layout.y_label, {0.5, ink, true});
 }
 
 void check(const Picture& picture) {
@@ -362,8 +274,7 @@ void draw(const std::filesystem::path& path, const Picture& picture) {
   cairo_t* pen = page.pen();
   color(pen, paper);
   cairo_paint(pen);
-  write_block(pen, {layout.title_x, layout.margin}, layout.title, 0);
-  write_block(pen, {layout.title_x, layout.margin + layout.title.height()}, layout.subtitle, 0, gray);
+  write_heading(pen, {layout.title_x, layout.margin}, {layout.title, layout.subtitle});
   cairo_save(pen);
   cairo_rectangle(pen, layout.plot.x, layout.plot.y, layout.plot.width, layout.plot.height);
   cairo_clip(pen);
@@ -372,7 +283,7 @@ void draw(const std::filesystem::path& path, const Picture& picture) {
   draw_marks(pen, layout, picture);
   cairo_restore(pen);
   draw_axes(pen, layout);
-  if (layout.has_bar) draw_bar(pen, layout, picture, scale);
+  if (layout.has_bar) draw_color_bar(pen, layout, picture.scale, scale);
 
   save(path, page);
 }

@@ -64,8 +64,11 @@ class Cli : public testing::Test {
   }
 
   Outcome kerf(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ('" KERF_PROGRAM "' " + arguments + ") 2>'" +
-                                (folder / "stderr").string() + "'";
+    return shell("'" KERF_PROGRAM "' " + arguments);
+  }
+  Outcome shell(const std::string& line) const {
+    const std::string command =
+        "cd '" + folder.string() + "' && (" + line + ") 2>'" + (folder / "stderr").string() + "'";
     Outcome outcome;
     FILE* pipe = popen(command.c_str(), "r");
     if (!pipe) return outcome;
@@ -153,6 +156,24 @@ TEST_F(Cli, BenchListsItsNames) {
   EXPECT_EQ(o.code, 0);
   for (const char* word : {"state", "map", "closing-crack", "cantilever", "bdms"})
     EXPECT_NE(o.out.find(word), std::string::npos) << word;
+}
+
+TEST_F(Cli, FindsTheBenchesBesideItselfOrOnThePath) {
+  fs::copy_file(KERF_PROGRAM, folder / "kerf");
+  const Outcome none = shell("PATH=/usr/bin ./kerf bench --list");
+  EXPECT_EQ(none.code, 5);
+  EXPECT_EQ(none.out, "");
+  EXPECT_EQ(none.error,
+            "kerf: the benches are not installed: there is no program kerf-bench beside kerf or on the PATH\n");
+  fs::create_directory(folder / "bin");
+  write("bin/kerf-bench", "#!/bin/sh\necho on the path: $*\nexit 7\n");
+  fs::permissions(folder / "bin" / "kerf-bench", fs::perms::owner_all);
+  const Outcome path = shell("PATH=\"$PWD/bin:/usr/bin\" ./kerf bench state --quick");
+  EXPECT_EQ(path.code, 7);
+  EXPECT_EQ(path.out, "on the path: state --quick\n");
+  write("kerf-bench", "#!/bin/sh\necho beside\n");
+  fs::permissions(folder / "kerf-bench", fs::perms::owner_all);
+  EXPECT_EQ(shell("PATH=\"$PWD/bin:/usr/bin\" ./kerf bench").out, "beside\n");
 }
 
 TEST_F(Cli, BenchNamesWhatWasMeant) {

@@ -40,7 +40,7 @@ std::size_t lines(const std::string& text) {
 }
 
 TEST_F(MapBenchTest, WritesItsFiles) {
-  const MapBench bench = run_map_bench({.folder = folder, .cases = {"closing-crack", "cantilever"}, .quick = true});
+  const MapBench bench = run_map_bench({{.folder = folder, .cases = {"closing-crack", "cantilever"}, .quick = true}});
   EXPECT_TRUE(bench.notes.empty()) << bench.notes.front();
   const std::string csv = text("map.csv");
   EXPECT_EQ(csv.substr(0, csv.find('\n')),
@@ -74,7 +74,7 @@ TEST_F(MapBenchTest, WritesItsFiles) {
 }
 
 TEST_F(MapBenchTest, TimesValidations) {
-  const MapBench bench = run_map_bench({.folder = folder, .cases = {"validation"}, .quick = true});
+  const MapBench bench = run_map_bench({{.folder = folder, .cases = {"validation"}, .quick = true}});
   EXPECT_TRUE(bench.notes.empty()) << bench.notes.front();
   ASSERT_EQ(bench.validations.size(), 3u);
   for (const ValidationMeasurement& v : bench.validations) {
@@ -91,8 +91,8 @@ TEST_F(MapBenchTest, TimesValidations) {
 
 TEST_F(MapBenchTest, WritesWhatThereIsWhenStopped) {
   int polls = 0;
-  const MapBench bench =
-      run_map_bench({.folder = folder, .cases = {"smooth"}, .quick = true, .stop_asked = [&] { return ++polls > 3; }});
+  const MapBench bench = run_map_bench(
+      {{.folder = folder, .cases = {"smooth"}, .quick = true, .stop_asked = [&] { return ++polls > 3; }}});
   EXPECT_TRUE(bench.stopped);
   EXPECT_EQ(bench.sequences.size(), 2u);
   EXPECT_TRUE(bench.sizes.empty());
@@ -100,7 +100,7 @@ TEST_F(MapBenchTest, WritesWhatThereIsWhenStopped) {
 }
 
 TEST_F(MapBenchTest, RunsOtherPrograms) {
-  EXPECT_THROW(run_map_bench({.folder = folder, .peers = folder}), Error);
+  EXPECT_THROW(run_map_bench({{.folder = folder, .peers = folder}}), Error);
   for (const char* script : {"slit.idp", "common.idp"}) std::ofstream(folder / script) << "nothing";
   // A program that finds kerf's own script beside those of the folder.
   std::ofstream(folder / "FreeFem++") << R"(#!/bin/sh
@@ -111,7 +111,7 @@ echo '{"nt":128,"ndof":9,"err_map":0.5,"t_mesh":0.5,"t_asm":0.25,"t_solve":0.25,
   const std::string path = std::getenv("PATH");
   setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
   const MapBench bench =
-      run_map_bench({.folder = folder / "out", .cases = {"open-crack"}, .quick = true, .peers = folder});
+      run_map_bench({{.folder = folder / "out", .cases = {"open-crack"}, .quick = true, .peers = folder}});
   setenv("PATH", path.c_str(), 1);
   ASSERT_EQ(bench.peers.size(), 6u);  // three graded forms, two Poisson's ratios
   EXPECT_DOUBLE_EQ(bench.peers[0].work, 1.5);

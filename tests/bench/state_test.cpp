@@ -34,7 +34,7 @@ class StateBenchTest : public testing::Test {
 
 TEST_F(StateBenchTest, WritesItsFiles) {
   const StateBench bench =
-      run_state_bench({.folder = folder, .cases = {"smooth", "closing-crack"}, .elements = {"bdms"}, .quick = true});
+      run_state_bench({{.folder = folder, .cases = {"smooth", "closing-crack"}, .quick = true}, {"bdms"}});
   std::istringstream csv(text("state.csv"));
   std::string line;
   ASSERT_TRUE(std::getline(csv, line));
@@ -69,10 +69,8 @@ TEST_F(StateBenchTest, WritesItsFiles) {
 
 TEST_F(StateBenchTest, WritesWhatThereIsWhenStopped) {
   int polls = 0;
-  const StateBench bench =
-      run_state_bench({.folder = folder, .cases = {"smooth"}, .elements = {"bdms"}, .quick = true, .stop_asked = [&] {
-                         return ++polls > 3;
-                       }});
+  const StateBench bench = run_state_bench(
+      {{.folder = folder, .cases = {"smooth"}, .quick = true, .stop_asked = [&] { return ++polls > 3; }}, {"bdms"}});
   EXPECT_TRUE(bench.stopped);
   EXPECT_FALSE(bench.runs.empty());
   EXPECT_LT(bench.runs.size(), 6u);

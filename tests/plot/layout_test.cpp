@@ -14,22 +14,22 @@ double letters(const std::string& text, const Font& font) {
 }
 
 TEST(Wrap, FewLinesThenLargeLetters) {
-  const Lines one = wrap("short", {40}, 20, 1000, 3, letters);
+  const Lines one = wrap("short", {40}, {1000, 20, 3}, letters);
   EXPECT_EQ(one.text, std::vector<std::string>{"short"});
   EXPECT_EQ(one.font.size, 40);
-  const Lines smaller = wrap("ten letter", {40}, 20, 180, 3, letters);
+  const Lines smaller = wrap("ten letter", {40}, {180, 20, 3}, letters);
   EXPECT_EQ(smaller.text.size(), 1u);
   EXPECT_EQ(smaller.font.size, 36);
-  const Lines two = wrap("ten letter", {40}, 20, 120, 3, letters);
+  const Lines two = wrap("ten letter", {40}, {120, 20, 3}, letters);
   EXPECT_EQ(two.text, (std::vector<std::string>{"ten", "letter"}));
   EXPECT_EQ(two.font.size, 40);
-  EXPECT_TRUE(wrap("", {40}, 20, 100, 3, letters).text.empty());
+  EXPECT_TRUE(wrap("", {40}, {100, 20, 3}, letters).text.empty());
 }
 
 TEST(Wrap, CutsBetweenLettersAndSaysSo) {
   std::string text;
   for (int i = 0; i < 400; ++i) text += "σ";
-  const Lines cut = wrap(text, {40}, 20, 205, 2, letters);
+  const Lines cut = wrap(text, {40}, {205, 20, 2}, letters);
   ASSERT_EQ(cut.text.size(), 2u);
   EXPECT_EQ(cut.font.size, 20);
   for (const auto& line : cut.text) {

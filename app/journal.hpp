@@ -1,0 +1,51 @@
+#pragma once
+// What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
+
+#include "io/result.hpp"
+#include "solver/stopwatch.hpp"
+
+namespace kerf {
+
+struct RunOptions {
+  std::filesystem::path folder;  // made if absent
+  int threads = 1;
+  bool resume = false;                                     // an optimization goes on from its checkpoint
+  std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
+  std::function<bool()> stop_asked;                        // polled between phases: what is done so far stays on disk
+};
+
+struct Journal {
+  const RunOptions& options;
+  std::string title;                                                         // of the pictures
+  bool vtk = true, png = true;                                               // which files are wanted
+  Seconds seconds = {};                                                      // but for the total
+  std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
+  Stopwatch since_start = {}, since_lap = {};
+
+  std::filesystem::path file(const std::string& name) const {
+    return options.folder / name;
+  }
+  bool stop_asked() const {
+    return options.stop_asked && options.stop_asked();
+  }
+  /// Throws Error(Numerics) when a stop was asked for.
+  void begin(const std::string& phase);
+  /// Seconds since the phase began, or since the last lap.
+  double lap() {
+    return since_lap.lap();
+  }
+  /// Draws what `make` returns, if pictures are wanted. Takes the place of an earlier one of the same name.
+  template <typename Make>
+  void picture(const std::string& name, const std::string& caption, const Make& make) {
+    if (!png) return;
+    draw(file(name), make());
+    list(name, caption);
+  }
+  /// The picture that was drawn last comes first on the page.
+  void show_last_first();
+
+ private:
+  void list(const std::string& name, const std::string& caption);
+};
+
+}  // namespace kerf

@@ -1,0 +1,73 @@
+#include "app/map.hpp"
+
+#include "app/draw.hpp"
+#include "app/files.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+bool is_clamped(const MapTask& task) {
+  return task.request.perturbation.kind == Perturbation::Kind::ClampedHole;
+}
+
+}  // namespace
+
+Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map) {
+  if (with_map) require_supports(j, adapted.model);
+  return analyze(j, adapted.model, adapted.state, !with_map);
+}
+
+std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis, const Shape& shape,
+                                  const std::vector<CrackResult>& cracks) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < j.terms.size(); ++i) {
+    const Term& term = j.terms[i];
+    constexpr double integrable = 4;
+    if (term.stress_power >= integrable && !shape.cracks.empty())
+      notes.push_back(
+          fmt::format("the stress to the power {:g} is not integrable at crack tips: unless its weight vanishes there, "
+                      "the value of {} is that of this mesh",
+                      term.stress_power, term.kind));
+    if (term.kind != "energy_release_rate") continue;
+    for (const CrackResult& crack : cracks)
+      for (const TipResult& tip : crack.tips) {
+        constexpr double same = 0.03;
+        if (!tip.G || (tip.at - term.feature).norm() > 1e-9 * extent(shape)) continue;
+        if (std::abs(analysis.term_value[i] - *tip.G) > same * std::abs(*tip.G))
+          notes.push_back(fmt::format(
+              "energy_release_rate is {:.4g}, the interaction integrals at that tip say {:.4g}: the ring has "
+              "too few triangles (mesh.size), or holds more than the tip",
+              analysis.term_value[i], *tip.G));
+      }
+  }
+  return notes;
+}
+
+Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
+  if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
+  Mapped map{.full = map_everywhere(analysis, task.functional, task.request, data.corners)};
+  map.result = map_result(task, analysis, map.full, extent(shape));
+  return map;
+}
+
+std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map) {
+  if (!task.request.bounds) return {};
+  if (is_clamped(task)) return {"there are no bounds for maps of clamped holes"};
+  add_bars(analysis, task.functional, task.request, body.shape, body.sizing, map.full, map.result.points);
+  return {};
+}
+
+void write_map(const MapTask& task, const Mapped& map, const Model& model, const PlotData& data, Journal& journal) {
+  journal.begin("write the map");
+  write_map_files(journal, task, map, model.mesh, data);
+  journal.picture("map.png", "Topological derivative",
+                  [&] { return map_picture(journal.title, task, model, data, map.full); });
+  journal.seconds.output += journal.lap();
+}
+
+}  // namespace kerf

@@ -1,0 +1,28 @@
+#pragma once
+// The value of a functional, and the map of its topological derivative.
+
+#include "app/collect.hpp"
+#include "app/solve.hpp"
+
+namespace kerf {
+
+/// J, and its adjoint where a map is to follow.
+Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map);
+
+/// What a reader of the value should know.
+std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis, const Shape& shape,
+                                  const std::vector<CrackResult>& cracks);
+
+struct Mapped {
+  FullMap full;
+  MapResult result;
+};
+Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape);
+
+/// The error bars that the task asks for; what stands in their place, where there are none.
+std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map);
+
+/// The files and the picture of a map.
+void write_map(const MapTask& task, const Mapped& map, const Model& model, const PlotData& data, Journal& journal);
+
+}  // namespace kerf

@@ -1,0 +1,88 @@
+#include "app/program.hpp"
+
+#include "io/words.hpp"
+#include "kerf/types.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <new>
+
+namespace kerf {
+
+namespace {
+
+// Set by the first Ctrl-C; a signal handler can reach nothing else.
+volatile std::sig_atomic_t stop_requested = 0;
+
+extern "C" void request_stop(int) {
+  stop_requested = 1;
+}
+
+}  // namespace
+
+int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
+  // No call here may throw: not for want of memory, not because stderr is closed.
+  const auto report = [](const char* before, const char* message, Fault fault) {
+    std::fprintf(stderr, "kerf: %s%s\n", before, message);
+    return static_cast<int>(fault);
+  };
+  try {
+    return work(argc, argv);
+  } catch (const Error& e) {
+    return report("", e.what(), e.fault);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return report("", e.what(), Fault::Files);
+  } catch (const std::bad_alloc&) {
+    return report("", "out of memory; use a coarser mesh (a larger mesh.size)", Fault::Numerics);
+  } catch (const std::exception& e) {
+    return report("unexpected failure: ", e.what(), Fault::Numerics);
+  } catch (...) {
+    return report("", "unexpected failure", Fault::Numerics);
+  }
+}
+
+void catch_signals() {
+  struct sigaction action = {};
+  action.sa_handler = request_stop;
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool signal_caught() {
+  return stop_requested != 0;
+}
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(Fault::Files, "cannot write to standard output");
+}
+
+void refuse_arguments(std::string message, const std::string& command) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  throw Error(Fault::Usage, fmt::format("{}; see kerf {}--help", message, command));
+}
+
+void require_known(const char* what, const std::string& name, std::span<const std::string> known) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error(Fault::Usage, fmt::format("unknown {} {}; {}", what, quote(name), suggest(name, known)));
+}
+
+std::string log_level(const std::string& asked, bool quiet) {
+  return !asked.empty() ? asked : quiet ? "warn" : "info";
+}
+
+void make_ready(const std::filesystem::path& folder, bool force, const std::string& result) {
+  const std::filesystem::path path = folder / result;
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw Error(Fault::Files, fmt::format("{} is not a folder; choose another with --output", folder.string()));
+  if (!std::filesystem::exists(std::filesystem::symlink_status(path))) return;
+  if (!force)
+    throw Error(Fault::Files, fmt::format("{} already holds results; use --force to overwrite", folder.string()));
+  std::filesystem::remove(path);
+}
+
+}  // namespace kerf

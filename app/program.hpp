@@ -1,0 +1,34 @@
+#pragma once
+// What kerf and kerf-bench share: messages and exit codes, Ctrl-C, the folder for results.
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace kerf {
+
+inline constexpr const char* exit_codes =
+    "Exit codes: 0 done, 2 wrong usage or case file, 3 invalid geometry, 4 not solved, 5 files.";
+
+/// `work`, and one line on stderr for whatever it throws. Returns the exit code of the process.
+int run_program(int (*work)(int argc, char** argv), int argc, char** argv);
+
+/// The first SIGINT or SIGTERM asks for a clean stop, the second one ends the process.
+void catch_signals();
+bool signal_caught();
+
+/// To stdout. Throws Error(Files).
+void print(const std::string& text);
+
+/// Throws Error(Usage): what the parser of the arguments has to say about those of `command` ("bench ", or nothing).
+[[noreturn]] void refuse_arguments(std::string message, const std::string& command);
+/// Throws Error(Usage) unless `name`, a `what`, is one of those that are known.
+void require_known(const char* what, const std::string& name, std::span<const std::string> known);
+
+/// "info", or "warn" when quiet, unless a level was asked for.
+std::string log_level(const std::string& asked, bool quiet);
+
+/// Throws Error(Files) when the folder holds the result already, unless it may be overwritten: then it goes.
+void make_ready(const std::filesystem::path& folder, bool force, const std::string& result);
+
+}  // namespace kerf

@@ -1,0 +1,175 @@
+#include "app/recorder.hpp"
+
+#include "app/collect.hpp"
+#include "geometry/part.hpp"
+#include "io/files.hpp"
+#include "io/history.hpp"
+#include "optimize/ersatz.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path snapshots_file(const fs::path& folder) {
+  return folder / "checkpoint.strip";
+}
+
+std::string design_name(int number) {
+  return fmt::format("design_{:04}.vtu", number);
+}
+
+/// "1 h 05 min", "3 min 20 s", "12 s".
+std::string duration(double seconds) {
+  const auto s = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
+  if (s >= 3600) return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
+  if (s >= 60) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} s", s);
+}
+
+/// Without the weak phase and what is mostly of it; the whole body without such phases.
+Mesh strong_part(const Mesh& mesh, bool phases) {
+  if (!phases) return mesh;
+  std::vector<bool> use;
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    use.push_back(strong_share(region_of(mesh, t)) >= 0.5);
+  return part(mesh, use).mesh;
+}
+
+}  // namespace
+
+fs::path checkpoint_file(const fs::path& folder) {
+  return folder / "checkpoint.bin";
+}
+
+fs::path stop_file(const fs::path& folder) {
+  return folder / "checkpoint.stop";
+}
+
+Recorder::Recorder(const OptimizeTask& task, const OptimizeNames& names, const Journal& journal)
+    : task_(task), names_(names), journal_(journal) {}
+
+void Recorder::restore() {
+  const fs::path history = journal_.file("history.csv");
+  if (fs::exists(history)) {
+    const std::string text = read_file(history), head = history_header(names_);
+    std::size_t at = text.starts_with(head) ? head.size() : text.size();
+    for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+      int number = -1;
+      std::from_chars(text.data() + at, text.data() + end, number);
+      if (number >= 0) lines_[number] = text.substr(at, end + 1 - at);
+    }
+  }
+  try {
+    const auto kept = read_checkpoint(snapshots_file(journal_.options.folder));
+    if (kept && kept->fingerprint == task_.fingerprint) snapshots_ = from_checkpoint(*kept);
+  } catch (const Error&) {
+    // Pictures can do without.
+  }
+}
+
+void Recorder::start() {
+  since_start_.lap();
+}
+
+void Recorder::write_history() const {
+  std::string out = history_header(names_);
+  for (const auto& [number, line] : lines_) out += line;
+  write_file(journal_.file("history.csv"), out);
+}
+
+void Recorder::write_designs() const {
+  if (!journal_.vtk) return;
+  std::vector<std::pair<int, std::string>> files;
+  for (const auto& [number, line] : lines_)
+    if (fs::exists(journal_.file(design_name(number)))) files.emplace_back(number, design_name(number));
+  write_collection(journal_.file("optimize.pvd"), files);
+}
+
+std::string Recorder::progress(const Iteration& row) {
+  const OptimizeRequest& request = task_.request;
+  elapsed_ += since_start_.lap();
+  std::string text =
+      fmt::format("optimize {}: J {:.6g}, volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.number,
+                  row.objective, row.volume_fraction, row.step, row.holes, row.holes == 1 ? "" : "s", row.triangles);
+  // Iterations of the level set, state solves of the others are what may at most be done.
+  const bool level_set = request.method == "level-set";
+  const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
+  const double done = level_set ? row.number : row.state_solves / cases;
+  if (seen_.size() == 1) first_done_ = done;
+  if (const double here = done - first_done_; here > 0 && request.max_iterations > done)
+    text += fmt::format(", at most {} left", duration(elapsed_ / here * (request.max_iterations - done)));
+  if (!row.note.empty()) text += "; " + row.note;
+  return text;
+}
+
+void Recorder::write_iterate(const Iterate& iterate) {
+  const Iteration& row = iterate.row;
+  lines_.erase(lines_.upper_bound(row.number), lines_.end());  // of an interrupted run
+  lines_[row.number] = history_line(row, names_);
+  if (journal_.vtk) {
+    const PlotData data = plot_data(iterate.model, iterate.state, task_.problem.plane_strain);
+    write_vtu(journal_.file(design_name(row.number)), data.points, data.corners.of, design_fields(iterate.model, data));
+  }
+  write_designs();
+  write_history();
+  if (journal_.png) {
+    add(snapshots_, {row.number, row.objective, row.volume_fraction,
+                     contours(strong_part(iterate.model.mesh, task_.request.level_set.ersatz > 0))});
+    write_checkpoint(snapshots_file(journal_.options.folder), to_checkpoint(snapshots_, task_.fingerprint));
+  }
+}
+
+bool Recorder::see(const Iterate& iterate) {
+  const Iteration& row = iterate.row;
+  if (seen_.count(row.number) == 0) {
+    seen_[row.number] = true;
+    const std::string text = progress(row);
+    if (journal_.options.on_phase) journal_.options.on_phase(text);
+    Stopwatch watch;
+    write_iterate(iterate);
+    output_ += watch.lap();
+  }
+  if (journal_.stop_asked() && !stopped_) {
+    stopped_ = true;
+    const fs::path& folder = journal_.options.folder;
+    std::error_code failed;
+    fs::copy_file(checkpoint_file(folder), stop_file(folder), fs::copy_options::overwrite_existing, failed);
+  }
+  return !stopped_;
+}
+
+void Recorder::finish(const std::vector<Iteration>& history) {
+  Stopwatch watch;
+  lines_.clear();
+  for (const Iteration& row : history) lines_[row.number] = history_line(row, names_);
+  write_history_csv(journal_.file("history.csv"), history, names_);
+  std::vector<fs::path> stale;
+  for (const auto& entry : fs::directory_iterator(journal_.options.folder)) {
+    const std::string name = entry.path().filename().string();
+    int number = -1;
+    if (name.starts_with("design_") && name.ends_with(".vtu"))
+      std::from_chars(name.data() + 7, name.data() + name.size() - 4, number);
+    if (number >= 0 && lines_.count(number) == 0) stale.push_back(entry.path());
+  }
+  std::error_code ignored;
+  for (const fs::path& path : stale) fs::remove(path, ignored);
+  write_designs();
+  const auto unknown = [&](const Snapshot& s) { return lines_.count(s.iteration) == 0; };
+  std::erase_if(snapshots_.kept, unknown);
+  if (snapshots_.last && unknown(*snapshots_.last)) snapshots_.last.reset();
+  output_ += watch.lap();
+}
+
+std::vector<Snapshot> Recorder::snapshots() const {
+  return pick(snapshots_, 12);
+}
+
+}  // namespace kerf

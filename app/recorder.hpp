@@ -1,0 +1,55 @@
+#pragma once
+// The files that an optimization leaves while it runs.
+
+#include "app/optimize.hpp"
+#include "plot/evolution.hpp"
+
+#include <map>
+
+namespace kerf {
+
+std::filesystem::path checkpoint_file(const std::filesystem::path& folder);
+/// The checkpoint before the iteration in which a stop was asked for: the end of a loop may add to its own one.
+std::filesystem::path stop_file(const std::filesystem::path& folder);
+
+class Recorder {
+ public:
+  Recorder(const OptimizeTask& task, const OptimizeNames& names, const Journal& journal);
+
+  /// What an interrupted run has written.
+  void restore();
+  /// The loop begins.
+  void start();
+  /// An accepted iterate: its files and its line of progress. false: a stop was asked for.
+  bool see(const Iterate& iterate);
+  /// The history as the loop tells it in the end; designs of iterations that it does not have go.
+  void finish(const std::vector<Iteration>& history);
+
+  bool stopped() const {
+    return stopped_;
+  }
+  /// Seconds spent on files so far.
+  double output() const {
+    return output_;
+  }
+  /// For evolution.png, once finished.
+  std::vector<Snapshot> snapshots() const;
+
+ private:
+  void write_history() const;
+  void write_designs() const;
+  void write_iterate(const Iterate& iterate);
+  std::string progress(const Iteration& row);
+
+  const OptimizeTask& task_;
+  const OptimizeNames& names_;
+  const Journal& journal_;
+  Snapshots snapshots_;
+  std::map<int, std::string> lines_;  // of history.csv, by iteration
+  std::map<int, bool> seen_;          // in this run
+  Stopwatch since_start_;
+  double elapsed_ = 0, output_ = 0, first_done_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace kerf

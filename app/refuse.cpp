@@ -1,0 +1,31 @@
+#include "app/refuse.hpp"
+
+#include <fmt/core.h>
+
+namespace kerf {
+
+void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table) {
+  for (std::size_t k = 0; k < scene.laws.size(); ++k)
+    if (has_friction(scene.laws[k]))
+      throw Error(
+          Fault::Usage,
+          fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
+                      "minimize the energy; remove friction and tresca, or [{}] (kerf solve)",
+                      job, shape.cracks[k].name, table));
+}
+
+void refuse_optimization(const Problem& problem, const std::string& method) {
+  if (method != "level-set") return;
+  refuse_friction(problem.frame, problem.scene, "level set", "optimize");
+  require(element(problem.element, problem.degree), can_optimize);
+}
+
+void refuse_map(const Element& e, const MapRequest& request) {
+  if (request.bounds && request.perturbation.kind != Perturbation::Kind::ClampedHole) require(e, can_be_bettered);
+}
+
+void refuse_validation(const Element& e) {
+  require(e, can_validate);
+}
+
+}  // namespace kerf

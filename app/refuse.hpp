@@ -1,0 +1,23 @@
+#pragma once
+// What cannot be had is refused before anything is solved. All throw Error(Usage).
+
+#include "kerf/element.hpp"
+#include "kerf/map.hpp"
+#include "kerf/optimize.hpp"
+
+namespace kerf {
+
+/// A `job` ("map", "validation") that the case asks for in a table: faces that slide against friction do not minimize
+/// an energy, and only the value of a functional is to be had.
+void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table);
+
+/// The loops over variables say themselves what they need; cobyla needs no derivatives.
+void refuse_optimization(const Problem& problem, const std::string& method);
+
+/// Elements without error bars for the map.
+void refuse_map(const Element& e, const MapRequest& request);
+
+/// Elements that the validation cannot condense.
+void refuse_validation(const Element& e);
+
+}  // namespace kerf

@@ -1,0 +1,40 @@
+#pragma once
+// The state of a body: solved, described, written.
+
+#include "app/collect.hpp"
+#include "app/journal.hpp"
+
+namespace kerf {
+
+/// What is solved for: the body as drawn and meshed, what acts on it, with which element.
+struct Body {
+  const Shape& shape;
+  const Sizing& sizing;
+  const Scene& scene;
+  const Element& element;
+};
+
+Mesh mesh_body(const Body& body, Journal& journal);
+/// On this mesh; `how.error` and what belongs to it are not asked.
+Adapted solve_once(const Body& body, Mesh mesh, const Adaptation& how, Journal& journal);
+Adapted solve_refined(const Body& body, const Adaptation& how, Journal& journal);
+
+AdaptResult adapt_result(const Adapted& adapted);
+
+/// What a result says about a state. `contact`: with cracks that may close.
+struct StateSection {
+  StateResult state;
+  std::vector<CrackResult> cracks;
+  std::optional<ContactResultSummary> contact;
+};
+/// `method`: of the contact, as in result.json.
+StateSection describe_state(const Adapted& adapted, const Shape& shape, const std::string& method);
+
+/// The files and pictures of a state.
+void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,
+                 Journal& journal);
+
+/// Why a state that is not certified is none.
+std::string failure(const Model& model, const State& state);
+
+}  // namespace kerf

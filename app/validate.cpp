@@ -1,0 +1,23 @@
+#include "app/validate.hpp"
+
+#include "io/validation.hpp"
+#include "plot/charts.hpp"
+
+namespace kerf {
+
+ValidationResult validate_expansion(const Body& body, const Functional& j, ValidationRequest request,
+                                    Journal& journal) {
+  journal.begin("validate");
+  request.threads = journal.options.threads;
+  const ValidationResult result{word(request.perturbation.kind),
+                                validate(body.shape, body.sizing, body.element, body.scene, j, request)};
+  journal.seconds.validate = journal.lap();
+  journal.begin("write the validation");
+  write_validation_csv(journal.file("validate.csv"), result);
+  journal.picture("validate.png", "Validation: what the prediction leaves of the difference",
+                  [&] { return validation_chart(result, journal.title); });
+  journal.seconds.output += journal.lap();
+  return result;
+}
+
+}  // namespace kerf

@@ -1,0 +1,146 @@
+// kerf-bench: speed against error. `kerf bench` starts it. In this room CLI11 lives here and nowhere else.
+
+#include "app/program.hpp"
+#include "app/progress.hpp"
+#include "bench/map.hpp"
+#include "bench/optimize.hpp"
+#include "bench/state.hpp"
+#include "io/words.hpp"
+#include "kerf/types.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+struct Arguments {
+  std::string name, folder;
+  BenchOptions options;
+  std::vector<std::string> elements;  // state, map
+  double seconds = 300;               // state, map
+  bool large = false;                 // map
+  bool list = false, quiet = false, force = false;
+  std::string log_level;
+};
+
+struct Bench {
+  std::string name, description;
+  std::vector<std::string> cases;
+};
+
+const std::vector<Bench>& benches() {
+  static const std::vector<Bench> all = {
+      {"state", "time and memory against the error of the stress: every element on smooth, singular and contact cases",
+       bench_case_names()},
+      {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
+       map_case_names()},
+      {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
+       optimize_case_names()}};
+  return all;
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  BenchOptions& options = arguments.options;
+  app.footer(exit_codes);
+  app.add_option("NAME", arguments.name, "Which one; see --list");
+  app.add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
+  app.add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
+  app.add_option("--seconds", arguments.seconds, "state, map: time for kerf's runs; default 300")
+      ->check(CLI::Range(1e-3, 1e6));
+  app.add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
+      ->check(CLI::Range(1e-3, 1e6));
+  const auto several = [&app](const char* name, std::vector<std::string>& names, const char* words) {
+    app.add_option(name, names, words)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false);
+  };
+  several("--case", options.cases, "Only this case (may be repeated)");
+  several("--element", arguments.elements, "Only this element (may be repeated)");
+  app.add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
+  app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
+  app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
+  app.add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
+      ->check(CLI::IsMember(log_levels()));
+  app.add_flag("--force", arguments.force, "Overwrite results");
+}
+
+/// Nothing when help was asked for and has been printed.
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Speed against error, with CSV, JSON and pictures", "kerf bench");
+  declare(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() != 0) refuse_arguments(e.what(), "bench ");
+    app.exit(e);
+    return std::nullopt;
+  }
+  return arguments;
+}
+
+std::string list_benches() {
+  std::string out;
+  for (const Bench& b : benches())
+    out += fmt::format("{:<10}{}\n  cases:  {}\n", b.name, b.description, fmt::join(b.cases, ", "));
+  return out + fmt::format("elements: {}\n", fmt::join(bench_element_names(), ", "));
+}
+
+/// Throws Error(Usage) for what is unknown or does not go together.
+void check(const Arguments& arguments) {
+  std::vector<std::string> names;
+  for (const Bench& b : benches()) names.push_back(b.name);
+  if (arguments.name.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
+  require_known("bench", arguments.name, names);
+  if (arguments.large && arguments.name != "map") throw Error(Fault::Usage, "--large belongs to kerf bench map");
+  const auto chosen =
+      std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.name; });
+  for (const std::string& name : arguments.options.cases) require_known("case", name, chosen->cases);
+  if (arguments.name == "optimize" && !arguments.elements.empty())
+    throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
+  for (const std::string& name : arguments.elements) require_known("element", name, bench_element_names());
+}
+
+int perform(int argc, char** argv) {
+  const auto arguments = parse(argc, argv);
+  if (!arguments) return 0;
+  if (arguments->list) {
+    print(list_benches());
+    return 0;
+  }
+  check(*arguments);
+  BenchOptions options = arguments->options;
+  options.folder = arguments->folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments->name)
+                                             : std::filesystem::path(arguments->folder);
+  make_ready(options.folder, arguments->force, arguments->name + ".json");
+  catch_signals();
+  Progress progress(log_level(arguments->log_level, arguments->quiet));
+  options.stop_asked = signal_caught;
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
+  const auto finish = [&](const auto& bench) {
+    progress.finish();
+    if (!arguments->quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
+    if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
+  };
+  if (arguments->name == "optimize")
+    finish(run_optimize_bench(options));
+  else if (arguments->name == "map")
+    finish(run_map_bench({options, arguments->elements, arguments->seconds, arguments->large}));
+  else
+    finish(run_state_bench({options, arguments->elements, arguments->seconds}));
+  return 0;
+}
+
+}  // namespace
+
+}  // namespace kerf
+
+int main(int argc, char** argv) {
+  return kerf::run_program(kerf::perform, argc, argv);
+}
