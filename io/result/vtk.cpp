@@ -17,7 +17,8 @@ struct Module {
   KerfVtkWriter triangles, lines;
 };
 
-/// Beside the program (build tree) or in ../lib/kerf (installed). It stays loaded until the program ends.
+/// Beside the program (build tree), in ../lib/kerf (installed), or where it was built or installed (programs of others).
+/// It stays loaded until the program ends.
 Module load() {
   std::vector<std::filesystem::path> places = {"kerf_vtk.so"};
   std::error_code code;
@@ -26,6 +27,8 @@ Module load() {
     places.push_back(program.parent_path() / "kerf_vtk.so");
     places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / "kerf_vtk.so");
   }
+  for (const char* folder : {KERF_VTK_BUILT, KERF_VTK_INSTALLED})
+    places.push_back(std::filesystem::path(folder) / "kerf_vtk.so");
   std::string reason;
   for (const auto& place : places) {
     void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
