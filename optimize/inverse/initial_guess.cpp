@@ -214,7 +214,7 @@ struct Data {
     return whiten(derivatives(at, v.what, v.angle));
   }
 };
-Data read_data(const Shape& frame, const Support& measured, const Model& m, const State& s) {
+Data read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
   const auto hats = std::make_shared<const Hats>(make_hats(frame, measured.label));
   std::vector<Term> readings;
   for (int d = 0; d < 2; ++d)
@@ -538,7 +538,7 @@ double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
 }
 
 /// The most negative values of the map of the objective.
-std::vector<Guess> best_of_map(const Problem& p, const Model& m, const State& s, const std::vector<Sought>& sought,
+std::vector<Guess> best_of_map(const Problem& p, const Model& m, const Field& s, const std::vector<Sought>& sought,
                                const Surroundings& around, const Design& design, double clear, double spacing) {
   const Analysis a = analyze(p.objective, m, s);
   std::vector<Guess> guesses;
