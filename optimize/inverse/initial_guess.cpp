@@ -142,7 +142,7 @@ struct Data {
     return whiten(derivatives(at, v.what, v.angle));
   }
 };
-Data read_data(const Shape& frame, const Support& measured, const Model& m, const State& s) {
+Data read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
   const auto hats = std::make_shared<const Hats>(make_hats(frame, measured.label));
   std::vector<Term> readings;
   for (int d = 0; d < 2; ++d)

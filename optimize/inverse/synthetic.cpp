@@ -20,7 +20,7 @@ namespace {
 
 /// u* of recover.hpp, which is nearer to the truth than the edge multipliers (by 1.2 to 3 in the tests), or the
 /// displacement itself where it is continuous.
-Vec2 trace_at(const Model& m, const State& s, Index edge, const Vec2& x) {
+Vec2 trace_at(const Model& m, const Field& s, Index edge, const Vec2& x) {
   const Vec2 &a = m.mesh.points[m.mesh.edges[edge][0]], &b = m.mesh.points[m.mesh.edges[edge][1]];
   const Index inside = m.mesh.sides[edge][0] != none ? m.mesh.sides[edge][0] : m.mesh.sides[edge][1];
   const Vec2 at = a + foot(x, a, b) * (b - a);
@@ -29,7 +29,7 @@ Vec2 trace_at(const Model& m, const State& s, Index edge, const Vec2& x) {
 }
 
 /// The mean of the traces of the edges that are nearest: two at a vertex.
-Vec2 trace_at(const Model& m, const State& s, const std::vector<Index>& edges, double size, const Vec2& x) {
+Vec2 trace_at(const Model& m, const Field& s, const std::vector<Index>& edges, double size, const Vec2& x) {
   double least = std::numeric_limits<double>::infinity();
   std::vector<Index> near;
   for (const Index e : edges) {

@@ -238,7 +238,7 @@ struct Evaluations::Impl {
   }
 
   /// J and the bounds of one functional on a solved body, and its derivative by x.
-  double value_of(const Functional& j, Model& model, const State& state, const Base::Built& base, const VectorXd& x,
+  double value_of(const Functional& j, Model& model, const Field& state, const Base::Built& base, const VectorXd& x,
                   VectorXd* gradient) const {
     const Analysis a = analyze(j, model, state, gradient == nullptr);
     if (!gradient) return a.value;

@@ -353,7 +353,7 @@ struct Fit {
   }
 };
 
-// Changes inside an edge, given its values `here`: to the polynomial fitted to data, or to the mean `wanted`.
+// Changes inside an edge: to the polynomial fitted to data, given the values `here`, or by a bubble of mean `rest`.
 Eigen::RowVectorXd towards_data(const Fit& fit, const EdgeRule& rule, const Eigen::RowVectorXd& here,
                                 const Eigen::RowVectorXd& data) {
   const Eigen::Index degree = here.size() - 1;
@@ -366,11 +366,9 @@ Eigen::RowVectorXd towards_data(const Fit& fit, const EdgeRule& rule, const Eige
   }
   return change;
 }
-Eigen::RowVectorXd towards_mean(const EdgeRule& rule, const Eigen::RowVectorXd& here, double wanted) {
-  const Eigen::Index degree = here.size() - 1;
-  Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(degree + 1);
-  const double rest = wanted - here.dot(rule.w);
-  for (Eigen::Index i = 1; i < degree; ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
+Eigen::RowVectorXd bubble_of_mean(const EdgeRule& rule, double rest) {
+  Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(rule.s.size());
+  for (Eigen::Index i = 1; i + 1 < rule.s.size(); ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
   return change;
 }
 
@@ -391,7 +389,7 @@ void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std
       for (int k = 0; k < 2; ++k) {
         const Eigen::RowVectorXd change = given[e] && given[e]->held[k]
                                               ? towards_data(fit, rule, here.row(k), given[e]->displacement.row(k))
-                                              : towards_mean(rule, here.row(k), wanted[k]);
+                                              : bubble_of_mean(rule, wanted[k] - here.row(k).dot(rule.w));
         for (int i = 1; i < degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * frame.col(k);
       }
     }

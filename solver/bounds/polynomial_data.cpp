@@ -93,7 +93,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
     if (m.mesh.label[e] == none) continue;
     const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-    const Vec2 n = m.mesh.sides[e][1] == none ? normal(m.mesh, e) : Vec2(-normal(m.mesh, e));
+    const Vec2 n = outward_normal(m.mesh, e);
     for (const Support& support : m.scene.supports) {
       if (support.label != m.mesh.label[e]) continue;
       EdgeData& d = data[entry(e)];

@@ -107,7 +107,7 @@ struct Prescribed {
 Prescribed prescribed(const Model& m, Index e, double s) {
   const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
   const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-  const Vec2 n = m.mesh.sides[e][1] == none ? normal(m.mesh, e) : Vec2(-normal(m.mesh, e));
+  const Vec2 n = outward_normal(m.mesh, e);
   constexpr double step = 1e-3;
   Prescribed p;
   for (const Support& support : m.scene.supports) {

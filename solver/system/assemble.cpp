@@ -42,7 +42,7 @@ Eigen::Matrix<double, cubic_trace_count, 1> cubic_traces(const Mesh& mesh, const
       if (mesh.label[e] != support.label) continue;
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2 side = mesh.points[mesh.edges[e][1]] - a;
-      const Vec2 n = mesh.sides[e][1] == none ? normal(mesh, e) : Vec2(-normal(mesh, e));
+      const Vec2 n = outward_normal(mesh, e);
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
         Vec2 value = support.value(a + rule.s[q] * side, n);
         if (!support.first) value[0] = 0;

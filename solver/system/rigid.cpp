@@ -27,8 +27,7 @@ std::vector<bool> on_curves(const Mesh& mesh) {
   }
   for (const auto& [a, b] : at) {
     if (a == none || b == none || mesh.label[a] != mesh.label[b]) continue;
-    const Vec2 n = mesh.sides[a][1] == none ? normal(mesh, a) : Vec2(-normal(mesh, a));
-    const Vec2 m = mesh.sides[b][1] == none ? normal(mesh, b) : Vec2(-normal(mesh, b));
+    const Vec2 n = outward_normal(mesh, a), m = outward_normal(mesh, b);
     constexpr double straight = 1e-7, corner = 0.45;  // radians
     const double turn = std::abs(std::atan2(cross(n, m), n.dot(m)));
     if (turn > straight && turn < corner) curved[a] = curved[b] = true;

@@ -53,18 +53,18 @@ Body with_free_hole(const std::string& id, const exact::ExactField& f, Loop hole
   return b;
 }
 Body arc(const std::string& id, double half_angle) {
-  Body b = straight(id, exact::more_table_field(id));
+  Body b = straight(id, exact::family_field(id));
   b.shape.cracks = {arc_crack("arc", Vec2::Zero(), 1, pi / 2 - half_angle, pi / 2 + half_angle)};
   b.law.kind = CrackLaw::Kind::Open;
   return b;
 }
 Body l_shape(const std::string& id) {
-  Body b = straight(id, exact::more_table_field(id));
+  Body b = straight(id, exact::family_field(id));
   b.shape.outline = polygon("outline", {{0, 0}, {0, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, 0}}, 0);
   return b;
 }
 Body slit() {
-  Body b = straight("c13_slit", exact::more_table_field("c13_slit"), -1, 1);
+  Body b = straight("c13_slit", exact::family_field("c13_slit"), -1, 1);
   b.shape.cracks = {{"slit", {Vec2(-1, 0), Vec2(0, 0)}, {}}};
   b.law.kind = CrackLaw::Kind::Open;
   return b;
@@ -163,11 +163,11 @@ INSTANTIATE_TEST_SUITE_P(
         table("c01_modeI"), table("c01b_modeI_biaxial"), table("c02_modeII"), table("c03_inclined_open"),
         table("c04_inclined_closed"), table("c05_partial_linear"), table("c05_partial_linear_w"),
         table("c05b_partial_general"), table("c05c_lens"),
-        straight("c06_two_cracks", exact::more_table_field("c06_two_cracks")), friction("c07_tresca"),
+        straight("c06_two_cracks", exact::family_field("c06_two_cracks")), friction("c07_tresca"),
         friction("c07_coulomb"), with_hole("c08_kirsch", exact::table_field("c08_kirsch"), 0),
-        with_hole("c09_lame", exact::more_table_field("c09_lame"), 1.5),
-        with_hole("c09b_annulus_deviator", exact::more_table_field("c09b_annulus_deviator"), 1.5),
-        with_hole("c09c_inclusion", exact::more_table_field("c09c_inclusion"), 1.5),
+        with_hole("c09_lame", exact::family_field("c09_lame"), 1.5),
+        with_hole("c09b_annulus_deviator", exact::family_field("c09b_annulus_deviator"), 1.5),
+        with_hole("c09c_inclusion", exact::family_field("c09c_inclusion"), 1.5),
         straight("wave", exact::wave_field(0.3), 0, 1),
         straight("wave_incompressible", exact::wave_field(0.499999), 0, 1),
         straight("c10_trig", exact::trig_field(0.3), 0, 1),
@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
         with_free_hole("c08_kirsch_free", exact::table_field("c08_kirsch"), circle("hole", Vec2::Zero(), 0.5, 1)),
         with_free_hole("kirsch_incompressible", exact::kirsch(incompressible, (Mat2() << 1, 0, 0, 0.5).finished(), 0.5),
                        circle("hole", Vec2::Zero(), 0.5, 1)),
-        with_free_hole("c08b_inglis", exact::more_table_field("c08b_inglis"),
+        with_free_hole("c08b_inglis", exact::family_field("c08b_inglis"),
                        ellipse("hole", Vec2::Zero(), Vec2(1, 0.25), pi / 6, 1)),
         arc("c11_arc", pi / 4), arc("c11b_arc_shear", pi / 6)),
     [](const auto& info) { return info.param.name; });

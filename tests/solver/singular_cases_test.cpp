@@ -19,7 +19,7 @@ struct Named {
 };
 
 exact::ExactField field_of(const Named& c) {
-  return c.corner || c.id == "c06_two_cracks" ? exact::more_table_field(c.id) : exact::table_field(c.id);
+  return c.corner || c.id == "c06_two_cracks" ? exact::family_field(c.id) : exact::table_field(c.id);
 }
 
 class SingularCase : public testing::TestWithParam<Named> {};

@@ -1,5 +1,5 @@
 #pragma once
-// More exact fields: collinear cracks, friction, a crack along an arc, corners, holes, an inclusion. Each sets
+// Exact fields beside those of exact.hpp: collinear cracks, friction, a crack along an arc, corners, holes, an inclusion. Each sets
 // `ExactField::side`.
 
 #include "tests/support/exact_field.hpp"
@@ -81,6 +81,6 @@ TwoPhases inclusion(std::string name, const Material& matrix, const Material& in
 
 /// The field of a table of data/exact by the name of its file, E = 1000, nu = 0.3: c06, c07, c08b, c09, c11, c13.
 FrictionField friction_table(const std::string& id);
-ExactField more_table_field(const std::string& id);
+ExactField family_field(const std::string& id);
 
 }  // namespace kerf::exact

@@ -5,7 +5,7 @@
 
 namespace kerf::exact {
 
-ExactField more_table_field(const std::string& id) {
+ExactField family_field(const std::string& id) {
   const Material m = plane_strain(1000, 0.3);
   const double degree = std::numbers::pi / 180;
   if (id.starts_with("c07")) return friction_table(id).field;

@@ -1,8 +1,9 @@
-// The fields of exact_more.hpp against their tables, against the equations, and against closed forms.
+// The fields of exact_families.hpp against their tables, against the equations, and against closed forms.
 
-#include "solver/quadrature.hpp"
-#include "tests/support/exact.hpp"
 #include "tests/support/exact_families.hpp"
+#include "solver/quadrature.hpp"
+#include "tests/solver/equations.hpp"
+#include "tests/support/exact.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -13,28 +14,6 @@ namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
 constexpr double pi = std::numbers::pi;
-
-/// Fourth-order central differences of f along axis k.
-template <class F>
-auto slope(const F& f, const Vec2& x, int k, double h) {
-  const Vec2 d = h * Vec2::Unit(k);
-  return ((8 * (f(x + d) - f(x - d)) - (f(x + 2 * d) - f(x - 2 * d))) / (12 * h)).eval();
-}
-
-/// div sigma = 0 and grad u = A sigma + Gamma(omega), relative to the size of stress and strain at x.
-void expect_equations(const ExactField& field, const Vec2& x, double h) {
-  const int side = side_of(field, x);
-  const auto u = [&](const Vec2& y) { return field.displacement(y, side); };
-  const auto s = [&](const Vec2& y) { return field.stress(y, side); };
-  const Mat2 sx = slope(s, x, 0, h), sy = slope(s, x, 1, h), stress = s(x);
-  EXPECT_LT((sx.col(0) + sy.col(1)).norm(), 1e-8 * (sx.norm() + sy.norm() + stress.norm()));
-  Mat2 gradient, turn;
-  gradient << slope(u, x, 0, h), slope(u, x, 1, h);
-  const double omega = field.rotation(x, side);
-  turn << 0, omega, -omega, 0;
-  const Mat2 hooke = strain(field.material, stress) + turn;
-  EXPECT_LT((gradient - hooke).norm(), 1e-8 * (hooke.norm() + stress.norm() / field.material.mu));
-}
 
 /// Work of the tractions on straight sides, counter-clockwise, composite Gauss.
 std::vector<double> work_on(const ExactField& field, const std::vector<Vec2>& corners) {
@@ -54,7 +33,7 @@ std::vector<double> work_on(const ExactField& field, const std::vector<Vec2>& co
   return work;
 }
 
-struct MoreTables : testing::TestWithParam<const char*> {
+struct FamilyTables : testing::TestWithParam<const char*> {
   /// The interface has rows for both sides.
   static bool in_inclusion(const Row& row) {
     const double r = row.x.norm(), a = 0.5;
@@ -62,9 +41,9 @@ struct MoreTables : testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(MoreTables, EveryRowIsReproduced) {
+TEST_P(FamilyTables, EveryRowIsReproduced) {
   const Table table = read_table(data / "exact", GetParam());
-  const ExactField outside = more_table_field(GetParam());
+  const ExactField outside = family_field(GetParam());
   ASSERT_GE(table.rows.size(), 24u);
   double u_max = 0, s_max = 0, rot_max = 0, hole_max = 0;
   for (const Row& row : table.rows) {
@@ -75,7 +54,7 @@ TEST_P(MoreTables, EveryRowIsReproduced) {
   }
   for (const Row& row : table.rows) {
     SCOPED_TRACE(row.kind + " " + std::to_string(row.x.x()) + " " + std::to_string(row.x.y()));
-    const ExactField field = in_inclusion(row) ? more_table_field("c09c_inclusion, inside") : outside;
+    const ExactField field = in_inclusion(row) ? family_field("c09c_inclusion, inside") : outside;
     const Mat2 stress = field.stress(row.x, row.side);
     EXPECT_LT((field.displacement(row.x, row.side) - row.u).norm(), 1e-12 * u_max);
     EXPECT_LT((stress - row.stress).norm(), 1e-12 * s_max);
@@ -84,8 +63,8 @@ TEST_P(MoreTables, EveryRowIsReproduced) {
   }
 }
 
-TEST_P(MoreTables, EquationsHoldByDifferences) {
-  const ExactField field = more_table_field(GetParam());
+TEST_P(FamilyTables, EquationsHoldByDifferences) {
+  const ExactField field = family_field(GetParam());
   for (const Row& row : read_table(data / "exact", GetParam()).rows)
     if (row.kind == "bulk" && !in_inclusion(row)) {
       SCOPED_TRACE(std::to_string(row.x.x()) + " " + std::to_string(row.x.y()));
@@ -93,24 +72,24 @@ TEST_P(MoreTables, EquationsHoldByDifferences) {
     }
 }
 
-TEST_P(MoreTables, WorkOnTheBoundaryIsTheTabulatedEnergy) {
+TEST_P(FamilyTables, WorkOnTheBoundaryIsTheTabulatedEnergy) {
   const std::string id = GetParam();
   const Table table = read_table(data / "exact", id);
   if (table.energy == 0) return;  // not tabulated by sides
   const std::vector<Vec2> box = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}, {-2, -2}};
   const std::vector<Vec2> corner = {{0, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, 0}};
-  const std::vector<double> work = work_on(more_table_field(id), id.starts_with("c13") ? corner : box);
+  const std::vector<double> work = work_on(family_field(id), id.starts_with("c13") ? corner : box);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(work[k], table.work[k], 1e-12 * table.energy);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MoreTables,
+INSTANTIATE_TEST_SUITE_P(All, FamilyTables,
                          testing::Values("c06_two_cracks", "c07_coulomb", "c07_tresca", "c07_stick", "c08b_inglis",
                                          "c09_lame", "c09b_annulus_deviator", "c09c_inclusion", "c11_arc",
                                          "c11b_arc_shear", "c13_L_modeI", "c13_L_modeII", "c13_slit"),
                          [](const auto& info) { return std::string(info.param); });
 
 /// Half the work of the tractions on the rim of the disc; the rule is exact for trigonometric polynomials.
-TEST(MoreFields, WorkOnTheRimIsTheTabulatedEnergy) {
+TEST(Families, WorkOnTheRimIsTheTabulatedEnergy) {
   constexpr int points = 32;
   const auto work = [](const ExactField& field, double radius) {
     double sum = 0;
@@ -121,17 +100,17 @@ TEST(MoreFields, WorkOnTheRimIsTheTabulatedEnergy) {
     return sum * 2 * pi * radius / points;
   };
   for (const char* id : {"c09_lame", "c09b_annulus_deviator", "c09c_inclusion"}) {
-    const ExactField field = more_table_field(id);
+    const ExactField field = family_field(id);
     const double inner = id == std::string("c09_lame") ? work(field, 0.5) : 0;
     const double energy = read_table(data / "exact", id).scalars.at("energy");
     EXPECT_NEAR((work(field, 1.5) - inner) / 2, energy, 1e-13 * energy) << id;
   }
 }
 
-TEST(MoreFields, IntensitiesAreThoseOfTheTables) {
+TEST(Families, IntensitiesAreThoseOfTheTables) {
   const auto expect = [](const char* id, std::size_t tip, const std::string& end) {
     const Table table = read_table(data / "exact", id);
-    const ExactField field = more_table_field(id);
+    const ExactField field = family_field(id);
     EXPECT_NEAR(field.tips.at(tip).k1, table.scalars.at("KI_" + end), 1e-13) << id << " " << end;
     EXPECT_NEAR(field.tips.at(tip).k2, table.scalars.at("KII_" + end), 1e-13) << id << " " << end;
   };
@@ -151,8 +130,8 @@ TEST(MoreFields, IntensitiesAreThoseOfTheTables) {
   EXPECT_NEAR(corner_exponent(1.5 * pi, 2), 0.908529189846098819, 1e-15);
 }
 
-TEST(MoreFields, JumpsOfCollinearCracksMatchTheTable) {
-  const ExactField field = more_table_field("c06_two_cracks");
+TEST(Families, JumpsOfCollinearCracksMatchTheTable) {
+  const ExactField field = family_field("c06_two_cracks");
   for (const Face& face : read_table(data / "exact", "c06_two_cracks").faces) {
     const Vec2 jump = field.displacement(face.x, 1) - field.displacement(face.x, -1);
     EXPECT_NEAR(jump.y(), face.jump_n, 1e-15);
@@ -161,7 +140,7 @@ TEST(MoreFields, JumpsOfCollinearCracksMatchTheTable) {
   }
 }
 
-TEST(MoreFields, FacesWithFrictionCarryTheLimit) {
+TEST(Families, FacesWithFrictionCarryTheLimit) {
   for (const char* id : {"c07_coulomb", "c07_tresca", "c07_stick"}) {
     const FrictionField friction = friction_table(id);
     const ExactField& field = friction.field;
@@ -178,9 +157,9 @@ TEST(MoreFields, FacesWithFrictionCarryTheLimit) {
   }
 }
 
-TEST(MoreFields, FacesOfTheArcAreFree) {
+TEST(Families, FacesOfTheArcAreFree) {
   for (const char* id : {"c11_arc", "c11b_arc_shear"}) {
-    const ExactField field = more_table_field(id);
+    const ExactField field = family_field(id);
     for (const Face& face : read_table(data / "exact", id).faces) {
       const Vec2 n = face.x.normalized(), t(n.y(), -n.x());
       const Vec2 jump = field.displacement(face.x, 1) - field.displacement(face.x, -1);

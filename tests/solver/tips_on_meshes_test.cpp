@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(All, TipCase,
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(TipsOnMeshes, CollinearCracks) {
-  const exact::ExactField f = exact::more_table_field("c06_two_cracks");
+  const exact::ExactField f = exact::family_field("c06_two_cracks");
   const auto tips = tips_of(f, mesh_for(f));
   ASSERT_EQ(tips.size(), 4u);
   for (int i = 0; i < 4; ++i) {
@@ -141,7 +141,7 @@ double t_stress(const exact::ExactField& f, const Vec2& tip, const Vec2& ahead) 
 TEST(TipsOnMeshes, TheCurveOfAnArcBelongsToTheIntegral) {
   for (const auto& [id, half_angle] : {std::pair("c11_arc", pi / 4), std::pair("c11b_arc_shear", pi / 6)}) {
     SCOPED_TRACE(id);
-    const exact::ExactField f = exact::more_table_field(id);
+    const exact::ExactField f = exact::family_field(id);
     for (const double size : {0.1, 0.05}) {
       const auto tips = tips_of(f, arc_mesh(half_angle, size));
       ASSERT_EQ(tips.size(), 2u);
