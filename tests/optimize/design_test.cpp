@@ -49,6 +49,18 @@ TEST(Design, DrawsBehindWhatTheFrameHas) {
   EXPECT_EQ(find_problem(body.shape), std::nullopt);
 }
 
+TEST(Design, EveryKindNamesItsVariables) {
+  const Design d = everything_drawn();
+  for (const Drawn& one : d.drawn) EXPECT_EQ(shape_of(one).kind, one.kind);
+  const std::vector<std::string> names = variable_names(d);
+  ASSERT_EQ(names.size(), static_cast<std::size_t>(start_of(d).size()));
+  EXPECT_EQ(names[2], "circle.radius");
+  EXPECT_EQ(names[7], "ellipse.angle");
+  EXPECT_EQ(names[19], "spline.y6");
+  EXPECT_EQ(names[20], "crack.x1");
+  EXPECT_EQ(names.back(), "stiff.young");
+}
+
 TEST(Design, MeshVerticesFollowTheVariables) {
   const Problem p = everything();
   const Design d = everything_drawn();

@@ -60,6 +60,16 @@ TEST(InitialGuess, FindsAHole) {
   EXPECT_GT(found.explained, 0.99);
 }
 
+TEST(InitialGuess, IsSaidInWords) {
+  const Plate plate;
+  const Design d{{plate.circle("h"), plate.crack("c"), plate.region("r", 0.2, 20)}};
+  EXPECT_EQ(in_words({.drawn = 0, .at = {0.62, 0.57}, .size = 0.08}, d), "hole 'h' at (0.62, 0.57), radius 0.08");
+  EXPECT_EQ(in_words({.drawn = 1, .at = {0.5, 0.25}, .size = 0.1, .angle = 0.5236}, d),
+            "crack 'c' at (0.5, 0.25), half its length 0.1, 30 degrees");
+  EXPECT_EQ(in_words({.drawn = 2, .at = {0.5, 0.25}, .size = 0.1, .young = 4}, d),
+            "region 'r' at (0.5, 0.25), radius 0.1, young 4");
+}
+
 TEST(InitialGuess, FindsTwoHoles) {
   Plate plate;
   plate.holes = {{{0.3, 0.65}, 0.07}, {{0.7, 0.4}, 0.09}};
