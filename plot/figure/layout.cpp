@@ -140,7 +140,7 @@ std::string with_note(const std::string& label, const std::string& note) {
   return note.empty() ? label : label.empty() ? note : fmt::format("{} ({})", label, note);
 }
 
-Lines wrap(const std::string& text, Font font, const Room& room, const Measure& measure) {
+Lines wrap(const std::string& text, Font font, const TextRoom& room, const Measure& measure) {
   const auto& [width, smallest, most] = room;
   const std::string clean = clean_text(text);
   for (std::size_t count = 1; count <= most; ++count) {

@@ -21,13 +21,13 @@ struct Lines {
 };
 
 /// What a text may take.
-struct Room {
+struct TextRoom {
   double width, smallest;  // of the lines, of the letters
   std::size_t most;        // lines
 };
 /// The fewest lines, then the largest letters; a text that does not fit `most` lines of the smallest letters is cut
 /// and ends in an ellipsis.
-Lines wrap(const std::string& text, Font font, const Room& room, const Measure& measure);
+Lines wrap(const std::string& text, Font font, const TextRoom& room, const Measure& measure);
 
 /// "x (note)"; either alone where the other is empty.
 std::string with_note(const std::string& label, const std::string& note);
