@@ -194,7 +194,7 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
   FunctionalResult r{j.kind, analysis.value};
-  if (j.kind == "sum")
+  if (j.sum)
     for (std::size_t i = 0; i < j.terms.size(); ++i)
       r.terms.push_back({j.terms[i].kind, j.terms[i].factor, analysis.term_value.at(i)});
   return r;
@@ -202,7 +202,7 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
 
 MapResult map_result(const Case& c, const Analysis& analysis, const FullMap& map) {
   const Model& model = *analysis.model;
-  MapResult r{.perturbation = word(c.map_request.perturbation.kind)};
+  MapResult r{.perturbation = std::string(word(c.map_request.perturbation.kind))};
   const std::vector<Vec2> singular = singular_points(model);
   constexpr double share = 0.02;  // of the body's extent
   r.excluded_radius = singular.empty() ? 0 : share * extent(c.shape);

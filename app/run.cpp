@@ -12,6 +12,7 @@
 #include "solver/error_bars.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/stopwatch.hpp"
+#include "topo/analysis.hpp"
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -108,8 +109,7 @@ void refuse_optimization(const Case& c) {
 /// What the element cannot do is refused before anything is solved.
 void refuse_element(const Case& c, bool with_map, bool with_validation) {
   const Element& e = element(c.element, c.degree);
-  if (with_map && c.map_request.bounds && c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
-    better_element(e);
+  if (with_map && c.map_request.bounds && has_series(c.map_request.perturbation)) better_element(e);
   const bool unseen = e.cut == Cut::LinearDivergence;  // some traces of its cubic edges are seen by no triangle
   if (with_validation && (!is_mixed(e) || per_vertex(e) > 0 || unseen))
     throw Error(
@@ -142,7 +142,7 @@ void note_on_functional(const Case& c, const Analysis& a, Result& r) {
           fmt::format("the stress to the power {:g} is not integrable at crack tips: unless its weight vanishes there, "
                       "the value of {} is that of this mesh",
                       term.stress_power, term.kind));
-    if (term.kind != "energy_release_rate") continue;
+    if (!(term.feature_radius > 0)) continue;
     for (const CrackResult& crack : r.cracks)
       for (const TipResult& tip : crack.tips) {
         constexpr double same = 0.03;
@@ -244,14 +244,14 @@ Analysis evaluate(const Case& c, const Solved& solved, bool with_map, Running& p
     return analysis;
   }
   const PlotData& data = solved.data;
-  const bool clamped = c.map_request.perturbation.kind == Perturbation::Kind::ClampedHole;
+  const bool clamped = !has_series(c.map_request.perturbation);
   if (!clamped) analysis.fields = recover_fields(analysis, data.corners);
   FullMap full = map_everywhere(analysis, c.functional, c.map_request, data.corners);
   p.r.map = map_result(c, analysis, full);
   if (c.map_request.bounds && clamped)
     p.r.state->notes.push_back("there are no bounds for maps of clamped holes");
   else if (c.map_request.bounds)
-    add_bars(analysis, c.functional, c.map_request, c.shape, c.sizing, full, p.r.map->points);
+    add_bars(analysis, c.functional, c.map_request, {c.shape, c.sizing}, {full, p.r.map->points});
   p.r.seconds.map = p.watch.lap();
   p.begin("write the map");
   write_map_files(p.options.folder, c, *p.r.map, model.mesh, data, full);
@@ -265,7 +265,8 @@ void validate_expansion(const Case& c, Running& p) {
   ValidationRequest request = *c.validate;
   request.threads = p.options.threads;
   const Element& e = element(c.element, c.degree);
-  p.r.validate = {word(request.perturbation.kind), validate(c.shape, c.sizing, e, c.scene, c.functional, request)};
+  p.r.validate = {std::string(word(request.perturbation.kind)),
+                  validate({c.shape, c.sizing}, e, c.scene, c.functional, request)};
   p.r.seconds.validate = p.watch.lap();
   p.begin("write the validation");
   write_validation_csv(p.file("validate.csv"), *p.r.validate);

@@ -180,7 +180,7 @@ TEST(Reciprocity, AdjointOfTheComplianceIsTheState) {
       b.scene.body = [](const Vec2& x) { return Vec2(0.2, -0.5 * x.y()); };
       b.element = element("bdms", 1);
       const Solved s = solved(b);
-      const State z =
+      const Field z =
           solve_adjoint(s.model, derivative(compliance(), s.model, s.state), tied(contact_status(s.model, s.state)));
       const auto apart = [](const auto& x, const auto& y) {
         return (x - y).cwiseAbs().maxCoeff() / y.cwiseAbs().maxCoeff();

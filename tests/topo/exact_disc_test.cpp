@@ -1,7 +1,7 @@
 // Every exact case of tests/data/topological_derivatives.json: discs with a small change at the center, where state and
 // adjoint of the full disc are known by hand. J to 20 digits, T to 1e-12.
 
-#include "topo/formulas/clamped.hpp"
+#include "topo/formulas/clamped_hole.hpp"
 #include "topo/formulas/von_mises.hpp"
 
 #include <gtest/gtest.h>

@@ -1,11 +1,13 @@
 #include "kerf/perturbation.hpp"
 
 #include "tests/support/exact.hpp"
+#include "topo/formulas/kind.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 namespace kerf {
@@ -183,6 +185,38 @@ TEST(Expansion, KindsWithoutSuchAFormulaSaySo) {
   EXPECT_DOUBLE_EQ(scale({Kind::Crack}, 0.1), std::numbers::pi * 0.01);
   EXPECT_THROW(form({Kind::ClampedHole}, m, 0, s0, t0), Error);
   EXPECT_THROW(inside({Kind::Ellipse}, m), Error);
+}
+
+TEST(Kinds, TheTableHasTheirOrder) {
+  const std::map<Kind, std::string> words = {{Kind::Hole, "hole"},
+                                             {Kind::ClampedHole, "clamped_hole"},
+                                             {Kind::Inclusion, "inclusion"},
+                                             {Kind::Ellipse, "ellipse"},
+                                             {Kind::Crack, "crack"}};
+  EXPECT_EQ(words.size(), perturbation_kinds.size());
+  for (const auto& [kind, expected] : words) {
+    EXPECT_EQ(word(kind), expected);
+    EXPECT_EQ(perturbation_kind(expected), kind);
+    EXPECT_FALSE(description({kind}).empty());
+  }
+  EXPECT_THROW(perturbation_kind("slit"), Error);
+}
+
+TEST(Kinds, WhatARowSaysFitsTogether) {
+  for (const PerturbationKind* kind : perturbation_kinds) {
+    EXPECT_EQ(kind->form == nullptr, kind->becomes == Becomes::Clamp) << kind->word;
+    EXPECT_TRUE(kind->form || !(kind->orient || kind->inside)) << kind->word;
+    EXPECT_TRUE(kind->orient || !kind->elliptic) << kind->word;
+  }
+  EXPECT_TRUE(removes_body({Kind::Hole}) && removes_body({Kind::Ellipse}));
+  EXPECT_FALSE(removes_body({Kind::Inclusion}) || removes_body({Kind::ClampedHole}) || removes_body({Kind::Crack}));
+}
+
+// An aspect that does not belong to the kind changes nothing.
+TEST(Kinds, OnlyEllipsesHaveAnAspect) {
+  EXPECT_EQ(aspect({.kind = Kind::Ellipse, .aspect = 4}), 4);
+  EXPECT_EQ(reach({.kind = Kind::Ellipse, .aspect = 4}), 2);
+  EXPECT_EQ(reach({.kind = Kind::Hole, .aspect = 4}), 1);
 }
 
 double total(const Perturbation& p, const Material& m, double angle, std::span<const Product> products) {

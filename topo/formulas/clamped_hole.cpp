@@ -1,12 +1,11 @@
-#include "topo/formulas/clamped.hpp"
+#include "topo/formulas/clamped_hole.hpp"
+#include "topo/formulas/kind.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
 namespace kerf {
-
-namespace {
 
 double kolosov(const Material& m) {
   return 1 + 8 * m.mu * m.c;
@@ -15,8 +14,6 @@ double kolosov(const Material& m) {
 double flexibility(const Material& m) {
   return 1 / (2 * std::numbers::pi * m.mu * (1 + kolosov(m)));
 }
-
-}  // namespace
 
 Mat2 kelvin(const Material& m, const Vec2& r) {
   const double square = r.squaredNorm();
@@ -47,5 +44,16 @@ Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& 
                     " is too large for the expansion, choose one well below the distance to the sides");
   return a.inverse() * u0;
 }
+
+namespace {
+
+std::string in_words(const Perturbation&) {
+  return "a clamped hole";
+}
+
+}  // namespace
+
+constinit const PerturbationKind kinds::clamped_hole{
+    .word = "clamped_hole", .description = in_words, .becomes = Becomes::Clamp};
 
 }  // namespace kerf
