@@ -113,7 +113,7 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
   FunctionalResult r{j.kind, analysis.value};
-  if (j.kind == "sum")
+  if (j.sum)
     for (std::size_t i = 0; i < j.terms.size(); ++i)
       r.terms.push_back({j.terms[i].kind, j.terms[i].factor, analysis.term_value.at(i)});
   return r;
@@ -121,7 +121,7 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
 
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent) {
   const Model& model = *analysis.model;
-  MapResult r{.perturbation = word(task.request.perturbation.kind)};
+  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind))};
   const std::vector<Vec2> singular = singular_points(model);
   constexpr double share = 0.02;  // of the body's extent
   r.excluded_radius = singular.empty() ? 0 : share * extent;

@@ -65,25 +65,11 @@ double exaggeration(const PlotData& data) {
 
 std::string map_words(const MapTask& task) {
   const Perturbation& p = task.request.perturbation;
-  std::string j = task.functional.kind == "sum" ? "functional" : task.functional.kind;
+  std::string j = task.functional.sum ? "functional" : task.functional.kind;
   std::replace(j.begin(), j.end(), '_', ' ');
-  const char* by = " changes it by \u03c0 \u03b5\u00b2 T";
-  switch (p.kind) {
-    case Perturbation::Kind::ClampedHole:
-      return fmt::format("change of the {} by a clamped hole of radius {:.3g}", j, task.request.radius);
-    case Perturbation::Kind::Inclusion:
-      return fmt::format("topological derivative of the {}: an inclusion of radius \u03b5{}", j, by);
-    case Perturbation::Kind::Ellipse:
-      return fmt::format(
-          "topological derivative of the {}: an elliptic hole of area \u03c0 \u03b5\u00b2 and axis ratio "
-          "{:g} in its best direction{}",
-          j, p.aspect, by);
-    case Perturbation::Kind::Crack:
-      return fmt::format("topological derivative of the {}: a crack of length 2 \u03b5 in its worst direction{}", j,
-                         by);
-    default:
-      return fmt::format("topological derivative of the {}: a hole of radius \u03b5{}", j, by);
-  }
+  if (!has_series(p))
+    return fmt::format("change of the {} by {} of radius {:.3g}", j, description(p), task.request.radius);
+  return fmt::format("topological derivative of the {}: {} changes it by \u03c0 \u03b5\u00b2 T", j, description(p));
 }
 
 }  // namespace
@@ -235,9 +221,9 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
       positive = positive || values.maxCoeff() > 0;
     }
   }
-  if (gray) p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
-  p.value_label = task.request.perturbation.kind == Perturbation::Kind::ClampedHole ? "predicted change of J"
-                                                                                    : "topological derivative T";
+  if (gray)
+    p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
+  p.value_label = has_series(task.request.perturbation) ? "topological derivative T" : "predicted change of J";
   p.scale = negative && positive ? Scale::Diverging : Scale::Linear;
   p.clip = 0.02;  // the map is infinite at tips
   add_lines(model.mesh, data.corners, p.points, p);

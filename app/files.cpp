@@ -5,13 +5,12 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN(), degree = std::numbers::pi / 180;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN(), degree = pi / 180;
 
 Eigen::RowVectorXd flags(const std::vector<bool>& values) {
   Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));
@@ -32,7 +31,7 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
   Eigen::VectorXd angle(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     angle[i] = 0.5 * std::atan2(sum(1, i), sum(0, i));
-    if (angle[i] < 0) angle[i] += std::numbers::pi;
+    if (angle[i] < 0) angle[i] += pi;
   }
   return angle;
 }

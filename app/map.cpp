@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 bool is_clamped(const MapTask& task) {
-  return task.request.perturbation.kind == Perturbation::Kind::ClampedHole;
+  return !has_series(task.request.perturbation);
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
           fmt::format("the stress to the power {:g} is not integrable at crack tips: unless its weight vanishes there, "
                       "the value of {} is that of this mesh",
                       term.stress_power, term.kind));
-    if (term.kind != "energy_release_rate") continue;
+    if (!(term.feature_radius > 0)) continue;
     for (const CrackResult& crack : cracks)
       for (const TipResult& tip : crack.tips) {
         constexpr double same = 0.03;
@@ -58,7 +58,7 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
 std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map) {
   if (!task.request.bounds) return {};
   if (is_clamped(task)) return {"there are no bounds for maps of clamped holes"};
-  add_bars(analysis, task.functional, task.request, body.shape, body.sizing, map.full, map.result.points);
+  add_bars(analysis, task.functional, task.request, {body.shape, body.sizing}, {map.full, map.result.points});
   return {};
 }
 

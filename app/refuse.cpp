@@ -21,7 +21,7 @@ void refuse_optimization(const Problem& problem, const std::string& method) {
 }
 
 void refuse_map(const Element& e, const MapRequest& request) {
-  if (request.bounds && request.perturbation.kind != Perturbation::Kind::ClampedHole) require(e, can_be_bettered);
+  if (request.bounds && has_series(request.perturbation)) require(e, can_be_bettered);
 }
 
 void refuse_validation(const Element& e) {

@@ -9,8 +9,8 @@ ValidationResult validate_expansion(const Body& body, const Functional& j, Valid
                                     Journal& journal) {
   journal.begin("validate");
   request.threads = journal.options.threads;
-  const ValidationResult result{word(request.perturbation.kind),
-                                validate(body.shape, body.sizing, body.element, body.scene, j, request)};
+  const ValidationResult result{std::string(word(request.perturbation.kind)),
+                                validate({body.shape, body.sizing}, body.element, body.scene, j, request)};
   journal.seconds.validate = journal.lap();
   journal.begin("write the validation");
   write_validation_csv(journal.file("validate.csv"), result);

@@ -191,7 +191,7 @@ std::vector<ValidationMeasurement> measure_validations(Index triangles, std::siz
       m.functional = j.kind;
       forget_peak_memory();
       ProcessorWatch watch;
-      const std::vector<Validation> found = validate(plan.shape, plan.sizing, e, problem.scene, j, request);
+      const std::vector<Validation> found = validate({plan.shape, plan.sizing}, e, problem.scene, j, request);
       m.validate_s = watch.lap();
       m.memory_mb = peak_memory_mb();
       for (const Validation& v : found)

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 namespace kerf {
@@ -132,7 +131,7 @@ class RandomVoids {
   }
   void add_thing(int k) {
     const Vec2 c(uniform(0, 2), uniform(0, 1));
-    const double radius = uniform(0.02, 0.2), angle = uniform(0, std::numbers::pi);
+    const double radius = uniform(0.02, 0.2), angle = uniform(0, pi);
     const Vec2 along(std::cos(angle), std::sin(angle));
     switch (static_cast<int>(uniform(0, 4))) {
       case 0:

@@ -4,7 +4,6 @@
 #include "kerf/shape.hpp"
 
 #include <array>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,7 +14,7 @@ namespace kerf {
 /// for curves stay below: the mesher turns by 360 / 32 degrees per piece, by 14 at the middle of a fillet of two
 /// pieces. What lies between 180 degrees and this is hardly singular: stresses grow no faster than r^-0.18 [Williams
 /// 1952].
-inline constexpr double reentrant_angle = 200 * std::numbers::pi / 180;
+inline constexpr double reentrant_angle = 200 * pi / 180;
 
 /// Where on the segment from a (0) to b (1) the point nearest to x lies; 0 when a = b.
 double foot(const Vec2& x, const Vec2& a, const Vec2& b);

@@ -8,9 +8,6 @@ namespace kerf {
 /// As in result.json: "holds" | "fails" | "out of range".
 std::string word(Verdict verdict);
 
-/// As in result.json and, but for tables, in case files: "hole", "clamped_hole", "inclusion", "ellipse", "crack".
-std::string word(Perturbation::Kind kind);
-
 /// One sentence to quote: the expansion with its numbers, or what is wrong with it. ASCII unless the reason is not.
 std::string sentence(const Validation& validation);
 

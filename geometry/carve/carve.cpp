@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 
 namespace kerf {
@@ -19,7 +18,7 @@ namespace {
 
 /// The first value of t for x that comes after `after` on the way of the arc.
 double parameter(const Arc& arc, const Vec2& x, double after) {
-  const double turn = 2 * std::numbers::pi, sign = arc.to < arc.from ? -1 : 1;
+  const double turn = 2 * pi, sign = arc.to < arc.from ? -1 : 1;
   const double ahead = sign * (parameter(arc, x) - after) / turn;
   return after + sign * turn * (ahead - std::floor(ahead));
 }

@@ -13,7 +13,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double equilateral = std::numbers::sqrt3 / 2;  // height over edge
 constexpr double worst_angle = 20;                       // degrees, below which rings of ellipses are given up
 constexpr double least_gap = 0.3;                        // between contours, in edges

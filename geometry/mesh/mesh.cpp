@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -185,7 +184,7 @@ Quality quality(const Mesh& mesh) {
     const double least = std::min({a, b, c});
     smallest_tangent = std::min(smallest_tangent, 2 * twice / (a + b + c - 2 * least));
   }
-  const double degrees = 180 / std::numbers::pi;
+  const double degrees = 180 / pi;
   return {std::sqrt(shortest), std::sqrt(longest), std::atan(smallest_tangent) * degrees,
           sum / double(mesh.triangles.size())};
 }

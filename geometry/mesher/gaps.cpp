@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -56,7 +55,7 @@ int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
   }
   const double angle = std::abs(strand.arc->to - strand.arc->from);
   return int(
-      std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / std::numbers::pi)), 1.0, 1e6));
+      std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / pi)), 1.0, 1e6));
 }
 
 Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach) {

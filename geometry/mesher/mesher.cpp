@@ -16,7 +16,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 
 namespace kerf {
 
@@ -48,7 +47,7 @@ Vec2 vec(const Kernel::Point_2& p) {
 class Criteria {
  public:
   Criteria(const SizeField& field, double min_angle_deg) : field_(&field) {
-    const double sine = std::sin(min_angle_deg * std::numbers::pi / 180);
+    const double sine = std::sin(min_angle_deg * pi / 180);
     least_squared_sine_ = sine * sine;
   }
 

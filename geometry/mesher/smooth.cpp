@@ -63,7 +63,7 @@ struct Mosaic {
 };
 
 Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
-  const double tangent = std::tan(min_angle_deg * std::numbers::pi / 180);
+  const double tangent = std::tan(min_angle_deg * pi / 180);
   Mosaic m{mesh.points, mesh.triangles, {}, {}, {}, tangent * tangent};
   m.across.resize(mesh.triangles.size());
   m.around.assign(mesh.points.size(), none);

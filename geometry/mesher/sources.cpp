@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-constexpr double corner_turn = reentrant_angle - std::numbers::pi;
+constexpr double degree = pi / 180;
+constexpr double corner_turn = reentrant_angle - pi;
 
 double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
   return std::atan2(cross(in, out), in.dot(out));
@@ -24,11 +23,11 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
   const auto wanted = [&](double s) {
     const double t = arc.from + s * (arc.to - arc.from);
     const double v = velocity(arc, t).norm();
-    return 2 * std::numbers::pi / 32 * v * v * v / product;
+    return 2 * pi / 32 * v * v * v / product;
   };
   // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
   const auto p = arc.axes.col(0), q = arc.axes.col(1);
-  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = std::numbers::pi / 2;
+  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = pi / 2;
   const auto [low, high] = std::minmax(arc.from, arc.to);
   std::vector<double> breaks{0, 1};
   for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
@@ -43,7 +42,7 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
     const double least = std::min({wanted(from), wanted(middle), wanted(to)});
     const double length = velocity(drawing, strand, middle).norm() * (to - from);
     const double angle = (to - from) * std::abs(arc.to - arc.from);
-    if (angle > std::numbers::pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
+    if (angle > pi / 8 || (least < size && length > 2 * least && angle > 1e-6)) {
       open.push_back({middle, to});
       open.push_back({from, middle});
     } else if (least < size) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -61,7 +60,7 @@ std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
     factor[i] = (before * before + step[i] * step[i]) / 24;
   }
   // Twice the area is sum (1 + m f_i) (1 + m f_j) sin(step): solve for m.
-  double constant = -2 * std::numbers::pi, linear = 0, quadratic = 0;
+  double constant = -2 * pi, linear = 0, quadratic = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double sine = std::sin(step[i]), other = factor[(i + 1) % n];
     constant += sine;

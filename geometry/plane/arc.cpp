@@ -49,12 +49,12 @@ Vec2 onto(const Arc& arc, const Vec2& x) {
 double beyond_middle(const Arc& arc, const Vec2& x) {
   const Vec2 d = x - arc.center, p = arc.axes.col(0), q = arc.axes.col(1);
   const double turn = arc.to - arc.from, t = std::atan2(d.dot(q), d.dot(p));
-  return std::remainder(t - arc.from - turn / 2, 2 * std::numbers::pi);
+  return std::remainder(t - arc.from - turn / 2, 2 * pi);
 }
 
 bool faces(const Arc& arc, const Vec2& x) {
   const Vec2 out = x - arc.center;
-  const double low = std::min(arc.from, arc.to), turn = 2 * std::numbers::pi;
+  const double low = std::min(arc.from, arc.to), turn = 2 * pi;
   const double angle = std::fmod(std::fmod(std::atan2(out.y(), out.x()) - low, turn) + turn, turn);
   return angle <= std::abs(arc.to - arc.from);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -161,7 +160,7 @@ double signed_area(const Loop& loop) {
 }
 
 bool closed(const Side& side) {
-  return side.arc && std::abs(std::abs(side.arc->to - side.arc->from) - 2 * std::numbers::pi) < 1e-9;
+  return side.arc && std::abs(std::abs(side.arc->to - side.arc->from) - 2 * pi) < 1e-9;
 }
 
 Vec2 point(const Drawing& drawing, const Strand& strand, double s) {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -93,7 +92,7 @@ Problem arc_problem(const Arc& arc, const Vec2& start, const Vec2& end, double s
   if (!(least > touch_tolerance * size)) return "has an arc without a radius; its axes must not be zero or parallel";
   const double turn = std::abs(arc.to - arc.from);
   if (!(turn * least > touch_tolerance * size)) return "has zero length";
-  if (turn > 2 * std::numbers::pi + 1e-9) return "has an arc that turns by more than 2 pi";
+  if (turn > 2 * pi + 1e-9) return "has an arc that turns by more than 2 pi";
   if (!((at(arc, arc.from) - start).norm() <= join_tolerance * size))
     return fmt::format("has an arc that starts at {} instead of {}", text(at(arc, arc.from)), text(start));
   if (!((at(arc, arc.to) - end).norm() <= join_tolerance * size))
@@ -108,7 +107,7 @@ Problem crack_arc_problem(const Crack& crack, double size) {
   if (!(radius < 1e5 * size)) return fmt::format("has an arc of radius {:.3g}, too flat; draw it straight", radius);
   if (!((arc.axes.transpose() * arc.axes - radius * radius * Mat2::Identity()).norm() <= 1e-9 * radius * radius))
     return "is an arc of no circle";
-  if (!(std::abs(arc.to - arc.from) < 2 * std::numbers::pi))
+  if (!(std::abs(arc.to - arc.from) < 2 * pi))
     return "turns by a full circle or more; a closed cut is a hole";
   if (!((at(arc, arc.from) - crack.points.front()).norm() + (at(arc, arc.to) - crack.points.back()).norm() <=
         touch_tolerance * size))
@@ -266,11 +265,11 @@ Problem wedges(const Shape& shape, const Drawing& drawing) {
   for (auto a = arms.begin(); a != arms.end(); ++a)
     for (auto b = a + 1; b != arms.end() && b->corner == a->corner; ++b) {
       const double angle = std::abs(std::atan2(cross(a->direction, b->direction), a->direction.dot(b->direction)));
-      if (a->crack == b->crack || angle >= std::numbers::pi / 180) continue;
+      if (a->crack == b->crack || angle >= pi / 180) continue;
       const auto [one, other] = std::minmax(a->crack, b->crack);
       return fmt::format("cracks '{}' and '{}' meet at {} at an angle of {:.2g} degrees; at least 1 is needed",
                          shape.cracks[std::size_t(one)].name, shape.cracks[std::size_t(other)].name,
-                         text(drawing.corners[std::size_t(a->corner)]), angle * 180 / std::numbers::pi);
+                         text(drawing.corners[std::size_t(a->corner)]), angle * 180 / pi);
     }
   return {};
 }

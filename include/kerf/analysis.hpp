@@ -16,7 +16,7 @@ struct Biactive {
   Eigen::VectorXd slope;
 };
 
-struct MapFields;  // see fields.hpp
+struct MapFields;  // recovered stresses, which maps share: not for users
 
 struct Analysis {
   const Model* model;
@@ -34,26 +34,11 @@ struct Analysis {
   double measured_share = 0;
   std::shared_ptr<const Biactive> biactive = {};  // where it matters: with an adjoint
   double biactive_length = 0;
-  std::shared_ptr<const MapFields> fields =
-      {};  // recovered stresses, for maps: recover_fields; made anew where missing
+  std::shared_ptr<const MapFields> fields = {};  // made anew where missing
 };
 
 /// `value_only`: no adjoint. Throws Error(Usage) for what the element or the scene cannot do (friction),
 /// Error(Numerics) when the measured body cannot be solved.
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only = false);
-
-/// The recovered stresses of the state, the adjoint and the others: once for several maps.
-/// `corners`: those of split_for_stress, where they are known already.
-std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners = {});
-
-/// Throws Error(Usage) where J sees rigid motions that the supports leave free: the solver takes them out of the mean,
-/// which a change of the body moves.
-void require_supports(const Functional& j, const Model& model);
-
-/// No prescribed displacement but 0: then the compliance is -2 times the potential energy.
-bool has_rigid_supports(const Model& model);
-
-/// The scene with the measured displacements instead of the tractions on their label.
-Scene measured_scene(const Scene& scene, const Support& measured);
 
 }  // namespace kerf

@@ -1,6 +1,6 @@
 #pragma once
-// What is minimized: J = sum of factor * (integrals of densities)^power. A new functional is one small file under topo/
-// that fills in a Term.
+// What is minimized: J = sum of factor * (integrals of densities)^power. A new functional is one small file under
+// topo/functional/ that fills in a Term.
 
 #include "kerf/perturbation.hpp"
 #include "kerf/scene.hpp"
@@ -40,10 +40,11 @@ struct CrackDensity {
 
 /// One term. Parts that are empty do not occur.
 struct Term {
-  std::string kind;  // as in a case file
+  std::string kind;  // as in a case file, for messages and results: nothing is decided by it
   double factor = 1;
   double power = 1;     // of the integral (1/p of a norm)
   bool linear = false;  // in the state
+  bool volume = false;  // the integral of 1
 
   // The potential energy, and the Kohn-Vogelius gap between the state and one with measured displacements: their
   // topological derivatives need no adjoint (Danskin).
@@ -76,11 +77,12 @@ struct Term {
 };
 
 struct Functional {
-  std::string kind = "energy";
+  std::string kind = "energy";  // as above
   std::vector<Term> terms;
+  bool sum = false;  // of terms of their own kinds: results list them
 };
 
-// topo/functionals.cpp and one file each; empty weights: 1.
+// Empty weights: 1.
 Term energy();
 Term compliance();
 Term volume();

@@ -39,16 +39,20 @@ struct FullMap {
 };
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners);
 
-/// T at the centroid of every triangle from the element's own stress there, without recovery and without a mask: for
-/// loops that look at T in every step. `change`: the perturbation in each triangle.
-Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
-                                 const std::function<const Perturbation&(Index triangle)>& change);
-
-/// Error bars for a map of a: lower and upper at the corners and at the points. They come from a better solution (a
+/// What meshes are made of, for solutions on other meshes than the analysis has.
+struct Meshing {
+  const Shape& shape;
+  const Sizing& sizing;
+};
+/// Maps of one analysis and one request.
+struct Maps {
+  FullMap& everywhere;
+  std::span<MapPoint> points;
+};
+/// Error bars for maps of a: lower and upper at the corners and at the points. They come from a better solution (a
 /// higher degree on a finer mesh, 2.5 to 4 times the work of the state), are asymptotically right, cover at least 95 %
-/// of the points of known solutions, and are no guarantee: see solver/error_bars.hpp. Throws Error(Usage) for elements
-/// without a better one, Error(Numerics) when that solution fails.
-void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
-              FullMap& map, std::span<MapPoint> points);
+/// of the points of known solutions, and are no guarantee. Throws Error(Usage) for elements without a
+/// better one, Error(Numerics) when that solution fails.
+void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Meshing& meshing, const Maps& maps);
 
 }  // namespace kerf

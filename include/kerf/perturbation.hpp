@@ -6,6 +6,8 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 namespace kerf {
 
@@ -13,7 +15,7 @@ namespace kerf {
 struct Perturbation {
   enum class Kind {
     Hole,         // free circular hole of radius eps
-    ClampedHole,  // u = 0 on the circle: no expansion in powers, see clamped.hpp
+    ClampedHole,  // u = 0 on the circle: J changes like 1/ln(1/eps), no expansion in powers
     Inclusion,    // another material in the circle
     Ellipse,      // free elliptic hole, semi-axes eps sqrt(aspect) and eps/sqrt(aspect): the area is pi eps^2
     Crack,        // frictionless crack of length 2 eps, faces in unilateral contact
@@ -22,6 +24,15 @@ struct Perturbation {
   double aspect = 1;                 // at least 1
   std::optional<double> angle = {};  // radians, of an ellipse or a crack; empty: the one that `oriented` finds
 };
+
+/// As in case files and results: "hole", "clamped_hole", "inclusion", "ellipse", "crack".
+std::string_view word(Perturbation::Kind kind);
+/// The kind of that word. Throws Error(Usage) naming the known ones.
+Perturbation::Kind perturbation_kind(std::string_view word);
+/// For titles, in UTF-8: "a hole of radius ε".
+std::string description(const Perturbation& p);
+/// Whether the expansion above holds: for all but the clamped hole.
+bool has_series(const Perturbation& p);
 
 /// f(eps): pi eps^2 for all kinds but the clamped hole (NaN).
 double scale(const Perturbation& p, double eps);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -16,6 +17,7 @@ using Mat2 = Eigen::Matrix2d;
 using Points = Eigen::Matrix2Xd;  // one column per point
 
 inline constexpr Index none = -1;
+using std::numbers::pi;
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
                         infinity = std::numeric_limits<double>::infinity();
 

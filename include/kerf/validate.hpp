@@ -39,7 +39,7 @@ struct ValidationRequest {
 
 /// One mesh with a ball around every point, factorized once; each radius costs a solve inside its ball and on the
 /// ball's boundary together with the cracks' contact rows.
-std::vector<Validation> validate(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
-                                 const Functional& j, const ValidationRequest& request);
+std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
+                                 const ValidationRequest& request);
 
 }  // namespace kerf

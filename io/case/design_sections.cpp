@@ -5,13 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 /// The variables of one drawn thing, as they are read.
 struct Boxes {

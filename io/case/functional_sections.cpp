@@ -196,7 +196,7 @@ Functional read_functional_table(const Value& table, const std::vector<std::stri
                                  const std::filesystem::path& folder, Definitions& definitions, const Case& c) {
   const Reader reader{folder, definitions, c};
   const Kind& kind = read_kind(table, extra);
-  Functional functional{kind.name, {}};
+  Functional functional{.kind = kind.name, .terms = {}, .sum = kind.name == "sum"};
   if (kind.name != "sum") {
     functional.terms = reader.terms(table, kind.name);
     return functional;
@@ -227,7 +227,7 @@ Functional read_functional_table(const Value& table, const std::vector<std::stri
 
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
   const auto table = find_table(document, "functional");
-  c.functional = table ? read_functional_table(*table, {}, folder, definitions, c) : Functional{"energy", {energy()}};
+  c.functional = table ? read_functional_table(*table, {}, folder, definitions, c) : Functional{.terms = {energy()}};
 }
 
 std::optional<Value> synthetic_misfit(const Value& document) {

@@ -31,8 +31,7 @@ Perturbation read_perturbation(const Value& field, const Case& c) {
     fail(field.node->position, field.name +
                                    " must be \"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = "
                                    "... } or { aspect = ... }");
-  const std::string word = choice(field, {"hole", "clamped_hole", "crack"});
-  p.kind = word == "hole" ? Kind::Hole : word == "crack" ? Kind::Crack : Kind::ClampedHole;
+  p.kind = perturbation_kind(choice(field, {"hole", "clamped_hole", "crack"}));
   return p;
 }
 

@@ -213,7 +213,7 @@ void require_volume(const Value& table, const Case& c, const OptimizeRequest& r)
          "[optimize]: without volume = { at_most = ... } or { penalty = ... } the full body has the least compliance, "
          "and "
          "there is nothing to optimize; add one of them");
-  const bool area = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.kind == "volume"; });
+  const bool area = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.volume; });
   if (area && r.bounds.empty())
     fail(table.node->position,
          "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body "
@@ -263,7 +263,7 @@ void check_load_cases(const Value& document, const Case& c, const OptimizeReques
     for (const Term& term : j.terms) {
       if (term.measured)
         fail(position, "[[load_case]]: a misfit belongs to one set of loads; write them as [[boundary]] and [body]");
-      if (term.kind == "energy_release_rate" && forces)
+      if (term.feature_radius > 0 && forces)
         fail(position,
              "[[load_case]]: energy_release_rate takes no body forces of load cases; write the loads as "
              "[[boundary]] and [body]");

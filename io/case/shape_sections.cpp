@@ -5,13 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 /// The arc from a to b about (nearly) `center`, the shorter way round; half a turn runs counter-clockwise. The center
 /// is moved along the chord until both ends have exactly the same distance to it.

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 namespace kerf {
 
@@ -18,7 +17,7 @@ std::string place(const Vec2& p) {
 }
 
 double degrees(double radians) {
-  return radians * 180 / std::numbers::pi;
+  return radians * 180 / pi;
 }
 
 namespace {

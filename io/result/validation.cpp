@@ -22,21 +22,6 @@ std::string word(Verdict verdict) {
   return verdict == Verdict::Holds ? "holds" : verdict == Verdict::Fails ? "fails" : "out of range";
 }
 
-std::string word(Perturbation::Kind kind) {
-  switch (kind) {
-    case Perturbation::Kind::ClampedHole:
-      return "clamped_hole";
-    case Perturbation::Kind::Inclusion:
-      return "inclusion";
-    case Perturbation::Kind::Ellipse:
-      return "ellipse";
-    case Perturbation::Kind::Crack:
-      return "crack";
-    default:
-      return "hole";
-  }
-}
-
 std::string sentence(const Validation& v) {
   std::string out = "At " + place(v.at);
   const bool expansion = std::isfinite(v.coefficient);  // not of a clamped hole

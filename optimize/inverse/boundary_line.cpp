@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -18,7 +17,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   const auto is_corner = [&](std::size_t v) {  // between piece v - 1 and piece v
     const std::size_t before = v > 0 ? v - 1 : n - 1;
     const Vec2 in = p.points[v] - p.points[before], out = p.points[next(v)] - p.points[v];
-    return std::abs(std::atan2(cross(in, out), in.dot(out))) > std::numbers::pi / 9;
+    return std::abs(std::atan2(cross(in, out), in.dot(out))) > pi / 9;
   };
   std::vector<bool> starts(n, false);  // piece v is the first of a curve
   std::size_t first = n;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -37,7 +36,7 @@ VectorXd as_circle(const Loop& loop, double size) {
     moment += cross(a, b) / 6 * (a + b);
   }
   const Vec2 center = origin + moment / area;
-  return Eigen::Vector3d(center.x(), center.y(), std::sqrt(area / std::numbers::pi));
+  return Eigen::Vector3d(center.x(), center.y(), std::sqrt(area / pi));
 }
 
 /// Young's modulus of a material, in the state that the problem is in.

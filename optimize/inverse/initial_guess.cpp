@@ -15,13 +15,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 /// Distance from a point to everything that is no plain material.
 struct Surroundings {

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <random>
 
 namespace kerf {
@@ -85,7 +84,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
   const auto round = [](double x) { return std::round(x * 1e9) / 1e9; };
   std::vector<double> out;
   while (out.size() < count) {
-    const double radius = std::sqrt(-2 * std::log(uniform())), angle = 2 * std::numbers::pi * uniform();
+    const double radius = std::sqrt(-2 * std::log(uniform())), angle = 2 * pi * uniform();
     out.push_back(round(radius * std::cos(angle)));
     if (out.size() < count) out.push_back(round(radius * std::sin(angle)));
   }

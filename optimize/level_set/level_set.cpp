@@ -9,6 +9,7 @@
 #include "optimize/level_set/nucleate.hpp"
 #include "optimize/level_set/speed.hpp"
 #include "optimize/loop/history_text.hpp"
+#include "topo/map_at_centroids.hpp"
 
 #include <fmt/core.h>
 
@@ -185,7 +186,7 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
     : p_(p), r_(r), see_(see), place_(place), fitted_(p) {
   const LevelSetRequest& how = r.level_set;
   for (const Term& term : p.objective.terms)
-    if (term.kind == "volume") price_ += term.factor;
+    if (term.volume) price_ += term.factor;
   double cases = r.load_cases.empty() ? 1 : 0;
   for (const LoadCase& load : r.load_cases) cases += load.weight;
   price_ *= cases;

@@ -1,7 +1,6 @@
 #include "optimize/level_set/nucleate.hpp"
 
 #include <algorithm>
-#include <numbers>
 #include <numeric>
 
 namespace kerf {
@@ -22,7 +21,7 @@ std::vector<Disc> places_to_nucleate(const BackgroundMesh& background, const Eig
     for (const Disc& d : discs) room = std::min(room, (d.center - x).norm() - d.radius);
     if (room < clear * how.least) continue;
     discs.push_back({x, std::min(room / clear, how.most)});
-    left -= std::numbers::pi * discs.back().radius * discs.back().radius;
+    left -= pi * discs.back().radius * discs.back().radius;
   }
   return discs;
 }

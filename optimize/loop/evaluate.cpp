@@ -30,7 +30,7 @@ std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r) {
 }
 
 Functional on_parts(const Functional& j, const std::vector<Index>& crack_of) {
-  Functional parts{j.kind, {}};
+  Functional parts{.kind = j.kind, .terms = {}, .sum = j.sum};
   for (const Term& term : j.terms) {
     if (term.crack == none) {
       parts.terms.push_back(term);

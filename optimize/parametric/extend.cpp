@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -165,7 +164,7 @@ std::vector<double> smallest_angles(const Mesh& mesh) {
       const Vec2& x = mesh.points[static_cast<std::size_t>(v[i])];
       const Vec2 a = mesh.points[static_cast<std::size_t>(v[(i + 1) % 3])] - x,
                  b = mesh.points[static_cast<std::size_t>(v[(i + 2) % 3])] - x;
-      least = std::min(least, std::atan2(cross(a, b), a.dot(b)) * 180 / std::numbers::pi);
+      least = std::min(least, std::atan2(cross(a, b), a.dot(b)) * 180 / pi);
     }
     angles.push_back(least);
   }

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -54,17 +53,17 @@ void draw_marker(cairo_t* pen, const Vec2& at, std::size_t style, std::uint32_t 
   cairo_new_path(pen);
   const auto polygon = [&](int corners, double turn, double radius) {
     for (int i = 0; i < corners; ++i) {
-      const double angle = turn + 2 * std::numbers::pi * i / corners;
+      const double angle = turn + 2 * pi * i / corners;
       cairo_line_to(pen, at.x() + radius * std::sin(angle), at.y() - radius * std::cos(angle));
     }
     cairo_close_path(pen);
   };
   switch (style % 5) {
     case 0:
-      cairo_arc(pen, at.x(), at.y(), marker, 0, 2 * std::numbers::pi);
+      cairo_arc(pen, at.x(), at.y(), marker, 0, 2 * pi);
       break;
     case 1:
-      polygon(4, std::numbers::pi / 4, 1.3 * marker);
+      polygon(4, pi / 4, 1.3 * marker);
       break;
     case 2:
       polygon(3, 0, 1.4 * marker);
@@ -73,7 +72,7 @@ void draw_marker(cairo_t* pen, const Vec2& at, std::size_t style, std::uint32_t 
       polygon(4, 0, 1.4 * marker);
       break;
     default:
-      polygon(3, std::numbers::pi, 1.4 * marker);
+      polygon(3, pi, 1.4 * marker);
   }
   color(pen, rgb);
   cairo_fill_preserve(pen);

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -100,7 +99,7 @@ void draw_curve(cairo_t* pen, const Placed& panel, const std::vector<double>& x,
     if (!panel.y.shows(curve.values[i]) || !(radius > 0)) continue;
     const Vec2 p = panel.place(x[i], curve.values[i]);
     cairo_new_path(pen);
-    cairo_arc(pen, p.x(), p.y(), radius, 0, 2 * std::numbers::pi);
+    cairo_arc(pen, p.x(), p.y(), radius, 0, 2 * pi);
     color(pen, rgb);
     cairo_fill_preserve(pen);
     stroke(pen, 1.2, paper);

@@ -4,7 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <numbers>
 
 namespace kerf {
 
@@ -50,7 +49,7 @@ void write(cairo_t* pen, const Vec2& at, const std::string& text, const Font& fo
   const double width = text_width(pen, text, font);
   cairo_save(pen);
   cairo_translate(pen, at.x(), at.y());
-  if (how.upright) cairo_rotate(pen, -0.5 * std::numbers::pi);
+  if (how.upright) cairo_rotate(pen, -0.5 * pi);
   cairo_move_to(pen, -how.anchor * width, 0.365 * font.size);
   color(pen, how.rgb);
   cairo_show_text(pen, text.c_str());

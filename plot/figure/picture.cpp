@@ -7,7 +7,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace kerf {
@@ -52,7 +51,7 @@ void draw_support(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& l
       } else {
         const Vec2 middle = from + (radius + 3) * out;
         cairo_new_sub_path(pen);
-        cairo_arc(pen, middle.x(), middle.y(), radius, 0, 2 * std::numbers::pi);
+        cairo_arc(pen, middle.x(), middle.y(), radius, 0, 2 * pi);
       }
     }
     done += piece;
@@ -150,7 +149,7 @@ std::optional<Box> free_place(const Layout& layout, const Mark& mark, const std:
   for (const bool among_lines : {false, true}) {
     for (int place = 0; place < 24; ++place) {
       const bool diagonal = place % 2 == 0;  // upper right first, then clockwise, then farther away
-      const double angle = (place % 8 - 1) * std::numbers::pi / 4, away = (diagonal ? 10 : 13) + 24.0 * (place / 8);
+      const double angle = (place % 8 - 1) * pi / 4, away = (diagonal ? 10 : 13) + 24.0 * (place / 8);
       const Vec2 to(std::round(std::cos(angle) * 1.2), std::round(std::sin(angle) * 1.2));
       const Vec2 center = mark.at + Vec2(to.x() * (away + 0.5 * width), to.y() * (away + 0.5 * height));
       const Box box{center.x() - 0.5 * width, center.y() - 0.5 * height, width, height};

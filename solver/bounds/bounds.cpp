@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -383,7 +382,6 @@ Oscillation oscillation(const Model& m, const std::vector<EdgeData>& data, const
     const Triangle shape = triangle(m, t);
     for (const Index k : edges[i]) {
       const double h = diameter(shape), factor = length(m.mesh, data[k].edge) * h * h / area(shape);
-      constexpr double pi = std::numbers::pi;
       rest += std::sqrt(factor * (1 / (pi * pi) + 1 / pi) * data[k].left_out);
     }
     if (rest > 0) square += std::pow(local_korn(shape) * rest, 2);

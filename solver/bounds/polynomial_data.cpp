@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -56,7 +55,7 @@ Forces forces(const Model& m) {
       const Points unseen = seen - value * mean.transpose();  // by the element
       f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
       const double square = area(shape) * (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
-      f.left_out[t] = diameter(shape) / std::numbers::pi * std::sqrt(square);
+      f.left_out[t] = diameter(shape) / pi * std::sqrt(square);
       size[t] = value.cwiseAbs().maxCoeff();
       rest[t] = unseen.cwiseAbs().maxCoeff();
       if (e.displacement == 0)

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <initializer_list>
-#include <numbers>
 
 namespace kerf {
 
@@ -10,7 +9,7 @@ EdgeRule gauss(int points) {
   EdgeRule rule{Eigen::VectorXd(points), Eigen::VectorXd(points)};
   for (int i = 0; i < points; ++i) {
     // Newton on P_n from the classical first guess.
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (points + 0.5)), slope = 1;
+    double x = std::cos(pi * (i + 0.75) / (points + 0.5)), slope = 1;
     for (int sweep = 0; sweep < 100; ++sweep) {
       double before = 1, value = x;
       for (int k = 2; k <= points; ++k) {

@@ -20,7 +20,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -62,19 +61,19 @@ struct Auxiliary {
 /// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
 std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2& x, double angle) {
   const double r = x.norm(), turn = (2 + 8 * m.mu * m.c) / (4 * m.mu);
-  const std::complex<double> Z = std::polar(1 / std::sqrt(2 * std::numbers::pi * r), -angle / 2),
+  const std::complex<double> Z = std::polar(1 / std::sqrt(2 * pi * r), -angle / 2),
                              slope = -0.5 * Z / std::complex(x.x(), x.y());
   const double shear_I = -x.y() * slope.real(), shear_II = Z.real() - x.y() * slope.imag();
   const Eigen::Vector4d s_I(Z.real() - x.y() * slope.imag(), shear_I, shear_I, Z.real() + x.y() * slope.imag());
   const Eigen::Vector4d s_II(2 * Z.imag() + x.y() * slope.real(), shear_II, shear_II, -x.y() * slope.real());
   const Vec2 e = x / r;
   const Eigen::Vector4d s_force =
-      -e.x() / (std::numbers::pi * r) * Eigen::Vector4d(e.x() * e.x(), e.x() * e.y(), e.x() * e.y(), e.y() * e.y());
+      -e.x() / (pi * r) * Eigen::Vector4d(e.x() * e.x(), e.x() * e.y(), e.x() * e.y(), e.y() * e.y());
   const auto field = [&](const Eigen::Vector4d& s, double rotation) {
     return Auxiliary{tensor(s), tensor(displacement_gradient(m, s, rotation))};
   };
   return {field(s_I, -turn * Z.imag()), field(s_II, turn * Z.real()),
-          field(s_force, -turn * e.y() / (2 * std::numbers::pi * r))};
+          field(s_force, -turn * e.y() / (2 * pi * r))};
 }
 
 /// Rows: integrals for K_I, K_II, T, J. One column per ring.
@@ -248,7 +247,7 @@ std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
                      .n = {-t.y(), t.x()},
                      .t = t,
                      .weight = c.slope.norm() * rule.w[i] * 2 * root * (to - from) / (far - near),
-                     .upper = std::numbers::pi + std::atan2(-c.at.y(), -c.at.x()),
+                     .upper = pi + std::atan2(-c.at.y(), -c.at.x()),
                      .place = place});
   }
   return spots;
@@ -267,7 +266,7 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
     if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
     for (const Spot& p : spots(disc.tip, face.edge)) {
       const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
-                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * std::numbers::pi);
+                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * pi);
       const Vec2 through = traction(face, p);
       for (int k = 0; k < rings; ++k)
         for (int i = 0; i < auxiliary; ++i)
@@ -309,7 +308,7 @@ Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
 /// P . n less the part of the traction s n on the auxiliary fields, and less all of it in J.
 Eigen::Vector4d flux(const Material& m, const Spot& p, const Auxiliary& f, bool upper) {
   const Vec2 out = upper ? Vec2(-p.n) : p.n;
-  const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * std::numbers::pi);
+  const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * pi);
   Eigen::Vector4d sum;
   for (int k = 0; k < auxiliary; ++k)
     sum[k] = f.stress.cwiseProduct(unit[k].gradient).sum() * out.x() - (unit[k].stress * out).dot(f.gradient.col(0));
@@ -407,7 +406,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   result.J = I(auxiliary, middle);
   result.radius = disc.ring[middle].outer;
   const auto relative = [](double difference, double size) { return size > 0 ? difference / size : 0; };
-  const double size = std::max(K.col(middle).norm(), stress * std::sqrt(std::numbers::pi * result.radius));
+  const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
   result.spread_T = relative(largest_difference(T), std::max(std::abs(result.T), stress));

@@ -7,12 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 /// s1.edp, E = 1.
 TEST(Problem, SmoothHasTheSolutionOfThePeers) {

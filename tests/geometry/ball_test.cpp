@@ -6,12 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 Vec2 middle(const Mesh& m, Index edge) {
   return (m.points[std::size_t(m.edges[std::size_t(edge)][0])] + m.points[std::size_t(m.edges[std::size_t(edge)][1])]) /

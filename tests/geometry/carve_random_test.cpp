@@ -11,13 +11,11 @@
 #include <cmath>
 #include <ctime>
 #include <functional>
-#include <numbers>
 #include <random>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double size = 0.04;
 using Field = std::function<double(const Vec2&)>;
 

@@ -9,12 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 using Field = std::function<double(const Vec2&)>;
 
 Shape plate(double width = 2, double height = 1) {

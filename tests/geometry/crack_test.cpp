@@ -7,13 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 Shape square(std::vector<Crack> cracks) {
   return {polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0), {}, std::move(cracks), {"side"}};

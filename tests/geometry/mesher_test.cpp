@@ -7,13 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 Shape square(double half = 2) {
   Shape shape{polygon("outline", {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, 0), {}, {}, {}};

@@ -7,7 +7,6 @@
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 TEST(Plane, FootsLieOnTheSegment) {
   const Vec2 a(1, 1), b(3, 1);

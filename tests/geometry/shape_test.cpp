@@ -4,13 +4,11 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <ostream>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 double polygon_area(const std::vector<Vec2>& points) {
   double twice = 0;

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -94,7 +93,7 @@ TEST(BackgroundMesh, ExtensionsAreConstantAlongNormals) {
   std::vector<Vec2> points;
   Eigen::VectorXd values(360);
   for (int i = 0; i < 360; ++i) {
-    const double a = i * std::numbers::pi / 180;
+    const double a = i * pi / 180;
     points.emplace_back(1 + 0.3 * std::cos(a), 0.5 + 0.3 * std::sin(a));
     values[i] = std::cos(a);
   }
@@ -108,15 +107,15 @@ TEST(Regularize, ConstantsAreTheirOwnGradients) {
   const Helmholtz h(c, 0.1);
   EXPECT_LT((h.solve(c.lumped) - Eigen::VectorXd::Ones(c.lumped.size())).cwiseAbs().maxCoeff(), 1e-10);
   // cos(pi x) is an eigenfunction: 1 / (1 + r^2 pi^2).
-  const Eigen::VectorXd f = sample(c, [](const Vec2& x) { return std::cos(std::numbers::pi * x.x()); });
+  const Eigen::VectorXd f = sample(c, [](const Vec2& x) { return std::cos(pi * x.x()); });
   const Eigen::VectorXd v = h.solve(c.lumped.cwiseProduct(f));
-  EXPECT_NEAR(value_at(c, v, {0.1, 0.5}), std::cos(0.1 * std::numbers::pi) / (1 + 0.01 * 9.8696), 2e-3);
+  EXPECT_NEAR(value_at(c, v, {0.1, 0.5}), std::cos(0.1 * pi) / (1 + 0.01 * 9.8696), 2e-3);
 }
 
 EdgeCurve ring(int n) {
   EdgeCurve curve;
   for (int i = 0; i < n; ++i) {
-    const double a = 2 * std::numbers::pi * i / n;
+    const double a = 2 * pi * i / n;
     curve.points.emplace_back(1 + 0.3 * std::cos(a), 0.5 + 0.3 * std::sin(a));
     curve.edges.push_back({i, (i + 1) % n});
   }
@@ -129,7 +128,7 @@ TEST(Regularize, SmoothingAlongACurveKeepsTheIntegralAndDampsWaves) {
   const double h = (curve.points[1] - curve.points[0]).norm();
   const Eigen::VectorXd length = Eigen::VectorXd::Constant(n, h);
   Eigen::VectorXd value(n);
-  for (int i = 0; i < n; ++i) value[i] = 2 + std::cos(10 * 2 * std::numbers::pi * (i + 0.5) / n);
+  for (int i = 0; i < n; ++i) value[i] = 2 + std::cos(10 * 2 * pi * (i + 0.5) / n);
   const Eigen::VectorXd v = smooth_along(curve, length, 0.03, value);
   EXPECT_NEAR(v.mean(), 2, 1e-12);
   EXPECT_NEAR(v.maxCoeff() - 2, 1 / (1 + std::pow(0.03 * 10 / 0.3, 2)), 0.01);

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -41,7 +40,7 @@ TEST(Responses, AreTheDerivativesOfReadings) {
   const double before = analyze({"reading", {reading}}, m, s, true).value,
                after = analyze({"reading", {reading}}, with, changed, true).value;
   EXPECT_NEAR(r.value[0], before, 1e-12);
-  EXPECT_NEAR((after - before) / (std::numbers::pi * radius * radius), T, 0.05 * std::abs(T));
+  EXPECT_NEAR((after - before) / (pi * radius * radius), T, 0.05 * std::abs(T));
   EXPECT_FALSE(response_at(r, {2, 2}).has_value());
 }
 

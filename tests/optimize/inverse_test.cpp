@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -141,7 +140,7 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
   const Eigen::VectorXd& x = result.variables;
   const Vec2 a = x.segment<2>(0), b = x.segment<2>(3);
   const double tolerance = 1e-5;
-  EXPECT_LE(std::numbers::pi * (x[2] * x[2] + x[5] * x[5]), 0.4 * (1 + 1e-4));
+  EXPECT_LE(pi * (x[2] * x[2] + x[5] * x[5]), 0.4 * (1 + 1e-4));
   EXPECT_GE((a - b).norm() - x[2] - x[5], 0.1 - tolerance);
   for (const auto& [center, radius] : {std::pair(a, x[2]), std::pair(b, x[5])}) {
     EXPECT_GE(distance(center, {-1, 0}, {1, 0}) - radius, 0.1 - tolerance);

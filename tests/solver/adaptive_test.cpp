@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -104,7 +103,7 @@ TEST(CurvedContact, FacesSlideAlongTheArc) {
   shape.labels = {"outer"};
   shape.outline = polygon("outline", {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, 0);
   const Vec2 center(0, -1);
-  shape.cracks = {arc_crack("c", center, 1.5, std::numbers::pi / 6, 5 * std::numbers::pi / 6)};
+  shape.cracks = {arc_crack("c", center, 1.5, pi / 6, 5 * pi / 6)};
   Scene scene;
   scene.material = plane_strain(1000, 0.3);
   scene.laws.resize(1);

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -233,7 +232,7 @@ TEST(EnergyBounds, ContainTheEnergyAroundAHole) {
     const Index rings = n / 4;
     for (Index i = 0; i <= rings; ++i)
       for (Index j = 0; j < n; ++j) {
-        const double turn = 2 * std::numbers::pi * j / n, radius = 1 + 2.0 * i / rings;
+        const double turn = 2 * pi * j / n, radius = 1 + 2.0 * i / rings;
         points.emplace_back(radius * std::cos(turn), radius * std::sin(turn));
       }
     for (Index j = 0; j < n; ++j) {

@@ -12,7 +12,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 namespace kerf {
@@ -64,7 +63,7 @@ Problem crack(Index n, double coupling, double slip_bound, double friction, bool
   const Index rows = friction_rows ? 2 * n : n;
   p.S = Eigen::MatrixXd::Zero(rows, rows);
   p.r = Eigen::VectorXd::Zero(rows);
-  const auto entry = [](double distance) { return -1 / (std::numbers::pi * (distance * distance - 0.25)); };
+  const auto entry = [](double distance) { return -1 / (pi * (distance * distance - 0.25)); };
   for (Index i = 0; i < n; ++i) {
     const double x = (i + 0.5) / n;
     p.r[i] = (x - 0.4) / n;

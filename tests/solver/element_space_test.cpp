@@ -10,7 +10,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-#include <numbers>
 #include <random>
 
 namespace kerf {
@@ -166,7 +165,7 @@ Functionals functionals(const Kernel& k, const Triangle& t) {
     f.mean.col(i) << mean[0], mean[3], 0.5 * (mean[1] + mean[2]);
     for (int j = 0; j < 3; ++j) {
       const Vec2 &from = t.x[(j + 1) % 3], side = t.x[(j + 2) % 3] - from,
-                 normal = -turn(0.5 * std::numbers::pi) * side.normalized();
+                 normal = -turn(0.5 * pi) * side.normalized();
       for (Eigen::Index q = 0; q < edge.s.size(); ++q) {
         const Mat2 here = tensor(stress_at(k, t, basis.col(i), from + edge.s[q] * side));
         const Vec2 traction = here * normal;

@@ -8,12 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 struct Body {
   std::string name;

@@ -7,13 +7,11 @@
 
 #include <gtest/gtest.h>
 #include <cmath>
-#include <numbers>
 
 namespace kerf::exact {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
-constexpr double pi = std::numbers::pi;
 
 /// Work of the tractions on straight sides, counter-clockwise, composite Gauss.
 std::vector<double> work_on(const ExactField& field, const std::vector<Vec2>& corners) {

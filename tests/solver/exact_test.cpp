@@ -6,13 +6,11 @@
 
 #include <gtest/gtest.h>
 #include <cmath>
-#include <numbers>
 
 namespace kerf::exact {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
-constexpr double pi = std::numbers::pi;
 
 /// Work of the tractions on the sides of [-2, 2]^2, composite Gauss.
 std::array<double, 4> work_on_box(const ExactField& field) {

@@ -11,13 +11,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
-constexpr double pi = std::numbers::pi;
 const Material steel = plane_strain(1000, 0.3);
 using Law = CrackLaw::Kind;
 

@@ -4,13 +4,11 @@
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf::exact {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 struct Arc {
   double p, R;

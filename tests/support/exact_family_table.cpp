@@ -1,13 +1,12 @@
 #include "tests/support/exact_families.hpp"
 
-#include <numbers>
 #include <stdexcept>
 
 namespace kerf::exact {
 
 ExactField family_field(const std::string& id) {
   const Material m = plane_strain(1000, 0.3);
-  const double degree = std::numbers::pi / 180;
+  const double degree = pi / 180;
   if (id.starts_with("c07")) return friction_table(id).field;
   if (id == "c06_two_cracks") return two_cracks(id, m, {});
   if (id == "c11_arc")
@@ -28,7 +27,7 @@ ExactField family_field(const std::string& id) {
     return inclusion(id, m, plane_strain(5000, 0.2), {.stress = pulled, .inner = 0.5, .outer = 1.5}).inside;
   if (id == "c13_L_modeI") return corner(id, m, {.opening = 270 * degree, .bisector = 45 * degree, .k1 = 1});
   if (id == "c13_L_modeII") return corner(id, m, {.opening = 270 * degree, .bisector = 45 * degree, .k2 = 1});
-  if (id == "c13_slit") return corner(id, m, {.opening = 2 * std::numbers::pi, .k1 = 1, .k2 = 0.5, .t_stress = 0.3});
+  if (id == "c13_slit") return corner(id, m, {.opening = 2 * pi, .k1 = 1, .k2 = 0.5, .t_stress = 0.3});
   throw std::invalid_argument("no exact field for table " + id);
 }
 

@@ -2,14 +2,12 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 
 namespace kerf::exact {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
 
 struct Values {
   Vec2 u;

@@ -1,7 +1,6 @@
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 namespace kerf::exact {
@@ -25,7 +24,7 @@ FrictionField friction_crack(std::string name, const Material& m, const Friction
 
 FrictionField friction_table(const std::string& id) {
   const Material m = plane_strain(1000, 0.3);
-  const double degree = std::numbers::pi / 180;
+  const double degree = pi / 180;
   const Mat2 pushed = (Mat2() << 0, 0, 0, -1).finished();
   const auto pressure = [&](double angle) { return -under(pushed, angle, 1).p0; };
   if (id == "c07_coulomb")

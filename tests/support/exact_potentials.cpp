@@ -1,7 +1,6 @@
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf::exact {
 

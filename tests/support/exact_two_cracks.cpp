@@ -3,7 +3,6 @@
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf::exact {
 
@@ -77,8 +76,8 @@ ExactField two_cracks(std::string name, const Material& m, const TwoCracks& crac
     return evaluate(line, uniform, z, side);
   });
   field.opening = [line, modulus = plane_modulus(m)](double x) { return 4 / modulus * upper(line, x).P.imag(); };
-  const double k_in = s * std::sqrt(std::numbers::pi / b) * (line.lam2 - b * b) / width,
-               k_out = s * std::sqrt(std::numbers::pi / c) * (c * c - line.lam2) / width;
+  const double k_in = s * std::sqrt(pi / b) * (line.lam2 - b * b) / width,
+               k_out = s * std::sqrt(pi / c) * (c * c - line.lam2) / width;
   field.tips = {{{-c, 0}, k_out}, {{-b, 0}, k_in}, {{b, 0}, k_in}, {{c, 0}, k_out}};
   field.side = [](const Vec2& x) { return (x.y() > 0) - (x.y() < 0); };
   return field;

@@ -2,14 +2,12 @@
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 namespace kerf::exact {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 struct Term {
   double l;

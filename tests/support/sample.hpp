@@ -9,7 +9,6 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <string>
 
 namespace kerf::test {
@@ -64,7 +63,7 @@ inline ValidationResult sample_validation() {
   v.verdict = Verdict::Holds;
   v.reason = "orders 4.01 and 4.03";
   for (const double radius : {0.2, 0.1, 0.05}) {
-    const double predicted = std::numbers::pi * radius * radius * v.coefficient, remainder = 5 * std::pow(radius, 4);
+    const double predicted = pi * radius * radius * v.coefficient, remainder = 5 * std::pow(radius, 4);
     v.rows.push_back({radius, -10 + predicted + remainder, predicted + remainder, predicted, remainder, 4, true});
   }
   v.rows.back().order = std::nan("");
@@ -124,7 +123,7 @@ inline Result full_result() {
   map.max = {{-0.5, 0.75}, 4};
   map.excluded_radius = 0.05;
   map.points = {
-      {.at = {0.5, 0.5}, .value = 0.125, .angle = std::numbers::pi / 4, .masked = true, .lower = 0.1, .upper = 0.15},
+      {.at = {0.5, 0.5}, .value = 0.125, .angle = pi / 4, .masked = true, .lower = 0.1, .upper = 0.15},
       {.at = {9, 9}, .value = std::nan("")}};
   map.radius = 0.0125;
   map.masked_share = 0.25;

@@ -7,12 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 struct Solved {
   Model model;

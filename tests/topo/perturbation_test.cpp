@@ -1,12 +1,13 @@
 #include "kerf/perturbation.hpp"
 
 #include "tests/support/exact.hpp"
+#include "topo/formulas/kind.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <map>
 
 namespace kerf {
 namespace {
@@ -25,11 +26,11 @@ TEST(Expansion, HydrostaticDiscAgainstTheClosedForm) {
     const double coefficient = hole_energy(m, tensor(p, p, 0), Vec2::Zero(), Vec2::Zero());
     const auto energy = [&](double eps) {  // minus half the work of the traction: compliance/2
       const double e2 = eps * eps;
-      return -0.5 * std::numbers::pi * p * p * (kappa - 1 + 2 * e2) / (2 * m.mu * (1 - e2));
+      return -0.5 * pi * p * p * (kappa - 1 + 2 * e2) / (2 * m.mu * (1 - e2));
     };
     double before = 1;
     for (const double eps : {0.1, 0.05, 0.025}) {
-      const double measured = (energy(eps) - energy(0)) / (std::numbers::pi * eps * eps);
+      const double measured = (energy(eps) - energy(0)) / (pi * eps * eps);
       const double error = std::abs(measured / coefficient - 1);
       EXPECT_LT(error, 2 * eps * eps);
       EXPECT_LT(error, 0.3 * before);
@@ -44,12 +45,12 @@ TEST(Expansion, PureShearDiscAgainstTheClosedForm) {
     const double d = 0.7, k = (3 - nu) / (1 + nu);
     const double coefficient = hole_energy(m, tensor(d, -d, 0), Vec2::Zero(), Vec2::Zero());
     const auto energy = [&](double e) {
-      return -0.5 * std::numbers::pi * d * d *
+      return -0.5 * pi * d * d *
              (1 - 2 * e * e + k * e * e + (k + 4) * std::pow(e, 4) + k * std::pow(e, 6)) /
              (m.mu * std::pow(1 - e * e, 3));
     };
     for (const double eps : {0.02, 0.01}) {
-      const double measured = (energy(eps) - energy(0)) / (std::numbers::pi * eps * eps);
+      const double measured = (energy(eps) - energy(0)) / (pi * eps * eps);
       EXPECT_NEAR(measured / coefficient, 1, 20 * eps * eps);
     }
   }
@@ -179,9 +180,41 @@ TEST(Expansion, AClosedCrackOnlySlides) {
 TEST(Expansion, KindsWithoutSuchAFormulaSaySo) {
   const Material m = plane_strain(1, 0.3);
   EXPECT_TRUE(std::isnan(scale({Kind::ClampedHole}, 0.1)));
-  EXPECT_DOUBLE_EQ(scale({Kind::Crack}, 0.1), std::numbers::pi * 0.01);
+  EXPECT_DOUBLE_EQ(scale({Kind::Crack}, 0.1), pi * 0.01);
   EXPECT_THROW(form({Kind::ClampedHole}, m, 0, s0, t0), Error);
   EXPECT_THROW(inside({Kind::Ellipse}, m), Error);
+}
+
+TEST(Kinds, TheTableHasTheirOrder) {
+  const std::map<Kind, std::string> words = {{Kind::Hole, "hole"},
+                                             {Kind::ClampedHole, "clamped_hole"},
+                                             {Kind::Inclusion, "inclusion"},
+                                             {Kind::Ellipse, "ellipse"},
+                                             {Kind::Crack, "crack"}};
+  EXPECT_EQ(words.size(), perturbation_kinds.size());
+  for (const auto& [kind, expected] : words) {
+    EXPECT_EQ(word(kind), expected);
+    EXPECT_EQ(perturbation_kind(expected), kind);
+    EXPECT_FALSE(description({kind}).empty());
+  }
+  EXPECT_THROW(perturbation_kind("slit"), Error);
+}
+
+TEST(Kinds, WhatARowSaysFitsTogether) {
+  for (const PerturbationKind* kind : perturbation_kinds) {
+    EXPECT_EQ(kind->form == nullptr, kind->becomes == Becomes::Clamp) << kind->word;
+    EXPECT_TRUE(kind->form || !(kind->orient || kind->inside)) << kind->word;
+    EXPECT_TRUE(kind->orient || !kind->elliptic) << kind->word;
+  }
+  EXPECT_TRUE(removes_body({Kind::Hole}) && removes_body({Kind::Ellipse}));
+  EXPECT_FALSE(removes_body({Kind::Inclusion}) || removes_body({Kind::ClampedHole}) || removes_body({Kind::Crack}));
+}
+
+// An aspect that does not belong to the kind changes nothing.
+TEST(Kinds, OnlyEllipsesHaveAnAspect) {
+  EXPECT_EQ(aspect({.kind = Kind::Ellipse, .aspect = 4}), 4);
+  EXPECT_EQ(reach({.kind = Kind::Ellipse, .aspect = 4}), 2);
+  EXPECT_EQ(reach({.kind = Kind::Hole, .aspect = 4}), 1);
 }
 
 double total(const Perturbation& p, const Material& m, double angle, std::span<const Product> products) {
@@ -205,10 +238,10 @@ TEST(Expansion, OrientationsAgainstBruteForce) {
       const bool ellipse = p.kind == Kind::Ellipse;
       const Oriented found = oriented(p, m, products);
       EXPECT_GE(found.angle, 0);
-      EXPECT_LT(found.angle, std::numbers::pi);
+      EXPECT_LT(found.angle, pi);
       double best = ellipse ? infinity : 0, largest = 0;
       for (int i = 0; i < n; ++i) {
-        const double value = total(p, m, std::numbers::pi * i / n, products);
+        const double value = total(p, m, pi * i / n, products);
         best = ellipse ? std::min(best, value) : std::max(best, std::abs(value));
         largest = std::max(largest, std::abs(value));
       }

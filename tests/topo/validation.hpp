@@ -55,7 +55,7 @@ struct Body {
 };
 inline Validation validated(const Body& b, const Functional& j, const Vec2& at, const Perturbation& p = {},
                             const std::vector<double>& radii = usual_radii) {
-  return validate(b.shape, b.sizing, b.element, b.scene, j, {{at}, radii, p, 2}).front();
+  return validate({b.shape, b.sizing}, b.element, b.scene, j, {{at}, radii, p, 2}).front();
 }
 
 /// (J(eps) - J(0)) / f(eps).

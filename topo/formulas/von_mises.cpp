@@ -1,24 +1,24 @@
 #include "topo/formulas/von_mises.hpp"
 
 #include "solver/quadrature.hpp"
+#include "topo/formulas/parts.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using pi;
 constexpr int terms = 17;  // Chebyshev coefficients of a piece: exact up to p = 32
 
 struct Invariants {
   double mean, shear;  // shear = d^2
 };
 Invariants invariants(const Mat2& s) {
-  const double x = 0.5 * (s(0, 0) - s(1, 1)), y = 0.5 * (s(0, 1) + s(1, 0));
-  return {0.5 * s.trace(), x * x + y * y};
+  const PlaneParts p = split(s);
+  return {p.mean, p.x * p.x + p.y * p.y};
 }
 
 // ((1 + x)^h - 1 - h x)/x^2 for small x.
@@ -73,18 +73,24 @@ double over(const Integrand& f, const EdgeRule& rule, const Cell& q) {
   return sum * (q.b - q.a) * (q.to - q.from);
 }
 
-// Quarters the cell where the stress vanishes: Phi has a corner there.
-double refined(const Integrand& f, const EdgeRule& rule, const Cell& q, double before, double tolerance, int depth) {
-  const double mid = 0.5 * (q.a + q.b), half = 0.5 * (q.from + q.to);
-  const Cell parts[] = {
-      {q.a, mid, q.from, half}, {mid, q.b, q.from, half}, {q.a, mid, half, q.to}, {mid, q.b, half, q.to}};
-  double value[4], sum = 0;
-  for (int i = 0; i < 4; ++i) sum += value[i] = over(f, rule, parts[i]);
-  if (depth == 0 || std::abs(sum - before) < tolerance) return sum;
-  sum = 0;
-  for (int i = 0; i < 4; ++i) sum += refined(f, rule, parts[i], value[i], tolerance, depth - 1);
-  return sum;
-}
+// Quarters cells where the stress vanishes: Phi has a corner there.
+struct Refinement {
+  const Integrand& f;
+  const EdgeRule& rule;
+  double tolerance;
+
+  double operator()(const Cell& q, double before, int depth) const {
+    const double mid = 0.5 * (q.a + q.b), half = 0.5 * (q.from + q.to);
+    const Cell parts[] = {
+        {q.a, mid, q.from, half}, {mid, q.b, q.from, half}, {q.a, mid, half, q.to}, {mid, q.b, half, q.to}};
+    double value[4], sum = 0;
+    for (int i = 0; i < 4; ++i) sum += value[i] = over(f, rule, parts[i]);
+    if (depth == 0 || std::abs(sum - before) < tolerance) return sum;
+    sum = 0;
+    for (int i = 0; i < 4; ++i) sum += (*this)(parts[i], value[i], depth - 1);
+    return sum;
+  }
+};
 
 // A quarter of the circle is enough. Even p: the integrand is a polynomial in t, cos 2 theta and sin 2 theta.
 double integral(const PowerTable& table, bool even, const EdgeRule& rule, double y) {
@@ -106,33 +112,40 @@ double integral(const PowerTable& table, bool even, const EdgeRule& rule, double
   bands.push_back({0, pi / 2, 0, top});
   std::vector<double> coarse;
   for (const Cell& band : bands) sum += coarse.emplace_back(over(f, rule, band));
-  const double tolerance = 3e-13 * std::abs(sum);
+  const Refinement refined{f, rule, 3e-13 * std::abs(sum)};
   sum = 0;
-  for (std::size_t i = 0; i < bands.size(); ++i) sum += refined(f, rule, bands[i], coarse[i], tolerance, 16);
+  for (std::size_t i = 0; i < bands.size(); ++i) sum += refined(bands[i], coarse[i], 16);
   return sum * 2 / pi;
 }
 
-void add_piece(PowerTable& table, bool even, const EdgeRule& rule, double from, double to, int depth) {
-  Eigen::VectorXd value(terms), sum(terms);
-  const auto node = [](int i) { return pi * (i + 0.5) / terms; };
-  for (int i = 0; i < terms; ++i)
-    value[i] = integral(table, even, rule, from + (to - from) * std::pow(std::sin(0.5 * node(i)), 2));
-  for (int k = 0; k < terms; ++k) {
-    sum[k] = 0;
-    for (int i = 0; i < terms; ++i) sum[k] += value[i] * std::cos(k * node(i)) * (k ? 2. : 1.) / terms;
+// Adds pieces until the sums are exact, or depth is 0.
+struct Tabulation {
+  PowerTable& table;
+  bool even;
+  EdgeRule rule;
+
+  void add(double from, double to, int depth) {
+    Eigen::VectorXd value(terms), sum(terms);
+    const auto node = [](int i) { return pi * (i + 0.5) / terms; };
+    for (int i = 0; i < terms; ++i)
+      value[i] = integral(table, even, rule, from + (to - from) * std::pow(std::sin(0.5 * node(i)), 2));
+    for (int k = 0; k < terms; ++k) {
+      sum[k] = 0;
+      for (int i = 0; i < terms; ++i) sum[k] += value[i] * std::cos(k * node(i)) * (k ? 2. : 1.) / terms;
+    }
+    const double least = value.cwiseAbs().minCoeff(), most = value.cwiseAbs().maxCoeff();
+    const bool smooth = sum.tail<3>().cwiseAbs().maxCoeff() < 1e-11 * least && most < 1e3 * least;
+    if (!smooth && depth > 0) {
+      const double mid = 0.5 * (from + to);
+      add(from, mid, depth - 1);
+      add(mid, to, depth - 1);
+      return;
+    }
+    table.ends.push_back(to);
+    table.sums.conservativeResize(terms, table.sums.cols() + 1);
+    table.sums.rightCols<1>() = sum;
   }
-  const double least = value.cwiseAbs().minCoeff(), most = value.cwiseAbs().maxCoeff();
-  const bool smooth = sum.tail<3>().cwiseAbs().maxCoeff() < 1e-11 * least && most < 1e3 * least;
-  if (!smooth && depth > 0) {
-    const double mid = 0.5 * (from + to);
-    add_piece(table, even, rule, from, mid, depth - 1);
-    add_piece(table, even, rule, mid, to, depth - 1);
-    return;
-  }
-  table.ends.push_back(to);
-  table.sums.conservativeResize(terms, table.sums.cols() + 1);
-  table.sums.rightCols<1>() = sum;
-}
+};
 
 }  // namespace
 
@@ -162,13 +175,13 @@ PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside,
                     std::to_string(p));
   PowerTable table{outer, inner, p, inside, {0}, Eigen::MatrixXd(terms, 0)};
   const bool even = std::fmod(p, 2) == 0;
-  const EdgeRule rule = gauss(even ? 2 * static_cast<int>(p) + 2 : 10);
+  Tabulation pieces{table, even, gauss(even ? 2 * static_cast<int>(p) + 2 : 10)};
   if (even) {
-    add_piece(table, even, rule, 0, 1, 8);
+    pieces.add(0, 1, 8);
   } else {
     // From d = |sm|/2 on the stress vanishes somewhere on the rim of a hole.
-    add_piece(table, even, rule, 0, 0.2, 24);
-    add_piece(table, even, rule, 0.2, 1, 24);
+    pieces.add(0, 0.2, 24);
+    pieces.add(0.2, 1, 24);
   }
   return table;
 }

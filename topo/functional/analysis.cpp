@@ -1,6 +1,7 @@
 #include "kerf/analysis.hpp"
 
 #include "kerf/recover.hpp"
+#include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 
 #include <fmt/core.h>

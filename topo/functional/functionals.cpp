@@ -24,6 +24,7 @@ Term compliance() {
 Term volume() {
   return {.kind = "volume",
           .linear = true,
+          .volume = true,
           .density = [](const FieldPoint&) { return Density{.value = 1}; },
           .uses_place = false};
 }

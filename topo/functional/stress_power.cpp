@@ -1,4 +1,5 @@
 #include "kerf/functional.hpp"
+#include "topo/formulas/kind.hpp"
 #include "topo/formulas/von_mises.hpp"
 
 #include <map>
@@ -49,12 +50,12 @@ Term stress_power(double p, ScalarField weight, bool plane_strain) {
   };
   term.local = [=, tables = std::make_shared<Tables>(p, plane_strain)](const Perturbation& change,
                                                                        const FieldPoint& at) {
-    if (change.kind != Perturbation::Kind::Hole && change.kind != Perturbation::Kind::Inclusion)
+    if (!row(change).inside)
       throw Error(
           Fault::Usage,
           "functionals of the stress have expansions for circular holes and inclusions only; use perturbation = "
           "\"hole\" or { young, poisson }");
-    if (change.kind == Perturbation::Kind::Inclusion && change.inclusion.mu == at.material.mu &&
+    if (row(change).becomes == Becomes::Material && change.inclusion.mu == at.material.mu &&
         change.inclusion.c == at.material.c)
       return 0.0;
     return local_term((*tables)(change, at.material), at.stress, weigh(at.x));

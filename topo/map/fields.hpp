@@ -7,16 +7,13 @@
 namespace kerf {
 
 struct MapFields {
-  Corners corners;             // of split_for_stress
-  std::vector<bool> singular;  // per corner
-  RecoveredStress state;
-  std::optional<RecoveredStress> dual, measured;
-  std::vector<RecoveredStress> openings;
+  Corners corners;                         // of split_for_stress
+  std::vector<bool> singular;              // per corner
+  std::vector<RecoveredStress> recovered;  // per FieldOf::number; empty where there is no such field
 };
 
-/// T at a point of triangle t; `closed` as in expand.
-Oriented expand_at(const Analysis& a, const Functional& j, const Perturbation& p, const MapFields& f, const Needs& need,
-                   Index t, const Vec2& x, std::vector<bool>& closed);
+/// T at a point x of triangle t; `closed` as in expand.
+Oriented expand_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x, std::vector<bool>& closed);
 
 /// u* of recover.hpp, or the element's own.
 Vec2 displacement_at(const Model& m, const Field& s, Index t, const Vec2& x, bool recovered);

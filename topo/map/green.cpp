@@ -6,14 +6,13 @@
 #include "kerf/map.hpp"
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
+#include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/map/green_samples.hpp"
 #include "topo/map/mask.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 namespace kerf {
 
@@ -46,15 +45,13 @@ FieldPoint minus_kelvin(const Material& m, const Vec2& r, const Vec2& F) {
   FieldPoint p{.x = r};
   p.displacement = -kelvin(m, r) * F;
   p.stress = -kelvin_stress(m, r, 0) * F[0] - kelvin_stress(m, r, 1) * F[1];
-  p.rotation = -cross(r, F) / (4 * std::numbers::pi * m.mu * r.squaredNorm());
+  p.rotation = -cross(r, F) / (4 * pi * m.mu * r.squaredNorm());
   return p;
 }
 
 // What Analysis::energy_share and measured_share stand for.
 bool is_energy(const Model& m, const Term& term) {
-  const auto& given = m.inner->skeleton.prescribed;
-  return term.energy || term.measured ||
-         (term.work && std::all_of(given.begin(), given.end(), [](double v) { return v == 0; }));
+  return term.energy || term.measured || (term.work && has_rigid_supports(m));
 }
 
 }  // namespace
@@ -122,29 +119,6 @@ Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
 
 namespace {
 
-// J of u - (G + w) F against J of u, term by term.
-double inserted(const Analysis& a, const Functional& j, const std::vector<std::size_t>& terms, double eps,
-                const Vec2& x0, const Material& material, const Green& green, const Vec2& F) {
-  Field change;
-  change.skeleton = -F[0] * green.field[0].skeleton - F[1] * green.field[1].skeleton;
-  change.interior = -F[0] * green.field[0].interior - F[1] * green.field[1].interior;
-  change.force = -F[0] * green.field[0].force - F[1] * green.field[1].force;
-  const Singular kelvins{x0, eps, [&](const Vec2& x) { return minus_kelvin(material, x - x0, F); }};
-  double sum = 0;
-  for (const std::size_t i : terms) {
-    const Term& term = j.terms[i];
-    if ((term.uses_stress || term.uses_rotation) && !(term.somewhere && !term.somewhere(x0, clear_radii * eps)))
-      throw Error(Fault::Usage, "functional \"" + term.kind +
-                                    "\": the stress around a clamped hole is singular, and with it this functional; "
-                                    "use an energy, a compliance or a functional of the displacement");
-    const double by = difference(term, *a.model, *a.state, change, kelvins);
-    sum += term.power == 1
-               ? term.factor * by
-               : term.factor * (std::pow(std::pow(a.term_value[i], 1 / term.power) + by, term.power) - a.term_value[i]);
-  }
-  return sum;
-}
-
 // What the predictions at all points share.
 class Clamped {
  public:
@@ -193,12 +167,34 @@ class Clamped {
     if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
     for (const Term& term : j_.terms)
       if (term.linear && term.density)
-        value -= std::numbers::pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
-    if (inserts()) value += inserted(a_, j_, others_, eps_, x, material, green, F);
+        value -= pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
+    if (inserts()) value += inserted(x, material, green, F);
     return value;
   }
 
  private:
+  // J of u - (G + w) F against J of u, term by term.
+  double inserted(const Vec2& x0, const Material& material, const Green& green, const Vec2& F) const {
+    Field change;
+    change.skeleton = -F[0] * green.field[0].skeleton - F[1] * green.field[1].skeleton;
+    change.interior = -F[0] * green.field[0].interior - F[1] * green.field[1].interior;
+    change.force = -F[0] * green.field[0].force - F[1] * green.field[1].force;
+    const Singular kelvins{x0, eps_, [&](const Vec2& x) { return minus_kelvin(material, x - x0, F); }};
+    double sum = 0;
+    for (const std::size_t i : others_) {
+      const Term& term = j_.terms[i];
+      if ((term.uses_stress || term.uses_rotation) && !(term.somewhere && !term.somewhere(x0, clear_radii * eps_)))
+        throw Error(Fault::Usage, "functional \"" + term.kind +
+                                      "\": the stress around a clamped hole is singular, and with it this functional; "
+                                      "use an energy, a compliance or a functional of the displacement");
+      const double by = difference(term, *a_.model, *a_.state, change, kelvins);
+      sum += term.power == 1 ? term.factor * by
+                             : term.factor * (std::pow(std::pow(a_.term_value[i], 1 / term.power) + by, term.power) -
+                                              a_.term_value[i]);
+    }
+    return sum;
+  }
+
   const Analysis& a_;
   const Functional& j_;
   double eps_;
@@ -228,27 +224,23 @@ std::vector<double> clamped_at(const Analysis& a, const Functional& j, double ep
   return value;
 }
 
-ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
-                              std::span<const Index> triangles, const std::vector<bool>& skip) {
+ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points) {
   const Clamped predicted(a, j, eps);
   if (predicted.inserts())
     throw Error(Fault::Usage, "functional \"" + j.kind +
                                   "\": a clamped hole takes an integral over the whole body per point; list the points "
                                   "in [map] points instead of a map everywhere");
-  const std::vector<std::size_t> wanted = [&] {
-    std::vector<std::size_t> list;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (!skip[i]) list.push_back(i);
-    return list;
-  }();
+  std::vector<std::size_t> wanted;
   std::vector<Vec2> place;
   std::vector<Index> in;
-  for (const std::size_t i : wanted) {
-    place.push_back(points[i]);
-    in.push_back(triangles[i]);
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    if (points.skip[i]) continue;
+    wanted.push_back(i);
+    place.push_back(points.x[i]);
+    in.push_back(points.in[i]);
   }
   ClampedMap map;
-  map.value = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.size()), nan);
+  map.value = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.x.size()), nan);
   const GreenSamples tensor = sample_green(*a.model, *a.state, eps, place, in);
   map.error = tensor.error;
   map.samples = static_cast<Index>(tensor.x.size());

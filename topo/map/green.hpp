@@ -2,7 +2,7 @@
 // The Green tensor of a body, and what a small clamped hole does to J [theory: T.28, T.30].
 
 #include "kerf/analysis.hpp"
-#include "topo/formulas/clamped.hpp"
+#include "topo/formulas/clamped_hole.hpp"
 
 #include <span>
 
@@ -35,11 +35,16 @@ class GreenTensor {
 /// The predicted J(Omega_eps) - J(Omega) of a clamped hole at points, the contact linearized; errors O(eps^2 ln eps),
 /// also from the body force, which is not taken out of the hole. Energies: half of u0.F; J linear in the state: -p0.F;
 /// others: J of u - (G + w) F, integrated. NaN outside the body, nearer than clear_radii to a feature (see map.hpp),
-/// and where the matrix of clamped.hpp is not positive definite. Throws Error(Usage) for functionals of the stress
+/// and where the matrix of clamped_hole.hpp is not positive definite. Throws Error(Usage) for functionals of the stress
 /// around the hole, and as GreenTensor.
 std::vector<double> clamped_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points);
 
-/// The same at many points, each in its triangle, those with skip[i] left out (NaN): Green's tensor solved for at
+struct Candidates {
+  std::vector<Vec2> x;
+  std::vector<Index> in;   // their triangles
+  std::vector<bool> skip;  // left out: NaN
+};
+/// The same at many points: Green's tensor solved for at
 /// samples that lie the denser the nearer the boundary, and interpolated. Only for energies and J linear in the state,
 /// Error(Usage) for others.
 struct ClampedMap {
@@ -47,7 +52,6 @@ struct ClampedMap {
   double error = 0;  // of M^-1 Hreg by interpolation: the largest at the last samples, predicted from those before
   Index samples = 0;
 };
-ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
-                              std::span<const Index> triangles, const std::vector<bool>& skip);
+ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points);
 
 }  // namespace kerf

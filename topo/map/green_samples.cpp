@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace kerf {
@@ -43,7 +42,7 @@ struct Coefficients {
   double fixed, roller, free, closed_across, closed_along;
 };
 Coefficients coefficients(const Material& m) {
-  const double k = 1 + 8 * m.mu * m.c, f = 1 / (2 * std::numbers::pi * m.mu * (1 + k));
+  const double k = kolosov(m), f = flexibility(m);
   return {f * k, -f * k, -0.5 * f * (k * k + 1), -0.25 * f * (k - 1) * (k - 1), -0.25 * f * (k + 1) * (k + 1)};
 }
 
@@ -141,7 +140,7 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
   for (const auto& alike : g.walls)
     for (const Wall& w : alike) g.barriers.emplace_back(w.a, w.b);
   GreenTensor tensor(m, s);
-  std::vector<double> scale(candidates.size()), wide(candidates.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> scale(candidates.size()), wide(candidates.size(), infinity);
   // Along straight walls the rest is as smooth as elsewhere.
   const std::vector<Vec2> points = find_points(g.walls);
   constexpr double beside_walls = 3;

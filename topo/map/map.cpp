@@ -5,13 +5,13 @@
 #include "kerf/mesher.hpp"
 #include "solver/error_bars.hpp"
 #include "solver/parallel.hpp"
+#include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
 #include "topo/map/mask.hpp"
+#include "topo/map_at_centroids.hpp"
 
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 namespace kerf {
 
@@ -60,33 +60,126 @@ Displacements displacements(const Model& m, const Field& s, const Corners& corne
   return d;
 }
 
-// Everything that the expansion needs at all corners or at all centroids.
-struct Sample {
-  const Eigen::Matrix3Xd* stress;
-  const Eigen::Matrix3Xd *dual = nullptr, *measured = nullptr;
-  std::vector<const Eigen::Matrix3Xd*> openings = {};
-  const Points *u = nullptr, *p = nullptr, *measured_u = nullptr;
-  std::vector<const Points*> opening_u = {};
+// Points, each in a triangle.
+struct Nodes {
+  std::vector<Vec2> x;
+  std::vector<Index> in;
+};
+Nodes centroids(const Mesh& mesh) {
+  Nodes n;
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    n.x.push_back(centroid(mesh, t));
+    n.in.push_back(t);
+  }
+  return n;
+}
+Nodes at_corners(const Mesh& mesh, const Corners& corners) {
+  Nodes n;
+  for (const Index v : corners.vertex) n.x.push_back(mesh.points[v]);
+  n.in.assign(n.x.size(), 0);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+    for (const Index c : corners.of[t]) n.in[c] = t;
+  return n;
+}
+
+// T at all centroids or all corners, from fields that are known at all of them.
+class Everywhere {
+ public:
+  Everywhere(const Expansion& e, const MapFields& fields) : e_(e), fields_(fields) {
+    // Asked as at a point, the expansion names the displacements that it wants.
+    point_values(
+        e, [](const FieldOf&) -> Eigen::Vector3d { return Eigen::Vector3d::Zero(); },
+        [&](const FieldOf& of, bool recovered) -> Vec2 {
+          moved_.resize(of.number + 1);
+          moved_[of.number] = displacements(of.model, of.field, fields.corners, recovered);
+          return Vec2::Zero();
+        });
+  }
+
+  // Which of the two a member pointer names; the angle where it is asked for.
+  void fill(const Nodes& nodes, Eigen::Matrix3Xd RecoveredStress::*stress, Points Displacements::*displacement,
+            Eigen::VectorXd& value, Eigen::VectorXd* angle = nullptr) const {
+    const Model& m = *e_.a.model;
+    const Index n = static_cast<Index>(nodes.x.size());
+    value.resize(n);
+    if (angle) angle->resize(n);
+    parallel_for(n, m.threads, [&](Index begin, Index end) {
+      std::vector<bool> closed = no_row_closed(e_.a);
+      for (Index i = begin; i < end; ++i) {
+        PointValues v = point_values(
+            e_, [&](const FieldOf& of) -> Eigen::Vector3d { return (fields_.recovered[of.number].*stress).col(i); },
+            [&](const FieldOf& of, bool) -> Vec2 { return (moved_[of.number].*displacement).col(i); });
+        v.x = nodes.x[static_cast<std::size_t>(i)];
+        v.material = material_of(m.mesh, m.scene, nodes.in[static_cast<std::size_t>(i)]);
+        const Oriented t = expand(e_, v, closed);
+        value[i] = t.value;
+        if (angle) (*angle)[i] = t.angle;
+      }
+    });
+  }
+
+ private:
+  const Expansion& e_;
+  const MapFields& fields_;
+  std::vector<Displacements> moved_;  // per FieldOf::number
 };
 
-PointValues values(const Sample& s, Index i) {
-  PointValues v;
-  v.stress = s.stress->col(i);
-  if (s.dual) v.dual = s.dual->col(i);
-  if (s.measured) v.measured = s.measured->col(i);
-  if (s.u) v.u = s.u->col(i);
-  if (s.p) v.p = s.p->col(i);
-  if (s.measured_u) v.measured_u = s.measured_u->col(i);
-  const Eigen::Index n = static_cast<Eigen::Index>(s.openings.size());
-  if (n > 0) {
-    v.openings.resize(3, n);
-    v.opening_u = Points::Zero(2, n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      v.openings.col(k) = s.openings[static_cast<std::size_t>(k)]->col(i);
-      if (!s.opening_u.empty()) v.opening_u.col(k) = s.opening_u[static_cast<std::size_t>(k)]->col(i);
-    }
+// Where a full map is.
+struct Grid {
+  Nodes centroids, corners;
+};
+
+void mask(const Analysis& a, const Functional& j, double radius, const Grid& grid, FullMap& map) {
+  const Model& m = *a.model;
+  const double clear = clear_radii * radius;
+  map.masked_centroid = too_close(m, j, grid.centroids.x, clear, radius);
+  // True distances as far as a triangle reaches, so that the mask's edge can be drawn inside triangles.
+  const std::vector<double> margin =
+      margins(m, j, grid.corners.x, {clear, radius, clear + 1.01 * quality(m.mesh).h_max});
+  map.margin = Eigen::Map<const Eigen::VectorXd>(margin.data(), static_cast<Eigen::Index>(margin.size()));
+  for (const double v : margin) map.masked_corner.push_back(v < 0);
+}
+
+void fill_clamped(const Analysis& a, const Functional& j, double radius, const Grid& grid, FullMap& map) {
+  Candidates all{grid.centroids.x, grid.centroids.in, map.masked_centroid};
+  all.x.insert(all.x.end(), grid.corners.x.begin(), grid.corners.x.end());
+  all.in.insert(all.in.end(), grid.corners.in.begin(), grid.corners.in.end());
+  all.skip.insert(all.skip.end(), map.masked_corner.begin(), map.masked_corner.end());
+  const ClampedMap clamped = clamped_everywhere(a, j, radius, all);
+  map.at_centroids = clamped.value.head(static_cast<Eigen::Index>(grid.centroids.x.size()));
+  map.at_corners = clamped.value.tail(static_cast<Eigen::Index>(grid.corners.x.size()));
+}
+
+// The solution that error bars compare with.
+struct Finer {
+  Finer(const Analysis& a, const Functional& j, const Meshing& meshing, const MapFields& own)
+      : model(prepare(triangulate(meshing.shape, meshing.sizing,
+                                  Background{&a.model->mesh, better_sizes(a.model->mesh, own.corners, own.singular)}),
+                      better_element(a.model->element), a.model->scene, a.model->threads)),
+        state(solve(model)) {
+    if (!certified(state))
+      throw Error(Fault::Numerics, "the better solution for error bars (map.bounds) did not converge");
+    analysis = analyze(j, model, state);
+    analysis.fields = recover_fields(analysis);
   }
-  return v;
+  Finer(const Finer&) = delete;
+
+  Model model;
+  State state;
+  Analysis analysis;
+};
+
+Eigen::VectorXd sampled(const Expansion& e, const MapFields& fields, const std::vector<Vec2>& x,
+                        const std::vector<Index>& in) {
+  Eigen::VectorXd value(static_cast<Eigen::Index>(x.size()));
+  parallel_for(static_cast<Index>(x.size()), e.a.model->threads, [&](Index begin, Index end) {
+    std::vector<bool> closed = no_row_closed(e.a);
+    for (Index i = begin; i < end; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      value[i] = in[k] == none ? nan : expand_at(e, fields, in[k], x[k], closed).value;
+    }
+  });
+  return value;
 }
 
 }  // namespace
@@ -96,19 +189,19 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   const Model& m = *a.model;
   const std::vector<bool> masked = too_close(m, j, points, clear_radii * r.radius, r.radius);
   std::vector<MapPoint> map(points.size());
-  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
+  if (!has_series(r.perturbation)) {
     const std::vector<double> value = clamped_at(a, j, r.radius, points);
     for (std::size_t i = 0; i < points.size(); ++i) map[i] = {.at = points[i], .value = value[i], .masked = masked[i]};
     return map;
   }
-  const Needs need = needs(a, j, r.perturbation);
+  const Expansion e(a, j, r.perturbation);
   const std::vector<Index> where = locate(m.mesh, points);
   const std::shared_ptr<const MapFields> fields = fields_of(a);
   std::vector<bool> closed = no_row_closed(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
     map[i] = {.at = points[i], .value = nan, .masked = masked[i]};
     if (where[i] == none) continue;
-    const Oriented t = expand_at(a, j, r.perturbation, *fields, need, where[i], points[i], closed);
+    const Oriented t = expand_at(e, *fields, where[i], points[i], closed);
     map[i].value = t.value;
     map[i].angle = t.angle;
   }
@@ -116,83 +209,21 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
 }
 
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
-  const Model& m = *a.model;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size()),
-              count = static_cast<Index>(corners.vertex.size());
-  std::vector<Vec2> at_centroids, at_vertices;
-  for (Index t = 0; t < triangles; ++t) at_centroids.push_back(centroid(m.mesh, t));
-  for (const Index v : corners.vertex) at_vertices.push_back(m.mesh.points[v]);
-  std::vector<Index> beside(static_cast<std::size_t>(count), 0);  // a triangle at every corner
-  for (Index t = 0; t < triangles; ++t)
-    for (const Index c : corners.of[t]) beside[c] = t;
+  const Grid grid{centroids(a.model->mesh), at_corners(a.model->mesh, corners)};
   FullMap map;
-  map.masked_centroid = too_close(m, j, at_centroids, clear_radii * r.radius, r.radius);
-  // True distances as far as a triangle reaches, so that the mask's edge can be drawn inside triangles.
-  const double clear = clear_radii * r.radius, reach = clear + 1.01 * quality(m.mesh).h_max;
-  const std::vector<double> margin = margins(m, j, at_vertices, clear, r.radius, reach);
-  map.margin = Eigen::Map<const Eigen::VectorXd>(margin.data(), count);
-  for (const double v : margin) map.masked_corner.push_back(v < 0);
-  if (r.perturbation.kind == Perturbation::Kind::ClampedHole) {
-    std::vector<Vec2> points = at_centroids;
-    points.insert(points.end(), at_vertices.begin(), at_vertices.end());
-    std::vector<Index> in(static_cast<std::size_t>(triangles));
-    std::iota(in.begin(), in.end(), Index{0});
-    in.insert(in.end(), beside.begin(), beside.end());
-    std::vector<bool> skip = map.masked_centroid;
-    skip.insert(skip.end(), map.masked_corner.begin(), map.masked_corner.end());
-    const ClampedMap clamped = clamped_everywhere(a, j, r.radius, points, in, skip);
-    map.at_centroids = clamped.value.head(triangles);
-    map.at_corners = clamped.value.tail(count);
+  mask(a, j, r.radius, grid, map);
+  if (!has_series(r.perturbation)) {
+    fill_clamped(a, j, r.radius, grid, map);
     return map;
   }
-  const Needs need = needs(a, j, r.perturbation);
   const std::shared_ptr<const MapFields> fields = fields_of(a, corners);
-  const MapFields& f = *fields;
-  if (f.state.at_corners.cols() != count)
+  if (fields->corners.vertex.size() != corners.vertex.size())
     throw std::invalid_argument("map_everywhere: the corners are those of split_for_stress");
-  std::vector<Displacements> u;  // state, dual, measured, openings
-  u.reserve(3 + f.openings.size());
-  Sample centroids{.stress = &f.state.at_centroids}, vertices{.stress = &f.state.at_corners};
-  const auto displaced = [&](const Model& model, const Field& s, bool recovered, const Points*& at_centroids,
-                             const Points*& at_corners) {
-    u.push_back(displacements(model, s, corners, recovered));
-    at_centroids = &u.back().at_centroids;
-    at_corners = &u.back().at_corners;
-  };
-  if (need.displacement) displaced(m, *a.state, true, centroids.u, vertices.u);
-  if (f.dual) centroids.dual = &f.dual->at_centroids, vertices.dual = &f.dual->at_corners;
-  if (need.dual_displacement) displaced(m, *a.adjoint, need.recover_dual, centroids.p, vertices.p);
-  if (f.measured) {
-    centroids.measured = &f.measured->at_centroids, vertices.measured = &f.measured->at_corners;
-    if (need.displacement) displaced(*a.measured_model, *a.measured, true, centroids.measured_u, vertices.measured_u);
-  }
-  for (std::size_t k = 0; k < f.openings.size(); ++k) {
-    centroids.openings.push_back(&f.openings[k].at_centroids);
-    vertices.openings.push_back(&f.openings[k].at_corners);
-    if (!need.displacement) continue;
-    centroids.opening_u.push_back(nullptr), vertices.opening_u.push_back(nullptr);
-    displaced(m, a.biactive->response[k], true, centroids.opening_u.back(), vertices.opening_u.back());
-  }
-  const bool turned =
-      r.perturbation.kind == Perturbation::Kind::Ellipse || r.perturbation.kind == Perturbation::Kind::Crack;
-  if (turned) map.angle.resize(triangles);
-  const auto fill = [&](Index n, const Sample& sample, const std::vector<Vec2>& x, const std::vector<Index>* in,
-                        Eigen::VectorXd& value, Eigen::VectorXd* angle) {
-    value.resize(n);
-    parallel_for(n, m.threads, [&](Index begin, Index end) {
-      std::vector<bool> closed = no_row_closed(a);
-      for (Index i = begin; i < end; ++i) {
-        PointValues v = values(sample, i);
-        v.x = x[static_cast<std::size_t>(i)];
-        v.material = material_of(m.mesh, m.scene, in ? (*in)[static_cast<std::size_t>(i)] : i);
-        const Oriented t = expand(a, j, r.perturbation, v, closed);
-        value[i] = t.value;
-        if (angle) (*angle)[i] = t.angle;
-      }
-    });
-  };
-  fill(triangles, centroids, at_centroids, nullptr, map.at_centroids, turned ? &map.angle : nullptr);
-  fill(count, vertices, at_vertices, &beside, map.at_corners, nullptr);
+  const Expansion e(a, j, r.perturbation);
+  const Everywhere everywhere(e, *fields);
+  everywhere.fill(grid.centroids, &RecoveredStress::at_centroids, &Displacements::at_centroids, map.at_centroids,
+                  is_directed(r.perturbation) ? &map.angle : nullptr);
+  everywhere.fill(grid.corners, &RecoveredStress::at_corners, &Displacements::at_corners, map.at_corners);
   return map;
 }
 
@@ -204,78 +235,42 @@ Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
   parallel_for(n, m.threads, [&](Index begin, Index end) {
     std::vector<bool> closed = no_row_closed(a);
     for (Index t = begin; t < end; ++t) {
-      const Perturbation& p = change(t);
-      const Needs need = needs(a, j, p);
+      const Expansion e(a, j, change(t));
       const Triangle shape = triangle(m, t);
       const Vec2 x = centroid(shape);
-      const auto stress = [&](const Field& s) {
-        return components(stress_at(m.inner->kernel, shape, s.interior.col(t), x));
-      };
-      PointValues v{.x = x, .material = material_of(m.mesh, m.scene, t), .stress = stress(*a.state)};
-      if (need.displacement) v.u = displacement_at(m, *a.state, t, x, true);
-      if (a.adjoint) v.dual = stress(*a.adjoint);
-      if (need.dual_displacement) v.p = displacement_at(m, *a.adjoint, t, x, need.recover_dual);
-      if (a.measured) {
-        v.measured = stress(*a.measured);
-        if (need.displacement) v.measured_u = displacement_at(*a.measured_model, *a.measured, t, x, true);
-      }
-      if (a.biactive) {
-        const Eigen::Index k = static_cast<Eigen::Index>(a.biactive->response.size());
-        v.openings.resize(3, k);
-        v.opening_u = Points::Zero(2, k);
-        for (Eigen::Index i = 0; i < k; ++i) {
-          const Field& y = a.biactive->response[static_cast<std::size_t>(i)];
-          v.openings.col(i) = stress(y);
-          if (need.displacement) v.opening_u.col(i) = displacement_at(m, y, t, x, true);
-        }
-      }
-      value[t] = expand(a, j, p, v, closed).value;
+      PointValues v = point_values(
+          e,
+          [&](const FieldOf& of) { return components(stress_at(m.inner->kernel, shape, of.field.interior.col(t), x)); },
+          [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
+      v.x = x;
+      v.material = material_of(m.mesh, m.scene, t);
+      value[t] = expand(e, v, closed).value;
     }
   });
   return value;
 }
 
-void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Shape& shape, const Sizing& sizing,
-              FullMap& map, std::span<MapPoint> points) {
-  const Model& m = *a.model;
-  const std::shared_ptr<const MapFields> fields = fields_of(a);
-  const MapFields& own = *fields;
-  const std::vector<double> sizes = better_sizes(m.mesh, own.corners, own.singular);
-  const Model better =
-      prepare(triangulate(shape, sizing, Background{&m.mesh, sizes}), better_element(m.element), m.scene, m.threads);
-  const State state = solve(better);
-  if (!certified(state))
-    throw Error(Fault::Numerics, "the better solution for error bars (map.bounds) did not converge");
-  Analysis finer = analyze(j, better, state);
-  finer.fields = recover_fields(finer);
-  const Places at = places(m.mesh, own.corners, better.mesh);
-  const auto sampled = [&](const Analysis& of, const std::vector<Index>& where) {
-    const Needs need = needs(of, j, r.perturbation);
-    const MapFields& f = &of == &finer ? *finer.fields : own;
-    Eigen::VectorXd value(static_cast<Eigen::Index>(at.x.size()));
-    parallel_for(static_cast<Index>(at.x.size()), m.threads, [&](Index begin, Index end) {
-      std::vector<bool> closed = no_row_closed(of);
-      for (Index i = begin; i < end; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        value[i] = where[k] == none ? nan : expand_at(of, j, r.perturbation, f, need, where[k], at.x[k], closed).value;
-      }
-    });
-    return value;
-  };
-  const ErrorBars bars = error_bars(own.corners, sampled(a, at.own), sampled(finer, at.better));
-  map.lower = map.at_corners - bars.at_corners;
-  map.upper = map.at_corners + bars.at_corners;
+void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Meshing& meshing, const Maps& maps) {
+  const Mesh& mesh = a.model->mesh;
+  const std::shared_ptr<const MapFields> own = fields_of(a);
+  const Finer finer(a, j, meshing, *own);
+  const MapFields& better = *finer.analysis.fields;
+  const Expansion e(a, j, r.perturbation), e_finer(finer.analysis, j, r.perturbation);
+  const Places at = places(mesh, own->corners, finer.model.mesh);
+  const ErrorBars bars = error_bars(own->corners, sampled(e, *own, at.x, at.own), sampled(e_finer, better, at.x, at.better));
+  maps.everywhere.lower = maps.everywhere.at_corners - bars.at_corners;
+  maps.everywhere.upper = maps.everywhere.at_corners + bars.at_corners;
   std::vector<Vec2> x;
-  for (const MapPoint& p : points) x.push_back(p.at);
-  const std::vector<Index> where = locate(m.mesh, x), there = locate(better.mesh, x);
-  const Needs need = needs(finer, j, r.perturbation);
-  std::vector<bool> closed = no_row_closed(finer);
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (const MapPoint& p : maps.points) x.push_back(p.at);
+  const std::vector<Index> where = locate(mesh, x), there = locate(finer.model.mesh, x);
+  std::vector<bool> closed = no_row_closed(finer.analysis);
+  for (std::size_t i = 0; i < x.size(); ++i) {
     if (where[i] == none || there[i] == none) continue;
-    const double finest = expand_at(finer, j, r.perturbation, *finer.fields, need, there[i], x[i], closed).value;
-    const double half = half_width_at(m.mesh, own.corners, bars, {where[i], x[i]}, points[i].value - finest);
-    points[i].lower = points[i].value - half;
-    points[i].upper = points[i].value + half;
+    MapPoint& p = maps.points[i];
+    const double finest = expand_at(e_finer, better, there[i], x[i], closed).value;
+    const double half = half_width_at(mesh, own->corners, bars, {where[i], x[i]}, p.value - finest);
+    p.lower = p.value - half;
+    p.upper = p.value + half;
   }
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -30,7 +29,7 @@ std::vector<Segment> features(const Model& m) {
 }
 
 double to_rings(const Functional& j, const Vec2& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (const Term& term : j.terms)
     if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
   return least;
@@ -40,8 +39,8 @@ double to_rings(const Functional& j, const Vec2& x) {
 
 // Segments in square cells of side `reach` (few enough of them): a point looks into its own, where every segment that
 // comes near enough is listed.
-std::vector<double> margins(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,
-                            double radius, double reach) {
+std::vector<double> margins(const Model& m, const Functional& j, std::span<const Vec2> points, const MaskReach& c) {
+  const auto& [clear, radius, reach] = c;
   std::vector<double> margin(points.size(), -clear);  // outside the box
   if (m.mesh.points.empty()) return margin;
   Vec2 low = m.mesh.points[0], high = low;
@@ -73,7 +72,7 @@ std::vector<double> margins(const Model& m, const Functional& j, std::span<const
 
 std::vector<bool> too_close(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,
                             double radius) {
-  const std::vector<double> margin = margins(m, j, points, clear, radius, clear);
+  const std::vector<double> margin = margins(m, j, points, {clear, radius, clear});
   std::vector<bool> close(points.size());
   for (std::size_t i = 0; i < close.size(); ++i) close[i] = margin[i] < 0;
   return close;

@@ -12,7 +12,9 @@ std::vector<bool> too_close(const Model& model, const Functional& j, std::span<c
                             double radius);
 
 /// The same in numbers: distance less `clear`, negative for what is too close; at most `reach` - `clear`.
-std::vector<double> margins(const Model& model, const Functional& j, std::span<const Vec2> points, double clear,
-                            double radius, double reach);
+struct MaskReach {
+  double clear, radius, reach;
+};
+std::vector<double> margins(const Model& model, const Functional& j, std::span<const Vec2> points, const MaskReach& c);
 
 }  // namespace kerf

@@ -25,10 +25,6 @@ Eigen::Vector3d components(const Eigen::Vector4d& s) {
   return {s[0], s[3], 0.5 * (s[1] + s[2])};
 }
 
-bool removes_body(const Perturbation& p) {
-  return p.kind == Perturbation::Kind::Hole || p.kind == Perturbation::Kind::Ellipse;
-}
-
 Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
   Needs n;
   const bool loaded = removes_body(p) && a.model->scene.body;
@@ -45,23 +41,25 @@ std::vector<bool> no_row_closed(const Analysis& a) {
   return std::vector<bool>(a.biactive ? a.biactive->response.size() : 0, false);
 }
 
-double size_of(const Analysis& a, const Perturbation& p, const PointValues& v) {
-  if (p.kind == Perturbation::Kind::ClampedHole) return 0;
+double size_of(const Expansion& e, const PointValues& v) {
+  const Analysis& a = e.a;
+  if (!has_series(e.p)) return 0;
   // The largest value of the form on unit stresses, times the norms.
   double unit = 0;
   const Mat2 pressure = Mat2::Identity() / std::sqrt(2.0), shear = (Mat2() << 0, 1, 1, 0).finished() / std::sqrt(2.0);
   for (const Mat2& s : {pressure, shear})
     unit =
-        std::max(unit, std::abs(p.kind == Perturbation::Kind::Inclusion ? inclusion_form(v.material, p.inclusion, s, s)
-                                                                        : hole_form(v.material, s, s)));
+        std::max(unit, std::abs(row(e.p).becomes == Becomes::Material ? inclusion_form(v.material, e.p.inclusion, s, s)
+                                                                      : hole_form(v.material, s, s)));
   const double stress = symmetric(v.stress).norm(), measured = a.measured ? symmetric(v.measured).norm() : 0;
   return unit *
          (0.5 * std::abs(a.energy_share) * stress * stress + 0.5 * std::abs(a.measured_share) * measured * measured +
           (a.adjoint ? stress * symmetric(v.dual).norm() : 0));
 }
 
-Oriented expand(const Analysis& a, const Functional& j, const Perturbation& p, const PointValues& v,
-                std::vector<bool>& closed) {
+Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& closed) {
+  const Analysis& a = e.a;
+  const Perturbation& p = e.p;
   const Mat2 s = symmetric(v.stress);
   std::array<Product, 3> products;
   std::size_t count = 0;
@@ -75,7 +73,7 @@ Oriented expand(const Analysis& a, const Functional& j, const Perturbation& p, c
     body = a.model->scene.body(v.x);
     t.value += body.dot(a.energy_share * v.u - v.p + a.measured_share * v.measured_u);
   }
-  for (std::size_t i = 0; i < j.terms.size(); ++i) t.value += a.slope[i] * local(j.terms[i], p, v, s);
+  for (std::size_t i = 0; i < e.j.terms.size(); ++i) t.value += a.slope[i] * local(e.j.terms[i], p, v, s);
   if (a.biactive) {
     const Eigen::Index n = v.openings.cols();
     Eigen::VectorXd g(n);

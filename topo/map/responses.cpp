@@ -2,6 +2,7 @@
 #include "solver/system.hpp"
 
 #include "solver/parallel.hpp"
+#include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/map/fields.hpp"
 

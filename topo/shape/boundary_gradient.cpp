@@ -1,6 +1,7 @@
 #include "kerf/shape_gradient.hpp"
 #include "solver/parallel.hpp"
 #include "solver/system.hpp"
+#include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 
 #include <algorithm>
@@ -50,16 +51,16 @@ class OnEdge {
     };
     const Vec2 force = m.scene.body ? m.scene.body(x) : Vec2::Zero();
     const bool loaded = !force.isZero(0);
-    const double s = recovered(m, *a_.state, fields_->state);
+    const double s = recovered(m, *a_.state, fields_->recovered[FieldOf::Primal]);
     const Vec2 u = loaded ? displacement_at(m, *a_.state, t, x, true) : Vec2::Zero();
     double sum = a_.energy_share * (0.5 * s * s / modulus - force.dot(u));
     if (a_.measured) {
-      const double other = recovered(*a_.measured_model, *a_.measured, *fields_->measured);
+      const double other = recovered(*a_.measured_model, *a_.measured, fields_->recovered[FieldOf::Measured]);
       const Vec2 moved = loaded ? displacement_at(*a_.measured_model, *a_.measured, t, x, true) : Vec2::Zero();
       sum += a_.measured_share * (0.5 * other * other / modulus - force.dot(moved));
     }
     if (a_.adjoint) {
-      sum -= s * recovered(m, *a_.adjoint, *fields_->dual) / modulus;
+      sum -= s * recovered(m, *a_.adjoint, fields_->recovered[FieldOf::Adjoint]) / modulus;
       if (loaded) sum += force.dot(displacement_at(m, *a_.adjoint, t, x, need_dual_recovered_));
     }
     FieldPoint at{.x = x, .stress = s * tangent * tangent.transpose(), .material = material};

@@ -56,8 +56,8 @@ Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2
   return by;
 }
 
-void add_place(const TriangleRule& rule, const Points& x, double share, double size, const Eigen::VectorXd& here,
-               const std::function<double(Eigen::Index, const Vec2&)>& f, TriangleMotion& motion) {
+void add_place(const OfPlace& of, double share, TriangleMotion& motion) {
+  const auto& [rule, x, size, here, f] = of;
   const double step = 1e-4 * size;
   constexpr double jump = 1e-2;
   const double largest = here.cwiseAbs().maxCoeff();
@@ -121,14 +121,13 @@ void MovingDensity::add(const Term& term, double share, Index t, const Triangle&
     if (term.uses_displacement) by_u.col(q) = w * d.by_displacement;
   }
   if (term.uses_place)
-    add_place(
-        rule_, x, whole, std::sqrt(area(shape)), here,
-        [&](Eigen::Index q, const Vec2& y) {
-          FieldPoint at = point(q);
-          at.x = y;
-          return term.density(at).value;
-        },
-        motion);
+    add_place({rule_, x, std::sqrt(area(shape)), here,
+               [&](Eigen::Index q, const Vec2& y) {
+                 FieldPoint at = point(q);
+                 at.x = y;
+                 return term.density(at).value;
+               }},
+              whole, motion);
   if (term.uses_displacement) add_recovered(t, shape, x, by_u, motion);
 }
 

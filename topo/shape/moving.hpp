@@ -1,6 +1,5 @@
 #pragma once
 // Explicit derivatives of a Term by the vertices: the state moves along (stresses by Piola, the rest by composition).
-//
 
 #include "kerf/functional.hpp"
 #include "kerf/state.hpp"
@@ -24,11 +23,17 @@ inline Eigen::Vector3d barycentric(const TriangleRule& rule, Eigen::Index q) {
 /// Derivative by the two points (columns): differences of fourth order, exact to rounding for data that are smooth
 /// along the edge; one-sided ones of third order where data are not finite beside it.
 Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2& a, const Vec2& b)>& f);
-/// Adds what a function of the place, `here` at the points x of a rule, changes there: share sum_q w_q grad f . theta,
-/// by central differences over a small part of the triangle's size. f(q, y): at y, all else as at x_q. No slope where f
-/// jumps beside a point.
-void add_place(const TriangleRule& rule, const Points& x, double share, double size, const Eigen::VectorXd& here,
-               const std::function<double(Eigen::Index q, const Vec2& y)>& f, TriangleMotion& motion);
+/// A function of the place on a triangle: `here` at the points x of a rule, f(q, y) at y, all else as at x_q.
+struct OfPlace {
+  const TriangleRule& rule;
+  const Points& x;
+  double size;  // of the triangle
+  const Eigen::VectorXd& here;
+  std::function<double(Eigen::Index q, const Vec2& y)> f;
+};
+/// Adds share sum_q w_q grad f . theta, by central differences over a small part of the size. No slope where f jumps
+/// beside a point.
+void add_place(const OfPlace& of, double share, TriangleMotion& motion);
 
 /// Of the integral over the body, times `share`. u* moves as the transported stress moves it.
 class MovingDensity {

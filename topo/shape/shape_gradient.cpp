@@ -2,6 +2,7 @@
 #include "solver/system.hpp"
 
 #include "solver/parallel.hpp"
+#include "topo/analysis.hpp"
 #include "topo/shape/moving.hpp"
 
 #include <fmt/core.h>
@@ -114,8 +115,8 @@ void add_body_force(const Parts& p, Index t, const Triangle& shape, TriangleMoti
   for (Eigen::Index q = 0; q < x.cols(); ++q) here[q] = m.scene.body(x.col(q)).dot(v.col(q));
   motion.by_gradient += whole * rule.w.dot(here) * Mat2::Identity();
   add_place(
-      rule, x, whole, std::sqrt(whole), here,
-      [&](Eigen::Index q, const Vec2& y) { return m.scene.body(y).dot(v.col(q)); }, motion);
+      {rule, x, std::sqrt(whole), here, [&](Eigen::Index q, const Vec2& y) { return m.scene.body(y).dot(v.col(q)); }},
+      whole, motion);
 }
 
 // Vectors at the Gauss points of an edge from components in its frame.

@@ -1,6 +1,7 @@
 #include "topo/young_gradient.hpp"
 #include "solver/system.hpp"
 
+#include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 
 namespace kerf {

@@ -113,12 +113,12 @@ double work_inside(const Model& m, const Field& s, Index t) {
   return area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
 }
 
-double work_difference(const Model& m, const Field& s, const Field& change, const std::vector<bool>& disc,
-                       const std::vector<bool>& ring, const InnerState* starred) {
+double work_difference(const Model& m, const Field& s, const Field& change, const DiscAndRing& ball,
+                       const InnerState* starred) {
   double d = 0;
-  for (Index t = 0; t < static_cast<Index>(disc.size()); ++t) {
-    if (disc[t]) d -= work_inside(m, s, t);
-    if (ring[t]) d += work_inside(m, change, t);
+  for (Index t = 0; t < static_cast<Index>(ball.disc.size()); ++t) {
+    if (ball.disc[t]) d -= work_inside(m, s, t);
+    if (ball.ring[t]) d += work_inside(m, change, t);
   }
   if (starred)
     for (Index t = 0; t < static_cast<Index>(starred->state.interior.cols()); ++t)

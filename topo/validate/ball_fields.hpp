@@ -33,9 +33,13 @@ InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const 
                        const Eigen::VectorXd& contour, bool body);
 double energy_inside(const InnerState& inner);
 
+/// The triangles of a ball: those that are changed, and the rest.
+struct DiscAndRing {
+  const std::vector<bool>&disc, &ring;
+};
 /// Change of the work of the body force inside a ball: it stays where the body stays.
-double work_difference(const Model& m, const Field& s, const Field& change, const std::vector<bool>& disc,
-                       const std::vector<bool>& ring, const InnerState* starred);
+double work_difference(const Model& m, const Field& s, const Field& change, const DiscAndRing& ball,
+                       const InnerState* starred);
 
 /// Interior fields of a piece into the columns of its triangles in the whole.
 void add_fields(Field& s, const CondensedPiece& p, const Eigen::VectorXd& values, const Kernel& kernel,

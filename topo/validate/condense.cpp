@@ -1,22 +1,23 @@
 #include "topo/validate/condense.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 namespace kerf {
 
-CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
-                        const Kernel& k, const Scene& scene, bool body) {
+CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene, bool body) {
   require(k.element, can_validate);
   CondensedPiece p;
-  p.part = part(whole, use);
+  p.part = part(piece.whole, piece.use);
   Scene inside = scene;
   inside.supports.clear();
   inside.tractions.clear();
   if (!body) inside.body = {};
   p.skeleton = number(p.part.mesh, k, inside);
-  std::vector<Index> of_whole(whole.edges.size(), none), edges;
+  std::vector<Index> of_whole(piece.whole.edges.size(), none), edges;
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
-  for (const Index e : kept) edges.push_back(of_whole[e]);
+  for (const Index e : piece.kept) edges.push_back(of_whole[e]);
   p.ordering = order(p.part.mesh, p.skeleton, edges);
   p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
@@ -27,8 +28,7 @@ CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const s
   p.factor = Factor(K, 0, true, p.ordering.interface_rows);
   p.K = p.factor.interface_complement();
   p.K.diagonal().array() -= p.shift;
-  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() *
-           p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
+  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() * p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
   return p;
 }
 

@@ -18,9 +18,14 @@ struct CondensedPiece {
   Eigen::MatrixXd K;  // per_edge rows per kept edge, in their order
   Eigen::VectorXd load;
 };
-/// `kept`: edges of the whole. `body`: with the body force. Throws Error(Usage) for elements with unknowns at vertices.
-CondensedPiece condense(const Mesh& whole, const std::vector<bool>& use, const std::vector<Index>& kept,
-                        const Kernel& k, const Scene& scene, bool body);
+/// Triangles of a mesh, and the edges of it whose unknowns are kept.
+struct CutOut {
+  const Mesh& whole;
+  const std::vector<bool>& use;
+  const std::vector<Index>& kept;
+};
+/// `body`: with the body force. Throws Error(Usage) for elements with unknowns at vertices.
+CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene, bool body);
 
 /// All skeleton unknowns of the piece from those of its kept edges; `body` as in condense.
 Eigen::VectorXd complete(const CondensedPiece& piece, const Eigen::VectorXd& kept, bool body);

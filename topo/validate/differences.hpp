@@ -2,7 +2,7 @@
 // J of a body changed at finite size, minus J, by condensation onto balls [theory: V.2, V.5].
 
 #include "kerf/validate.hpp"
-#include "topo/validate/condense.hpp"
+#include "topo/validate/far_field.hpp"
 
 namespace kerf {
 
@@ -16,30 +16,24 @@ struct Difference {
 class Differences {
  public:
   /// The analysis belongs to a model of `filled.mesh`, prepared `how` with the balls' boundaries kept.
-  Differences(const Analysis& a, const Functional& j, const Perturbation& p, const Filled& filled,
-              const Preparation& how);
-  ~Differences();
+  Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how);
 
   /// Per ball, for every radius.
   std::vector<std::vector<Difference>> all(const std::vector<BallMesh>& balls);
 
  private:
-  struct Body;
-  struct Change;
-  struct Solved;
-  std::vector<Solved> solve(std::size_t ball, const BallMesh& mesh);
-  void outside(std::vector<std::vector<Solved>>& solved);
-  Difference finish(std::size_t ball, Solved& of, Field& near) const;
-  Scene starred_scene() const;
+  struct Changed;
+  BallInMesh ball(std::size_t number, const BallMesh& mesh) const;
+  void fill_near(const ChangedBall& of, Field& near) const;
+  Difference finish(const BallInMesh& ball, const ChangedBall& of, Field& near) const;
+  double change(std::size_t term, const Changed& c) const;
+  double change_of_fields(std::size_t term, const Changed& c) const;
 
-  const Analysis& a_;
-  const Functional& j_;
-  Perturbation p_;
-  const Filled& filled_;
-  std::vector<std::unique_ptr<Body>> bodies_;  // the body, and that of a misfit
-  std::vector<Sensitivity> derivatives_;       // of the terms, where fields are asked for
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> far_;  // changes outside: a column per radius
-  bool fields_ = false, self_adjoint_ = true;  // whether J asks for the fields themselves; homogeneous supports
+  BallsInBody in_;
+  DifferenceSetting setting_;
+  std::vector<BodyOperator> bodies_;  // the body, and that of a misfit
+  FarField far_;
+  bool fields_ = false, self_adjoint_ = true;  // whether J asks for the fields themselves; rigid supports
 };
 
 }  // namespace kerf

@@ -1,10 +1,10 @@
 #include "topo/validate/sites.hpp"
 
 #include "geometry/plane.hpp"
+#include "topo/formulas/kind.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -13,7 +13,7 @@ namespace {
 // Negative outside the body.
 double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& in_body) {
   const double size = extent(shape);
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   in_body = true;
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
     const Polygon p = flatten(l, 1e-4 * size, size);
@@ -38,7 +38,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
 std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r) {
   // A change reaches this far per radius, fits when it fills less than `fullest` of the clear disc, and has a ball at
   // least `roomy` times as large where there is room.
-  const double reach = r.perturbation.kind == Perturbation::Kind::Ellipse ? std::sqrt(r.perturbation.aspect) : 1;
+  const double reach = kerf::reach(r.perturbation);
   constexpr double fullest = 0.6, widest = 0.88, roomy = 2, apart = 1.1;
   std::vector<std::vector<Site>> batches;
   for (std::size_t i = 0; i < r.points.size(); ++i) {

@@ -1,5 +1,6 @@
 #include "kerf/validate.hpp"
 
+#include "topo/analysis.hpp"
 #include "topo/map/green.hpp"
 #include "topo/map/point.hpp"
 #include "topo/validate/condense.hpp"
@@ -13,8 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <tuple>
 
 namespace kerf {
@@ -25,14 +24,16 @@ constexpr int around = 64;  // edges around a ball and a hole
 // Relative error of D that the polygon and the mesh around it leave, whatever the radius; measured.
 double plateau_of(const Element& e, const Perturbation& p) {
   const double round = e.order == 1 ? 4e-3 : 3e-4;
-  return p.kind == Perturbation::Kind::Ellipse ? round * p.aspect : round;
+  return round * aspect(p);
 }
+// The part of a ball that the fields at its center are fitted in.
+constexpr double inner_part = 0.5;
 
 // Stress and displacement of a state at the center of a ball: polynomials of degree 4 in the mean of squares over its
 // inner half, which keep the order of the element and average its noise.
 class Center {
  public:
-  Center(const Model& m, Index first, Index end, const Vec2& at, double radius) : m_(m) {
+  Center(const Model& m, Index first, Index end, const Vec2& at, double radius) : m_(m), at_(at), last_(end - 1) {
     for (Index t = first; t < end; ++t)
       if ((centroid(m.mesh, t) - at).norm() < radius) use_.push_back(t);
     constexpr int degree = 4, count = 15;
@@ -48,6 +49,18 @@ class Center {
     }
     fit_.compute(a);
   }
+  // T and what |T| could be (size_of).
+  std::pair<double, double> coefficient(const Expansion& e) const {
+    PointValues v = point_values(
+        e, [&](const FieldOf& of) { return stress(of.field); },
+        [&](const FieldOf& of, bool recovered) { return displacement(of.field, recovered); });
+    v.x = at_;
+    v.material = material_of(m_.mesh, m_.scene, last_);
+    std::vector<bool> closed = no_row_closed(e.a);
+    return {expand(e, v, closed).value, size_of(e, v)};
+  }
+
+ private:
   Eigen::Vector3d stress(const Field& s) const {
     Eigen::Matrix<double, Eigen::Dynamic, 3> v(weight_.size(), 3);
     for (Eigen::Index i = 0; i < v.rows(); ++i) {
@@ -70,58 +83,27 @@ class Center {
     return fit_.solve(v).row(0).transpose();
   }
 
- private:
   const Model& m_;
+  Vec2 at_;
+  Index last_;  // triangle of the ball
   std::vector<Index> use_;
   Eigen::VectorXd weight_;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit_;
 };
 
-// T and what |T| could be (size_of).
-std::pair<double, double> coefficient(const Analysis& a, const Functional& j, const Perturbation& p, const Vec2& at,
-                                      const Center& c, Index inside_triangle) {
-  const Needs need = needs(a, j, p);
-  PointValues v{
-      .x = at, .material = material_of(a.model->mesh, a.model->scene, inside_triangle), .stress = c.stress(*a.state)};
-  if (need.displacement) v.u = c.displacement(*a.state, true);
-  if (a.adjoint) v.dual = c.stress(*a.adjoint);
-  if (need.dual_displacement) v.p = c.displacement(*a.adjoint, need.recover_dual);
-  if (a.measured) {
-    v.measured = c.stress(*a.measured);
-    if (need.displacement) v.measured_u = c.displacement(*a.measured, true);
-  }
-  if (a.biactive) {
-    const Eigen::Index n = static_cast<Eigen::Index>(a.biactive->response.size());
-    v.openings.resize(3, n);
-    v.opening_u = Points::Zero(2, n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Field& y = a.biactive->response[static_cast<std::size_t>(i)];
-      v.openings.col(i) = c.stress(y);
-      if (need.displacement) v.opening_u.col(i) = c.displacement(y, true);
-    }
-  }
-  std::vector<bool> closed = no_row_closed(a);
-  return {expand(a, j, p, v, closed).value, size_of(a, p, v)};
-}
-
+// The body with balls around sites, each with the contours of its radii; the mesh outside them is that of a user.
 struct Batch {
   Filled filled;
   std::vector<BallMesh> balls;
 };
 
-// The body with balls around the sites, each with the contours of its radii; the mesh outside them is that of a user.
-Batch mesh_batch(const Shape& shape, const Sizing& sizing, const std::vector<Site>& sites, const Perturbation& p,
-                 const std::vector<double>& angle) {
+Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
   Shape outside = shape;
   outside.labels.push_back("balls of the validation");
   const Index label = static_cast<Index>(outside.labels.size()) - 1;
-  Batch b;
-  for (const Site& s : sites) {
-    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, around}, label));
-    b.balls.push_back(ball_mesh({s.at, s.ball, around}, s.radii, p.aspect, angle[s.number]));
-  }
-  b.filled = fill(triangulate(outside, sizing), b.balls);
-  return b;
+  for (const Site& s : sites)
+    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, sides}, label));
+  return outside;
 }
 
 std::vector<Index> interface_edges(const Filled& f) {
@@ -130,109 +112,11 @@ std::vector<Index> interface_edges(const Filled& f) {
   return edges;
 }
 
-// What orients an ellipse must be known before it is meshed: from a mesh without balls.
-std::vector<double> orientations(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
-                                 const Functional& j, const ValidationRequest& r) {
-  std::vector<double> angle(r.points.size(), 0);
-  if (r.perturbation.kind != Perturbation::Kind::Ellipse && r.perturbation.kind != Perturbation::Kind::Crack)
-    return angle;
-  const Model m = prepare(triangulate(shape, sizing), e, scene, r.threads);
-  const State s = solve(m);
-  const std::vector<MapPoint> map = map_at(analyze(j, m, s), j, {.perturbation = r.perturbation}, r.points);
-  for (std::size_t i = 0; i < angle.size(); ++i) angle[i] = map[i].angle;
-  return angle;
-}
-
-void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene, const Functional& j,
-                    const ValidationRequest& r, const std::vector<Site>& sites, const std::vector<double>& angle,
-                    std::vector<Validation>& results) {
-  const Batch batch = mesh_batch(shape, sizing, sites, r.perturbation, angle);
-  const Filled& f = batch.filled;
-  const Preparation how{.interface_edges = interface_edges(f)};
-  const Model model = prepare(f.mesh, e, scene, r.threads, how);
-  require_supports(j, model);
-  const State state = solve(model);
-  if (!certified(state)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
-  const bool clamped = r.perturbation.kind == Perturbation::Kind::ClampedHole;
-  const Analysis a = analyze(j, model, state);
-  const std::vector<std::vector<Difference>> differences = Differences(a, j, r.perturbation, f, how).all(batch.balls);
-  for (std::size_t s = 0; s < sites.size(); ++s) {
-    const Site& site = sites[s];
-    Validation& v = results[site.number];
-    const Index first = f.first_triangle[s], end = f.first_triangle[s + 1];
-    constexpr double share = 0.5;
-    v.coefficient = nan;
-    if (!clamped)
-      std::tie(v.coefficient, v.size) =
-          coefficient(a, j, r.perturbation, site.at, Center(model, first, end, site.at, share * site.ball), end - 1);
-    const std::vector<Difference>& found = differences[s];
-    std::vector<double> scales(v.rows.size(), nan);
-    for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
-      while (v.rows[row].radius != site.radii[k]) ++row;
-      ValidationRow& to = v.rows[row];
-      scales[row] = batch.balls[s].enclosed_area[k + 1];
-      to.difference = found[k].value;
-      to.J = a.value + found[k].value;
-      to.same_contact = found[k].same_contact;
-      to.predicted = clamped ? nan : scales[row] * v.coefficient;
-    }
-    if (clamped)
-      for (ValidationRow& row : v.rows)
-        if (std::isfinite(row.difference)) row.predicted = clamped_at(a, j, row.radius, std::span(&site.at, 1))[0];
-    v.plateau = plateau_of(e, r.perturbation);
-    judge(v, r.perturbation, scales, site.clear);
-  }
-}
-
-// A crack changes the mesh inside the ball with its length: two whole solves per radius, the crack bonded and in
-// contact, on the same mesh.
-void validate_crack(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene, const Functional& j,
-                    const ValidationRequest& r, const Site& site, double angle, Validation& v) {
-  Shape outside = shape;
-  outside.labels.push_back("ball of the validation");
-  outside.holes.push_back(
-      ball_hole("ball", {site.at, site.ball, 2 * around}, static_cast<Index>(outside.labels.size()) - 1));
-  const Mesh mesh = triangulate(outside, sizing);
-  Scene bonded = scene, cracked = scene;
-  bonded.laws.push_back({.kind = CrackLaw::Kind::Bonded});
-  cracked.laws.push_back({.kind = CrackLaw::Kind::Unilateral});
-  std::vector<double> scales(v.rows.size(), nan);
-  const auto solved = [&](const Model& m) {
-    State s = solve(m);
-    if (!certified(s)) throw Error(Fault::Numerics, "the body with the small crack could not be solved");
-    return s;
-  };
-  for (std::size_t row = 0; row < v.rows.size(); ++row) {
-    ValidationRow& to = v.rows[row];
-    if (std::find(site.radii.begin(), site.radii.end(), to.radius) == site.radii.end()) continue;
-    const Filled f = fill(mesh, {slit_mesh({site.at, site.ball, 2 * around}, to.radius, angle)});
-    const Model whole = prepare(f.mesh, e, bonded, r.threads), broken = prepare(f.mesh, e, cracked, r.threads);
-    const Field before = solved(whole), after = solved(broken);
-    const Analysis a = analyze(j, whole, before);
-    constexpr double share = 0.5;
-    std::tie(v.coefficient, v.size) = coefficient(
-        a, j, r.perturbation, site.at,
-        Center(whole, f.first_triangle[0], f.first_triangle[1], site.at, share * site.ball), f.first_triangle[0]);
-    to.J = analyze(j, broken, after, true).value;
-    to.difference = to.J - a.value;
-    scales[row] = scale(r.perturbation, to.radius);
-    to.same_contact = true;
-  }
-  for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
-  v.plateau = 2e-3;
-  judge(v, r.perturbation, scales, site.clear);
-}
-
-}  // namespace
-
-std::vector<Validation> validate(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
-                                 const Functional& j, const ValidationRequest& request) {
-  ValidationRequest r = request;
+ValidationRequest checked(ValidationRequest r, double size) {
   std::sort(r.radii.begin(), r.radii.end(), std::greater<>());
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
   if (r.radii.empty() || !(r.radii.back() > 0))
     throw Error(Fault::Usage, "validation needs positive radii; give radii in [validate]");
-  const double size = extent(shape);
   constexpr double least = 1e-6, apart = 1.05;
   if (r.radii.back() < least * size)
     throw Error(Fault::Usage, fmt::format("radius {:.3g} of the validation is too small for a mesh: use {:.2g} or more",
@@ -245,42 +129,178 @@ std::vector<Validation> validate(const Shape& shape, const Sizing& sizing, const
                       "the next or more",
                       r.radii[i], r.radii[i + 1], apart));
   constexpr double longest = 10;
-  if (r.perturbation.kind == Perturbation::Kind::Ellipse && r.perturbation.aspect > longest)
+  if (aspect(r.perturbation) > longest)
     throw Error(Fault::Usage,
                 fmt::format("validation resolves ellipses of aspect {} at most, not {:g}; the map goes further",
                             longest, r.perturbation.aspect));
-  std::vector<Validation> results(r.points.size());
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    results[i].at = r.points[i];
-    for (const double radius : r.radii)
-      results[i].rows.push_back(
-          {.radius = radius, .J = nan, .difference = nan, .predicted = nan, .remainder = nan, .order = nan});
-  }
-  const std::vector<double> angle = orientations(shape, sizing, e, scene, j, r);
-  for (const std::vector<Site>& batch : place(shape, j, r)) {
-    std::vector<Site> usable;
-    for (const Site& s : batch) {
-      if (!s.radii.empty()) {
-        usable.push_back(s);
-        continue;
-      }
-      Validation& v = results[s.number];
-      v.coefficient = v.order = v.intercept = v.c2 = v.c3 = nan;
-      v.verdict = Verdict::OutOfRange;
-      v.reason = s.clear > 0 ? fmt::format(
-                                   "no radius fits: the nearest boundary, crack or other feature is {:.3g} away; use "
-                                   "radii below {:.3g}",
-                                   s.clear, 0.25 * s.clear)
-                 : s.inside ? "the point lies on a boundary or a crack, or in the ring of the functional"
-                            : "the point lies outside the body";
+  return r;
+}
+
+// Nothing computed yet.
+Validation blank(const Vec2& at, const std::vector<double>& radii) {
+  Validation v;
+  v.at = at;
+  for (const double radius : radii)
+    v.rows.push_back({.radius = radius, .J = nan, .difference = nan, .predicted = nan, .remainder = nan, .order = nan});
+  return v;
+}
+
+void no_radius_fits(const Site& s, Validation& v) {
+  v.coefficient = v.order = v.intercept = v.c2 = v.c3 = nan;
+  v.verdict = Verdict::OutOfRange;
+  v.reason = s.clear > 0 ? fmt::format(
+                               "no radius fits: the nearest boundary, crack or other feature is {:.3g} away; use "
+                               "radii below {:.3g}",
+                               s.clear, 0.25 * s.clear)
+             : s.inside ? "the point lies on a boundary or a crack, or in the ring of the functional"
+                        : "the point lies outside the body";
+}
+
+class Validating {
+ public:
+  Validating(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
+             const ValidationRequest& request)
+      : shape_(meshing.shape),
+        sizing_(meshing.sizing),
+        element_(e),
+        scene_(scene),
+        j_(j),
+        r_(checked(request, extent(meshing.shape))) {}
+
+  std::vector<Validation> run() {
+    for (const Vec2& at : r_.points) results_.push_back(blank(at, r_.radii));
+    find_angles();
+    for (const std::vector<Site>& batch : place(shape_, j_, r_)) {
+      std::vector<Site> usable;
+      for (const Site& s : batch)
+        if (s.radii.empty())
+          no_radius_fits(s, results_[s.number]);
+        else
+          usable.push_back(s);
+      if (usable.empty()) continue;
+      if (row(r_.perturbation).becomes == Becomes::Slit)
+        for (const Site& s : usable) validate_slit(s);
+      else
+        validate_batch(usable);
     }
-    if (usable.empty()) continue;
-    if (r.perturbation.kind == Perturbation::Kind::Crack)
-      for (const Site& s : usable) validate_crack(shape, sizing, e, scene, j, r, s, angle[s.number], results[s.number]);
-    else
-      validate_batch(shape, sizing, e, scene, j, r, usable, angle, results);
+    return std::move(results_);
   }
-  return results;
+
+ private:
+  // What orients a perturbation must be known before it is meshed: from a mesh without balls.
+  void find_angles() {
+    angle_.assign(r_.points.size(), 0);
+    if (!is_directed(r_.perturbation)) return;
+    const Model m = prepare(triangulate(shape_, sizing_), element_, scene_, r_.threads);
+    const State s = solve(m);
+    const std::vector<MapPoint> map = map_at(analyze(j_, m, s), j_, {.perturbation = r_.perturbation}, r_.points);
+    for (std::size_t i = 0; i < angle_.size(); ++i) angle_[i] = map[i].angle;
+  }
+
+  Batch mesh_batch(const std::vector<Site>& sites) const {
+    Batch b;
+    for (const Site& s : sites)
+      b.balls.push_back(ball_mesh({s.at, s.ball, around}, s.radii, aspect(r_.perturbation), angle_[s.number]));
+    b.filled = fill(triangulate(with_balls(shape_, sites, around), sizing_), b.balls);
+    return b;
+  }
+
+  void validate_batch(const std::vector<Site>& sites) {
+    const Batch batch = mesh_batch(sites);
+    const Filled& f = batch.filled;
+    const Preparation how{.interface_edges = interface_edges(f)};
+    const Model model = prepare(f.mesh, element_, scene_, r_.threads, how);
+    require_supports(j_, model);
+    const State state = solve(model);
+    if (!certified(state))
+      throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
+    const Analysis a = analyze(j_, model, state);
+    const std::vector<std::vector<Difference>> differences =
+        Differences({a, j_, f}, r_.perturbation, how).all(batch.balls);
+    for (std::size_t s = 0; s < sites.size(); ++s) {
+      const Site& site = sites[s];
+      Validation& v = results_[site.number];
+      v.coefficient = nan;
+      if (has_series(r_.perturbation))
+        std::tie(v.coefficient, v.size) =
+            Center(model, f.first_triangle[s], f.first_triangle[s + 1], site.at, inner_part * site.ball)
+                .coefficient({a, j_, r_.perturbation});
+      v.plateau = plateau_of(element_, r_.perturbation);
+      judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], differences[s], v), site.clear);
+    }
+  }
+
+  // Returns f(eps) of the rows, with the exact areas of the polygons.
+  std::vector<double> fill_rows(const Analysis& a, const Site& site, const BallMesh& ball,
+                                const std::vector<Difference>& found, Validation& v) const {
+    std::vector<double> scales(v.rows.size(), nan);
+    for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
+      while (v.rows[row].radius != site.radii[k]) ++row;
+      ValidationRow& to = v.rows[row];
+      scales[row] = ball.enclosed_area[k + 1];
+      to.difference = found[k].value;
+      to.J = a.value + found[k].value;
+      to.same_contact = found[k].same_contact;
+      to.predicted = has_series(r_.perturbation) ? scales[row] * v.coefficient
+                                                 : clamped_at(a, j_, to.radius, std::span(&site.at, 1))[0];
+    }
+    return scales;
+  }
+
+  // A slit changes the mesh inside the ball with its length: two whole solves per radius, the crack bonded and in
+  // contact, on the same mesh.
+  void validate_slit(const Site& site) {
+    Validation& v = results_[site.number];
+    const Mesh mesh = triangulate(with_balls(shape_, {site}, 2 * around), sizing_);
+    std::vector<double> scales(v.rows.size(), nan);
+    for (std::size_t row = 0; row < v.rows.size(); ++row) {
+      if (std::find(site.radii.begin(), site.radii.end(), v.rows[row].radius) == site.radii.end()) continue;
+      solve_slit(site, mesh, v, v.rows[row]);
+      scales[row] = scale(r_.perturbation, v.rows[row].radius);
+    }
+    for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
+    v.plateau = 2e-3;
+    judge(v, r_.perturbation, scales, site.clear);
+  }
+
+  void solve_slit(const Site& site, const Mesh& outside, Validation& v, ValidationRow& to) const {
+    const Filled f = fill(outside, {slit_mesh({site.at, site.ball, 2 * around}, to.radius, angle_[site.number])});
+    const auto prepared = [&](CrackLaw::Kind kind) {
+      Scene scene = scene_;
+      scene.laws.push_back({.kind = kind});
+      return prepare(f.mesh, element_, std::move(scene), r_.threads);
+    };
+    const auto solved = [](const Model& m) {
+      State s = solve(m);
+      if (!certified(s)) throw Error(Fault::Numerics, "the body with the small crack could not be solved");
+      return s;
+    };
+    const Model whole = prepared(CrackLaw::Kind::Bonded), broken = prepared(CrackLaw::Kind::Unilateral);
+    const Field before = solved(whole), after = solved(broken);
+    const Analysis a = analyze(j_, whole, before);
+    std::tie(v.coefficient, v.size) =
+        Center(whole, f.first_triangle[0], f.first_triangle[1], site.at, inner_part * site.ball)
+            .coefficient({a, j_, r_.perturbation});
+    to.J = analyze(j_, broken, after, true).value;
+    to.difference = to.J - a.value;
+    to.same_contact = true;
+  }
+
+  const Shape& shape_;
+  const Sizing& sizing_;
+  const Element& element_;
+  const Scene& scene_;
+  const Functional& j_;
+  const ValidationRequest r_;
+  std::vector<double> angle_;  // per point
+  std::vector<Validation> results_;
+};
+
+}  // namespace
+
+std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
+                                 const ValidationRequest& request) {
+  return Validating(meshing, e, scene, j, request).run();
 }
 
 }  // namespace kerf

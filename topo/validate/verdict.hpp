@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// Orders, fit and verdict from rows with J and difference filled in (NaN: not computed). `clear` is the distance to
-/// the next feature, `logarithmic` the clamped hole's law. [theory: V.7, V.8]
+/// the next feature. [theory: V.7, V.8]
 void judge(Validation& v, const Perturbation& p, const std::vector<double>& scale, double clear);
 
 }  // namespace kerf

@@ -2,14 +2,13 @@
 
 #include "optimize/parametric/shapes/round.hpp"
 
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
 using Eigen::VectorXd;
-using std::numbers::pi;
+using pi;
 
 std::vector<std::string> names(Eigen::Index) {
   return {"x", "y", "radius"};

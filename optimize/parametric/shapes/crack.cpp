@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -13,7 +12,7 @@ namespace {
 
 using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
-using std::numbers::pi;
+using pi;
 
 Vec2 vertex(const VectorXd& v, Index i) {
   return v.segment<2>(2 * i);

@@ -3,14 +3,13 @@
 #include "optimize/parametric/shapes/round.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
 namespace {
 
 using Eigen::VectorXd;
-using std::numbers::pi;
+using pi;
 
 Mat2 rotation(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);

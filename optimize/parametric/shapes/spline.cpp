@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
 
@@ -27,7 +26,7 @@ namespace {
 
 using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
-using std::numbers::pi;
+using pi;
 
 Vec2 vertex(const VectorXd& v, Index i) {
   return v.segment<2>(2 * i);
@@ -44,7 +43,7 @@ Vec2 spline_point(const VectorXd& v, double s) {
 /// Pieces of the polygon of a spline: each corner turns by 6 degrees at most, well below what counts as one.
 Index spline_pieces(const VectorXd& v, double size) {
   const auto n = static_cast<Index>(v.size() / 2);
-  constexpr double most_turn = 0.3 * (reentrant_angle - std::numbers::pi);
+  constexpr double most_turn = 0.3 * (reentrant_angle - pi);
   constexpr Index most = 64;  // per span
   for (Index per_span = 4;; per_span *= 2) {
     double turn = 0, longest = 0;

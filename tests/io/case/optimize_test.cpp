@@ -1,6 +1,5 @@
 #include "tests/io/case/case_files.hpp"
 
-#include <numbers>
 
 namespace kerf {
 namespace {
@@ -188,7 +187,7 @@ start = { young = 2, center = [0.6, 0.4] }
   expect(d[0].start, {1, 0.5, 0.06});
   EXPECT_EQ(d[1].kind, Drawn::Kind::Ellipse);
   EXPECT_EQ(d[1].name, "egg");
-  const double right = std::numbers::pi / 2;
+  const double right = pi / 2;
   expect(d[1].lower, {1, 0.4, 0.1, 0.1, -right});
   expect(d[1].upper, {1, 0.6, 0.3, 0.1, right});
   expect(d[1].start, {1, 0.5, 0.2, 0.1, right / 2});

@@ -1,22 +1,18 @@
-#include "topo/formulas/clamped.hpp"
+#include "topo/formulas/clamped_hole.hpp"
+#include "topo/formulas/kind.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
-#include <numbers>
 
 namespace kerf {
-
-namespace {
 
 double kolosov(const Material& m) {
   return 1 + 8 * m.mu * m.c;
 }
 
 double flexibility(const Material& m) {
-  return 1 / (2 * std::numbers::pi * m.mu * (1 + kolosov(m)));
+  return 1 / (2 * pi * m.mu * (1 + kolosov(m)));
 }
-
-}  // namespace
 
 Mat2 kelvin(const Material& m, const Vec2& r) {
   const double square = r.squaredNorm();
@@ -27,7 +23,7 @@ Mat2 kelvin_stress(const Material& m, const Vec2& r, int j) {
   const double k = kolosov(m), square = r.squaredNorm();
   const Vec2 e = Vec2::Unit(j), y = r / square;
   const Mat2 linear = e * y.transpose() + y * e.transpose() - y[j] * Mat2::Identity(), yy = y * y.transpose();
-  return -(0.5 * (k - 1) * linear + 2 * r[j] * yy) / (std::numbers::pi * (1 + k));
+  return -(0.5 * (k - 1) * linear + 2 * r[j] * yy) / (pi * (1 + k));
 }
 
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
@@ -47,5 +43,16 @@ Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& 
                     " is too large for the expansion, choose one well below the distance to the sides");
   return a.inverse() * u0;
 }
+
+namespace {
+
+std::string in_words(const Perturbation&) {
+  return "a clamped hole";
+}
+
+}  // namespace
+
+constinit const PerturbationKind kinds::clamped_hole{
+    .word = "clamped_hole", .description = in_words, .becomes = Becomes::Clamp};
 
 }  // namespace kerf

@@ -6,6 +6,11 @@
 
 namespace kerf {
 
+/// kappa = 1 + 8 mu c, 3 - 4 nu in plane strain.
+double kolosov(const Material& m);
+/// 1/(2 pi mu (1 + kappa)), what multiplies Kelvin's solution.
+double flexibility(const Material& m);
+
 /// Kelvin's G at r from a unit force, displacement per force [theory: T.26]:
 /// G_ij = (kappa ln(1/|r|) d_ij + r_i r_j/|r|^2)/(2 pi mu (1 + kappa)); column j belongs to the force e_j.
 Mat2 kelvin(const Material& m, const Vec2& r);

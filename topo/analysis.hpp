@@ -1,0 +1,22 @@
+#pragma once
+// What maps and loops ask of an analysis besides kerf/analysis.hpp.
+
+#include "kerf/analysis.hpp"
+
+namespace kerf {
+
+/// The recovered stresses of the state, the adjoint and the others, for Analysis::fields: once for several maps.
+/// `corners`: those of split_for_stress, where they are known already.
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners = {});
+
+/// Throws Error(Usage) where J sees rigid motions that the supports leave free: the solver takes them out of the mean,
+/// which a change of the body moves.
+void require_supports(const Functional& j, const Model& model);
+
+/// No prescribed displacement but 0: then the compliance is -2 times the potential energy.
+bool has_rigid_supports(const Model& model);
+
+/// The scene with the measured displacements instead of the tractions on their label.
+Scene measured_scene(const Scene& scene, const Support& measured);
+
+}  // namespace kerf

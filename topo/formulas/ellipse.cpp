@@ -1,0 +1,41 @@
+#include "topo/formulas/axes.hpp"
+#include "topo/formulas/kind.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace kerf {
+
+double ellipse_form(const Material& m, double aspect, double angle, const Mat2& s, const Mat2& t) {
+  if (!(aspect >= 1))
+    throw Error(Fault::Usage, "elliptic hole: the aspect is " + std::to_string(aspect) + ", it must be at least 1");
+  const Mat2 a = symmetric_part(s), b = symmetric_part(t);
+  const Vec2 longer(std::cos(angle), std::sin(angle)), shorter(-longer.y(), longer.x());
+  return (2 * a.cwiseProduct(b).sum() - a.trace() * b.trace() + 2 * aspect * (a * shorter).dot(b * shorter) +
+          2 / aspect * (a * longer).dot(b * longer)) /
+         plane_modulus(m);
+}
+
+namespace {
+
+std::string in_words(const Perturbation& p) {
+  return fmt::format("an elliptic hole of area \u03c0 \u03b5\u00b2 and axis ratio {:g} in its best direction",
+                     p.aspect);
+}
+double of_ellipse(const Perturbation& p, const Material& m, double angle, const Mat2& s, const Mat2& t) {
+  return ellipse_form(m, p.aspect, angle, s, t);
+}
+Oriented best(const Perturbation& p, const Material& m, std::span<const Product> products) {
+  Oriented best;
+  if (p.aspect > 1) best.angle = axis(squares(products));
+  for (const Product& q : products) best.value += q.factor * ellipse_form(m, p.aspect, best.angle, q.s, q.t);
+  return best;
+}
+
+}  // namespace
+
+constinit const PerturbationKind kinds::ellipse{
+    .word = "ellipse", .description = in_words, .elliptic = true, .form = of_ellipse, .orient = best};
+
+}  // namespace kerf

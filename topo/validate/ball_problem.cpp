@@ -1,0 +1,248 @@
+#include "topo/validate/ball_problem.hpp"
+
+#include "solver/parallel.hpp"
+#include "topo/validate/ball_fields.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+
+namespace kerf {
+
+DifferenceSetting::DifferenceSetting(const Model& m, const Perturbation& p)
+    : whole(m.mesh),
+      kernel(m.inner->kernel),
+      scene(floored(m.scene)),
+      inner_scene(scene),
+      becomes(row(p).becomes),
+      body(static_cast<bool>(scene.body)) {
+  if (becomes != Becomes::Material) return;
+  inner_scene.material = floored(p.inclusion);
+  std::fill(inner_scene.regions.begin(), inner_scene.regions.end(), inner_scene.material);
+}
+
+std::vector<bool> BallInMesh::shells(Index from, Index to) const {
+  std::vector<bool> use(triangles, false);
+  for (Index t = first; t < end; ++t) {
+    const Index shell = mesh.shell[static_cast<std::size_t>(t - first)];
+    use[t] = shell >= from && shell < to;
+  }
+  return use;
+}
+
+BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& how) : model(&m), state(&s) {
+  if (m.inner->system.penalty > 0 || m.inner->ordering.interface_rows == 0) {
+    Preparation without = how;
+    without.plain = true;
+    plain = std::make_unique<Model>(prepare(m.mesh, m.inner->kernel.element, floored(m.scene), m.threads, without));
+  }
+  const Inner& o = *operators().inner;
+  W = o.factor.interface_complement();
+  const Index trailing = o.ordering.contact_rows, leading = o.ordering.size - trailing;
+  status = contact_status(m, s);
+  jump.resize(trailing);
+  force.resize(trailing);
+  for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
+    const Index row = o.ordering.row[u];
+    if (row < leading) continue;
+    jump[row - leading] = s.skeleton[u];
+    force[row - leading] = s.force[u];
+  }
+  for (Index row = 0; row < trailing; ++row) points.push_back({.normal = row});
+}
+
+void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
+  const Ordering& o = operators().inner->ordering;
+  const Eigen::Index n = ball.unknowns, begin = static_cast<Eigen::Index>(ball.number) * n;
+  std::vector<Eigen::Index> mine, rest;
+  for (Eigen::Index i = 0; i < o.kept; ++i) (i >= begin && i < begin + n ? mine : rest).push_back(i);
+  for (Eigen::Index i = 0; i < o.trailing; ++i) mine.push_back(o.kept + i);
+  S = W(mine, mine);
+  if (!rest.empty()) {
+    const Eigen::MatrixXd couple = W(rest, mine);
+    others = -Eigen::MatrixXd(W(rest, rest)).llt().solve(couple);
+    S += couple.transpose() * others;
+  } else {
+    others.resize(0, static_cast<Eigen::Index>(mine.size()));
+  }
+  S.topLeftCorner(n, n) -= K;
+}
+
+namespace {
+
+// The contact rows alone, everything else eliminated: S x = r + forces. Which rows hold, then the change itself: rows
+// that close or stay closed have their jump given, the others their force.
+void settle(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& r, BallChange& c) {
+  const Eigen::Index n = S.rows();
+  std::vector<Motion> motion(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i)
+    motion[static_cast<std::size_t>(i)] =
+        b.status[static_cast<std::size_t>(i)] == ContactStatus::Open ? Motion::Forward : Motion::Held;
+  const Contact contact = dual_qp(S, S * b.jump + r - b.force, b.points, motion);
+  if (!contact.converged)
+    throw Error(Fault::Numerics, "contact did not settle in the body with a change of finite size");
+  std::vector<Eigen::Index> free, held;
+  Eigen::VectorXd given = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const bool holds = contact.motion[static_cast<std::size_t>(i)] == Motion::Held;
+    const ContactStatus was = b.status[static_cast<std::size_t>(i)];
+    if (was != ContactStatus::Biactive && holds != (was == ContactStatus::Closed)) c.same = false;
+    (holds ? held : free).push_back(i);
+    if (holds) c.contact[i] = -b.jump[i];
+    given[i] = r[i] - (holds ? 0 : b.force[i]);
+  }
+  if (!free.empty()) {
+    Eigen::VectorXd rest = given(free);
+    if (!held.empty()) rest -= S(free, held) * c.contact(held);
+    c.contact(free) = Eigen::VectorXd(Eigen::MatrixXd(S(free, free)).llt().solve(rest));
+  }
+  c.push = S * c.contact - r;
+}
+
+// The steps of one radius: the annulus between the ball's boundary (0) and the contour (k), and what fills the disc.
+class RadiusProblem {
+ public:
+  RadiusProblem(const DifferenceSetting& setting, const BallInMesh& ball, Index k, ChangedBall& of)
+      : setting_(setting), ball_(ball), n_(ball.unknowns), of_(of) {
+    of.disc = ball.shells(k, ball.all_shells());
+    of.contour = ball.contours[k];
+    std::vector<Index> both = ball.contours[0];
+    both.insert(both.end(), of.contour.begin(), of.contour.end());
+    const std::vector<bool> ring = ball.shells(0, k);
+    of.annulus.emplace(condense({setting.whole, ring, both}, setting.kernel, setting.scene, false));
+    if (setting.becomes == Becomes::Material)
+      of.inner.emplace(
+          condense({setting.whole, of.disc, of.contour}, setting.kernel, setting.inner_scene, setting.body));
+    eliminate_contour();
+  }
+
+  void solve(const BodyOperator& b) {
+    const Before before{on_edges(b.model->inner->skeleton, of_.contour, b.state->skeleton),
+                        forces_from(*b.model, *b.state, of_.contour, of_.disc)};
+    BallChange c;
+    const Eigen::VectorXd load = load_ball(b, before, c);
+    Eigen::MatrixXd S = b.S;
+    S.topLeftCorner(n_, n_) += outer_;
+    move_ball(b, S, load, c);
+    move_contour(c);
+    of_.same_contact = of_.same_contact && c.same;
+    of_.energy.push_back(energy(b, before, c));
+    if (of_.changes.empty()) {
+      Eigen::VectorXd mine(S.rows());
+      mine << c.ball, c.contact;
+      of_.others = b.others * mine;
+    }
+    of_.changes.push_back(std::move(c));
+  }
+
+ private:
+  // On the contour: the state, and the forces of the disc.
+  struct Before {
+    Eigen::VectorXd displacement, pull;
+  };
+
+  auto K00() const {
+    return of_.annulus->K.topLeftCorner(n_, n_);
+  }
+  auto K0k() const {
+    return of_.annulus->K.topRightCorner(n_, n_);
+  }
+  auto Kkk() const {
+    return of_.annulus->K.bottomRightCorner(n_, n_);
+  }
+  bool clamped() const {
+    return setting_.becomes == Becomes::Clamp;
+  }
+
+  void eliminate_contour() {
+    outer_ = K00();
+    if (clamped()) return;
+    Eigen::MatrixXd M = Kkk();
+    if (of_.inner) M += of_.inner->K;
+    middle_.compute(M);
+    outer_ -= K0k() * middle_.solve(K0k().transpose());
+  }
+
+  // The load on the ball's boundary from what is given on the contour: a clamp its displacement, all others the forces
+  // that the disc no longer bears.
+  Eigen::VectorXd load_ball(const BodyOperator& b, const Before& before, BallChange& c) const {
+    if (clamped()) {
+      c.contour = -before.displacement;
+      return -K0k() * c.contour;
+    }
+    c.load = before.pull;
+    // A stiff disc must not feel the rounding of its rigid motion.
+    if (of_.inner) c.load -= of_.inner->K * strained(*b.model, of_.contour, before.displacement) - of_.inner->load;
+    return -K0k() * middle_.solve(c.load);
+  }
+
+  // The ball's boundary, after the rows in contact.
+  void move_ball(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& load, BallChange& c) const {
+    const Eigen::Index contact = S.rows() - n_;
+    const Eigen::LLT<Eigen::MatrixXd> of_ball(S.topLeftCorner(n_, n_));
+    c.contact.setZero(contact);
+    c.push.setZero(contact);
+    if (contact == 0) {
+      c.ball = of_ball.solve(load);
+      return;
+    }
+    const Eigen::MatrixXd couple = S.topRightCorner(n_, contact), answer = of_ball.solve(couple);
+    Eigen::MatrixXd Sc = S.bottomRightCorner(contact, contact) - couple.transpose() * answer;
+    Sc = 0.5 * (Sc + Sc.transpose()).eval();
+    settle(b, Sc, -answer.transpose() * load, c);
+    c.ball = of_ball.solve(load - couple * c.contact);
+  }
+
+  void move_contour(BallChange& c) const {
+    if (clamped())
+      c.load = K0k().transpose() * c.ball + Kkk() * c.contour;
+    else
+      c.contour = middle_.solve(c.load - K0k().transpose() * c.ball);
+  }
+
+  // Pi(x + w) - Pi(x) in the changed body, and what the change of the disc is at x itself.
+  double energy(const BodyOperator& b, const Before& before, const BallChange& c) const {
+    const Model& m = *b.model;
+    double change = 0;
+    for (Index t = ball_.first; t < ball_.end; ++t)
+      if (of_.disc[t]) change -= energy_of(m, b.state->interior, t, material_of(m.mesh, m.scene, t));
+    if (of_.inner) {
+      const Eigen::VectorXd after = before.displacement + c.contour;
+      change += energy_inside(inner_state(*of_.inner, setting_.kernel, setting_.inner_scene,
+                                          setting_.body ? after : strained(m, of_.contour, after), setting_.body));
+    }
+    const Eigen::VectorXd outside =
+        of_.inner ? Eigen::VectorXd(K0k().transpose() * c.ball + Kkk() * c.contour) : c.load;
+    change +=
+        b.force.dot(c.contact) - before.pull.dot(c.contour) + 0.5 * (outside.dot(c.contour) + c.push.dot(c.contact));
+    return change;
+  }
+
+  const DifferenceSetting& setting_;
+  const BallInMesh& ball_;
+  Eigen::Index n_;
+  ChangedBall& of_;
+  Eigen::LLT<Eigen::MatrixXd> middle_;  // of the contour
+  Eigen::MatrixXd outer_;               // the annulus and what fills the disc on the ball's boundary
+};
+
+}  // namespace
+
+std::vector<ChangedBall> solve_ball(const DifferenceSetting& setting, const BallInMesh& ball,
+                                    std::vector<BodyOperator>& bodies) {
+  const Index radii = ball.all_shells() - 1;
+  {
+    const std::vector<bool> whole = ball.shells(0, ball.all_shells());
+    const CondensedPiece full =
+        condense({setting.whole, whole, ball.contours[0]}, setting.kernel, setting.scene, false);
+    for (BodyOperator& b : bodies) b.focus(ball, full.K);
+  }
+  std::vector<ChangedBall> changed(static_cast<std::size_t>(radii));
+  parallel_tasks(radii, bodies.front().model->threads, [&](Index number) {
+    RadiusProblem problem(setting, ball, number + 1, changed[static_cast<std::size_t>(number)]);
+    for (const BodyOperator& b : bodies) problem.solve(b);
+  });
+  return changed;
+}
+
+}  // namespace kerf
