@@ -9,13 +9,14 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 namespace kerf {
 namespace {
 
 using nlohmann::json;
 
-constexpr long double pi = std::numbers::pi_v<long double>;
+constexpr long double exact_pi = std::numbers::pi_v<long double>;
 
 long double number(const json& j) {
   return std::strtold(j.get<std::string>().c_str(), nullptr);
@@ -130,7 +131,7 @@ TEST(ExactDisc, EveryDerivativeAndTheOrderOfItsRemainder) {
     std::vector<long double> eps, rest;
     for (std::size_t i = 0; i < c.at("eps").size(); ++i) {
       eps.push_back(c.at("eps")[i].get<double>());
-      rest.push_back(number(c.at("J")[i]) - whole - pi * eps[i] * eps[i] * t);
+      rest.push_back(number(c.at("J")[i]) - whole - exact_pi * eps[i] * eps[i] * t);
     }
     const json& slopes = c.at("remainder_slopes");
     ASSERT_EQ(slopes.size() + 1, rest.size());
@@ -164,7 +165,7 @@ TEST(ExactDisc, ClampedHolesAreSecondOrderAfterRenormalization) {
     if (c.contains("Hreg_times_2pimu1pk")) {
       EXPECT_NEAR(factor / static_cast<double>(number(c.at("Hreg_times_2pimu1pk"))), 1, 1e-14);
     }
-    const Mat2 hreg = factor / (2 * pi * d.m.mu * (1 + k)) * Mat2::Identity();
+    const Mat2 hreg = factor / (2 * exact_pi * d.m.mu * (1 + k)) * Mat2::Identity();
     const bool body = problem.contains("body_force");
     const Vec2 u0 = body ? (bulge(d.m) * Vec2(problem["body_force"][0], problem["body_force"][1])).eval()
                          : Vec2(problem.at("u0").get<double>(), 0);
@@ -204,10 +205,10 @@ TEST(Clamped, KelvinIsInEquilibriumAndItsForceIsOne) {
     Mat2 rim = Mat2::Zero(), force = Mat2::Zero();
     const double eps = 0.3;
     for (int i = 0; i < n; ++i) {
-      const double angle = 2 * pi * i / n;
+      const double angle = 2 * exact_pi * i / n;
       const Vec2 e(std::cos(angle), std::sin(angle));
       rim += kelvin(m, eps * e) / n;
-      for (int j = 0; j < 2; ++j) force.col(j) += kelvin_stress(m, eps * e, j) * e * (2 * pi * eps / n);
+      for (int j = 0; j < 2; ++j) force.col(j) += kelvin_stress(m, eps * e, j) * e * (2 * exact_pi * eps / n);
     }
     EXPECT_LT((rim - clamped_matrix(m, eps, Mat2::Zero())).norm(), 1e-15);
     EXPECT_LT((force + Mat2::Identity()).norm(), 1e-14);
