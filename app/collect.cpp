@@ -23,12 +23,6 @@ double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s)
 
 }  // namespace
 
-ContactMethod contact_method(const Case& c) {
-  return c.contact == "uzawa"        ? ContactMethod::Uzawa
-         : c.contact == "active-set" ? ContactMethod::ActiveSet
-                                     : ContactMethod::DualQp;
-}
-
 PlotData plot_data(const Model& model, const State& state, bool plane_strain) {
   PlotData d;
   d.corners = split_for_stress(model.mesh);
@@ -95,9 +89,8 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   return results;
 }
 
-ContactResultSummary contact_result(const State& state, const std::string& method,
-                                    const std::vector<CrackResult>& cracks) {
-  ContactResultSummary r{.method = method,
+ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks) {
+  ContactResultSummary r{.method = std::string(word(method)),
                          .iterations = state.contact_iterations,
                          .linear_solves = state.linear_solves,
                          .kkt = state.certificate.kkt};

@@ -18,14 +18,12 @@ struct PlotData {
   CornerValues values;
   Eigen::VectorXd von_mises;  // at corners
 };
-ContactMethod contact_method(const Case& c);
 
 PlotData plot_data(const Model& model, const State& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
                          const EnergyBounds& bounds);
-ContactResultSummary contact_result(const State& state, const std::string& method,
-                                    const std::vector<CrackResult>& cracks);
+ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
 /// Crack tips, kinks, reentrant corners and the ends of supports: where the stress, and with it the map, may be

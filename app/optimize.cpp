@@ -135,7 +135,7 @@ struct Recorder {
         fmt::format("optimize {}: J {:.6g}, volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.number,
                     row.objective, row.volume_fraction, row.step, row.holes, row.holes == 1 ? "" : "s", row.triangles);
     // Iterations of the level set, state solves of the others are what may at most be done.
-    const bool level_set = request.method == "level-set";
+    const bool level_set = request.method == OptimizeMethod::LevelSet;
     const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
     const double done = level_set ? row.number : row.state_solves / cases;
     if (seen.size() == 1) first_done = done;
@@ -238,9 +238,8 @@ Optimized optimize(const Case& c, const RunOptions& options) {
                         .scene = c.scene,
                         .sizing = c.sizing,
                         .element = c.element,
-                        .degree = c.degree,
                         .objective = c.functional,
-                        .contact = contact_method(c),
+                        .contact = c.contact,
                         .plane_strain = c.plane_strain,
                         .threads = options.threads};
   const CheckpointPlace place{checkpoint, c.fingerprint, options.resume};
@@ -253,8 +252,8 @@ Optimized optimize(const Case& c, const RunOptions& options) {
     notes = in_words(shot, request.design);
   }
   recorder.since_start.lap();
-  out.result = request.method == "level-set" ? optimize_level_set(problem, request, see, place)
-                                             : optimize_parameters(problem, request, see, place);
+  out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(problem, request, see, place)
+                                                          : optimize_parameters(problem, request, see, place);
   out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
   if (c.synthetic && !request.design.drawn.empty())
     out.identified = identified(request.design, out.result.variables, problem, *c.synthetic);

@@ -43,12 +43,12 @@ Adapted solve_once(const Case& c, const RunOptions& options, const Begin& begin,
   describe_mesh(mesh, r);
   r.seconds.mesh += watch.lap();
   begin("assemble and factorize");
-  Model model = prepare(std::move(mesh), element(c.element, c.degree), c.scene, options.threads);
+  Model model = prepare(std::move(mesh), c.element, c.scene, options.threads);
   r.seconds.assemble += model.seconds.assemble;
   r.seconds.factor += model.seconds.factor;
   begin("solve");
   watch.lap();
-  State state = c.backend == "umfpack" ? solve_extended(model) : solve(model, contact_method(c));
+  State state = c.backend == Backend::Umfpack ? solve_extended(model) : solve(model, c.contact);
   Indicator indicator = error_indicator(model, state);
   r.seconds.solve += watch.lap() - state.seconds.contact;
   r.seconds.contact += state.seconds.contact;
@@ -59,8 +59,8 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
   begin("solve and refine");
   const Adaptation wanted{.error = c.adapt->error,
                           .max_triangles = c.adapt->max_triangles,
-                          .contact = contact_method(c),
-                          .saddle_point = c.backend == "umfpack",
+                          .contact = c.contact,
+                          .saddle_point = c.backend == Backend::Umfpack,
                           .threads = options.threads};
   int number = 0;
   const auto report = [&](const Round& round) {
@@ -68,7 +68,7 @@ Adapted solve_refined(const Case& c, const RunOptions& options, const Begin& beg
                       round.estimated_error));
     return true;
   };
-  Adapted adapted = solve_adaptively(c.shape, c.sizing, element(c.element, c.degree), c.scene, wanted, report);
+  Adapted adapted = solve_adaptively(c.shape, c.sizing, c.element, c.scene, wanted, report);
   describe_mesh(adapted.model.mesh, r);
   r.adapt.emplace();
   r.adapt->stopped = adapted.stopped;
@@ -96,18 +96,18 @@ void refuse_friction(const Case& c, const char* job, const char* table) {
 
 /// The loops over variables say themselves what they need; cobyla needs no derivatives.
 void refuse_optimization(const Case& c) {
-  if (c.optimize->method != "level-set") return;
+  if (c.optimize->method != OptimizeMethod::LevelSet) return;
   refuse_friction(c, "level set", "optimize");
   for (const char* without : {"p1", "p2", "arnold-winther-c"})
-    if (c.element == without)
+    if (c.element.name == without)
       throw Error(Fault::Usage, fmt::format("the level set needs derivatives, which element \"{}\" does not have; use "
                                             "\"bdms\" (default), or \"afw\"",
-                                            c.element));
+                                            c.element.name));
 }
 
 /// What the element cannot do is refused before anything is solved.
 void refuse_element(const Case& c, bool with_map, bool with_validation) {
-  const Element& e = element(c.element, c.degree);
+  const Element& e = c.element;
   if (with_map && c.map_request.bounds && c.map_request.perturbation.kind != Perturbation::Kind::ClampedHole)
     better_element(e);
   const bool unseen = e.cut == Cut::LinearDivergence;  // some traces of its cubic edges are seen by no triangle
@@ -116,7 +116,7 @@ void refuse_element(const Case& c, bool with_map, bool with_validation) {
         Fault::Usage,
         fmt::format("validation condenses the body onto edges, which element \"{}\" does not allow; use \"bdms\" "
                     "(any degree), \"afw\" or \"arnold-winther-nc\"",
-                    c.element));
+                    e.name));
 }
 
 void describe_failure(const Model& model, const State& state, Result& r) {
@@ -167,7 +167,8 @@ void describe_state(const Case& c, const Model& model, const State& state, const
                       crack.name, crack.penetration));
   const bool contact = std::any_of(c.scene.laws.begin(), c.scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact) r.contact = contact_result(state, c.backend == "umfpack" ? "active-set" : c.contact, r.cracks);
+  if (contact)
+    r.contact = contact_result(state, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact, r.cracks);
 }
 
 /// A run so far.
@@ -264,7 +265,7 @@ void validate_expansion(const Case& c, Running& p) {
   p.begin("validate");
   ValidationRequest request = *c.validate;
   request.threads = p.options.threads;
-  const Element& e = element(c.element, c.degree);
+  const Element& e = c.element;
   p.r.validate = {word(request.perturbation.kind), validate(c.shape, c.sizing, e, c.scene, c.functional, request)};
   p.r.seconds.validate = p.watch.lap();
   p.begin("write the validation");
@@ -306,8 +307,8 @@ void draw_design(const Case& design, Running& p) {
   p.r.optimize->notes.push_back("state, map and validation are of the body before the optimization");
   if (!design.output.png) return;
   p.begin("draw the design");
-  const Model model = prepare(triangulate(design.shape, design.sizing), element(design.element, design.degree),
-                              design.scene, p.options.threads, {.factorize = false});
+  const Model model = prepare(triangulate(design.shape, design.sizing), design.element, design.scene, p.options.threads,
+                              {.factorize = false});
   p.picture("design.png", "The design", design_picture(design, model));
   std::rotate(p.pictures.begin(), p.pictures.end() - 1, p.pictures.end());
   p.r.seconds.output += p.watch.lap();

@@ -42,20 +42,10 @@ void read_solver(const Value& document, Case& c) {
   const auto solver = find_table(document, "solver");
   if (!solver) return;
   allow_only(*solver, {"element", "degree", "contact", "backend"});
-  const auto name = find(*solver, "element"), degree = find(*solver, "degree");
-  if (name)
-    c.element = choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
-                               "arnold-winther-nc", "p1", "p2"});
-  if (degree) c.degree = whole_number(*degree, 1, 9);
-  if (name || degree) {
-    try {
-      element(c.element, c.degree);
-    } catch (const Error& e) {
-      fail((degree ? degree : name)->node->position, e.what());
-    }
-  }
-  if (const auto contact = find(*solver, "contact")) c.contact = choice(*contact, {"dual-qp", "active-set", "uzawa"});
-  if (const auto backend = find(*solver, "backend")) c.backend = choice(*backend, {"cholmod", "umfpack"}, {"petsc"});
+  const auto degree = find(*solver, "degree");
+  c.element = read_element(*solver, degree ? *degree : *solver, c.element);
+  if (const auto contact = find(*solver, "contact")) c.contact = choose<ContactMethod>(*contact, contact_method_words);
+  if (const auto backend = find(*solver, "backend")) c.backend = choose<Backend>(*backend, backend_words, {"petsc"});
 }
 
 void read_output(const Value& document, Case& c) {
@@ -74,6 +64,20 @@ Material elastic(const Value& table, double young, double poisson, bool in_plane
   if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
     fail(table.node->position, fmt::format("{}: young = {} is out of range; choose other units", table.name, young));
   return m;
+}
+
+Element read_element(const Value& table, const Value& blamed, const Element& otherwise) {
+  const auto name = find(table, "element"), degree = find(table, "degree");
+  if (!name && !degree) return otherwise;
+  const std::string word = name ? choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
+                                                 "arnold-winther-nc", "p1", "p2"})
+                                : std::string(otherwise.name);
+  const int number = degree ? whole_number(*degree, 1, 9) : 1;
+  try {
+    return element(word, number);
+  } catch (const Error& e) {
+    fail(blamed.node->position, e.what());
+  }
 }
 
 Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides) {

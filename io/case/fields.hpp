@@ -4,11 +4,13 @@
 #include "io/case/reader.hpp"
 #include "kerf/types.hpp"
 
-#include <initializer_list>
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace kerf {
@@ -51,6 +53,14 @@ std::vector<Vec2> points(const Value& field, std::size_t least);
 /// One of a few words; `later` are those of later releases.
 std::string choice(const Value& field, const std::vector<std::string>& known,
                    const std::vector<std::string>& later = {});
+
+/// The value of an enum whose words these are, in the order of its values.
+template <typename Enum, std::size_t n>
+Enum choose(const Value& field, const std::array<std::string_view, n>& words,
+            const std::vector<std::string>& later = {}) {
+  const std::string word = choice(field, {words.begin(), words.end()}, later);
+  return static_cast<Enum>(std::find(words.begin(), words.end(), word) - words.begin());
+}
 
 /// The single key of `keys` that the table has.
 std::string one_of(const Value& table, const std::vector<std::string>& keys);

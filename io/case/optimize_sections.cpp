@@ -304,9 +304,8 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
   allow_only(table, known);
 
   OptimizeRequest r;
-  if (const auto method = find(table, "method"))
-    r.method = choice(*method, {"level-set", "mma", "ccsaq", "slsqp", "cobyla"});
-  const bool level_set = r.method == "level-set";
+  if (const auto method = find(table, "method")) r.method = choose<OptimizeMethod>(*method, optimize_method_words);
+  const bool level_set = r.method == OptimizeMethod::LevelSet;
   for (const std::string& key : level_set ? of_parameters : of_level_set)
     if (const auto other = find(table, key))
       fail(other->node->position,
@@ -314,7 +313,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
                ? fmt::format("{} goes with method = \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\", which move drawn "
                              "holes, cracks and regions, not with \"level-set\"{}",
                              other->name, key == "min_distance" ? "; use min_feature" : "")
-               : fmt::format("{} goes with method = \"level-set\", not with \"{}\"", other->name, r.method));
+               : fmt::format("{} goes with method = \"level-set\", not with \"{}\"", other->name, word(r.method)));
   if (!find_table(document, "functional"))
     fail(table.node->position,
          "[optimize] needs [functional]: what is to be made small; kind = \"compliance\" gives a stiff "
@@ -335,7 +334,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
       fail(table.node->position, fmt::format("[optimize]: method = \"{}\" needs something that it can move: add "
                                              "[[optimize.hole]], [[optimize.crack]] or [[optimize.region]], or use "
                                              "method = \"level-set\"",
-                                             r.method));
+                                             word(r.method)));
     const bool free = std::any_of(r.design.drawn.begin(), r.design.drawn.end(),
                                   [](const Drawn& d) { return (d.lower.array() < d.upper.array()).any(); });
     if (!free)

@@ -55,6 +55,10 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
 /// [[optimize.hole]], [[optimize.crack]] and [[optimize.region]].
 Design read_design(const Value& optimize, const Case& c);
 
+/// The keys `element` and `degree` of a table (degree 1 unless given), or `otherwise` without both. `blamed`: where an
+/// element that does not exist is reported.
+Element read_element(const Value& table, const Value& blamed, const Element& otherwise);
+
 /// [map] and [validate].
 void read_map(const Value& document, Case& c);
 

@@ -10,32 +10,22 @@ namespace kerf {
 namespace {
 
 /// Another element than that of the search.
-void read_element(const Value& table, const Case& c, Synthetic& s) {
+Element other_element(const Value& table, const Case& c, const Scene& scene) {
   const auto name = find(table, "element"), degree = find(table, "degree");
-  s.element = c.element == "afw" ? "bdms" : "afw";
-  s.degree = 2;
-  if (name)
-    s.element = choice(*name, {"peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c",
-                               "arnold-winther-nc", "p1", "p2"});
-  if (name) s.degree = 1;
-  if (degree) s.degree = whole_number(*degree, 1, 9);
   const Value& blamed = name ? *name : degree ? *degree : table;
-  try {
-    element(s.element, s.degree);
-  } catch (const Error& e) {
-    fail(blamed.node->position, e.what());
-  }
-  if (s.element == c.element && s.degree == c.degree)
+  const Element e = read_element(table, blamed, c.element.name == "afw" ? bdms(2) : afw(2));
+  if (e.name == c.element.name && e.degree == c.element.degree)
     fail(blamed.node->position,
          fmt::format("{}: the data would be made with the element \"{}\" of degree {} that looks for the answer: an "
                      "inverse crime; choose another element or degree",
-                     blamed.name, s.element, s.degree));
-  const bool contact = std::any_of(s.true_scene.laws.begin(), s.true_scene.laws.end(),
+                     blamed.name, e.name, e.degree));
+  const bool contact = std::any_of(scene.laws.begin(), scene.laws.end(),
                                    [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  if (contact && (s.element == "p1" || s.element == "p2"))
+  if (contact && !is_mixed(e))
     fail(blamed.node->position, fmt::format("{}: element \"{}\" knows no contact, which a crack of the true body has; "
                                             "use \"bdms\" or \"afw\", or contact = \"open\"",
-                                            blamed.name, s.element));
+                                            blamed.name, e.name));
+  return e;
 }
 
 }  // namespace
@@ -68,7 +58,7 @@ void read_synthetic(const Value& document, Case& c) {
   add_holes(holes, s.true_shape);
   add_cracks(cracks, s.true_shape, s.true_scene.laws);
   add_regions(regions, c.plane_strain, s.true_shape, s.true_scene.regions);
-  read_element(*table, c, s);
+  s.element = other_element(*table, c, s.true_scene);
 
   s.sizing = c.sizing;
   constexpr double finer = 0.7;

@@ -518,8 +518,7 @@ double correct(Search& search, const Problem& p, double spacing, OneShot& out) {
     Eigen::VectorXd change;
     try {
       auto body = draw(drawn, start_of(drawn), p);
-      const Model m =
-          prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
+      const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
       const State s = solve(m, p.contact);
       ++out.solves;
       if (!certified(s)) break;
@@ -585,8 +584,7 @@ OneShot one_shot(const Problem& p, const Design& design, double clear) {
   }
   if (wanted.empty()) return out;
   auto body = draw(given, start_of(given), p);
-  const Model m =
-      prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
+  const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
   if (!certified(s))
     throw Error(Fault::Numerics, "start = \"map\": the body without what is looked for could not be solved");

@@ -148,11 +148,11 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
         Fault::Usage,
         "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
         "[[optimize.bound]]");
-  const Element& e = element(p.element, p.degree);
+  const Element& e = p.element;
   if (!is_mixed(e) || e.cut == Cut::LinearDivergence || per_vertex(e) == 3)
     throw Error(Fault::Usage, fmt::format("element \"{}\" has no derivatives for an optimization; use \"bdms\", "
                                           "\"peers\", \"afw\" or \"bdms-c\"",
-                                          p.element));
+                                          e.name));
   if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
     throw Error(Fault::Usage,
                 "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
@@ -392,7 +392,7 @@ bool LevelSetRun::accept(Design e, std::vector<std::string> notes) {
 }
 
 OptimizeResult LevelSetRun::run() {
-  OptimizeResult result{.method = "level-set"};
+  OptimizeResult result{.method = OptimizeMethod::LevelSet};
   bool go_on = true;
   if (!restore()) {
     const Eigen::Index n = static_cast<Eigen::Index>(canvas_.mesh.points.size());

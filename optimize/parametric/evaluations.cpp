@@ -92,7 +92,7 @@ std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
   for (const Drawn& one : d.drawn) rubs |= one.kind == Drawn::Kind::Crack && has_friction(one.law);
   if (rubs) return "cracks with friction have none";
-  const Element& e = element(p.element, p.degree);
+  const Element& e = p.element;
   const bool moves = e.name == "bdms" || e.name == "bdms-c" || e.name == "peers" || e.name == "afw";
   if (!moves) return fmt::format("element \"{}\" has none (bdms, bdms-c, peers and afw have)", e.name);
   return std::nullopt;
@@ -285,7 +285,7 @@ struct Trials::Impl {
       Scene scene = body.scene;
       scene.tractions = loads[l].tractions;
       scene.body = loads[l].body;
-      Model model = prepare(mesh, element(problem.element, problem.degree), scene, problem.threads);
+      Model model = prepare(mesh, problem.element, scene, problem.threads);
       State state = kerf::solve(model, problem.contact);
       ++trial.state_solves;
       if (!certified(state))

@@ -29,13 +29,22 @@ double violation_of(const Evaluation& e) {
   return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
 }
 
-nlopt_algorithm algorithm(const std::string& method) {
-  if (method == "mma") return NLOPT_LD_MMA;
-  if (method == "ccsaq") return NLOPT_LD_CCSAQ;
-  if (method == "slsqp") return NLOPT_LD_SLSQP;
-  if (method == "cobyla") return NLOPT_LN_COBYLA;
-  throw Error(Fault::Usage,
-              fmt::format("method \"{}\" is unknown; use \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\"", method));
+nlopt_algorithm algorithm(OptimizeMethod method) {
+  switch (method) {
+    case OptimizeMethod::Mma:
+      return NLOPT_LD_MMA;
+    case OptimizeMethod::Ccsaq:
+      return NLOPT_LD_CCSAQ;
+    case OptimizeMethod::Slsqp:
+      return NLOPT_LD_SLSQP;
+    case OptimizeMethod::Cobyla:
+      return NLOPT_LN_COBYLA;
+    case OptimizeMethod::LevelSet:
+      break;
+  }
+  throw Error(Fault::Usage, fmt::format("method \"{}\" moves no variables; use \"mma\", \"ccsaq\", \"slsqp\" or "
+                                        "\"cobyla\"",
+                                        word(method)));
 }
 
 std::string words(nlopt_result code) {
@@ -81,7 +90,7 @@ class Run {
     free_ = free_variables(program.lower, program.upper);
   }
 
-  Minimum minimize(const std::string& method);
+  Minimum minimize(OptimizeMethod method);
 
  private:
   enum class End { None, Converged, Asked, Evaluations, Thrown };
@@ -107,7 +116,7 @@ class Run {
   void answer(Evaluation& failed, bool gradients) const;
   void weigh_up(const Evaluation& e);
   bool better(const Evaluation& a, const Evaluation& b) const;
-  nlopt_result run(const std::string& method, const VectorXd& from);
+  nlopt_result run(OptimizeMethod method, const VectorXd& from);
   Evaluation violations(const Evaluation& e) const;
 
   static double objective(unsigned n, const double* z, double* gradient, void* self);
@@ -289,10 +298,10 @@ void Run::constraints(unsigned m, double* values, unsigned n, const double* z, d
   }
 }
 
-nlopt_result Run::run(const std::string& method, const VectorXd& from) {
+nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   const auto n = static_cast<unsigned>(free_.size());
   const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
-  const bool simplex = method == "cobyla";
+  const bool simplex = method == OptimizeMethod::Cobyla;
   with_gradients_ = !simplex;
   const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> opt(
       nlopt_create(algorithm(method), n), nlopt_destroy);
@@ -319,18 +328,18 @@ nlopt_result Run::run(const std::string& method, const VectorXd& from) {
   return code;
 }
 
-Minimum Run::minimize(const std::string& method) {
+Minimum Run::minimize(OptimizeMethod method) {
   Minimum found;
-  const bool gradients = method != "cobyla";
+  const bool gradients = method != OptimizeMethod::Cobyla;
   evaluate(start_, gradients);
-  std::string now = method;
+  OptimizeMethod now = method;
   constexpr int most_restarts = 6;
   bool restored = false;
   for (int restart = 0; end_ == End::None && !free_.empty(); ++restart) {
     const Evaluation* before = best_;
     const nlopt_result code = run(now, best_->x);
     if (end_ != End::None) break;
-    const std::string said = fmt::format("NLopt's {} ended because {}", now, words(code));
+    const std::string said = fmt::format("NLopt's {} ended because {}", word(now), words(code));
     if (code == NLOPT_INVALID_ARGS || code == NLOPT_OUT_OF_MEMORY) {
       found.reason = said;
       break;
@@ -339,7 +348,7 @@ Minimum Run::minimize(const std::string& method) {
     if (!feasible && !restored) {
       restored = restoring_ = true;
       const double from = violation_of(*best_);
-      run(program_.gradients ? "mma" : "cobyla", best_->x);
+      run(program_.gradients ? OptimizeMethod::Mma : OptimizeMethod::Cobyla, best_->x);
       restoring_ = false;
       if (end_ != End::None) break;
       feasible = violation_of(*best_) <= stop_.feasibility;
@@ -350,7 +359,7 @@ Minimum Run::minimize(const std::string& method) {
         found.reason = "no design near by violates them less";
         break;
       }
-      if (program_.gradients) now = "mma";
+      if (program_.gradients) now = OptimizeMethod::Mma;
       continue;
     }
     if (!program_.gradients) {
@@ -368,12 +377,12 @@ Minimum Run::minimize(const std::string& method) {
     const bool progress = gain > worth || (feasible && violation_of(*before) > stop_.feasibility);
     const std::string wrong = feasible ? fmt::format("the KKT residual there is {:.2g}", best_kkt_)
                                        : fmt::format("constraints are violated by {:.2g} there", violation_of(*best_));
-    if ((now == "mma" && !progress) || restart == most_restarts) {
+    if ((now == OptimizeMethod::Mma && !progress) || restart == most_restarts) {
       found.reason = fmt::format("{}, but {}", said, wrong);
       break;
     }
     found.notes.push_back(fmt::format("{}, but {}: went on from there with mma", said, wrong));
-    now = "mma";
+    now = OptimizeMethod::Mma;
   }
   if (free_.empty() && end_ == End::Converged) end_ = End::None;
   found.best = *best_;
@@ -407,11 +416,11 @@ Minimum Run::minimize(const std::string& method) {
 
 }  // namespace
 
-Minimum minimize(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop) {
+Minimum minimize(const Program& program, const Eigen::VectorXd& start, OptimizeMethod method, const Stop& stop) {
   algorithm(method);
-  if (!program.gradients && method != "cobyla")
-    throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs gradients, which there are none of here; use \"cobyla\"", method));
+  if (!program.gradients && method != OptimizeMethod::Cobyla)
+    throw Error(Fault::Usage, fmt::format("method \"{}\" needs gradients, which there are none of here; use \"cobyla\"",
+                                          word(method)));
   if (program.lower.size() != program.upper.size() || program.lower.size() != start.size() ||
       !program.lower.allFinite() || !program.upper.allFinite() || (program.lower.array() > program.upper.array()).any())
     throw Error(Fault::Usage, "every variable needs a finite lower and upper bound, the lower one first");

@@ -122,7 +122,8 @@ void Rounds::restore() {
   const std::optional<Checkpoint> found = read_checkpoint(place_.path);
   if (!found) return;
   const auto method = found->texts.find("method");
-  if (found->fingerprint != place_.fingerprint || method == found->texts.end() || method->second != request_.method)
+  if (found->fingerprint != place_.fingerprint || method == found->texts.end() ||
+      method->second != word(request_.method))
     throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case or method; start without --resume",
                                           place_.path.string()));
   checkpoint_ = *found;
@@ -143,7 +144,7 @@ void Rounds::restore() {
 void Rounds::keep() {
   if (place_.path.empty() || done_.empty()) return;
   checkpoint_.fingerprint = place_.fingerprint;
-  checkpoint_.texts["method"] = request_.method;
+  checkpoint_.texts["method"] = word(request_.method);
   if (checked_) {
     checkpoint_.texts["checked"] = *checked_;
     checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);
@@ -256,11 +257,11 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
 
 OptimizeResult Rounds::run() {
   restore();
-  const std::string& method = request_.method;
-  const bool wants_gradients = method != "cobyla";
+  const OptimizeMethod method = request_.method;
+  const bool wants_gradients = method != OptimizeMethod::Cobyla;
   if (wants_gradients && trials_.blind())
     throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", method, *trials_.blind()));
+                fmt::format("method \"{}\" needs derivatives, and {}; use \"cobyla\"", word(method), *trials_.blind()));
   if (request_.max_iterations < 1)
     throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
   Program program;

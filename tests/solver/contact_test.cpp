@@ -1,5 +1,6 @@
 #include "solver/contact/contact.hpp"
 
+#include "solver/system.hpp"
 #include "kerf/model.hpp"
 #include "tests/support/exact.hpp"
 

@@ -55,7 +55,7 @@ struct FaceErrors {
   double opening = 0, traction = 0;
 };
 FaceErrors face_errors(const Model& m, const std::vector<CrackPoint>& profile, const exact::ExactField& f) {
-  const EdgeRule& trace = m.kernel.trace;
+  const EdgeRule& trace = m.inner->kernel.trace;
   const Eigen::Index points = trace.s.size();
   const EdgeRule rule = gauss(20);
   FaceErrors e;

@@ -43,7 +43,7 @@ Difference difference(const Model& m, const State& a, const State& b) {
   }
   const auto largest = [](const auto& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0; };
   const auto relative = [](double error, double size) { return size > 0 ? error / size : error; };
-  const Index base = m.inner->skeleton.base, jumps = m.skeleton.total - base;
+  const Index base = m.inner->skeleton.base, jumps = m.inner->skeleton.total - base;
   const double uniform = trace * trace / (2 * area(m));
   Difference d;
   d.stress = std::sqrt(relative(std::max(stress - uniform, 0.0), stresses));
