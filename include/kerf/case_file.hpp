@@ -39,8 +39,13 @@ enum class Backend { Cholmod, Umfpack };
 // The words of case files, results and messages for values of enums, in the order of the values.
 inline constexpr std::array<std::string_view, 3> contact_method_words{"dual-qp", "active-set", "uzawa"};
 inline constexpr std::array<std::string_view, 2> backend_words{"cholmod", "umfpack"};
+inline constexpr std::array<std::string_view, 3> crack_law_words{"unilateral", "open", "bonded"};
 constexpr std::string_view word(ContactMethod method) {
   return contact_method_words[static_cast<std::size_t>(method)];
+}
+
+constexpr std::string_view word(CrackLaw::Kind kind) {
+  return crack_law_words[static_cast<std::size_t>(kind)];
 }
 
 struct Elastic {

@@ -80,6 +80,9 @@ struct LevelSetRequest {
   double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
 };
 
+inline constexpr std::array<std::string_view, 2> move_words{"shape-gradient", "fixed-point"};
+inline constexpr std::array<std::string_view, 2> inner_product_words{"h1", "elasticity"};
+
 struct OptimizeRequest {
   OptimizeMethod method = OptimizeMethod::LevelSet;
   std::optional<double> volume_at_most;  // fraction of the area of the body without the design's holes

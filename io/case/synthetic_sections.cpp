@@ -40,8 +40,7 @@ void read_synthetic(const Value& document, Case& c) {
                                                  measured->name));
     return;
   }
-  allow_only(*table,
-             {"hole", "crack", "region", "element", "degree", "size", "crack_tip_size", "noise", "spacing", "seed"});
+  allow_only(*table);
   if (!measured)
     fail(table->node->position,
          "[synthetic] is not used; write kind = \"misfit\" and measured = \"synthetic\" in [functional]");
@@ -64,12 +63,12 @@ void read_synthetic(const Value& document, Case& c) {
   constexpr double finer = 0.7;
   s.sizing.size = finer * (c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40);
   s.sizing.crack_tip_size = finer * c.sizing.crack_tip_size;  // 0 stays: it follows from the size
-  if (const auto size = find(*table, "size")) s.sizing.size = positive(*size);
-  if (const auto size = find(*table, "crack_tip_size")) s.sizing.crack_tip_size = positive(*size);
-  if (const auto noise = find(*table, "noise")) s.noise = between(*noise, 0, 1);
+  take(*table, "size", s.sizing.size);
+  take(*table, "crack_tip_size", s.sizing.crack_tip_size);
+  take(*table, "noise", s.noise);
   s.spacing = c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40;
-  if (const auto spacing = find(*table, "spacing")) s.spacing = positive(*spacing);
-  if (const auto seed = find(*table, "seed")) s.seed = static_cast<unsigned>(whole_number(*seed, 0, 2147483647));
+  take(*table, "spacing", s.spacing);
+  take(*table, "seed", s.seed);
   for (const Term& term : c.functional.terms)
     if (term.measured) s.label = term.measured->label;
   c.synthetic = std::move(s);
