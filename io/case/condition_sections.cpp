@@ -174,12 +174,7 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
   for (const Value& table : tables) {
     allow_only(table);
     LoadCase load_case;
-    const Value name = need(table, "name");
-    load_case.name = safe_name(name);
-    for (const LoadCase& other : out)
-      if (other.name == load_case.name)
-        fail(name.node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(load_case.name)));
+    load_case.name = new_name(need(table, "name"), out);
     take(table, "weight", load_case.weight);
     const std::vector<Value> entries = find_tables(table, "boundary");
     for (const Value& entry : entries) {

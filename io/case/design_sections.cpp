@@ -196,9 +196,7 @@ struct Names {
     std::string name;
     if (const auto field = find(table, "name")) {
       name = safe_name(*field);
-      if (in(taken, name))
-        fail(field->node->position,
-             fmt::format("{}: the name {} is taken; give each its own", field->name, quote(name)));
+      if (in(taken, name)) refuse_taken(*field, name);
     } else {
       for (int k = 1; name.empty() || in(taken, name) || in(given, name); ++k) name = fmt::format("{}_{}", kind, k);
     }
@@ -217,58 +215,56 @@ Names names(const std::string& kind, const std::vector<Value>& tables, const std
   return out;
 }
 
-}  // namespace
+Drawn drawn(Drawn::Kind kind, const std::string& name, const Boxes& boxes, bool from_map) {
+  Drawn out{.kind = kind, .name = name};
+  out.lower = vector(boxes.lower);
+  out.upper = vector(boxes.upper);
+  out.start = vector(boxes.start);
+  out.from_map = from_map;
+  return out;
+}
 
-Design read_design(const Value& optimize, const Case& c) {
-  using Kind = Drawn::Kind;
-  const double size = extent(c.shape);
-  Design design;
-  const auto add = [&](Kind kind, std::string name, const Boxes& boxes) -> Drawn& {
-    Drawn drawn{.kind = kind, .name = std::move(name)};
-    drawn.lower = vector(boxes.lower);
-    drawn.upper = vector(boxes.upper);
-    drawn.start = vector(boxes.start);
-    design.drawn.push_back(std::move(drawn));
-    return design.drawn.back();
-  };
-
-  const std::vector<Value> holes = find_tables(optimize, "hole");
-  Names hole_names = names("hole", holes, c.shape.holes);
-  for (const Value& table : holes) {
+void draw_holes(const Value& optimize, const Shape& shape, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "hole");
+  Names given = names("hole", tables, shape.holes);
+  for (const Value& table : tables) {
     allow_only(table);
     const std::string kind = one_of(table);
     const Value form = need(table, kind);
     bool from_map = false;
     const auto start = read_start(table, from_map);
-    const std::string name = hole_names.next(table);
+    const std::string name = given.next(table);
     if (kind == "circle") {
       if (start) allow_only(*start, "circle");
-      add(Kind::Circle, name, read_circle(form, start));
+      design.drawn.push_back(drawn(Drawn::Kind::Circle, name, read_circle(form, start), from_map));
     } else if (kind == "ellipse") {
-      add(Kind::Ellipse, name, read_ellipse(form, start));
+      design.drawn.push_back(drawn(Drawn::Kind::Ellipse, name, read_ellipse(form, start), from_map));
     } else {
-      add(Kind::Spline, name, read_spline(form, start, size, from_map));
+      const Boxes boxes = read_spline(form, start, extent(shape), from_map);
+      design.drawn.push_back(drawn(Drawn::Kind::Spline, name, boxes, from_map));
     }
-    design.drawn.back().from_map = from_map;
   }
+}
 
-  const std::vector<Value> cracks = find_tables(optimize, "crack");
-  Names crack_names = names("crack", cracks, c.shape.cracks);
-  for (const Value& table : cracks) {
+void draw_cracks(const Value& optimize, const Shape& shape, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "crack");
+  Names given = names("crack", tables, shape.cracks);
+  for (const Value& table : tables) {
     allow_only(table);
-    const std::string name = crack_names.next(table);
+    const std::string name = given.next(table);
     bool from_map = false;
     const auto start = read_start(table, from_map);
-    Drawn& drawn = add(Kind::Crack, name, read_path(need(table, "path"), start, from_map));
-    drawn.from_map = from_map;
-    take(table, "contact", drawn.law.kind);
+    design.drawn.push_back(drawn(Drawn::Kind::Crack, name, read_path(need(table, "path"), start, from_map), from_map));
+    take(table, "contact", design.drawn.back().law.kind);
   }
+}
 
-  const std::vector<Value> regions = find_tables(optimize, "region");
-  Names region_names = names("region", regions, c.shape.regions);
-  for (const Value& table : regions) {
+void draw_regions(const Value& optimize, const Case& c, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "region");
+  Names given = names("region", tables, c.shape.regions);
+  for (const Value& table : tables) {
     allow_only(table);
-    const std::string name = region_names.next(table);
+    const std::string name = given.next(table);
     bool from_map = false;
     const auto start = read_start(table, from_map);
     if (start) allow_only(*start);
@@ -278,10 +274,18 @@ Design read_design(const Value& optimize, const Case& c) {
       if (const auto young = find(*start, "young")) begin_at(*young, number(*young), 3, boxes);
     const double poisson = in_range(need(table, "poisson"));
     for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, young, poisson, c.plane_strain);
-    Drawn& drawn = add(Kind::Inclusion, name, boxes);
-    drawn.poisson = poisson;
-    drawn.from_map = from_map;
+    design.drawn.push_back(drawn(Drawn::Kind::Inclusion, name, boxes, from_map));
+    design.drawn.back().poisson = poisson;
   }
+}
+
+}  // namespace
+
+Design read_design(const Value& optimize, const Case& c) {
+  Design design;
+  draw_holes(optimize, c.shape, design);
+  draw_cracks(optimize, c.shape, design);
+  draw_regions(optimize, c, design);
   return design;
 }
 

@@ -180,6 +180,10 @@ std::string safe_name(const Value& field) {
   return name;
 }
 
+void refuse_taken(const Value& field, const std::string& name) {
+  fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
+}
+
 std::vector<Value> items(const Value& field, std::size_t least) {
   if (field.node->kind != Node::Kind::Array) refuse(field, "a list");
   if (field.node->items.size() < least) refuse(field, fmt::format("a list of at least {}", least));

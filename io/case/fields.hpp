@@ -47,6 +47,15 @@ int whole_number(const Value& field);  // in the range of its key
 int whole_number(const Value& field, const KeyRange& range);
 std::string text(const Value& field);
 std::string safe_name(const Value& field);
+[[noreturn]] void refuse_taken(const Value& field, const std::string& name);
+/// A safe name that none of the things has.
+template <typename Named>
+std::string new_name(const Value& field, const std::vector<Named>& things) {
+  const std::string name = safe_name(field);
+  for (const Named& thing : things)
+    if (thing.name == name) refuse_taken(field, name);
+  return name;
+}
 std::vector<Value> items(const Value& field, std::size_t least = 0);
 std::vector<Value> pair(const Value& field);  // exactly two
 Vec2 point(const Value& field);

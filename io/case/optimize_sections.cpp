@@ -235,10 +235,7 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
       return std::any_of(bounds.begin(), bounds.end(), [&](const FunctionalBound& b) { return b.name == name; });
     };
     if (const auto name = find(entry, "name")) {
-      bound.name = safe_name(*name);
-      if (is_taken(bound.name))
-        fail(name->node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name->name, quote(bound.name)));
+      bound.name = new_name(*name, bounds);
     } else {
       bound.name = bound.functional.kind;
       for (int k = 2; is_taken(bound.name); ++k) bound.name = fmt::format("{}_{}", bound.functional.kind, k);

@@ -13,12 +13,7 @@ namespace kerf {
 void read_probes(const Value& document, const std::filesystem::path& folder, Case& c) {
   for (const Value& entry : find_tables(document, "probe")) {
     allow_only(entry);
-    const Value name = need(entry, "name");
-    Probe probe{safe_name(name), {}};
-    for (const Probe& other : c.probes)
-      if (other.name == probe.name)
-        fail(name.node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(probe.name)));
+    Probe probe{new_name(need(entry, "name"), c.probes), {}};
     const std::string kind = one_of(entry);
     for (const char* key : {"to", "count"})
       if (const auto extra = find(entry, key); extra && kind != "from")

@@ -76,19 +76,6 @@ void read_outline(const Value& domain, Shape& shape) {
   }
 }
 
-void check_unique(const std::string& name, const Value& field, std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) != names.end())
-    fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
-  names.push_back(name);
-}
-
-template <typename Named>
-std::vector<std::string> names_of(const std::vector<Named>& things) {
-  std::vector<std::string> names;
-  for (const Named& thing : things) names.push_back(thing.name);
-  return names;
-}
-
 /// The entries of `frozen` in [optimize].
 std::vector<Value> frozen_names(const Value& document) {
   const auto optimize = find_table(document, "optimize");
@@ -138,12 +125,9 @@ void read_shape(const Value& document, Case& c) {
 }
 
 void add_holes(const std::vector<Value>& tables, Shape& shape) {
-  std::vector<std::string> names = names_of(shape.holes);
   for (const Value& hole : tables) {
     allow_only(hole);
-    const Value field = need(hole, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    const std::string name = new_name(need(hole, "name"), shape.holes);
     const auto label = static_cast<Index>(shape.labels.size());
     shape.labels.push_back("hole:" + name);
     shape.holes.push_back(read_loop(hole, name, label));
@@ -151,12 +135,9 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
 }
 
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
-  std::vector<std::string> names = names_of(shape.cracks);
   for (const Value& crack : tables) {
     allow_only(crack);
-    const Value field = need(crack, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    const std::string name = new_name(need(crack, "name"), shape.cracks);
     CrackLaw crack_law;
     take(crack, "contact", crack_law.kind);
     for (const auto& [key, value] :
@@ -178,13 +159,10 @@ void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<Crac
 
 std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane_strain, Shape& shape,
                                  std::vector<Material>& materials) {
-  std::vector<std::string> names = names_of(shape.regions);
   std::vector<Elastic> elastics;
   for (const Value& region : tables) {
     allow_only(region);
-    const Value field = need(region, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    const std::string name = new_name(need(region, "name"), shape.regions);
     shape.regions.push_back(read_loop(region, name, none));
     const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
     elastics.push_back(e);
@@ -205,7 +183,8 @@ std::vector<Loop> read_regions(const Value& document, Case& c) {
     allow_only(region);
     const Value field = need(region, "name");
     const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    if (std::find(names.begin(), names.end(), name) != names.end()) refuse_taken(field, name);
+    names.push_back(name);
     const bool mask = is_frozen(name);
     if (mask) frozen.push_back(read_loop(region, name, none));
     if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);
