@@ -199,12 +199,12 @@ std::string about(const Key& key, const std::string& path) {
   if (!key.example.empty()) add("example", fmt::format("{} = {}", name(key), key.example));
   add("one of", alternatives(key));
   add("goes with", goes_with(key));
-  if (!key.rules.later.empty()) add("later", "not supported yet; " + std::string(key.rules.later));
+  if (!key.rules.later.empty()) add("later", fmt::format("not supported yet; {}", key.rules.later));
   std::vector<Listed> keys;
   if (!key.rules.like.empty()) list(key.rules.like, "", keys);
   list(key.path, "", keys);
   if (has(key.type, Points)) list(std::string(key.path) + "[]", "", keys);
-  if (!keys.empty()) out += "\n" + as_list(keys, true);
+  if (!keys.empty()) out += fmt::format("\n{}", as_list(keys, true));
   return out;
 }
 
@@ -279,7 +279,7 @@ std::string keys_as_text(std::string_view wanted) {
     known.push_back(plain(key.path));
     known.emplace_back(name(key));
     if (parent(key.path).empty()) sections.emplace_back(name(key));
-    if (name(key) == path) out += (out.empty() ? "" : "\n") + about(key, std::string(key.path));
+    if (name(key) == path) out += fmt::format("{}{}", out.empty() ? "" : "\n", about(key, std::string(key.path)));
   }
   if (!out.empty()) return out;
   std::string near = suggest(path, known);
