@@ -76,9 +76,8 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   return results;
 }
 
-ContactResultSummary contact_result(const State& state, const std::string& method,
-                                    const std::vector<CrackResult>& cracks) {
-  ContactResultSummary r{.method = method,
+ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks) {
+  ContactResultSummary r{.method = std::string(word(method)),
                          .iterations = state.contact_iterations,
                          .linear_solves = state.linear_solves,
                          .kkt = state.certificate.kkt};

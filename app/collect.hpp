@@ -21,8 +21,7 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
                          const EnergyBounds& bounds);
-ContactResultSummary contact_result(const State& state, const std::string& method,
-                                    const std::vector<CrackResult>& cracks);
+ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
 /// Smallest and largest value over the triangles that are not masked and whose centroid is at least `radius` from every

@@ -1,5 +1,6 @@
 // kerf: the commands and their arguments. CLI11 lives here and nowhere else.
 
+#include "app/keys.hpp"
 #include "app/optimize.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
@@ -28,6 +29,8 @@ struct Arguments {
   bool quiet = false, force = false, resume = false;
   std::string log_level;      // empty: info, or warn when quiet
   std::string template_name;  // of init
+  KeysRequest keys;
+  std::vector<CommandWords> commands;  // and their options
   bool list = false;
 };
 
@@ -43,6 +46,7 @@ const std::vector<Command>& commands() {
       {"check", "Read the case, mesh it, print what each label selected; solve nothing"},
       {"validate", "The expansion against computations with changes of finite size"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
+      {"keys", "What may stand in a case file: all keys, or one of them"},
       {"init", "Write a commented case to begin from"},
       {"bench", "Speed against error, with CSV, JSON and pictures"}};
   return all;
@@ -55,6 +59,14 @@ void declare(CLI::App& app, Arguments& arguments) {
   for (const Command& command : commands()) {
     CLI::App* sub = app.add_subcommand(command.name, command.description);
     sub->callback([&arguments, name = command.name] { arguments.command = name; });
+    if (command.name == "keys") {
+      sub->add_option("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
+      sub->add_flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
+      sub->add_flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
+      sub->add_option("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
+      sub->add_option("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
+      continue;
+    }
     if (command.name == "init") {
       sub->add_option("NAME", arguments.template_name, "Which one; see --list");
       sub->add_flag("--list", arguments.list, "Print the names and what they show; write nothing");
@@ -98,6 +110,11 @@ std::optional<Arguments> parse(int argc, char** argv) {
     }
     const auto parsed = app.get_subcommands();
     refuse_arguments(e.what(), parsed.empty() ? "" : parsed.front()->get_name() + " ");
+  }
+  for (const CLI::App* sub : app.get_subcommands({})) {
+    arguments.commands.push_back({sub->get_name(), {}});
+    for (const CLI::Option* option : sub->get_options())
+      for (const std::string& name : option->get_lnames()) arguments.commands.back().options.push_back("--" + name);
   }
   if (arguments.command.empty()) {
     std::cout << app.help();
@@ -143,6 +160,10 @@ int perform_init(const Arguments& arguments) {
 
 int perform(const Arguments& arguments) {
   if (arguments.command == "init") return perform_init(arguments);
+  if (arguments.command == "keys") {
+    print(keys(arguments.keys, arguments.commands));
+    return 0;
+  }
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "check") {
     print(check(c));

@@ -96,7 +96,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   const CheckpointPlace place{checkpoint, task.fingerprint, options.resume};
   const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
   recorder.start();
-  out.result = request.method == "level-set" ? optimize_level_set(task.problem, request, see, place)
+  out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
                                              : optimize_parameters(task.problem, request, see, place);
   out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
   if (task.truth && !request.design.drawn.empty())

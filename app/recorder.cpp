@@ -100,7 +100,7 @@ std::string Recorder::progress(const Iteration& row) {
       fmt::format("optimize {}: J {:.6g}, volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.number,
                   row.objective, row.volume_fraction, row.step, row.holes, row.holes == 1 ? "" : "s", row.triangles);
   // Iterations of the level set, state solves of the others are what may at most be done.
-  const bool level_set = request.method == "level-set";
+  const bool level_set = request.method == OptimizeMethod::LevelSet;
   const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
   const double done = level_set ? row.number : row.state_solves / cases;
   if (seen_.size() == 1) first_done_ = done;

@@ -14,10 +14,10 @@ void refuse_friction(const Shape& shape, const Scene& scene, const char* job, co
                       job, shape.cracks[k].name, table));
 }
 
-void refuse_optimization(const Problem& problem, const std::string& method) {
-  if (method != "level-set") return;
+void refuse_optimization(const Problem& problem, OptimizeMethod method) {
+  if (method != OptimizeMethod::LevelSet) return;
   refuse_friction(problem.frame, problem.scene, "level set", "optimize");
-  require(element(problem.element, problem.degree), can_optimize);
+  require(problem.element, can_optimize);
 }
 
 void refuse_map(const Element& e, const MapRequest& request) {

@@ -12,7 +12,7 @@ namespace kerf {
 void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table);
 
 /// The loops over variables say themselves what they need; cobyla needs no derivatives.
-void refuse_optimization(const Problem& problem, const std::string& method);
+void refuse_optimization(const Problem& problem, OptimizeMethod method);
 
 /// Elements without error bars for the map.
 void refuse_map(const Element& e, const MapRequest& request);

@@ -24,18 +24,12 @@ double peak_memory_mb() {
 
 // What the steps take from a case.
 
-ContactMethod contact_method(const Case& c) {
-  return c.contact == "uzawa"        ? ContactMethod::Uzawa
-         : c.contact == "active-set" ? ContactMethod::ActiveSet
-                                     : ContactMethod::DualQp;
-}
-
 Body body_of(const Case& c) {
-  return {c.shape, c.sizing, c.scene, element(c.element, c.degree)};
+  return {c.shape, c.sizing, c.scene, c.element};
 }
 
 Adaptation adaptation(const Case& c, int threads) {
-  Adaptation how{.contact = contact_method(c), .saddle_point = c.backend == "umfpack", .threads = threads};
+  Adaptation how{.contact = c.contact, .saddle_point = c.backend == Backend::Umfpack, .threads = threads};
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
   return how;
 }
@@ -50,9 +44,8 @@ OptimizeTask optimize_task(const Case& c, int threads) {
                       .scene = c.scene,
                       .sizing = c.sizing,
                       .element = c.element,
-                      .degree = c.degree,
                       .objective = c.functional,
-                      .contact = contact_method(c),
+                      .contact = c.contact,
                       .plane_strain = c.plane_strain,
                       .threads = threads},
           .request = *c.optimize,
@@ -98,7 +91,7 @@ void refuse(const Case& c, const Jobs& jobs) {
   if (jobs.map) refuse_friction(c.shape, c.scene, "map", "map");
   if (jobs.validate) refuse_friction(c.shape, c.scene, "validation", "validate");
   if (jobs.optimize) refuse_optimization(optimize_task(c, 1).problem, c.optimize->method);
-  const Element& e = element(c.element, c.degree);
+  const Element& e = c.element;
   if (jobs.map) refuse_map(e, c.map_request);
   if (jobs.validate) refuse_validation(e);
 }
@@ -143,7 +136,7 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
   journal.begin("recover");
-  StateSection section = describe_state(adapted, c.shape, c.backend == "umfpack" ? "active-set" : c.contact);
+  StateSection section = describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
   r.cracks = std::move(section.cracks);
   if (section.contact) r.contact = std::move(section.contact);

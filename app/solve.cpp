@@ -68,7 +68,7 @@ AdaptResult adapt_result(const Adapted& adapted) {
   return r;
 }
 
-StateSection describe_state(const Adapted& adapted, const Shape& shape, const std::string& method) {
+StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactMethod method) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
   StateSection s{state_result(model, state, adapted.indicator, energy_bounds(model, state)),

@@ -27,8 +27,8 @@ struct StateSection {
   std::vector<CrackResult> cracks;
   std::optional<ContactResultSummary> contact;
 };
-/// `method`: of the contact, as in result.json.
-StateSection describe_state(const Adapted& adapted, const Shape& shape, const std::string& method);
+/// `method`: of the contact.
+StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactMethod method);
 
 /// The files and pictures of a state.
 void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,

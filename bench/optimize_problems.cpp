@@ -143,7 +143,7 @@ const std::vector<std::string>& optimize_starts() {
 
 OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& start) {
   OptimizeRequest r;
-  r.method = "level-set";
+  r.method = OptimizeMethod::LevelSet;
   if (p.volume_penalty > 0)
     r.volume_penalty = p.volume_penalty;
   else

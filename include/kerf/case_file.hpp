@@ -5,10 +5,12 @@
 #include "kerf/optimize.hpp"
 #include "kerf/validate.hpp"
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace kerf {
@@ -31,6 +33,21 @@ struct OutputRequest {
   bool vtk = true, png = true, html = true;
 };
 
+/// What factorizes: the condensed matrix, or the saddle point that is not condensed.
+enum class Backend { Cholmod, Umfpack };
+
+// The words of case files, results and messages for values of enums, in the order of the values.
+inline constexpr std::array<std::string_view, 3> contact_method_words{"dual-qp", "active-set", "uzawa"};
+inline constexpr std::array<std::string_view, 2> backend_words{"cholmod", "umfpack"};
+inline constexpr std::array<std::string_view, 3> crack_law_words{"unilateral", "open", "bonded"};
+constexpr std::string_view word(ContactMethod method) {
+  return contact_method_words[static_cast<std::size_t>(method)];
+}
+
+constexpr std::string_view word(CrackLaw::Kind kind) {
+  return crack_law_words[static_cast<std::size_t>(kind)];
+}
+
 struct Elastic {
   double young = 1, poisson = 0.3;
 };
@@ -44,10 +61,9 @@ struct Case {
   double young = 1, poisson = 0.3;
   bool plane_strain = true;
   std::vector<Elastic> regions;  // per region of the shape; as materials in the scene
-  std::string element = "bdms";
-  int degree = 1;
-  std::string contact = "dual-qp";  // | "active-set" | "uzawa"
-  std::string backend = "cholmod";  // | "umfpack"
+  Element element = bdms(1);
+  ContactMethod contact = ContactMethod::DualQp;
+  Backend backend = Backend::Cholmod;
   std::optional<AdaptRequest> adapt;
   Functional functional;
   MapRequest map_request;  // perturbation, radius and bounds of a map, asked for in the case or not

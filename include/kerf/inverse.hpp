@@ -14,8 +14,7 @@ namespace kerf {
 struct Synthetic {
   Shape true_shape;  // what the case draws, and what it looks for
   Scene true_scene;  // of it
-  std::string element = "afw";
-  int degree = 1;
+  Element element = afw(1);
   Sizing sizing;
   double noise = 0;    // standard deviation of each component at each sensor, relative to the root mean square of all
   double spacing = 0;  // of the sensors along the boundary; 0: the edge length of the mesh

@@ -7,9 +7,18 @@
 #include "kerf/mesher.hpp"
 #include "kerf/state.hpp"
 
+#include <array>
 #include <filesystem>
+#include <string_view>
 
 namespace kerf {
+
+/// A level set, or one of NLopt's methods. Their words are those of case files, results and messages.
+enum class OptimizeMethod { LevelSet, Mma, Ccsaq, Slsqp, Cobyla };
+inline constexpr std::array<std::string_view, 5> optimize_method_words{"level-set", "mma", "ccsaq", "slsqp", "cobyla"};
+constexpr std::string_view word(OptimizeMethod method) {
+  return optimize_method_words[static_cast<std::size_t>(method)];
+}
 
 // What is asked.
 
@@ -18,8 +27,7 @@ struct Problem {
   Shape frame;  // fixed holes, cracks and regions included
   Scene scene;  // of the frame: a law per crack, a material per region
   Sizing sizing;
-  std::string element = "bdms";
-  int degree = 1;
+  Element element = bdms(1);
   Functional objective;
   ContactMethod contact = ContactMethod::DualQp;
   bool plane_strain = true;  // how Young's modulus and Poisson's ratio of a drawn inclusion become a Material
@@ -68,9 +76,12 @@ struct LevelSetRequest {
   double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
 };
 
+inline constexpr std::array<std::string_view, 2> move_words{"shape-gradient", "fixed-point"};
+inline constexpr std::array<std::string_view, 2> inner_product_words{"h1", "elasticity"};
+
 /// What is minimized over, under which constraints, and how.
 struct OptimizeRequest {
-  std::string method = "level-set";      // | mma | ccsaq | slsqp | cobyla
+  OptimizeMethod method = OptimizeMethod::LevelSet;
   std::optional<double> volume_at_most;  // fraction of the area of the body without the design's holes
   double volume_penalty = 0;             // J + penalty * area
   int max_iterations = 100;              // of the level set; state evaluations of the others
@@ -113,7 +124,7 @@ struct Iterate {
 using Observer = std::function<bool(const Iterate&)>;
 
 struct OptimizeResult {
-  std::string method;
+  OptimizeMethod method = OptimizeMethod::LevelSet;
   int iterations = 0, state_solves = 0;
   double objective = 0, volume_fraction = 0, optimality = 0;
   bool feasible = true;

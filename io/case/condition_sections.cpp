@@ -132,7 +132,7 @@ void add_conditions(const std::vector<Value>& tables, const std::vector<std::str
 }
 
 VectorField body_force(const Value& table, Definitions& definitions) {
-  allow_only(table, {"force"});
+  allow_only(table);
   const auto force = formulas(need(table, "force"), definitions, false);
   return [fx = force[0].value, fy = force[1].value](const Vec2& x) {
     return Vec2(fx(x, Vec2::Zero()), fy(x, Vec2::Zero()));
@@ -145,7 +145,7 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c) {
   std::vector<Conditions> per_label(c.shape.labels.size());
   const std::vector<Value> tables = find_tables(document, "boundary");
   const std::vector<std::string> keys = together(loads, supports);
-  for (const Value& entry : tables) allow_only(entry, together({"on"}, keys));
+  for (const Value& entry : tables) allow_only(entry);
   add_conditions(tables, keys, definitions, c.shape, per_label);
   for (std::size_t label = 0; label < per_label.size(); ++label) {
     add_support(per_label[label], static_cast<Index>(label), c.scene.supports);
@@ -172,22 +172,17 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
   std::vector<Conditions> supported(c.shape.labels.size());
   add_conditions(boundary, supports, definitions, c.shape, supported);
   for (const Value& table : tables) {
-    allow_only(table, {"name", "weight", "boundary", "body"});
+    allow_only(table);
     LoadCase load_case;
-    const Value name = need(table, "name");
-    load_case.name = safe_name(name);
-    for (const LoadCase& other : out)
-      if (other.name == load_case.name)
-        fail(name.node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(load_case.name)));
-    if (const auto weight = find(table, "weight")) load_case.weight = positive(*weight);
+    load_case.name = new_name(need(table, "name"), out);
+    take(table, "weight", load_case.weight);
     const std::vector<Value> entries = find_tables(table, "boundary");
     for (const Value& entry : entries) {
       for (const std::string& key : supports)
         if (const auto field = find(entry, key))
           fail(field->node->position,
                fmt::format("{}: all load cases have the supports of [[boundary]]; move it there", field->name));
-      allow_only(entry, together({"on"}, loads));
+      allow_only(entry);
     }
     std::vector<Conditions> per_label = supported;
     add_conditions(entries, loads, definitions, c.shape, per_label);

@@ -61,7 +61,7 @@ void begin_at_place(const Value& field, std::size_t k, Boxes& boxes) {
 }
 
 Boxes read_circle(const Value& form, const std::optional<Value>& start) {
-  allow_only(form, {"center", "radius"});
+  allow_only(form);
   Boxes boxes;
   add_place(need(form, "center"), boxes);
   add_box(need(form, "radius"), 0, boxes);
@@ -72,7 +72,7 @@ Boxes read_circle(const Value& form, const std::optional<Value>& start) {
 }
 
 Boxes read_ellipse(const Value& form, const std::optional<Value>& start) {
-  allow_only(form, {"center", "semi_axes", "angle_deg"});
+  allow_only(form);
   Boxes boxes;
   add_place(need(form, "center"), boxes);
   for (const Value& axis : pair(need(form, "semi_axes"))) add_box(axis, 0, boxes);
@@ -83,7 +83,7 @@ Boxes read_ellipse(const Value& form, const std::optional<Value>& start) {
     for (auto* values : {&boxes.lower, &boxes.upper, &boxes.start}) values->push_back(0);
   }
   if (!start) return boxes;
-  allow_only(*start, {"center", "semi_axes", "angle_deg"});
+  allow_only(*start, "ellipse");
   if (const auto center = find(*start, "center")) begin_at_place(*center, 0, boxes);
   if (const auto axes = find(*start, "semi_axes")) begin_at_place(*axes, 2, boxes);
   if (const auto angle = find(*start, "angle_deg")) begin_at(*angle, number(*angle) * pi / 180, 4, boxes, pi / 180);
@@ -105,12 +105,12 @@ std::optional<Value> read_start(const Value& table, bool& from_map) {
   const auto start = find(table, "start");
   from_map = start && start->node->kind == Node::Kind::String;
   if (!from_map) return start;
-  choice(*start, {"map"});
+  choice(*start);
   return std::nullopt;
 }
 
 Boxes read_spline(const Value& form, const std::optional<Value>& start, double size, bool from_map) {
-  allow_only(form, {"points"});
+  allow_only(form);
   const Value points = need(form, "points");
   const std::vector<Value> entries = items(points, 4);
   Boxes boxes;
@@ -120,8 +120,9 @@ Boxes read_spline(const Value& form, const std::optional<Value>& start, double s
       const double angle = 2 * pi * static_cast<double>(i / 2) / static_cast<double>(entries.size());
       boxes.start[i] += 0.25 * (boxes.upper[i] - boxes.lower[i]) * (i % 2 == 0 ? std::cos(angle) : std::sin(angle));
     }
-  if (start && one_of(*start, {"points", "center"}) == "points") {
-    allow_only(*start, {"points"});
+  const std::string begin = start ? one_of(*start, {"points", "center"}) : "";
+  if (start) allow_only(*start, begin);
+  if (begin == "points") {
     const Value given = need(*start, "points");
     const std::vector<Value> places = items(given);
     if (places.size() != entries.size())
@@ -129,7 +130,6 @@ Boxes read_spline(const Value& form, const std::optional<Value>& start, double s
            fmt::format("{} has {} points; the spline has {}", given.name, places.size(), entries.size()));
     for (std::size_t i = 0; i < places.size(); ++i) begin_at_place(places[i], 2 * i, boxes);
   } else if (start) {
-    allow_only(*start, {"center", "radius"});
     const Vec2 center = point(need(*start, "center"));
     const Value radius = need(*start, "radius");
     const double r = positive(radius);
@@ -160,7 +160,7 @@ Boxes read_path(const Value& path, const std::optional<Value>& start, bool from_
       boxes.start[i] += (static_cast<double>(i / 2) / static_cast<double>(entries.size() - 1) - 0.5) * 0.5 *
                         (boxes.upper[i] - boxes.lower[i]);
   if (start) {
-    allow_only(*start, {"path"});
+    allow_only(*start);
     const Value given = need(*start, "path");
     const std::vector<Value> places = items(given);
     if (places.size() != entries.size())
@@ -194,9 +194,7 @@ struct Names {
     std::string name;
     if (const auto field = find(table, "name")) {
       name = safe_name(*field);
-      if (in(taken, name))
-        fail(field->node->position,
-             fmt::format("{}: the name {} is taken; give each its own", field->name, quote(name)));
+      if (in(taken, name)) refuse_taken(*field, name);
     } else {
       for (int k = 1; name.empty() || in(taken, name) || in(given, name); ++k) name = fmt::format("{}_{}", kind, k);
     }
@@ -215,73 +213,77 @@ Names names(const std::string& kind, const std::vector<Value>& tables, const std
   return out;
 }
 
-}  // namespace
+Drawn drawn(Drawn::Kind kind, const std::string& name, const Boxes& boxes, bool from_map) {
+  Drawn out{.kind = kind, .name = name};
+  out.lower = vector(boxes.lower);
+  out.upper = vector(boxes.upper);
+  out.start = vector(boxes.start);
+  out.from_map = from_map;
+  return out;
+}
 
-Design read_design(const Value& optimize, const Case& c) {
-  using Kind = Drawn::Kind;
-  const double size = extent(c.shape);
-  Design design;
-  const auto add = [&](Kind kind, std::string name, const Boxes& boxes) -> Drawn& {
-    Drawn drawn{.kind = kind, .name = std::move(name)};
-    drawn.lower = vector(boxes.lower);
-    drawn.upper = vector(boxes.upper);
-    drawn.start = vector(boxes.start);
-    design.drawn.push_back(std::move(drawn));
-    return design.drawn.back();
-  };
-
-  const std::vector<Value> holes = find_tables(optimize, "hole");
-  Names hole_names = names("hole", holes, c.shape.holes);
-  for (const Value& table : holes) {
-    allow_only(table, {"name", "circle", "ellipse", "spline", "start"});
-    const std::string kind = one_of(table, {"circle", "ellipse", "spline"});
+void draw_holes(const Value& optimize, const Shape& shape, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "hole");
+  Names given = names("hole", tables, shape.holes);
+  for (const Value& table : tables) {
+    allow_only(table);
+    const std::string kind = one_of(table);
     const Value form = need(table, kind);
     bool from_map = false;
     const auto start = read_start(table, from_map);
-    const std::string name = hole_names.next(table);
+    const std::string name = given.next(table);
     if (kind == "circle") {
-      if (start) allow_only(*start, {"center", "radius"});
-      add(Kind::Circle, name, read_circle(form, start));
+      if (start) allow_only(*start, "circle");
+      design.drawn.push_back(drawn(Drawn::Kind::Circle, name, read_circle(form, start), from_map));
     } else if (kind == "ellipse") {
-      add(Kind::Ellipse, name, read_ellipse(form, start));
+      design.drawn.push_back(drawn(Drawn::Kind::Ellipse, name, read_ellipse(form, start), from_map));
     } else {
-      add(Kind::Spline, name, read_spline(form, start, size, from_map));
+      const Boxes boxes = read_spline(form, start, extent(shape), from_map);
+      design.drawn.push_back(drawn(Drawn::Kind::Spline, name, boxes, from_map));
     }
-    design.drawn.back().from_map = from_map;
   }
+}
 
-  const std::vector<Value> cracks = find_tables(optimize, "crack");
-  Names crack_names = names("crack", cracks, c.shape.cracks);
-  for (const Value& table : cracks) {
-    allow_only(table, {"name", "path", "contact", "start"});
-    const std::string name = crack_names.next(table);
+void draw_cracks(const Value& optimize, const Shape& shape, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "crack");
+  Names given = names("crack", tables, shape.cracks);
+  for (const Value& table : tables) {
+    allow_only(table);
+    const std::string name = given.next(table);
     bool from_map = false;
     const auto start = read_start(table, from_map);
-    Drawn& drawn = add(Kind::Crack, name, read_path(need(table, "path"), start, from_map));
-    drawn.from_map = from_map;
-    if (const auto contact = find(table, "contact"))
-      drawn.law.kind =
-          choice(*contact, {"unilateral", "open"}) == "open" ? CrackLaw::Kind::Open : CrackLaw::Kind::Unilateral;
+    design.drawn.push_back(drawn(Drawn::Kind::Crack, name, read_path(need(table, "path"), start, from_map), from_map));
+    take(table, "contact", design.drawn.back().law.kind);
   }
+}
 
-  const std::vector<Value> regions = find_tables(optimize, "region");
-  Names region_names = names("region", regions, c.shape.regions);
-  for (const Value& table : regions) {
-    allow_only(table, {"name", "circle", "young", "poisson", "start"});
-    const std::string name = region_names.next(table);
+void draw_regions(const Value& optimize, const Case& c, Design& design) {
+  const std::vector<Value> tables = find_tables(optimize, "region");
+  Names given = names("region", tables, c.shape.regions);
+  for (const Value& table : tables) {
+    allow_only(table);
+    const std::string name = given.next(table);
     bool from_map = false;
     const auto start = read_start(table, from_map);
-    if (start) allow_only(*start, {"center", "radius", "young"});
+    if (start) allow_only(*start);
     Boxes boxes = read_circle(need(table, "circle"), start);
     add_box(need(table, "young"), 0, boxes);
     if (start)
       if (const auto young = find(*start, "young")) begin_at(*young, number(*young), 3, boxes);
-    const double poisson = between(need(table, "poisson"), 0, 0.5);
+    const double poisson = in_range(need(table, "poisson"));
     for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, young, poisson, c.plane_strain);
-    Drawn& drawn = add(Kind::Inclusion, name, boxes);
-    drawn.poisson = poisson;
-    drawn.from_map = from_map;
+    design.drawn.push_back(drawn(Drawn::Kind::Inclusion, name, boxes, from_map));
+    design.drawn.back().poisson = poisson;
   }
+}
+
+}  // namespace
+
+Design read_design(const Value& optimize, const Case& c) {
+  Design design;
+  draw_holes(optimize, c.shape, design);
+  draw_cracks(optimize, c.shape, design);
+  draw_regions(optimize, c, design);
   return design;
 }
 

@@ -43,6 +43,14 @@ std::string child_name(const Value& table, const std::string& key) {
   return fmt::format("{} in {}", key, table.name);
 }
 
+std::string place_in(const Value& table) {
+  return table.name.empty() ? "" : " in " + table.name;
+}
+
+std::string child_path(const Value& table, const std::string& key) {
+  return table.path.empty() ? key : table.path + "." + key;
+}
+
 /// "optimize" of "[optimize]" and "[[optimize]]".
 std::string bare(const std::string& header) {
   const std::size_t from = header.find_first_not_of('['), to = header.find_last_not_of(']');
@@ -59,24 +67,29 @@ void fail(const Position& position, const std::string& what) {
   throw Error(Fault::Usage, to_string(position) + ": " + what);
 }
 
-void allow_only(const Value& table, const std::vector<std::string>& known, const std::vector<Later>& later) {
+void allow_only(const Value& table, std::string_view variant) {
   check_table(table);
-  const std::string place = table.name.empty() ? "" : " in " + table.name;
-  std::vector<std::string> all = known;
-  for (const Later& l : later) all.push_back(l.key);
+  const std::vector<const Key*> keys = keys_in(table.path, variant);
+  std::vector<std::string> known;
+  for (const Key* key : keys) known.emplace_back(kerf::name(*key));
   for (const Entry& entry : table.node->entries) {
-    for (const Later& l : later)
-      if (l.key == entry.key)
-        fail(entry.position, fmt::format("{}{} is not supported yet; {}", quote(entry.key), place, l.instead));
-    if (!contains(known, entry.key))
-      fail(entry.position, fmt::format("unknown key {}{}; {}", quote(entry.key), place, suggest(entry.key, all)));
+    const auto found = std::find(known.begin(), known.end(), entry.key);
+    if (found == known.end()) refuse_unknown(entry, table, known);
+    if (const std::string_view later = keys[static_cast<std::size_t>(found - known.begin())]->rules.later;
+        !later.empty())
+      fail(entry.position, fmt::format("{}{} is not supported yet; {}", quote(entry.key), place_in(table), later));
   }
+}
+
+void refuse_unknown(const Entry& entry, const Value& table, const std::vector<std::string>& known) {
+  fail(entry.position,
+       fmt::format("unknown key {}{}; {}", quote(entry.key), place_in(table), suggest(entry.key, known)));
 }
 
 std::optional<Value> find(const Value& table, const std::string& key) {
   check_table(table);
   for (const Entry& entry : table.node->entries)
-    if (entry.key == key) return Value{&entry.value, child_name(table, key)};
+    if (entry.key == key) return Value{&entry.value, child_name(table, key), child_path(table, key)};
   return std::nullopt;
 }
 
@@ -105,7 +118,7 @@ std::vector<Value> find_tables(const Value& table, const std::string& key) {
     fail(field->node->position, fmt::format("{} may appear several times; write {}", quote(key), name));
   std::vector<Value> tables;
   for (const Node& item : field->node->items) {
-    tables.push_back({&item, name});
+    tables.push_back({&item, name, field->path + "[]"});
     check_table(tables.back());
   }
   return tables;
@@ -127,14 +140,31 @@ double positive(const Value& field) {
   return field.node->number;
 }
 
-double between(const Value& field, double low, double high) {
+namespace {
+
+KeyRange range_of(const Value& field) {
+  const Key* key = find_key(field.path);
+  return key ? key->rules.range : KeyRange{};
+}
+
+double within(const Value& field, const KeyRange& range) {
   const double value = number(field);
-  if (!(value >= low && value <= high)) refuse(field, fmt::format("between {} and {}", low, high));
+  if (!range.holds(value)) refuse(field, in_words(range));
   return value;
 }
 
-int whole_number(const Value& field, int low, int high) {
-  const double value = between(field, low, high);
+}  // namespace
+
+double in_range(const Value& field) {
+  return within(field, range_of(field));
+}
+
+int whole_number(const Value& field) {
+  return whole_number(field, range_of(field));
+}
+
+int whole_number(const Value& field, const KeyRange& range) {
+  const double value = within(field, range);
   if (value != std::floor(value)) refuse(field, "a whole number");
   return static_cast<int>(value);
 }
@@ -150,13 +180,17 @@ std::string safe_name(const Value& field) {
   return name;
 }
 
+void refuse_taken(const Value& field, const std::string& name) {
+  fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
+}
+
 std::vector<Value> items(const Value& field, std::size_t least) {
   if (field.node->kind != Node::Kind::Array) refuse(field, "a list");
   if (field.node->items.size() < least) refuse(field, fmt::format("a list of at least {}", least));
   std::vector<Value> out;
   out.reserve(field.node->items.size());
   for (std::size_t k = 0; k < field.node->items.size(); ++k)
-    out.push_back({&field.node->items[k], fmt::format("entry {} of {}", k + 1, field.name)});
+    out.push_back({&field.node->items[k], fmt::format("entry {} of {}", k + 1, field.name), field.path + "[]"});
   return out;
 }
 
@@ -176,7 +210,10 @@ std::vector<Vec2> points(const Value& field, std::size_t least) {
   return out;
 }
 
-std::string choice(const Value& field, const std::vector<std::string>& known, const std::vector<std::string>& later) {
+std::string choice(const Value& field) {
+  const KeyRules& rules = find_key(field.path)->rules;
+  const std::vector<std::string> known(rules.words.begin(), rules.words.end());
+  const std::vector<std::string> later(rules.later_words.begin(), rules.later_words.end());
   const std::string word = text(field);
   if (contains(known, word)) return word;
   if (contains(later, word))
@@ -185,6 +222,34 @@ std::string choice(const Value& field, const std::vector<std::string>& known, co
   std::vector<std::string> all = known;
   all.insert(all.end(), later.begin(), later.end());
   fail(field.node->position, fmt::format("unknown {} {}; {}", field.name, quote(word), suggest(word, all)));
+}
+
+std::size_t place_in_words(const Value& field) {
+  const KeyWords words = find_key(field.path)->rules.words;
+  return static_cast<std::size_t>(std::find(words.begin(), words.end(), choice(field)) - words.begin());
+}
+
+void take(const Value& table, const std::string& key, double& out) {
+  if (const auto field = find(table, key)) out = in_range(*field);
+}
+
+void take(const Value& table, const std::string& key, int& out) {
+  if (const auto field = find(table, key)) out = whole_number(*field);
+}
+
+void take(const Value& table, const std::string& key, unsigned& out) {
+  if (const auto field = find(table, key)) out = static_cast<unsigned>(whole_number(*field));
+}
+
+void take(const Value& table, const std::string& key, bool& out) {
+  if (const auto field = find(table, key)) out = boolean(*field);
+}
+
+std::string one_of(const Value& table) {
+  std::vector<std::string> keys;
+  for (const Key* key : keys_in(table.path))
+    if (key->rules.one_of) keys.emplace_back(kerf::name(*key));
+  return one_of(table, keys);
 }
 
 std::string one_of(const Value& table, const std::vector<std::string>& keys) {

@@ -12,55 +12,35 @@ namespace kerf {
 
 namespace {
 
-struct Kind {
-  std::string name;
-  std::vector<std::string> needed, optional;
-};
-
-const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all = {{"energy", {}, {}},
-                                        {"compliance", {}, {}},
-                                        {"volume", {}, {}},
-                                        {"displacement_tracking", {"target"}, {"weight"}},
-                                        {"boundary_tracking", {"on", "target"}, {"weight"}},
-                                        {"stress_power", {"p"}, {"weight"}},
-                                        {"stress_pnorm", {"p"}, {"weight"}},
-                                        {"misfit", {"on", "measured"}, {}},
-                                        {"energy_release_rate", {"crack", "tip"}, {"ring"}},
-                                        {"crack_opening", {"crack"}, {"weight"}},
-                                        {"crack_pressure", {"crack", "target"}, {"weight"}},
-                                        {"sum", {"terms"}, {}}};
-  return all;
-}
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
+bool contains(const std::vector<std::string>& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// The kind, with the keys of the table checked against it. `extra`: keys that go with every kind.
-const Kind& read_kind(const Value& table, const std::vector<std::string>& extra) {
-  std::vector<std::string> names, any = extra;
-  for (const Kind& kind : kinds()) {
-    names.push_back(kind.name);
-    any.insert(any.end(), kind.needed.begin(), kind.needed.end());
-    any.insert(any.end(), kind.optional.begin(), kind.optional.end());
-  }
-  const std::string name = choice(need(table, "kind"), names);
-  const Kind& kind = *std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.name == name; });
-  std::vector<std::string> known = kind.needed;
-  known.insert(known.end(), kind.optional.begin(), kind.optional.end());
-  known.insert(known.end(), extra.begin(), extra.end());
+std::vector<std::string> names_of(const std::vector<const Key*>& keys) {
+  std::vector<std::string> names;
+  for (const Key* key : keys)
+    if (name(*key) != "kind") names.emplace_back(name(*key));
+  return names;
+}
+
+/// The kind, with the keys of the table checked against it.
+std::string read_kind(const Value& table) {
+  const std::string kind = choice(need(table, "kind"));
+  const std::vector<const Key*> keys = keys_in(table.path, kind);
+  std::vector<std::string> known = names_of(keys);
+  const std::vector<std::string> any = names_of(keys_in(table.path));
   for (const Entry& entry : table.node->entries)
-    if (entry.key != "kind" && !contains(known, entry.key) && contains(any, entry.key))
+    if (!contains(known, entry.key) && contains(any, entry.key))
       fail(entry.position,
-           fmt::format("{} in {} does not go with kind = \"{}\", which takes {}", quote(entry.key), table.name, name,
+           fmt::format("{} in {} does not go with kind = \"{}\", which takes {}", quote(entry.key), table.name, kind,
                        known.empty() ? "no other key" : fmt::format("{}", fmt::join(known, ", "))));
-  known.push_back("kind");
-  allow_only(table, known);
-  for (const std::string& key : kind.needed)
-    if (!find(table, key))
+  known.emplace_back("kind");
+  for (const Entry& entry : table.node->entries)
+    if (!contains(known, entry.key)) refuse_unknown(entry, table, known);
+  for (const Key* key : keys)
+    if (key->rules.required && !key->rules.with.empty() && !find(table, std::string(name(*key))))
       fail(table.node->position,
-           fmt::format("kind = \"{}\" in {} needs the key {}; add it", name, table.name, quote(key)));
+           fmt::format("kind = \"{}\" in {} needs the key {}; add it", kind, table.name, quote(name(*key))));
   return kind;
 }
 
@@ -140,7 +120,7 @@ struct Reader {
   Term tip_term(const Value& table) const {
     const Index number = crack(table);
     const Value which = need(table, "tip");
-    const bool at_start = choice(which, {"start", "end"}) == "start";
+    const bool at_start = choice(which) == "start";
     const TipPlace tip = crack_tip(c.shape, number, at_start);
     const std::string name = fmt::format("the {} of crack {}", at_start ? "start" : "end",
                                          quote(c.shape.cracks[static_cast<std::size_t>(number)].name));
@@ -150,7 +130,7 @@ struct Reader {
     if (const auto given = find(table, "ring")) {
       const std::vector<Value> radii = items(*given);
       if (radii.size() != 2) fail(given->node->position, given->name + " must be two radii [inner, outer]");
-      ring = {positive(radii[0]), positive(radii[1])};
+      ring = {in_range(radii[0]), in_range(radii[1])};
       if (!(ring[0] < ring[1]))
         fail(given->node->position, fmt::format("{}: the outer radius {:g} must be larger than the inner one {:g}",
                                                 given->name, ring[1], ring[0]));
@@ -172,7 +152,7 @@ struct Reader {
     }
     if (kind == "boundary_tracking") return boundary_terms(table);
     if (kind == "stress_power" || kind == "stress_pnorm") {
-      const double p = between(need(table, "p"), 2, 100);
+      const double p = in_range(need(table, "p"));
       return {kind == "stress_power" ? stress_power(p, weight(table), c.plane_strain)
                                      : stress_pnorm(p, weight(table), c.plane_strain)};
     }
@@ -192,10 +172,10 @@ struct Reader {
 
 }  // namespace
 
-Functional read_functional_table(const Value& table, const std::vector<std::string>& extra,
-                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c) {
+Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,
+                                 const Case& c) {
   const Reader reader{folder, definitions, c};
-  const Kind& kind = read_kind(table, extra);
+  const Kind& kind = read_kind(table);
   Functional functional{.kind = kind.name, .terms = {}, .sum = kind.name == "sum"};
   if (kind.name != "sum") {
     functional.terms = reader.terms(table, kind.name);
@@ -204,9 +184,9 @@ Functional read_functional_table(const Value& table, const std::vector<std::stri
   const Value* measured = nullptr;
   const std::vector<Value> entries = items(need(table, "terms"), 1);
   for (const Value& entry : entries) {
-    const Kind& part = read_kind(entry, {"factor"});
-    if (part.name == "sum") fail(entry.node->position, entry.name + ": a sum cannot hold a sum; list its terms here");
-    if (part.name == "misfit") {
+    const std::string part = read_kind(entry);
+    if (part == "sum") fail(entry.node->position, entry.name + ": a sum cannot hold a sum; list its terms here");
+    if (part == "misfit") {
       if (measured)
         fail(entry.node->position, fmt::format("{}: there is room for one misfit (the other is at {})", entry.name,
                                                to_string(measured->node->position)));
@@ -217,7 +197,7 @@ Functional read_functional_table(const Value& table, const std::vector<std::stri
       factor = number(*given);
       if (factor == 0) fail(given->node->position, given->name + " is 0; leave the term out");
     }
-    for (Term& term : reader.terms(entry, part.name)) {
+    for (Term& term : reader.terms(entry, part)) {
       term.factor = factor;
       functional.terms.push_back(std::move(term));
     }
@@ -227,7 +207,7 @@ Functional read_functional_table(const Value& table, const std::vector<std::stri
 
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
   const auto table = find_table(document, "functional");
-  c.functional = table ? read_functional_table(*table, {}, folder, definitions, c) : Functional{.terms = {energy()}};
+  c.functional = table ? read_functional_table(*table, folder, definitions, c) : Functional{.terms = {energy()}};
 }
 
 std::optional<Value> synthetic_misfit(const Value& document) {

@@ -14,24 +14,24 @@ Perturbation read_perturbation(const Value& field, const Case& c) {
   using Kind = Perturbation::Kind;
   Perturbation p;
   if (field.node->kind == Node::Kind::Table) {
-    allow_only(field, {"young", "poisson", "aspect"});
-    if (one_of(field, {"young", "aspect"}) == "aspect") {
-      allow_only(field, {"aspect"});
+    allow_only(field);
+    const std::string kind = one_of(field);
+    allow_only(field, kind);
+    if (kind == "aspect") {
       p.kind = Kind::Ellipse;
-      p.aspect = between(need(field, "aspect"), 1, 100);
+      p.aspect = in_range(need(field, "aspect"));
       return p;
     }
-    allow_only(field, {"young", "poisson"});
     p.kind = Kind::Inclusion;
-    const double young = positive(need(field, "young"));
-    p.inclusion = elastic(field, young, between(need(field, "poisson"), 0, 0.5), c.plane_strain);
+    const double young = in_range(need(field, "young"));
+    p.inclusion = elastic(field, young, in_range(need(field, "poisson")), c.plane_strain);
     return p;
   }
   if (field.node->kind != Node::Kind::String)
     fail(field.node->position, field.name +
                                    " must be \"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = "
                                    "... } or { aspect = ... }");
-  p.kind = perturbation_kind(choice(field, {"hole", "clamped_hole", "crack"}));
+  p.kind = perturbation_kind(choice(field));
   return p;
 }
 
@@ -48,13 +48,13 @@ double radius(const Value& field, const Case& c) {
 std::vector<double> read_radii(const Value& field, const Case& c) {
   std::vector<double> radii;
   if (field.node->kind == Node::Kind::Table) {
-    allow_only(field, {"largest", "ratio", "count"});
+    allow_only(field);
     const double largest = radius(need(field, "largest"), c);
     const Value share = need(field, "ratio"), many = need(field, "count");
     const double ratio = number(share);
     if (!(ratio > 0 && ratio < 1))
       fail(share.node->position, fmt::format("{} must lie between 0 and 1, not {:g}", share.name, ratio));
-    const int count = whole_number(many, 1, 30);
+    const int count = whole_number(many);
     for (int k = 0; k < count; ++k) radii.push_back(largest * std::pow(ratio, k));
     constexpr double least = 1e-9;  // of the extent; no mesh has shorter edges
     if (!(radii.back() > least * extent(c.shape)))
@@ -81,7 +81,7 @@ void read_map(const Value& document, Case& c) {
   double default_radius = 0.005 * extent(c.shape);
   const auto map = find_table(document, "map"), validate = find_table(document, "validate");
   if (map) {
-    allow_only(*map, {"perturbation", "points", "bounds", "radius"});
+    allow_only(*map);
     if (const auto given = find(*map, "perturbation")) c.map_request.perturbation = read_perturbation(*given, c);
     c.map.emplace();
     if (const auto at = find(*map, "points")) {
@@ -89,11 +89,11 @@ void read_map(const Value& document, Case& c) {
         fail(at->node->position, at->name + " is empty; leave it out for a map everywhere in the body");
       c.map->points = points(*at, 1);
     }
-    if (const auto bounds = find(*map, "bounds")) c.map_request.bounds = boolean(*bounds);
+    take(*map, "bounds", c.map_request.bounds);
     if (const auto given = find(*map, "radius")) c.map_request.radius = radius(*given, c);
   }
   if (validate) {
-    allow_only(*validate, {"points", "radii"});
+    allow_only(*validate);
     c.validate.emplace();
     const Value at = need(*validate, "points");
     for (const Value& item : items(at, 1)) {

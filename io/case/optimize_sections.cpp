@@ -11,11 +11,6 @@ namespace kerf {
 
 namespace {
 
-const std::vector<std::string> everywhere = {"method", "volume", "max_iterations", "tolerance", "bound"};
-const std::vector<std::string> of_level_set = {"nucleate", "frozen",      "move",  "inner_product", "smoothing",
-                                               "symmetry", "min_feature", "start", "ersatz"};
-const std::vector<std::string> of_parameters = {"min_distance", "hole", "crack", "region"};
-
 /// A length of a part of the design.
 double length(const Value& field, double size) {
   const double value = positive(field);
@@ -30,7 +25,7 @@ void read_volume(const Value& volume, OptimizeRequest& r) {
     fail(volume.node->position, volume.name +
                                     " must be { at_most = 0.4 } (of the area), { penalty = 100 } (J + penalty "
                                     "times area), or both in one table");
-  allow_only(volume, {"at_most", "penalty"});
+  allow_only(volume);
   const auto at_most = find(volume, "at_most"), penalty = find(volume, "penalty");
   if (!at_most && !penalty) fail(volume.node->position, volume.name + " needs at_most, penalty or both");
   if (at_most) {
@@ -39,7 +34,7 @@ void read_volume(const Value& volume, OptimizeRequest& r) {
       fail(at_most->node->position, fmt::format("{} = {:g} is a share of the body's area; it must not be larger than 1",
                                                 at_most->name, *r.volume_at_most));
   }
-  if (penalty) r.volume_penalty = positive(*penalty);
+  if (penalty) r.volume_penalty = in_range(*penalty);
 }
 
 void read_nucleate(const Value& field, LevelSetRequest& r) {
@@ -49,8 +44,8 @@ void read_nucleate(const Value& field, LevelSetRequest& r) {
   }
   if (field.node->kind != Node::Kind::Table)
     fail(field.node->position, field.name + " must be { every = 5, fraction = 0.02 }, true or false");
-  allow_only(field, {"every", "fraction"});
-  if (const auto every = find(field, "every")) r.nucleate_every = whole_number(*every, 1, 100000);
+  allow_only(field);
+  take(field, "every", r.nucleate_every);
   if (const auto fraction = find(field, "fraction")) {
     r.nucleate_fraction = positive(*fraction);
     if (!(r.nucleate_fraction <= 0.5))
@@ -62,18 +57,18 @@ void read_nucleate(const Value& field, LevelSetRequest& r) {
 
 StartHoles read_start(const Value& field, double size) {
   StartHoles start;
-  if (one_of(field, {"holes", "random"}) == "holes") {
-    allow_only(field, {"holes", "radius"});
+  const std::string kind = one_of(field);
+  allow_only(field, kind);
+  if (kind == "holes") {
     const Value holes = need(field, "holes");
     if (holes.node->kind != Node::Kind::Array || holes.node->items.size() != 2)
       fail(holes.node->position, holes.name + " must be [columns, rows]");
     const std::vector<Value> counts = items(holes);
-    start.columns = whole_number(counts[0], 1, 1000);
-    start.rows = whole_number(counts[1], 1, 1000);
+    start.columns = whole_number(counts[0]);
+    start.rows = whole_number(counts[1]);
   } else {
-    allow_only(field, {"random", "seed", "radius"});
-    start.random = whole_number(need(field, "random"), 1, 100000);
-    if (const auto seed = find(field, "seed")) start.seed = static_cast<unsigned>(whole_number(*seed, 0, 2147483647));
+    start.random = whole_number(need(field, "random"));
+    take(field, "seed", start.seed);
   }
   start.radius = length(need(field, "radius"), size);
   return start;
@@ -113,9 +108,9 @@ Vec2 reflected(const Mirror& mirror, const Vec2& x) {
 
 Mirror read_mirror(const Value& field, const Case& c) {
   Mirror mirror;
-  const std::string kind = one_of(field, {"x", "y", "point"});
+  const std::string kind = one_of(field);
+  allow_only(field, kind);
   if (kind == "point") {
-    allow_only(field, {"point", "direction"});
     mirror.point = point(need(field, "point"));
     const Value direction = need(field, "direction");
     const Vec2 d = point(direction);
@@ -123,7 +118,6 @@ Mirror read_mirror(const Value& field, const Case& c) {
       fail(direction.node->position, direction.name + " must not be zero; [1, 0] is along x");
     mirror.direction = d.normalized();
   } else {
-    allow_only(field, {kind});
     const double at = number(need(field, kind));
     mirror.point = kind == "x" ? Vec2(at, 0) : Vec2(0, at);
     mirror.direction = kind == "x" ? Vec2::UnitY() : Vec2::UnitX();
@@ -179,17 +173,13 @@ void read_level_set(const Value& table, std::vector<Loop> frozen, const Case& c,
   LevelSetRequest& r = request.level_set;
   const double size = extent(c.shape);
   if (const auto field = find(table, "nucleate")) read_nucleate(*field, r);
-  if (const auto field = find(table, "move"))
-    r.move = choice(*field, {"shape-gradient", "fixed-point"}) == "fixed-point" ? LevelSetRequest::Move::FixedPoint
-                                                                                : LevelSetRequest::Move::ShapeGradient;
-  if (const auto field = find(table, "inner_product"))
-    r.product = choice(*field, {"h1", "elasticity"}) == "elasticity" ? LevelSetRequest::Product::Elasticity
-                                                                     : LevelSetRequest::Product::H1;
+  take(table, "move", r.move);
+  take(table, "inner_product", r.product);
   if (const auto field = find(table, "smoothing")) r.smoothing = length(*field, size);
   if (const auto field = find(table, "min_feature")) r.min_feature = length(*field, size);
   if (const auto field = find(table, "symmetry")) r.mirror = read_mirror(*field, c);
   if (const auto field = find(table, "start")) r.start = read_start(*field, size);
-  if (const auto field = find(table, "ersatz")) r.ersatz = between(*field, 1e-9, 0.5);
+  take(table, "ersatz", r.ersatz);
   if (const auto field = find(table, "frozen")) {
     std::vector<std::string> seen;
     for (const Value& item : items(*field)) {
@@ -225,7 +215,7 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
   std::vector<FunctionalBound> bounds;
   for (const Value& entry : find_tables(table, "bound")) {
     FunctionalBound bound;
-    bound.functional = read_functional_table(entry, {"at_most", "name"}, folder, definitions, c);
+    bound.functional = read_functional_table(entry, folder, definitions, c);
     for (const Term& term : bound.functional.terms)
       if (term.measured)
         fail(entry.node->position, entry.name + ": a misfit cannot be bounded; minimize it in [functional]");
@@ -233,10 +223,7 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
       return std::any_of(bounds.begin(), bounds.end(), [&](const FunctionalBound& b) { return b.name == name; });
     };
     if (const auto name = find(entry, "name")) {
-      bound.name = safe_name(*name);
-      if (is_taken(bound.name))
-        fail(name->node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name->name, quote(bound.name)));
+      bound.name = new_name(*name, bounds);
     } else {
       bound.name = bound.functional.kind;
       for (int k = 2; is_taken(bound.name); ++k) bound.name = fmt::format("{}_{}", bound.functional.kind, k);
@@ -273,6 +260,21 @@ void check_load_cases(const Value& document, const Case& c, const OptimizeReques
   for (const FunctionalBound& bound : r.bounds) check(bound.functional);
 }
 
+void refuse_keys_of_other_methods(const Value& table, OptimizeMethod method) {
+  const std::vector<const Key*> own = keys_in(table.path, word(method));
+  for (const Key* key : keys_in(table.path)) {
+    if (std::find(own.begin(), own.end(), key) != own.end()) continue;
+    const auto other = find(table, std::string(name(*key)));
+    if (!other) continue;
+    fail(other->node->position,
+         method == OptimizeMethod::LevelSet
+             ? fmt::format("{} goes with method = \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\", which move drawn "
+                           "holes, cracks and regions, not with \"level-set\"{}",
+                           other->name, name(*key) == "min_distance" ? "; use min_feature" : "")
+             : fmt::format("{} goes with method = \"level-set\", not with \"{}\"", other->name, word(method)));
+  }
+}
+
 }  // namespace
 
 void read_optimize(const Value& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
@@ -286,30 +288,19 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
     return;
   }
   const Value& table = *found;
-  std::vector<std::string> known = everywhere;
-  known.insert(known.end(), of_level_set.begin(), of_level_set.end());
-  known.insert(known.end(), of_parameters.begin(), of_parameters.end());
-  allow_only(table, known);
+  allow_only(table);
 
   OptimizeRequest r;
-  if (const auto method = find(table, "method"))
-    r.method = choice(*method, {"level-set", "mma", "ccsaq", "slsqp", "cobyla"});
-  const bool level_set = r.method == "level-set";
-  for (const std::string& key : level_set ? of_parameters : of_level_set)
-    if (const auto other = find(table, key))
-      fail(other->node->position,
-           level_set
-               ? fmt::format("{} goes with method = \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\", which move drawn "
-                             "holes, cracks and regions, not with \"level-set\"{}",
-                             other->name, key == "min_distance" ? "; use min_feature" : "")
-               : fmt::format("{} goes with method = \"level-set\", not with \"{}\"", other->name, r.method));
+  take(table, "method", r.method);
+  const bool level_set = r.method == OptimizeMethod::LevelSet;
+  refuse_keys_of_other_methods(table, r.method);
   if (!find_table(document, "functional"))
     fail(table.node->position,
          "[optimize] needs [functional]: what is to be made small; kind = \"compliance\" gives a stiff "
          "body");
   if (const auto volume = find(table, "volume")) read_volume(*volume, r);
-  if (const auto most = find(table, "max_iterations")) r.max_iterations = whole_number(*most, 1, 1000000);
-  if (const auto tolerance = find(table, "tolerance")) r.tolerance = between(*tolerance, 1e-12, 0.5);
+  take(table, "max_iterations", r.max_iterations);
+  take(table, "tolerance", r.tolerance);
   r.bounds = read_bounds(table, folder, definitions, c);
   r.load_cases = std::move(load_cases);
   check_load_cases(document, c, r);
@@ -323,7 +314,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
       fail(table.node->position, fmt::format("[optimize]: method = \"{}\" needs something that it can move: add "
                                              "[[optimize.hole]], [[optimize.crack]] or [[optimize.region]], or use "
                                              "method = \"level-set\"",
-                                             r.method));
+                                             word(r.method)));
     const bool free = std::any_of(r.design.drawn.begin(), r.design.drawn.end(),
                                   [](const Drawn& d) { return (d.lower.array() < d.upper.array()).any(); });
     if (!free)

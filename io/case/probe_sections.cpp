@@ -10,22 +10,11 @@
 
 namespace kerf {
 
-namespace {
-
-constexpr int most_points = 1000000;
-
-}  // namespace
-
 void read_probes(const Value& document, const std::filesystem::path& folder, Case& c) {
   for (const Value& entry : find_tables(document, "probe")) {
-    allow_only(entry, {"name", "points", "from", "to", "count", "file"});
-    const Value name = need(entry, "name");
-    Probe probe{safe_name(name), {}};
-    for (const Probe& other : c.probes)
-      if (other.name == probe.name)
-        fail(name.node->position,
-             fmt::format("{}: the name {} is taken; give each its own", name.name, quote(probe.name)));
-    const std::string kind = one_of(entry, {"points", "from", "file"});
+    allow_only(entry);
+    Probe probe{new_name(need(entry, "name"), c.probes), {}};
+    const std::string kind = one_of(entry);
     for (const char* key : {"to", "count"})
       if (const auto extra = find(entry, key); extra && kind != "from")
         fail(extra->node->position, fmt::format("{} goes with from, not with {}", extra->name, kind));
@@ -37,7 +26,7 @@ void read_probes(const Value& document, const std::filesystem::path& folder, Cas
         probe.points.emplace_back(row[0], row[1]);
     } else {
       const Vec2 from = point(need(entry, "from")), to = point(need(entry, "to"));
-      const int count = whole_number(need(entry, "count"), 2, most_points);
+      const int count = whole_number(need(entry, "count"));
       for (int k = 0; k < count; ++k) {
         const double t = static_cast<double>(k) / (count - 1);
         probe.points.push_back((1 - t) * from + t * to);

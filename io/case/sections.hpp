@@ -1,5 +1,5 @@
 #pragma once
-// The sections of a case file, each read by one function. Which keys exist is said here and nowhere else.
+// The sections of a case file, each read by one function. Which keys exist is said in keys.cpp and nowhere else.
 
 #include "io/case/expression.hpp"
 #include "io/case/fields.hpp"
@@ -35,9 +35,9 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c);
 /// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
 
-/// The same for any table; `extra`: keys that it has besides.
-Functional read_functional_table(const Value& table, const std::vector<std::string>& extra,
-                                 const std::filesystem::path& folder, Definitions& definitions, const Case& c);
+/// The same for any table that has its keys.
+Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,
+                                 const Case& c);
 
 /// The key `measured` of [functional] that asks for synthetic data.
 std::optional<Value> synthetic_misfit(const Value& document);
@@ -54,6 +54,10 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
 
 /// [[optimize.hole]], [[optimize.crack]] and [[optimize.region]].
 Design read_design(const Value& optimize, const Case& c);
+
+/// The keys `element` and `degree` of a table (degree 1 unless given), or `otherwise` without both. `blamed`: where an
+/// element that does not exist is reported.
+Element read_element(const Value& table, const Value& blamed, const Element& otherwise);
 
 /// [map] and [validate].
 void read_map(const Value& document, Case& c);

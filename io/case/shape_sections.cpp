@@ -47,7 +47,7 @@ void read_outline(const Value& domain, Shape& shape) {
                                              entries.size(), entries.size() == 1 ? "vertex" : "vertices"));
   for (const Value& entry : entries) {
     if (entry.node->kind == Node::Kind::Table) {
-      allow_only(entry, {"arc_to", "center"});
+      allow_only(entry);
       vertices.push_back(point(need(entry, "arc_to")));
       center.emplace_back(point(need(entry, "center")));
     } else {
@@ -74,21 +74,6 @@ void read_outline(const Value& domain, Shape& shape) {
   }
 }
 
-void check_unique(const std::string& name, const Value& field, std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) != names.end())
-    fail(field.node->position, fmt::format("{}: the name {} is taken; give each its own", field.name, quote(name)));
-  names.push_back(name);
-}
-
-template <typename Named>
-std::vector<std::string> names_of(const std::vector<Named>& things) {
-  std::vector<std::string> names;
-  for (const Named& thing : things) names.push_back(thing.name);
-  return names;
-}
-
-const std::vector<std::string> region_keys = {"name", "circle", "ellipse", "polygon", "young", "poisson"};
-
 /// The entries of `frozen` in [optimize].
 std::vector<Value> frozen_names(const Value& document) {
   const auto optimize = find_table(document, "optimize");
@@ -97,32 +82,32 @@ std::vector<Value> frozen_names(const Value& document) {
 }
 
 Loop read_loop(const Value& hole, const std::string& name, Index label) {
-  const std::string kind = one_of(hole, {"circle", "ellipse", "polygon"});
+  const std::string kind = one_of(hole);
   const Value form = need(hole, kind);
   if (kind == "circle") {
-    allow_only(form, {"center", "radius"});
-    return circle(name, point(need(form, "center")), positive(need(form, "radius")), label);
+    allow_only(form);
+    return circle(name, point(need(form, "center")), in_range(need(form, "radius")), label);
   }
   if (kind == "ellipse") {
-    allow_only(form, {"center", "semi_axes", "angle_deg"});
+    allow_only(form);
     const std::vector<Value> axes = pair(need(form, "semi_axes"));
     const auto angle = find(form, "angle_deg");
-    return ellipse(name, point(need(form, "center")), {positive(axes[0]), positive(axes[1])},
+    return ellipse(name, point(need(form, "center")), {in_range(axes[0]), in_range(axes[1])},
                    (angle ? number(*angle) : 0.0) * pi / 180, label);
   }
   return polygon(name, points(form, 3), label);
 }
 
 Crack read_path(const Value& crack, const std::string& name) {
-  if (one_of(crack, {"path", "arc"}) == "path") return {name, points(need(crack, "path"), 2), {}};
+  if (one_of(crack) == "path") return {name, points(need(crack, "path"), 2), {}};
   const Value form = need(crack, "arc");
-  allow_only(form, {"center", "radius", "from_deg", "to_deg"});
+  allow_only(form);
   const double from = number(need(form, "from_deg")), to = number(need(form, "to_deg"));
   if (from == to || std::abs(to - from) >= 360)
     fail(form.node->position,
          fmt::format("{} runs from {:g} to {:g} degrees; an arc turns by more than 0 and less than 360", form.name,
                      from, to));
-  return arc_crack(name, point(need(form, "center")), positive(need(form, "radius")), from * pi / 180, to * pi / 180);
+  return arc_crack(name, point(need(form, "center")), in_range(need(form, "radius")), from * pi / 180, to * pi / 180);
 }
 
 }  // namespace
@@ -130,7 +115,7 @@ Crack read_path(const Value& crack, const std::string& name) {
 void read_shape(const Value& document, Case& c) {
   need(document, "domain");
   const Value domain = *find_table(document, "domain");
-  allow_only(domain, {"outline", "sides"}, {{"file", "draw the body with outline, sides and [[hole]]"}});
+  allow_only(domain);
   read_outline(domain, c.shape);
 
   add_holes(find_tables(document, "hole"), c.shape);
@@ -138,12 +123,9 @@ void read_shape(const Value& document, Case& c) {
 }
 
 void add_holes(const std::vector<Value>& tables, Shape& shape) {
-  std::vector<std::string> names = names_of(shape.holes);
   for (const Value& hole : tables) {
-    allow_only(hole, {"name", "circle", "ellipse", "polygon"});
-    const Value field = need(hole, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    allow_only(hole);
+    const std::string name = new_name(need(hole, "name"), shape.holes);
     const auto label = static_cast<Index>(shape.labels.size());
     shape.labels.push_back("hole:" + name);
     shape.holes.push_back(read_loop(hole, name, label));
@@ -151,24 +133,19 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
 }
 
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
-  std::vector<std::string> names = names_of(shape.cracks);
   for (const Value& crack : tables) {
-    allow_only(crack, {"name", "path", "arc", "contact", "friction", "tresca"});
-    const Value field = need(crack, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
-    const auto contact = find(crack, "contact");
-    const std::string law = contact ? choice(*contact, {"unilateral", "open", "bonded"}) : "unilateral";
-    CrackLaw crack_law{law == "open"     ? CrackLaw::Kind::Open
-                       : law == "bonded" ? CrackLaw::Kind::Bonded
-                                         : CrackLaw::Kind::Unilateral};
+    allow_only(crack);
+    const std::string name = new_name(need(crack, "name"), shape.cracks);
+    CrackLaw crack_law;
+    take(crack, "contact", crack_law.kind);
     for (const auto& [key, value] :
          {std::pair{"friction", &crack_law.friction}, std::pair{"tresca", &crack_law.slip_bound}})
       if (const auto given = find(crack, key)) {
         *value = number(*given);
         if (*value < 0) fail(given->node->position, given->name + " must not be negative");
-        if (*value > 0 && law != "unilateral")
-          fail(given->node->position, fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, law));
+        if (*value > 0 && crack_law.kind != CrackLaw::Kind::Unilateral)
+          fail(given->node->position,
+               fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, word(crack_law.kind)));
       }
     Crack path = read_path(crack, name);
     if (path.arc)
@@ -180,15 +157,12 @@ void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<Crac
 
 std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane_strain, Shape& shape,
                                  std::vector<Material>& materials) {
-  std::vector<std::string> names = names_of(shape.regions);
   std::vector<Elastic> elastics;
   for (const Value& region : tables) {
-    allow_only(region, region_keys);
-    const Value field = need(region, "name");
-    const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    allow_only(region);
+    const std::string name = new_name(need(region, "name"), shape.regions);
     shape.regions.push_back(read_loop(region, name, none));
-    const Elastic e{positive(need(region, "young")), between(need(region, "poisson"), 0, 0.5)};
+    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
     elastics.push_back(e);
     materials.push_back(elastic(region, e.young, e.poisson, in_plane_strain));
   }
@@ -204,10 +178,11 @@ std::vector<Loop> read_regions(const Value& document, Case& c) {
     return std::any_of(wanted.begin(), wanted.end(), [&](const Value& field) { return text(field) == name; });
   };
   for (const Value& region : tables) {
-    allow_only(region, region_keys);
+    allow_only(region);
     const Value field = need(region, "name");
     const std::string name = safe_name(field);
-    check_unique(name, field, names);
+    if (std::find(names.begin(), names.end(), name) != names.end()) refuse_taken(field, name);
+    names.push_back(name);
     const bool mask = is_frozen(name);
     if (mask) frozen.push_back(read_loop(region, name, none));
     if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);

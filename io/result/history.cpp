@@ -77,7 +77,7 @@ void write_collection(const std::filesystem::path& path, const std::vector<std::
 
 std::string sentence(const OptimizeResult& result) {
   std::string out =
-      fmt::format("{} ended after {} iteration{} and {} state solves: {}", result.method, result.iterations,
+      fmt::format("{} ended after {} iteration{} and {} state solves: {}", word(result.method), result.iterations,
                   result.iterations == 1 ? "" : "s", result.state_solves, result.stopped);
   if (!result.feasible) out += "; the design is infeasible: it violates a constraint";
   return out;

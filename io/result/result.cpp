@@ -170,7 +170,7 @@ Json identified_section(const std::vector<Identified>& all) {
 }
 
 Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
-  Json out = {{"method", o.method},
+  Json out = {{"method", word(o.method)},
               {"iterations", o.iterations},
               {"state_solves", o.state_solves},
               {"objective", number(o.objective)},

@@ -412,7 +412,7 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
     try {
       auto body = body_of(drawn, start_of(drawn), p);
       const Model m =
-          prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
+          prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
       const State s = solve(m, p.contact);
       ++out.solves;
       if (!certified(s)) break;
@@ -521,7 +521,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
   if (sought.empty()) return out;
   auto body = body_of(given, start_of(given), p);
   const Model m =
-      prepare(triangulate(body.shape, p.sizing), element(p.element, p.degree), std::move(body.scene), p.threads);
+      prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
   if (!certified(s))
     throw Error(Fault::Numerics, "start = \"map\": the body without what is looked for could not be solved");

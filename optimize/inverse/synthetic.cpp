@@ -98,7 +98,7 @@ Measurement measure(const Synthetic& s, int threads) {
     throw Error(Fault::Usage, "synthetic data: nothing of the boundary has the label they are measured on");
   const double spacing = s.spacing > 0 ? s.spacing : s.sizing.size > 0 ? s.sizing.size : extent(s.true_shape) / 40;
 
-  const Model model = prepare(triangulate(s.true_shape, s.sizing), element(s.element, s.degree), s.true_scene, threads);
+  const Model model = prepare(triangulate(s.true_shape, s.sizing), s.element, s.true_scene, threads);
   const State state = solve(model);
   if (!certified(state))
     throw Error(Fault::Numerics, "the true body, which the synthetic data come from, could not be solved");

@@ -195,7 +195,7 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
         Fault::Usage,
         "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
         "[[optimize.bound]]");
-  require(element(p.element, p.degree), can_optimize);
+  require(p.element, can_optimize);
   if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
     throw Error(Fault::Usage,
                 "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
@@ -431,7 +431,7 @@ bool LevelSetRun::accept(Design e, std::vector<std::string> notes) {
 }
 
 OptimizeResult LevelSetRun::run() {
-  OptimizeResult result{.method = "level-set"};
+  OptimizeResult result{.method = OptimizeMethod::LevelSet};
   bool go_on = true;
   if (!restore()) {
     const Eigen::Index n = static_cast<Eigen::Index>(background_.mesh.points.size());

@@ -70,7 +70,7 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   e.worst.assign(r.bounds.size(), 0);
   const std::vector<Scene> scenes = scenes_of(p, r);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    Model model = prepare(mesh, element(p.element, p.degree), with_cracks(scenes[i], crack_of), p.threads);
+    Model model = prepare(mesh, p.element, with_cracks(scenes[i], crack_of), p.threads);
     State state = solve(model, p.contact);
     if (!certified(state))
       throw Error(Fault::Numerics, "the state of the design could not be solved: its residual stays large");

@@ -92,7 +92,7 @@ std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
   for (const Drawn& one : d.drawn) rubs |= shape_of(one).part == BodyPart::Crack && has_friction(one.law);
   if (rubs) return "cracks with friction have none";
-  return refusal(element(p.element, p.degree), can_optimize);
+  return refusal(p.element, can_optimize);
 }
 
 /// A tip that moves leaves the ring of its functional behind.
@@ -284,7 +284,7 @@ struct Evaluations::Impl {
       Scene scene = body.scene;
       scene.tractions = loads[l].tractions;
       scene.body = loads[l].body;
-      Model model = prepare(mesh, element(problem.element, problem.degree), scene, problem.threads);
+      Model model = prepare(mesh, problem.element, scene, problem.threads);
       State state = kerf::solve(model, problem.contact);
       ++result.state_solves;
       if (!certified(state))

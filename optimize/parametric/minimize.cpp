@@ -27,13 +27,22 @@ double violation_of(const Evaluation& e) {
   return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
 }
 
-nlopt_algorithm algorithm(const std::string& method) {
-  if (method == "mma") return NLOPT_LD_MMA;
-  if (method == "ccsaq") return NLOPT_LD_CCSAQ;
-  if (method == "slsqp") return NLOPT_LD_SLSQP;
-  if (method == "cobyla") return NLOPT_LN_COBYLA;
-  throw Error(Fault::Usage,
-              fmt::format("method \"{}\" is unknown; use \"mma\", \"ccsaq\", \"slsqp\" or \"cobyla\"", method));
+nlopt_algorithm algorithm(OptimizeMethod method) {
+  switch (method) {
+    case OptimizeMethod::Mma:
+      return NLOPT_LD_MMA;
+    case OptimizeMethod::Ccsaq:
+      return NLOPT_LD_CCSAQ;
+    case OptimizeMethod::Slsqp:
+      return NLOPT_LD_SLSQP;
+    case OptimizeMethod::Cobyla:
+      return NLOPT_LN_COBYLA;
+    case OptimizeMethod::LevelSet:
+      break;
+  }
+  throw Error(Fault::Usage, fmt::format("method \"{}\" moves no variables; use \"mma\", \"ccsaq\", \"slsqp\" or "
+                                        "\"cobyla\"",
+                                        word(method)));
 }
 
 std::string words(nlopt_result code) {
@@ -79,7 +88,7 @@ class Run {
     free_ = free_variables(program.lower, program.upper);
   }
 
-  Minimum minimize(const std::string& method);
+  Minimum minimize(OptimizeMethod method);
 
  private:
   enum class End { None, Converged, Asked, Evaluations, Thrown };
@@ -109,7 +118,7 @@ class Run {
   bool restore(const std::string& said, Minimum& found);
   bool progress(const Evaluation& before) const;
   void report(Minimum& found);
-  nlopt_result run(const std::string& method, const VectorXd& from);
+  nlopt_result run(OptimizeMethod method, const VectorXd& from);
   Evaluation violations(const Evaluation& e) const;
 
   static double objective(unsigned n, const double* z, double* gradient, void* self);
@@ -291,10 +300,10 @@ void Run::constraints(unsigned m, double* values, unsigned n, const double* z, d
   }
 }
 
-nlopt_result Run::run(const std::string& method, const VectorXd& from) {
+nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   const auto n = static_cast<unsigned>(free_.size());
   const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
-  const bool simplex = method == "cobyla";
+  const bool simplex = method == OptimizeMethod::Cobyla;
   with_gradients_ = !simplex;
   const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> opt(
       nlopt_create(algorithm(method), n), nlopt_destroy);
@@ -329,7 +338,7 @@ bool Run::feasible() const {
 bool Run::restore(const std::string& said, Minimum& found) {
   const double from = violation_of(*best_);
   restoring_ = true;
-  run(program_.gradients ? "mma" : "cobyla", best_->x);
+  run(program_.gradients ? OptimizeMethod::Mma : OptimizeMethod::Cobyla, best_->x);
   restoring_ = false;
   if (end_ != End::None) return false;
   found.notes.push_back(fmt::format("{}, but constraints were violated by {:.2g} there: minimized violations, {}", said,
@@ -346,17 +355,17 @@ bool Run::progress(const Evaluation& before) const {
   return gain > worth || (feasible() && was > stop_.feasibility);
 }
 
-Minimum Run::minimize(const std::string& method) {
+Minimum Run::minimize(OptimizeMethod method) {
   Minimum found;
-  evaluate(start_, method != "cobyla");
-  std::string now = method;
+  evaluate(start_, method != OptimizeMethod::Cobyla);
+  OptimizeMethod now = method;
   constexpr int most_restarts = 6;
   bool restored = false;
   for (int restart = 0; end_ == End::None && !free_.empty(); ++restart) {
     const Evaluation& before = *best_;
     const nlopt_result code = run(now, best_->x);
     if (end_ != End::None) break;
-    const std::string said = fmt::format("NLopt's {} ended because {}", now, words(code));
+    const std::string said = fmt::format("NLopt's {} ended because {}", word(now), words(code));
     if (code == NLOPT_INVALID_ARGS || code == NLOPT_OUT_OF_MEMORY) {
       found.reason = said;
       break;
@@ -364,7 +373,7 @@ Minimum Run::minimize(const std::string& method) {
     if (!feasible() && !restored) {
       restored = true;
       if (!restore(said, found)) break;
-      if (program_.gradients) now = "mma";
+      if (program_.gradients) now = OptimizeMethod::Mma;
       continue;
     }
     if (!program_.gradients) {
@@ -379,12 +388,12 @@ Minimum Run::minimize(const std::string& method) {
     const std::string wrong = feasible()
                                   ? fmt::format("the KKT residual there is {:.2g}", best_kkt_)
                                   : fmt::format("constraints are violated by {:.2g} there", violation_of(*best_));
-    if ((now == "mma" && !progress(before)) || restart == most_restarts) {
+    if ((now == OptimizeMethod::Mma && !progress(before)) || restart == most_restarts) {
       found.reason = fmt::format("{}, but {}", said, wrong);
       break;
     }
     found.notes.push_back(fmt::format("{}, but {}: went on from there with mma", said, wrong));
-    now = "mma";
+    now = OptimizeMethod::Mma;
   }
   report(found);
   return found;
@@ -423,11 +432,11 @@ void Run::report(Minimum& found) {
 
 }  // namespace
 
-Minimum minimize(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop) {
+Minimum minimize(const Program& program, const Eigen::VectorXd& start, OptimizeMethod method, const Stop& stop) {
   algorithm(method);
-  if (!program.gradients && method != "cobyla")
-    throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs gradients, which there are none of here; use \"cobyla\"", method));
+  if (!program.gradients && method != OptimizeMethod::Cobyla)
+    throw Error(Fault::Usage, fmt::format("method \"{}\" needs gradients, which there are none of here; use \"cobyla\"",
+                                          word(method)));
   if (program.lower.size() != program.upper.size() || program.lower.size() != start.size() ||
       !program.lower.allFinite() || !program.upper.allFinite() || (program.lower.array() > program.upper.array()).any())
     throw Error(Fault::Usage, "every variable needs a finite lower and upper bound, the lower one first");

@@ -1,12 +1,19 @@
 #pragma once
 // Smooth minimization in a box with inequality constraints. NLopt lives in minimize.cpp and nowhere else.
 
+#include "kerf/optimize.hpp"
+
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace kerf {
+
+/// Those that `minimize` knows.
+inline constexpr std::array nlopt_methods{OptimizeMethod::Mma, OptimizeMethod::Ccsaq, OptimizeMethod::Slsqp,
+                                          OptimizeMethod::Cobyla};
 
 /// What is known at x: the objective first, then the constraints, which are to be at most 0.
 struct Evaluation {
@@ -53,12 +60,13 @@ struct Minimum {
   std::vector<std::string> failure;  // what failed evaluations said, each text once
 };
 
-/// Method: "mma" [Svanberg 2002], "ccsaq" (the same with quadratic models), "slsqp" [Kraft 1994], "cobyla" [Powell
-/// 1994] without gradients. NLopt calls it a success when steps get short, which happens at wrong points too: kerf ends
+/// Method: Mma [Svanberg 2002], Ccsaq (the same with quadratic models), Slsqp [Kraft 1994], Cobyla [Powell 1994]
+/// without gradients. NLopt calls it a success when steps get short, which happens at wrong points too: kerf ends
 /// at a small KKT residual, and goes on with MMA from a point where NLopt stopped and the residual is large.
 /// Deterministic: where `evaluate` repeats itself, so does the whole run.
-/// Throws Error(Usage) for an unknown method, bounds that cross, a start outside of them, gradients that it needs.
-Minimum minimize(const Program& program, const Eigen::VectorXd& start, const std::string& method, const Stop& stop);
+/// Throws Error(Usage) for a method that is not NLopt's, bounds that cross, a start outside of them, gradients that it
+/// needs.
+Minimum minimize(const Program& program, const Eigen::VectorXd& start, OptimizeMethod method, const Stop& stop);
 
 /// The size of the derivatives of the objective: max(|f|, |df/dx_i| (upper_i - lower_i)).
 double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);

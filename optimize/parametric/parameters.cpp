@@ -103,7 +103,7 @@ class Rounds {
   bool settled(const Iteration& begin, const Iteration& end, bool feasible) const;
   OptimizeResult finish(const Minimum& found, std::size_t best);
   bool wants_gradients() const {
-    return request_.method != "cobyla";
+    return request_.method != OptimizeMethod::Cobyla;
   }
   int left() const {  // of the evaluations
     return request_.max_iterations - static_cast<int>(next_);
@@ -132,7 +132,8 @@ void Rounds::restore() {
   const std::optional<Checkpoint> found = read_checkpoint(place_.path);
   if (!found) return;
   const auto method = found->texts.find("method");
-  if (found->fingerprint != place_.fingerprint || method == found->texts.end() || method->second != request_.method)
+  if (found->fingerprint != place_.fingerprint || method == found->texts.end() ||
+      method->second != word(request_.method))
     throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case or method; start without --resume",
                                           place_.path.string()));
   checkpoint_ = *found;
@@ -153,7 +154,7 @@ void Rounds::restore() {
 void Rounds::keep() {
   if (place_.path.empty() || done_.empty()) return;
   checkpoint_.fingerprint = place_.fingerprint;
-  checkpoint_.texts["method"] = request_.method;
+  checkpoint_.texts["method"] = word(request_.method);
   if (checked_) {
     checkpoint_.texts["checked"] = *checked_;
     checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);

@@ -63,7 +63,7 @@ Curves history_curves(const OptimizeResult& result, const OptimizeNames& names, 
   out.upper = column([](const Iteration& row) { return static_cast<double>(row.state_solves); });
   const std::vector<double> objective = column([](const Iteration&row) { return row.objective; }),
                             merit = column([](const Iteration&row) { return row.merit; });
-  out.subtitle = fmt::format("{}, {} iterations, {} state solves; {}", result.method, result.iterations,
+  out.subtitle = fmt::format("{}, {} iterations, {} state solves; {}", word(result.method), result.iterations,
                              result.state_solves, result.stopped);
   const bool apart = [&] {
     for (std::size_t i = 0; i < merit.size(); ++i)

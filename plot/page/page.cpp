@@ -291,7 +291,7 @@ std::string optimize_section(const OptimizeResult& o, const OptimizeNames& names
   std::string out = "<h2>Optimization</h2>\n";
   out += fmt::format("<p class=\"note{}\">{}</p>\n", o.feasible ? "" : " bad", escape_html(sentence(o)));
   Facts facts;
-  facts.add("method", escape_html(o.method));
+  facts.add("method", escape_html(word(o.method)));
   if (!o.history.empty()) facts.add("objective at the start", pretty(o.history.front().objective));
   facts.add("objective", pretty(o.objective));
   facts.add("volume fraction",

@@ -19,7 +19,7 @@ struct Plate {
   unsigned seed = 1;
   double size = 0.05;        // of the search's mesh
   double true_size = 0.025;  // of the true body's
-  std::string element = "bdms", true_element = "p2";
+  Element element = bdms(1), true_element = kerf::element("p2");
 
   Problem frame() const {
     Problem p;
@@ -36,7 +36,7 @@ struct Plate {
   }
   Synthetic truth() const {
     const Problem p = frame();
-    Synthetic s{.true_shape = p.frame, .true_scene = p.scene, .element = cracks.empty() ? true_element : "afw"};
+    Synthetic s{.true_shape = p.frame, .true_scene = p.scene, .element = cracks.empty() ? true_element : afw(1)};
     s.sizing.size = true_size;
     s.spacing = size;
     s.noise = noise;

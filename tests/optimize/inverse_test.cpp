@@ -24,7 +24,8 @@ struct Search {
 Search search(const Plate& plate, const Design& design) {
   const Problem p = plate.problem();
   const Synthetic truth = plate.truth();
-  OptimizeRequest r{.method = "slsqp", .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02, .design = design};
+  OptimizeRequest r{
+      .method = OptimizeMethod::Slsqp, .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02, .design = design};
   r.design = initial_guess(p, design, r.min_distance).design;
   Search s;
   s.guess = identified(r.design, start_of(r.design), p, truth);
@@ -106,7 +107,7 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
   p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, 0.1 + x.x()); }}};
   p.sizing = {.size = 0.25, .crack_tip_size = 0.02};
   p.objective = {"energy_release_rate", {energy_release_rate({1, 0}, {1, 0}, {0.08, 0.25}, {})}};
-  OptimizeRequest r{.method = "slsqp", .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.1};
+  OptimizeRequest r{.method = OptimizeMethod::Slsqp, .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.1};
   Functional area{"sum", {volume()}};
   area.terms[0].factor = -1;
   r.bounds = {{"area", area, -15.6}, {"compliance", {"compliance", {compliance()}}, 0.0206}};

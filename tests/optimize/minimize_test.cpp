@@ -38,12 +38,12 @@ const std::vector<Vector2d> starts = {{1.234, 5.678}, {0, 1},  {1, 9},  {-1, 9},
 
 TEST(Minimize, EveryMethodEndsAtTheMinimumOfTheTutorialFromNineStarts) {
   const double exact = std::sqrt(8.0 / 27);
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"})
+  for (const OptimizeMethod method : nlopt_methods)
     for (const Vector2d& start : starts) {
       const Minimum m = minimize(tutorial(), start, method, {.evaluations = 600, .kkt = 1e-6});
-      EXPECT_TRUE(m.feasible) << method << " from " << start.transpose() << ": " << m.reason;
-      EXPECT_NEAR(m.best.values[0], exact, 1e-5) << method << " from " << start.transpose() << ": " << m.reason;
-      EXPECT_TRUE(m.converged) << method << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_TRUE(m.feasible) << word(method) << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_NEAR(m.best.values[0], exact, 1e-5) << word(method) << " from " << start.transpose() << ": " << m.reason;
+      EXPECT_TRUE(m.converged) << word(method) << " from " << start.transpose() << ": " << m.reason;
       EXPECT_LE(m.kkt, 1e-6);
       EXPECT_NEAR(m.best.x[0], 1.0 / 3, 1e-4);
     }
@@ -51,7 +51,7 @@ TEST(Minimize, EveryMethodEndsAtTheMinimumOfTheTutorialFromNineStarts) {
 
 TEST(Minimize, NloptsWrongSuccessesAreNoted) {
   int wrong = 0;
-  for (const char* method : {"ccsaq", "slsqp"})
+  for (const OptimizeMethod method : {OptimizeMethod::Ccsaq, OptimizeMethod::Slsqp})
     for (const Vector2d& start : starts)
       wrong += static_cast<int>(!minimize(tutorial(), start, method, {.evaluations = 600, .kkt = 1e-6}).notes.empty());
   EXPECT_GE(wrong, 1);
@@ -79,13 +79,13 @@ TEST(Minimize, BoundsAndFixedVariablesCarryMultipliers) {
     e.gradients.col(0) << 2 * (x[0] - 2), 2 * (x[1] + 1), 1;
     return e;
   };
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     const Minimum m = minimize(p, Eigen::Vector3d(0.3, 0.6, 2), method, {.evaluations = 300, .kkt = 1e-4});
-    EXPECT_TRUE(m.converged) << method << ": " << m.reason;
-    EXPECT_NEAR((m.best.x - Eigen::Vector3d(1, 0, 2)).norm(), 0, 1e-4) << method;
+    EXPECT_TRUE(m.converged) << word(method) << ": " << m.reason;
+    EXPECT_NEAR((m.best.x - Eigen::Vector3d(1, 0, 2)).norm(), 0, 1e-4) << word(method);
   }
   p.lower = p.upper = Eigen::Vector3d(0.5, 0.5, 2);
-  const Minimum m = minimize(p, p.lower, "mma", {});
+  const Minimum m = minimize(p, p.lower, OptimizeMethod::Mma, {});
   EXPECT_TRUE(m.converged);
   EXPECT_EQ(m.evaluations, 1);
   EXPECT_EQ(m.reason, "no variable is free");
@@ -102,13 +102,13 @@ TEST(Minimize, AnInfeasibleEndIsCalledInfeasible) {
     if (gradients) e.gradients << 1, -1, 1;
     return e;
   };
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     const Minimum m = minimize(p, VectorXd::Constant(1, 0.9), method, {.evaluations = 200});
-    EXPECT_FALSE(m.feasible) << method;
-    EXPECT_FALSE(m.converged) << method;
-    EXPECT_EQ(m.reason.rfind("infeasible", 0), 0u) << method << ": " << m.reason;
+    EXPECT_FALSE(m.feasible) << word(method);
+    EXPECT_FALSE(m.converged) << word(method);
+    EXPECT_EQ(m.reason.rfind("infeasible", 0), 0u) << word(method) << ": " << m.reason;
     EXPECT_GE(m.violation, 0.2 - 1e-9);
-    EXPECT_LE(m.violation, 0.201) << method;
+    EXPECT_LE(m.violation, 0.201) << word(method);
   }
 }
 
@@ -128,15 +128,15 @@ TEST(Minimize, FeasibilityIsRestoredWhereNloptGivesUp) {
     }
     return e;
   };
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     const Minimum m = minimize(p, Vector2d(0.05, 0.95), method, {.evaluations = 300, .kkt = 1e-4});
-    EXPECT_TRUE(m.converged) << method << ": " << m.reason;
-    EXPECT_NEAR(m.best.values[0], 1 - 0.1 * std::sqrt(2.0), 1e-4) << method << ": " << m.reason;
+    EXPECT_TRUE(m.converged) << word(method) << ": " << m.reason;
+    EXPECT_NEAR(m.best.values[0], 1 - 0.1 * std::sqrt(2.0), 1e-4) << word(method) << ": " << m.reason;
   }
 }
 
 TEST(Minimize, ExceptionsComeThroughNlopt) {
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     Program p = tutorial();
     int calls = 0;
     p.evaluate = [&calls, inner = p.evaluate](const VectorXd& x, bool gradients) {
@@ -145,7 +145,7 @@ TEST(Minimize, ExceptionsComeThroughNlopt) {
     };
     try {
       minimize(p, starts[0], method, {.kkt = 1e-6});
-      ADD_FAILURE() << method;
+      ADD_FAILURE() << word(method);
     } catch (const Error& error) {
       EXPECT_STREQ(error.what(), "the fourth");
       EXPECT_EQ(error.fault, Fault::Numerics);
@@ -155,7 +155,7 @@ TEST(Minimize, ExceptionsComeThroughNlopt) {
 }
 
 TEST(Minimize, StopsWhenAskedAndWhenEvaluationsAreUsed) {
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     Program p = tutorial();
     int calls = 0;
     p.see = [&calls](const Evaluation&, double) { return ++calls < 3; };
@@ -171,7 +171,7 @@ TEST(Minimize, StopsWhenAskedAndWhenEvaluationsAreUsed) {
 }
 
 TEST(Minimize, ARunRepeatsBitForBitFromRememberedEvaluations) {
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     Program p = tutorial();
     std::vector<Evaluation> all;
     p.see = [&all](const Evaluation& e, double) {
@@ -183,14 +183,14 @@ TEST(Minimize, ARunRepeatsBitForBitFromRememberedEvaluations) {
     p.see = nullptr;
     std::size_t next = 0;
     p.evaluate = [&](const VectorXd& x, bool) {
-      EXPECT_EQ(all[next].x, x) << method;
+      EXPECT_EQ(all[next].x, x) << word(method);
       return all[next++];
     };
     const Minimum again = minimize(p, starts[2], method, stop);
-    EXPECT_EQ(next, all.size()) << method;
-    EXPECT_EQ(again.best.x, whole.best.x) << method;
-    EXPECT_EQ(again.best.values, whole.best.values) << method;
-    EXPECT_EQ(again.reason, whole.reason) << method;
+    EXPECT_EQ(next, all.size()) << word(method);
+    EXPECT_EQ(again.best.x, whole.best.x) << word(method);
+    EXPECT_EQ(again.best.values, whole.best.values) << word(method);
+    EXPECT_EQ(again.reason, whole.reason) << word(method);
   }
 }
 
@@ -217,33 +217,33 @@ Program with_a_wall(bool known) {
 }
 
 TEST(Minimize, FailedTrialsAreAnsweredByTheConstraintsOrByTheirNeighbors) {
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     const Minimum m = minimize(with_a_wall(true), Vector2d(0.1, 0.9), method, {.evaluations = 200, .kkt = 1e-4});
-    EXPECT_TRUE(m.feasible) << method << ": " << m.reason;
-    EXPECT_NEAR(m.best.x[0], 0.6, 1e-3) << method << ": " << m.reason;
-    EXPECT_NEAR(m.best.x[1], 0.5, 1e-2) << method << ": " << m.reason;
+    EXPECT_TRUE(m.feasible) << word(method) << ": " << m.reason;
+    EXPECT_NEAR(m.best.x[0], 0.6, 1e-3) << word(method) << ": " << m.reason;
+    EXPECT_NEAR(m.best.x[1], 0.5, 1e-2) << word(method) << ": " << m.reason;
     // Without a constraint: it comes close, is no minimum, and says so.
     const Minimum n = minimize(with_a_wall(false), Vector2d(0.1, 0.9), method, {.evaluations = 200, .kkt = 1e-4});
     EXPECT_LE(n.best.x[0], 0.6 + 1e-9);
-    EXPECT_GT(n.best.x[0], 0.5) << method << ": " << n.reason;
+    EXPECT_GT(n.best.x[0], 0.5) << word(method) << ": " << n.reason;
     EXPECT_FALSE(n.converged);
-    ASSERT_EQ(n.failure.size(), 1u) << method;
+    ASSERT_EQ(n.failure.size(), 1u) << word(method);
     EXPECT_EQ(n.failure[0], "there is a wall");
   }
 }
 
 TEST(Minimize, SaysWhatIsWrongWithTheQuestion) {
   const Program p = tutorial();
-  EXPECT_THROW(minimize(p, starts[0], "newton", {}), Error);
-  EXPECT_THROW(minimize(p, Vector2d(7, 1), "mma", {}), Error);
+  EXPECT_THROW(minimize(p, starts[0], OptimizeMethod::LevelSet, {}), Error);
+  EXPECT_THROW(minimize(p, Vector2d(7, 1), OptimizeMethod::Mma, {}), Error);
   Program blind = p;
   blind.gradients = false;
-  EXPECT_THROW(minimize(blind, starts[0], "mma", {}), Error);
+  EXPECT_THROW(minimize(blind, starts[0], OptimizeMethod::Mma, {}), Error);
   blind.evaluate = [inner = p.evaluate](const VectorXd& x, bool gradients) {
     EXPECT_FALSE(gradients);
     return inner(x, false);
   };
-  const Minimum m = minimize(blind, starts[0], "cobyla", {.evaluations = 600});
+  const Minimum m = minimize(blind, starts[0], OptimizeMethod::Cobyla, {.evaluations = 600});
   EXPECT_TRUE(m.converged) << m.reason;
   EXPECT_TRUE(std::isnan(m.kkt));
   EXPECT_NEAR(m.best.values[0], std::sqrt(8.0 / 27), 1e-3);

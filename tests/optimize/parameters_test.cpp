@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 TEST(Parameters, DerivativesByEveryVariableAgreeWithCentralDifferencesOnTheMovedMesh) {
   Problem p = everything();
   p.objective = {"compliance", {compliance()}};
-  OptimizeRequest request{.method = "mma"};
+  OptimizeRequest request{.method = OptimizeMethod::Mma};
   request.design = everything_drawn();
   const auto target = [](const Vec2& x) { return Vec2(0.3 * x.y(), std::sin(x.x())); };
   const auto weight = [](const Vec2& x) { return 1 + 0.3 * std::sin(x.x()); };
@@ -74,7 +74,7 @@ Problem plate() {
 }
 
 OptimizeRequest hole(const Eigen::Vector3d& start, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  OptimizeRequest r{.method = "mma", .max_iterations = 60, .tolerance = 1e-4};
+  OptimizeRequest r{.method = OptimizeMethod::Mma, .max_iterations = 60, .tolerance = 1e-4};
   r.design.drawn = {{Drawn::Kind::Circle, "h", low, high, start}};
   return r;
 }
@@ -88,11 +88,11 @@ TEST(Parameters, AHoleFindsTheMiddleOfASymmetricPlate) {
   Problem p = plate();
   p.objective.terms[0].factor = -1;
   OptimizeRequest r = hole({0.25, 0, 0.2}, {-0.4, 0, 0.2}, {0.4, 0, 0.2});
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     r.method = method;
     const OptimizeResult found = quietly(p, r);
-    EXPECT_TRUE(found.converged) << method << ": " << found.stopped;
-    EXPECT_NEAR(found.variables[0], 0, 0.02) << method << ": " << found.stopped;
+    EXPECT_TRUE(found.converged) << word(method) << ": " << found.stopped;
+    EXPECT_NEAR(found.variables[0], 0, 0.02) << word(method) << ": " << found.stopped;
     EXPECT_EQ(found.variables[1], 0);
     EXPECT_GT(found.state_solves, 3);
     EXPECT_LT(found.objective, found.history.front().objective);
@@ -102,12 +102,12 @@ TEST(Parameters, AHoleFindsTheMiddleOfASymmetricPlate) {
 TEST(Parameters, TheVolumeConstraintIsActiveAndExact) {
   OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
   r.volume_at_most = 0.92;
-  for (const char* method : {"mma", "slsqp"}) {
+  for (const OptimizeMethod method : {OptimizeMethod::Mma, OptimizeMethod::Slsqp}) {
     r.method = method;
     const OptimizeResult found = quietly(plate(), r);
-    EXPECT_TRUE(found.feasible) << method << ": " << found.stopped;
-    EXPECT_TRUE(found.converged) << method << ": " << found.stopped;
-    EXPECT_NEAR(found.variables[2], std::sqrt(0.08 * 4 / M_PI), 1e-4) << method;
+    EXPECT_TRUE(found.feasible) << word(method) << ": " << found.stopped;
+    EXPECT_TRUE(found.converged) << word(method) << ": " << found.stopped;
+    EXPECT_NEAR(found.variables[2], std::sqrt(0.08 * 4 / M_PI), 1e-4) << word(method);
     EXPECT_NEAR(found.volume_fraction, 0.92, 1e-5);
   }
 }
@@ -118,7 +118,7 @@ TEST(Parameters, ASplineUnderEqualPullOnAllSidesBecomesACircle) {
   p.scene.supports.erase(p.scene.supports.begin() + 1);  // rollers on the left and at the bottom
   p.scene.tractions = {{1, pull}, {2, pull}};
   p.sizing = {.size = 0.25};
-  OptimizeRequest r{.method = "slsqp", .max_iterations = 40};
+  OptimizeRequest r{.method = OptimizeMethod::Slsqp, .max_iterations = 40};
   VectorXd start(16);
   for (int i = 0; i < 8; ++i)
     start.segment<2>(2 * i) = (i == 0 || i == 3 ? 0.4 : 0.28) * Vec2(std::cos(M_PI * i / 4), std::sin(M_PI * i / 4));
@@ -237,10 +237,10 @@ TEST(Parameters, DesignsThatOverlapDoNotAbortTheRun) {
                             Eigen::Vector3d(0.5, -0.5, 0.2)});
   r.volume_at_most = 0.9;
   r.max_iterations = 20;
-  for (const char* method : {"mma", "ccsaq", "slsqp", "cobyla"}) {
+  for (const OptimizeMethod method : nlopt_methods) {
     r.method = method;
     const OptimizeResult found = quietly(p, r);
-    EXPECT_TRUE(found.feasible) << method << ": " << found.stopped;
+    EXPECT_TRUE(found.feasible) << word(method) << ": " << found.stopped;
     EXPECT_EQ(find_problem(found.shape), std::nullopt);
     EXPECT_FALSE(found.stopped.empty());
   }
@@ -249,11 +249,11 @@ TEST(Parameters, DesignsThatOverlapDoNotAbortTheRun) {
 TEST(Parameters, WhatDoesNotFitIsRefused) {
   const Problem p = plate();
   OptimizeRequest r = hole({0, 0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
-  r.method = "newton";
+  r.method = OptimizeMethod::LevelSet;
   EXPECT_THROW(quietly(p, r), Error);
-  r.method = "mma";
+  r.method = OptimizeMethod::Mma;
   Problem q = p;
-  q.element = "arnold-winther";
+  q.element = arnold_winther;
   EXPECT_THROW(quietly(q, r), Error);
   q = p;
   q.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
@@ -276,7 +276,7 @@ TEST(Parameters, CobylaDoesWithoutDerivatives) {
   p.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
   p.scene.laws = {{.friction = 0.3}};
   OptimizeRequest r = hole({0.25, -0.2, 0.2}, {-0.4, -0.2, 0.2}, {0.4, -0.2, 0.2});
-  r.method = "cobyla";
+  r.method = OptimizeMethod::Cobyla;
   const OptimizeResult found = quietly(p, r);
   EXPECT_TRUE(found.converged) << found.stopped;
   EXPECT_NEAR(found.variables[0], 0, 0.02) << found.stopped;

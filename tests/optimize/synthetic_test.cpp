@@ -28,7 +28,7 @@ Scene pulled() {
   return s;
 }
 Synthetic holed(double size = 0.05) {
-  Synthetic s{.true_shape = plate(), .true_scene = pulled(), .element = "p2", .degree = 1, .sizing = {.size = size}};
+  Synthetic s{.true_shape = plate(), .true_scene = pulled(), .element = element("p2"), .sizing = {.size = size}};
   s.true_shape.labels.push_back("hole:h");
   s.true_shape.holes = {circle("h", {0.6, 0.55}, 0.12, 2)};
   s.label = 1;
@@ -79,7 +79,7 @@ TEST(Measure, DiffersFromTheSearchsOwnDataAndConverges) {
   std::vector<double> away;
   for (const double size : {0.1, 0.05, 0.025}) {
     Synthetic own = holed(size);
-    own.element = "bdms";
+    own.element = bdms(1);
     const Measurement other = measure(own);
     double sum = 0;
     for (std::size_t i = 0; i < data.at.size(); ++i) sum += (other.exact[i] - data.exact[i]).squaredNorm();

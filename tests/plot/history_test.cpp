@@ -34,7 +34,7 @@ OptimizeRequest request() {
 
 OptimizeResult result() {
   OptimizeResult r;
-  r.method = "mma";
+  r.method = OptimizeMethod::Mma;
   r.iterations = 2;
   r.state_solves = 5;
   r.objective = 70;

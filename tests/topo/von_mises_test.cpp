@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace kerf {
 namespace {
@@ -98,7 +99,7 @@ double by_definition(const EdgeRule& rule, const VonMises& v, double p, const Tr
   const Real at = std::abs(mean) < 2 * d ? 0.5L * std::acos(std::abs(mean) / (2 * Real(d))) : 0;
   const auto value = [&](Real m, Real x, Real y) { return v.share * m * m + 3 * (x * x + y * y); };
   Real sum = 0;
-  const Real half = pi_v<Real> / 2;
+  const Real half = std::numbers::pi_v<Real> / 2;
   for (const auto& [from, to] : {std::pair<Real, Real>{at, 0}, {at, half}})
     for (Eigen::Index i = 0; i < rule.s.size(); ++i)
       for (Eigen::Index j = 0; j < rule.s.size(); ++j) {
@@ -113,7 +114,7 @@ double by_definition(const EdgeRule& rule, const VonMises& v, double p, const Tr
         const Real slope = 2 * (v.share * mean * m + 3 * (d * c * x - d * s * rt));
         sum += weight * (std::pow(v1, h) - std::pow(v0, h) - h * std::pow(v0, h - 1) * slope) / (t * t);
       }
-  return static_cast<double>(sum * 2 / pi_v<Real>);
+  return static_cast<double>(sum * 2 / std::numbers::pi_v<Real>);
 }
 
 // Powers below 2 need many points here: with 48, 120, 240 a side the definition at p = 1, share 1, y = 0.31 is 5e-8,

@@ -28,8 +28,8 @@ TEST(Case, Defaults) {
   const Case c = read(square);
   EXPECT_EQ(c.name, "a");
   EXPECT_EQ(c.title, "a");
-  EXPECT_EQ(c.element, "bdms");
-  EXPECT_EQ(c.contact, "dual-qp");
+  EXPECT_EQ(c.element.name, "bdms");
+  EXPECT_EQ(c.contact, ContactMethod::DualQp);
   EXPECT_EQ(c.functional.kind, "energy");
   ASSERT_EQ(c.functional.terms.size(), 1u);
   EXPECT_TRUE(c.functional.terms[0].energy);

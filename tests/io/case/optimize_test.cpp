@@ -27,7 +27,7 @@ TEST(Optimize, DefaultsOfTheLevelSet) {
   const Case c = read(plate + pull + "[optimize]\nvolume = { at_most = 0.4 }\n");
   ASSERT_TRUE(c.optimize);
   const OptimizeRequest& r = *c.optimize;
-  EXPECT_EQ(r.method, "level-set");
+  EXPECT_EQ(r.method, OptimizeMethod::LevelSet);
   EXPECT_EQ(r.volume_at_most, 0.4);
   EXPECT_EQ(r.volume_penalty, 0);
   EXPECT_EQ(r.max_iterations, 100);
@@ -172,7 +172,7 @@ poisson = 0.4
 start = { young = 2, center = [0.6, 0.4] }
 )");
   const OptimizeRequest& r = *c.optimize;
-  EXPECT_EQ(r.method, "mma");
+  EXPECT_EQ(r.method, OptimizeMethod::Mma);
   EXPECT_EQ(r.min_distance, 0.02);
   const std::vector<Drawn>& d = r.design.drawn;
   ASSERT_EQ(d.size(), 5u);
@@ -404,8 +404,8 @@ poisson = 0.2
   ASSERT_EQ(s.true_scene.regions.size(), 1u);
   EXPECT_EQ(s.true_scene.supports.size(), 1u);
   EXPECT_EQ(s.true_scene.tractions.size(), 1u);
-  EXPECT_EQ(s.element, "afw");
-  EXPECT_EQ(s.degree, 2);
+  EXPECT_EQ(s.element.name, "afw");
+  EXPECT_EQ(s.element.degree, 2);
   EXPECT_EQ(s.spacing, 0.1);
   EXPECT_DOUBLE_EQ(s.sizing.size, 0.07);
   EXPECT_EQ(s.noise, 0.01);
@@ -415,9 +415,9 @@ poisson = 0.2
 
   const std::string hole = "[[synthetic.hole]]\nname = 'h'\ncircle = { center = [1.2, 0.5], radius = 0.15 }\n";
   const Case other = read(inverse + "[solver]\nelement = 'afw'\n[synthetic]\nsize = 0.02\n" + hole);
-  EXPECT_EQ(other.synthetic->element, "bdms");
+  EXPECT_EQ(other.synthetic->element.name, "bdms");
   EXPECT_EQ(other.synthetic->sizing.size, 0.02);
-  EXPECT_EQ(read(inverse + "[synthetic]\nelement = 'p2'\n" + hole).synthetic->element, "p2");
+  EXPECT_EQ(read(inverse + "[synthetic]\nelement = 'p2'\n" + hole).synthetic->element.name, "p2");
   // Without [mesh]: of the default size.
   EXPECT_DOUBLE_EQ(read(inverse + hole).synthetic->sizing.size, 0.7 * extent(c.shape) / 40);
 }

@@ -1,0 +1,237 @@
+# Completion of kerf for bash; `kerf keys --completion bash` prints it. Use: source kerf.bash
+
+_kerf() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
+  COMPREPLY=()
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    COMPREPLY=($(compgen -W "run solve map check validate optimize keys init bench --help --version" -- "$word"))
+    return
+  fi
+  case $before in
+    --set)
+      COMPREPLY=($(compgen -S = -W "$_kerf_keys" -- "$word"))
+      compopt -o nospace
+      return ;;
+    -o | --output | --peers | --write) COMPREPLY=($(compgen -d -- "$word")) && return ;;
+  esac
+  case ${COMP_WORDS[1]} in
+    run) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
+    solve) options="--help --output --set --threads --quiet --log-level --force" ;;
+    map) options="--help --output --set --threads --quiet --log-level --force" ;;
+    check) options="--help --output --set --threads --quiet --log-level --force" ;;
+    validate) options="--help --output --set --threads --quiet --log-level --force" ;;
+    optimize) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
+    keys) options="--help --markdown --schema --completion --write" ;;
+    init) options="--help --list --output --force" ;;
+    bench) options="--help --list --output --seconds --peer-seconds --case --element --quick --large --peers --quiet --log-level --force" ;;
+  esac
+  if [[ $word == -* ]]; then
+    COMPREPLY=($(compgen -W "$options" -- "$word"))
+  elif [ "${COMP_WORDS[1]}" = keys ]; then
+    COMPREPLY=($(compgen -W "$_kerf_keys" -- "$word"))
+  else
+    COMPREPLY=($(compgen -f -X '!*.toml' -- "$word") $(compgen -d -- "$word"))
+  fi
+}
+
+_kerf_keys="
+title
+domain.outline
+domain.sides
+hole[0].name
+hole[0].circle.center
+hole[0].circle.radius
+hole[0].ellipse.center
+hole[0].ellipse.semi_axes
+hole[0].ellipse.angle_deg
+hole[0].polygon
+crack[0].name
+crack[0].path
+crack[0].arc.center
+crack[0].arc.radius
+crack[0].arc.from_deg
+crack[0].arc.to_deg
+crack[0].contact
+crack[0].friction
+crack[0].tresca
+material.young
+material.poisson
+material.state
+region[0].name
+region[0].circle.center
+region[0].circle.radius
+region[0].ellipse.center
+region[0].ellipse.semi_axes
+region[0].ellipse.angle_deg
+region[0].polygon
+region[0].young
+region[0].poisson
+boundary[0].on
+boundary[0].traction
+boundary[0].pressure
+boundary[0].displacement
+boundary[0].displacement_x
+boundary[0].displacement_y
+boundary[0].displacement_normal
+body.force
+mesh.size
+mesh.crack_tip_size
+mesh.min_angle
+mesh.adapt.error
+mesh.adapt.max_triangles
+solver.element
+solver.degree
+solver.contact
+solver.backend
+functional.kind
+functional.on
+functional.crack
+functional.tip
+functional.target
+functional.measured
+functional.p
+functional.ring
+functional.weight
+functional.terms[0].kind
+functional.terms[0].on
+functional.terms[0].crack
+functional.terms[0].tip
+functional.terms[0].target
+functional.terms[0].measured
+functional.terms[0].p
+functional.terms[0].ring
+functional.terms[0].weight
+functional.terms[0].factor
+map.perturbation
+map.perturbation.young
+map.perturbation.poisson
+map.perturbation.aspect
+map.points
+map.bounds
+map.radius
+validate.points
+validate.radii
+validate.radii.largest
+validate.radii.ratio
+validate.radii.count
+probe[0].name
+probe[0].points
+probe[0].from
+probe[0].to
+probe[0].count
+probe[0].file
+output.vtk
+output.png
+output.html
+optimize.method
+optimize.volume.at_most
+optimize.volume.penalty
+optimize.max_iterations
+optimize.tolerance
+optimize.bound[0].kind
+optimize.bound[0].on
+optimize.bound[0].crack
+optimize.bound[0].tip
+optimize.bound[0].target
+optimize.bound[0].measured
+optimize.bound[0].p
+optimize.bound[0].ring
+optimize.bound[0].weight
+optimize.bound[0].terms[0].kind
+optimize.bound[0].terms[0].on
+optimize.bound[0].terms[0].crack
+optimize.bound[0].terms[0].tip
+optimize.bound[0].terms[0].target
+optimize.bound[0].terms[0].measured
+optimize.bound[0].terms[0].p
+optimize.bound[0].terms[0].ring
+optimize.bound[0].terms[0].weight
+optimize.bound[0].terms[0].factor
+optimize.bound[0].at_most
+optimize.bound[0].name
+optimize.nucleate
+optimize.nucleate.every
+optimize.nucleate.fraction
+optimize.frozen
+optimize.move
+optimize.inner_product
+optimize.smoothing
+optimize.symmetry.x
+optimize.symmetry.y
+optimize.symmetry.point
+optimize.symmetry.direction
+optimize.min_feature
+optimize.start.holes
+optimize.start.random
+optimize.start.seed
+optimize.start.radius
+optimize.ersatz
+optimize.min_distance
+optimize.hole[0].name
+optimize.hole[0].circle.center
+optimize.hole[0].circle.radius
+optimize.hole[0].ellipse.center
+optimize.hole[0].ellipse.semi_axes
+optimize.hole[0].ellipse.angle_deg
+optimize.hole[0].spline.points
+optimize.hole[0].start
+optimize.hole[0].start.center
+optimize.hole[0].start.radius
+optimize.hole[0].start.semi_axes
+optimize.hole[0].start.angle_deg
+optimize.hole[0].start.points
+optimize.crack[0].name
+optimize.crack[0].path
+optimize.crack[0].contact
+optimize.crack[0].start
+optimize.crack[0].start.path
+optimize.region[0].name
+optimize.region[0].circle.center
+optimize.region[0].circle.radius
+optimize.region[0].young
+optimize.region[0].poisson
+optimize.region[0].start
+optimize.region[0].start.center
+optimize.region[0].start.radius
+optimize.region[0].start.young
+load_case[0].name
+load_case[0].weight
+load_case[0].boundary[0].on
+load_case[0].boundary[0].traction
+load_case[0].boundary[0].pressure
+load_case[0].body.force
+synthetic.hole[0].name
+synthetic.hole[0].circle.center
+synthetic.hole[0].circle.radius
+synthetic.hole[0].ellipse.center
+synthetic.hole[0].ellipse.semi_axes
+synthetic.hole[0].ellipse.angle_deg
+synthetic.hole[0].polygon
+synthetic.crack[0].name
+synthetic.crack[0].path
+synthetic.crack[0].arc.center
+synthetic.crack[0].arc.radius
+synthetic.crack[0].arc.from_deg
+synthetic.crack[0].arc.to_deg
+synthetic.crack[0].contact
+synthetic.crack[0].friction
+synthetic.crack[0].tresca
+synthetic.region[0].name
+synthetic.region[0].circle.center
+synthetic.region[0].circle.radius
+synthetic.region[0].ellipse.center
+synthetic.region[0].ellipse.semi_axes
+synthetic.region[0].ellipse.angle_deg
+synthetic.region[0].polygon
+synthetic.region[0].young
+synthetic.region[0].poisson
+synthetic.element
+synthetic.degree
+synthetic.size
+synthetic.crack_tip_size
+synthetic.noise
+synthetic.spacing
+synthetic.seed
+"
+
+complete -F _kerf kerf

@@ -1,0 +1,691 @@
+#include "io/case/keys.hpp"
+
+#include "kerf/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace kerf {
+
+namespace {
+
+using enum KeyType;
+using View = std::string_view;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr KeyRange positive{0, infinity, true};
+constexpr KeyRange not_negative{0, infinity};
+constexpr KeyRange poisson{0, 0.5};
+
+constexpr std::array<View, 2> plane_states{"plane strain", "plane stress"};
+constexpr std::array<View, 9> element_names{
+    "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
+constexpr std::array<View, 1> later_backends{"petsc"};
+constexpr std::array<View, 12> functional_kinds{
+    "energy",         "compliance",   "volume", "displacement_tracking", "boundary_tracking",
+    "stress_power",   "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",
+    "crack_pressure", "sum"};
+constexpr std::array<View, 2> path_ends{"start", "end"};
+constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
+constexpr std::array<View, 1> from_map{"map"};
+constexpr KeyWords drawn_laws = KeyWords(crack_law_words).first(2);  // a crack that is sought has faces
+
+constexpr View level_set = "level-set", drawn = "mma|ccsaq|slsqp|cobyla";
+
+// The order within a table is that of messages.
+constexpr Key rows[] = {
+    {"title", Text, {}, "Headline of summary, pictures and report.", "\"Plate\"", "the file's name"},
+
+    {"domain", Table, {.required = true}, "The body: an outline with a label per edge."},
+    {"domain.outline",
+     Points,
+     {.required = true},
+     "Corners of a simple polygon, in order. An entry may be { arc_to = [x, y], center = [x, y] }: the edge that "
+     "arrives there is an arc. Two entries make a disc.",
+     "[[0, 0], [2, 0], [2, 1], [0, 1]]"},
+    {"domain.outline[].arc_to", Pair, {.required = true}, "Where the arc ends.", "[1, 0]"},
+    {"domain.outline[].center",
+     Pair,
+     {.required = true},
+     "Its center, at the same distance from both ends. The arc runs the shorter way, counter-clockwise when both are "
+     "equal.",
+     "[0, 0]"},
+    {"domain.sides",
+     Names,
+     {.required = true},
+     "A label per edge, corner 1 to 2 first; edges may share a label.",
+     "[\"bottom\", \"right\", \"top\", \"left\"]"},
+    {"domain.file",
+     Text,
+     {.later = "draw the body with outline, sides and [[hole]]"},
+     "A mesh or a geometry of gmsh.",
+     "\"plate.msh\""},
+
+    {"hole[]", Tables, {}, "A hole in the body."},
+    {"hole[].name", Name, {.required = true}, "Its boundary is the label hole:<name>.", "\"h1\""},
+    {"hole[].circle",
+     Table,
+     {.one_of = true},
+     "A circle, meshed as a polygon of the same area.",
+     "{ center = [0.5, 1.2], radius = 0.2 }"},
+    {"hole[].circle.center", Pair, {.required = true}, "Its center.", "[0.5, 1.2]"},
+    {"hole[].circle.radius", Number, {.range = positive, .required = true}, "Its radius.", "0.2"},
+    {"hole[].ellipse",
+     Table,
+     {.one_of = true},
+     "An ellipse.",
+     "{ center = [0, 0], semi_axes = [2, 1], angle_deg = 30 }"},
+    {"hole[].ellipse.center", Pair, {.required = true}, "Its center.", "[0, 0]"},
+    {"hole[].ellipse.semi_axes", Pair, {.range = positive, .required = true}, "Its semi-axes.", "[2, 1]"},
+    {"hole[].ellipse.angle_deg", Number, {}, "Angle of the first axis from the x axis.", "30", "0"},
+    {"hole[].polygon", Points, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
+
+    {"crack[]",
+     Tables,
+     {},
+     "A crack. Cracks that cut off a piece are refused unless supports hold every piece: contact alone does not "
+     "count."},
+    {"crack[].name", Name, {.required = true}, "Names its files and its rows in results.", "\"c\""},
+    {"crack[].path",
+     Points,
+     {.one_of = true},
+     "A polyline inside the body. It may end on the outline, on a hole or on another crack (within 1e-6 of the body's "
+     "size: a branch), and cross other cracks at 1 degree or more.",
+     "[[-1, 0], [1, 0]]"},
+    {"crack[].arc",
+     Table,
+     {.one_of = true},
+     "An arc of less than a full turn.",
+     "{ center = [0, 0], radius = 1, from_deg = 0, to_deg = 90 }"},
+    {"crack[].arc.center", Pair, {.required = true}, "Its center.", "[0, 0]"},
+    {"crack[].arc.radius", Number, {.range = positive, .required = true}, "Its radius.", "1"},
+    {"crack[].arc.from_deg", Number, {.required = true}, "The angle at which it begins.", "0"},
+    {"crack[].arc.to_deg",
+     Number,
+     {.required = true},
+     "The angle at which it ends; clockwise when it is the smaller one.",
+     "90"},
+    {"crack[].contact",
+     Word,
+     {.words = crack_law_words},
+     "unilateral: faces do not penetrate and slide freely; open: no condition; bonded: no crack.",
+     "\"open\"",
+     "\"unilateral\""},
+    {"crack[].friction",
+     Number,
+     {.range = not_negative},
+     "Coulomb's coefficient: faces slide when the shear reaches friction times the pressure. For loads that grow in "
+     "proportion, and contact = \"unilateral\".",
+     "0.3",
+     "0"},
+    {"crack[].tresca",
+     Number,
+     {.range = not_negative},
+     "A stress: faces slide when the shear reaches it, whatever the pressure, where they are open too. With friction "
+     "both add up. Goes with contact = \"unilateral\".",
+     "0.1",
+     "0"},
+
+    {"material", Table, {.required = true}, "What the body is made of."},
+    {"material.young", Number, {.range = positive, .required = true}, "Young's modulus.", "1.0"},
+    {"material.poisson",
+     Number,
+     {.range = poisson, .required = true},
+     "Poisson's ratio. At 0.5 in plane strain a body with prescribed displacements all around must keep its area.",
+     "0.3"},
+    {"material.state",
+     Word,
+     {.words = plane_states},
+     "The plane state, of the regions too.",
+     "\"plane stress\"",
+     "\"plane strain\""},
+
+    {"region[]",
+     Tables,
+     {},
+     "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes, cracks or "
+     "each other. They may lie around holes and cracks, and inside one another: the inner one counts."},
+    {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
+    {"region[].circle",
+     Table,
+     {.one_of = true, .like = "hole[].circle"},
+     "A circle.",
+     "{ center = [1, 1], radius = 0.1 }"},
+    {"region[].ellipse",
+     Table,
+     {.one_of = true, .like = "hole[].ellipse"},
+     "An ellipse.",
+     "{ center = [1, 1], semi_axes = [0.2, 0.1] }"},
+    {"region[].polygon", Points, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
+    {"region[].young",
+     Number,
+     {.range = positive},
+     "Young's modulus. A region that optimize.frozen names may leave it and poisson out.",
+     "10.0"},
+    {"region[].poisson", Number, {.range = poisson}, "Poisson's ratio.", "0.3"},
+
+    {"boundary[]", Tables, {}, "What acts on a part of the boundary; labels without a condition are free."},
+    {"boundary[].on", Text | Names, {.required = true}, "A label, or a list of labels.", "\"top\""},
+    {"boundary[].traction", Vector, {}, "Force per length.", "[0, \"1 + x\"]"},
+    {"boundary[].pressure", Formula, {}, "Traction -p n.", "0.5"},
+    {"boundary[].displacement", Vector, {}, "Both components of the displacement.", "[0, 0]"},
+    {"boundary[].displacement_x",
+     Formula,
+     {},
+     "One component alone: a roller. It may carry a traction in its free component.",
+     "0"},
+    {"boundary[].displacement_y", Formula, {}, "The same for y.", "0"},
+    {"boundary[].displacement_normal", Formula, {}, "The same for the component along the outward normal.", "0"},
+
+    {"body", Table, {}, "What acts inside the body."},
+    {"body.force", Vector, {.required = true}, "Force per area, without nx and ny.", "[0, -1]"},
+
+    {"define", Formulas, {}, "Named subexpressions, in order; each must be used.", "r1 = \"sqrt((x-1)^2 + y^2)\""},
+
+    {"mesh", Table, {}, "The mesh of triangles."},
+    {"mesh.size", Number, {.range = positive}, "Target edge length.", "0.1", "1/40 of the body's diagonal"},
+    {"mesh.crack_tip_size",
+     Number,
+     {.range = positive},
+     "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles.",
+     "0.01",
+     "size/100"},
+    {"mesh.min_angle",
+     Number,
+     {.range = {0, 30}},
+     "Least angle in degrees, kept wherever the drawing's own angles allow.",
+     "20",
+     "25"},
+    {"mesh.adapt",
+     Table,
+     {},
+     "Solve, estimate, mesh anew, until the error is reached, the mesh is large, or nothing is gained any more. The "
+     "first mesh is that of size, which stays the coarsest. Not for p1 and p2.",
+     "{ error = 1e-3 }"},
+    {"mesh.adapt.error",
+     Number,
+     {.range = positive, .required = true},
+     "Wanted estimated relative error of the stress.",
+     "1e-3"},
+    {"mesh.adapt.max_triangles",
+     Whole,
+     {.range = {1, 20000000}},
+     "Ends the refinement; the last mesh may have more.",
+     "50000",
+     "200000"},
+
+    {"solver", Table, {}, "How the state is computed."},
+    {"solver.element",
+     Word,
+     {.words = element_names},
+     "bdms, afw; bdms-c: continuous rotation; arnold-winther-c: stress continuous at vertices; arnold-winther-nc: "
+     "nonconforming; p1, p2: displacements, for comparison.",
+     "\"afw\"",
+     "\"bdms\""},
+    {"solver.degree", Whole, {.range = {1, 3}}, "Of bdms and afw; the others have none but 1.", "2", "1"},
+    {"solver.contact",
+     Word,
+     {.words = contact_method_words},
+     "How contact is solved: the same answer; the last two to compare with.",
+     "\"uzawa\"",
+     "\"dual-qp\""},
+    {"solver.backend",
+     Word,
+     {.words = backend_words, .later_words = later_backends},
+     "umfpack: the saddle point that is not condensed, with its own active set, whatever contact says; slow, to check "
+     "with.",
+     "\"umfpack\"",
+     "\"cholmod\""},
+
+    {"functional", Table, {}, "What J is."},
+    {"functional.kind",
+     Word,
+     {.words = functional_kinds, .required = true},
+     "Which functional; each kind takes its own keys.",
+     "\"compliance\"",
+     "\"energy\" without the table"},
+    {"functional.on",
+     Text | Names,
+     {.with = "boundary_tracking|misfit", .required = true},
+     "A label or a list of labels; of a misfit one label without a support.",
+     "\"top\""},
+    {"functional.crack",
+     Text,
+     {.with = "energy_release_rate|crack_opening|crack_pressure", .required = true},
+     "The name of a crack with faces; of crack_pressure one with contact = \"unilateral\".",
+     "\"c\""},
+    {"functional.tip",
+     Word,
+     {.words = path_ends, .with = "energy_release_rate", .required = true},
+     "The end of the crack's path where G is.",
+     "\"end\""},
+    {"functional.target",
+     Vector | Formula,
+     {.with = "displacement_tracking|boundary_tracking|crack_pressure", .required = true},
+     "A displacement, a pair; of crack_pressure a pressure, one value.",
+     "[0, \"x\"]"},
+    {"functional.measured",
+     Vector | Text,
+     {.with = "misfit", .required = true},
+     "Measured displacements: two expressions, \"synthetic\", or a file with the columns x,y,u_x,u_y.",
+     "\"data.csv\""},
+    {"functional.p",
+     Number,
+     {.range = {2, 100}, .with = "stress_power|stress_pnorm", .required = true},
+     "The power of the von Mises stress.",
+     "4"},
+    {"functional.ring",
+     Pair,
+     {.range = positive, .with = "energy_release_rate"},
+     "Inner and outer radius of the ring about the tip that G is integrated over.",
+     "[0.06, 0.2]",
+     "from the crack's length and what is near"},
+    {"functional.weight",
+     Formula,
+     {.with = "displacement_tracking|boundary_tracking|stress_power|stress_pnorm|crack_opening|crack_pressure"},
+     "Factor under the integral.",
+     "\"x > 1 ? 1 : 0\"",
+     "1"},
+    {"functional.terms[]",
+     Tables,
+     {.with = "sum", .required = true, .like = "functional"},
+     "Functionals that are added; no sums among them, at most one misfit.",
+     "[{ kind = \"compliance\" }, { kind = \"volume\", factor = 100 }]"},
+    {"functional.terms[].factor", Number, {}, "Factor of the term, not 0.", "100", "1"},
+
+    {"map", Table, {}, "The map of the topological derivative."},
+    {"map.perturbation",
+     Word | Table,
+     {.words = perturbation_words},
+     "What is put into the body at a point. hole: free and circular; clamped_hole: u = 0 on the circle; crack: length "
+     "2 eps, in unilateral contact, the worst direction; { young, poisson }: a circular inclusion; { aspect }: a free "
+     "elliptic hole of area pi eps^2, the direction with the least T.",
+     "{ young = 2.0, poisson = 0.3 }",
+     "\"hole\""},
+    {"map.perturbation.young", Number, {.range = positive, .one_of = true}, "Young's modulus of an inclusion.", "2.0"},
+    {"map.perturbation.poisson",
+     Number,
+     {.range = poisson, .with = "young", .required = true},
+     "Its Poisson's ratio.",
+     "0.3"},
+    {"map.perturbation.aspect", Number, {.range = {1, 100}, .one_of = true}, "Ratio of the axes of an ellipse.", "3"},
+    {"map.points", Points, {}, "Candidate points.", "[[0.5, 0.5]]", "everywhere in the body"},
+    {"map.bounds",
+     Boolean,
+     {},
+     "A lower and an upper value for every value of the map: error bars from a better solution (2.5 to 4 times the "
+     "work), no guarantee. Not for bdms of degree 3.",
+     "true",
+     "false"},
+    {"map.radius",
+     Number,
+     {.range = positive},
+     "The radius that the mask, and the value of a clamped hole, is for: points with less than 4 radii to the next "
+     "boundary, crack, tip, end of contact, other material, end of a support or load, or to the ring of the functional "
+     "are masked.",
+     "0.01",
+     "the smallest of validate.radii, else 0.005 of the body's diagonal"},
+
+    {"validate", Table, {}, "The expansion against changes of finite size."},
+    {"validate.points",
+     Points,
+     {.required = true},
+     "Where. The perturbation is that of [map], the mesh that of mesh.size. Not for peers, bdms-c and other elements "
+     "with unknowns at vertices.",
+     "[[0.5, 0.8]]"},
+    {"validate.radii",
+     Numbers | Table,
+     {.range = positive, .required = true},
+     "Different radii. Give four or more: the fit has three unknowns.",
+     "{ largest = 0.2, ratio = 0.5, count = 6 }"},
+    {"validate.radii.largest", Number, {.range = positive, .required = true}, "The first radius.", "0.2"},
+    {"validate.radii.ratio",
+     Number,
+     {.range = {0, 1, true, true}, .required = true},
+     "Of each radius to the one before.",
+     "0.5"},
+    {"validate.radii.count", Whole, {.range = {1, 30}, .required = true}, "How many.", "6"},
+
+    {"probe[]", Tables, {}, "Points whose values go to probe_<name>.csv."},
+    {"probe[].name", Name, {.required = true}, "Names the file.", "\"line\""},
+    {"probe[].points", Points, {.one_of = true}, "The points.", "[[0, 0.1], [0.5, 0.1]]"},
+    {"probe[].from", Pair, {.one_of = true}, "Where a straight row of points begins.", "[0, 0.1]"},
+    {"probe[].to", Pair, {.with = "from", .required = true}, "Where it ends.", "[1, 0.1]"},
+    {"probe[].count",
+     Whole,
+     {.range = {2, 1000000}, .with = "from", .required = true},
+     "How many points it has.",
+     "101"},
+    {"probe[].file", Text, {.one_of = true}, "A file with the columns x,y.", "\"points.csv\""},
+
+    {"output", Table, {}, "Which files are written beside result.json and the tables."},
+    {"output.vtk", Boolean, {}, "Fields for ParaView.", "false", "true"},
+    {"output.png", Boolean, {}, "Pictures.", "false", "true"},
+    {"output.html", Boolean, {}, "The report, one page.", "false", "true"},
+
+    {"optimize", Table, {}, "The best body: J of [functional], which must be there, as small as it can be."},
+    {"optimize.method",
+     Word,
+     {.words = optimize_method_words},
+     "level-set: any shape, holes appear and merge. The others, of NLopt, move what is drawn by a few numbers; cobyla "
+     "without derivatives.",
+     "\"mma\"",
+     "\"level-set\""},
+    {"optimize.volume",
+     Table,
+     {},
+     "A bound or a price of the area. A level set for the compliance alone needs it: without, the full body is best.",
+     "{ at_most = 0.4 }"},
+    {"optimize.volume.at_most", Number, {.range = {0, 1, true}}, "Share of the area of the body as drawn.", "0.4"},
+    {"optimize.volume.penalty", Number, {.range = positive}, "J + penalty times area is minimized.", "100"},
+    {"optimize.max_iterations",
+     Whole,
+     {.range = {1, 1000000}},
+     "Of the level set; of the NLopt methods evaluations of a design.",
+     "60",
+     "100"},
+    {"optimize.tolerance",
+     Number,
+     {.range = {1e-12, 0.5}},
+     "Relative change of J (level set), residual of the optimality conditions (NLopt).",
+     "1e-4",
+     "1e-3"},
+    {"optimize.bound[]",
+     Tables,
+     {.like = "functional"},
+     "A functional that must not exceed a value; no misfit. With load cases the worst of them counts."},
+    {"optimize.bound[].at_most",
+     Number,
+     {.required = true},
+     "The value, not 0; positive but of energy, crack_opening and sum.",
+     "10"},
+    {"optimize.bound[].name", Name, {}, "In messages and tables.", "\"stiffness\"", "its kind"},
+    {"optimize.nucleate",
+     Table | Boolean,
+     {.with = level_set},
+     "New holes where the topological derivative says so; false: none.",
+     "{ every = 5, fraction = 0.02 }",
+     "true"},
+    {"optimize.nucleate.every", Whole, {.range = {1, 100000}}, "In every so many iterations.", "10", "5"},
+    {"optimize.nucleate.fraction",
+     Number,
+     {.range = {0, 0.5, true}},
+     "At most this share of the area at a time.",
+     "0.01",
+     "0.02"},
+    {"optimize.frozen",
+     Names,
+     {.with = level_set},
+     "[[region]] tables that stay solid. One without young and poisson is no other material, only a mask, and may "
+     "touch and leave the outline.",
+     "[\"load_pad\"]",
+     "nothing"},
+    {"optimize.move",
+     Word,
+     {.words = move_words, .with = level_set},
+     "What moves the boundary; fixed-point: of the topological derivative.",
+     "\"fixed-point\"",
+     "\"shape-gradient\""},
+    {"optimize.inner_product",
+     Word,
+     {.words = inner_product_words, .with = level_set},
+     "That smooths the shape gradient.",
+     "\"elasticity\"",
+     "\"h1\""},
+    {"optimize.smoothing", Number, {.range = positive, .with = level_set}, "Its length.", "0.1", "from the mesh size"},
+    {"optimize.symmetry",
+     Table,
+     {.with = level_set},
+     "The design is its own mirror image about a line. The body as drawn must be so, too; loads need not.",
+     "{ x = 1.0 }",
+     "none"},
+    {"optimize.symmetry.x", Number, {.one_of = true}, "The line x = ...", "1.0"},
+    {"optimize.symmetry.y", Number, {.one_of = true}, "The line y = ...", "0.5"},
+    {"optimize.symmetry.point", Pair, {.one_of = true}, "A point of the line.", "[0, 0]"},
+    {"optimize.symmetry.direction", Pair, {.with = "point", .required = true}, "Along the line, not zero.", "[1, 1]"},
+    {"optimize.min_feature",
+     Number,
+     {.range = positive, .with = level_set},
+     "Members and gaps thinner than this are not wanted.",
+     "0.05",
+     "none"},
+    {"optimize.start",
+     Table,
+     {.with = level_set},
+     "Holes to begin with.",
+     "{ holes = [4, 2], radius = 0.1 }",
+     "the full body"},
+    {"optimize.start.holes",
+     Pair,
+     {.range = {1, 1000}, .one_of = true},
+     "[columns, rows] of a regular pattern, whole numbers.",
+     "[4, 2]"},
+    {"optimize.start.random", Whole, {.range = {1, 100000}, .one_of = true}, "How many holes at random places.", "10"},
+    {"optimize.start.seed", Whole, {.range = {0, 2147483647}, .with = "random"}, "Of the random places.", "7", "1"},
+    {"optimize.start.radius", Number, {.range = positive, .required = true}, "Of the holes.", "0.1"},
+    {"optimize.ersatz",
+     Number,
+     {.range = {1e-9, 0.5}, .with = level_set},
+     "Stiffness of a weak phase instead of void, relative to the body's, to compare with.",
+     "1e-3",
+     "void"},
+    {"optimize.min_distance",
+     Number,
+     {.range = positive, .with = drawn},
+     "Between holes, and from holes to cracks and the outline.",
+     "0.05",
+     "0"},
+    {"optimize.hole[]",
+     Tables,
+     {.with = drawn},
+     "A hole that is moved: a box [low, high] per number; a number alone is fixed."},
+    {"optimize.hole[].name", Name, {}, "In messages and tables.", "\"h\"", "hole_1, ..."},
+    {"optimize.hole[].circle",
+     Table,
+     {.one_of = true},
+     "A circle.",
+     "{ center = [[0.2, 0.8], [0.2, 0.8]], radius = [0.02, 0.15] }"},
+    {"optimize.hole[].circle.center", BoxPair, {.required = true}, "Its center.", "[[0.2, 0.8], 0.5]"},
+    {"optimize.hole[].circle.radius", Box, {.range = positive, .required = true}, "Its radius.", "[0.02, 0.15]"},
+    {"optimize.hole[].ellipse",
+     Table,
+     {.one_of = true},
+     "An ellipse.",
+     "{ center = [0.5, 0.5], semi_axes = [[0.1, 0.3], [0.1, 0.3]] }"},
+    {"optimize.hole[].ellipse.center", BoxPair, {.required = true}, "Its center.", "[[0.2, 0.8], 0.5]"},
+    {"optimize.hole[].ellipse.semi_axes",
+     BoxPair,
+     {.range = positive, .required = true},
+     "Its semi-axes.",
+     "[[0.1, 0.3], [0.1, 0.3]]"},
+    {"optimize.hole[].ellipse.angle_deg", Box, {}, "Angle of the first axis from the x axis.", "[-45, 45]", "0"},
+    {"optimize.hole[].spline",
+     Table,
+     {.one_of = true},
+     "A closed cubic B-spline.",
+     "{ points = [[[0.2, 0.4], [0.2, 0.4]], [[0.6, 0.8], [0.2, 0.4]], [[0.6, 0.8], [0.6, 0.8]], [[0.2, 0.4], [0.6, "
+     "0.8]]] }"},
+    {"optimize.hole[].spline.points",
+     BoxPairs,
+     {.required = true},
+     "Its control points, 4 or more, counter-clockwise.",
+     "[[[0.2, 0.4], [0.2, 0.4]], [[0.6, 0.8], [0.2, 0.4]], [[0.6, 0.8], [0.6, 0.8]], [[0.2, 0.4], [0.6, 0.8]]]"},
+    {"optimize.hole[].start",
+     Table | Word,
+     {.words = from_map},
+     "Where the numbers begin, all or some. map: read off topological derivatives on the body without the design.",
+     "{ center = [0.5, 0.5], radius = 0.1 }",
+     "the middle of the boxes"},
+    {"optimize.hole[].start.center",
+     Pair,
+     {.with = "circle|ellipse"},
+     "The center; of a spline, with radius, that of a circle.",
+     "[0.5, 0.5]"},
+    {"optimize.hole[].start.radius", Number, {.with = "circle|center"}, "The radius.", "0.1"},
+    {"optimize.hole[].start.semi_axes", Pair, {.with = "ellipse"}, "The semi-axes.", "[0.2, 0.1]"},
+    {"optimize.hole[].start.angle_deg", Number, {.with = "ellipse"}, "The angle.", "10"},
+    {"optimize.hole[].start.points",
+     Points,
+     {.with = "spline"},
+     "All control points, instead of center and radius.",
+     "[[0.3, 0.3], [0.7, 0.3], [0.7, 0.7], [0.3, 0.7]]"},
+    {"optimize.crack[]", Tables, {.with = drawn}, "A crack that is moved."},
+    {"optimize.crack[].name", Name, {}, "In messages and tables.", "\"c\"", "crack_1, ..."},
+    {"optimize.crack[].path",
+     BoxPairs,
+     {.required = true},
+     "Its points, 2 or more.",
+     "[[[0.2, 0.4], 0.5], [[0.6, 0.8], 0.5]]"},
+    {"optimize.crack[].contact", Word, {.words = drawn_laws}, "As of [[crack]].", "\"open\"", "\"unilateral\""},
+    {"optimize.crack[].start",
+     Table | Word,
+     {.words = from_map},
+     "As of [[optimize.hole]].",
+     "{ path = [[0.3, 0.5], [0.7, 0.5]] }",
+     "the middle of the boxes"},
+    {"optimize.crack[].start.path", Points, {.required = true}, "All its points.", "[[0.3, 0.5], [0.7, 0.5]]"},
+    {"optimize.region[]", Tables, {.with = drawn}, "An inclusion that is moved."},
+    {"optimize.region[].name", Name, {}, "In messages and tables.", "\"r\"", "region_1, ..."},
+    {"optimize.region[].circle",
+     Table,
+     {.required = true, .like = "optimize.hole[].circle"},
+     "A circle.",
+     "{ center = [[0.2, 0.8], [0.2, 0.8]], radius = [0.02, 0.15] }"},
+    {"optimize.region[].young", Box, {.range = positive, .required = true}, "Young's modulus.", "[2, 20]"},
+    {"optimize.region[].poisson",
+     Number,
+     {.range = poisson, .required = true},
+     "Poisson's ratio, which is fixed.",
+     "0.3"},
+    {"optimize.region[].start",
+     Table | Word,
+     {.words = from_map},
+     "As of [[optimize.hole]].",
+     "{ center = [0.5, 0.5], radius = 0.1, young = 5 }",
+     "the middle of the boxes"},
+    {"optimize.region[].start.center", Pair, {}, "The center.", "[0.5, 0.5]"},
+    {"optimize.region[].start.radius", Number, {}, "The radius.", "0.1"},
+    {"optimize.region[].start.young", Number, {}, "Young's modulus.", "5"},
+
+    {"load_case[]",
+     Tables,
+     {},
+     "Loads that act together; goes with [optimize]. With load cases all loads belong to them. J is the sum of weight "
+     "times the functional of each."},
+    {"load_case[].name", Name, {.required = true}, "In messages and tables.", "\"wind\""},
+    {"load_case[].weight", Number, {.range = positive}, "Its weight in J.", "2", "1"},
+    {"load_case[].boundary[]", Tables, {}, "A load on a part of the boundary, as in [[boundary]]."},
+    {"load_case[].boundary[].on", Text | Names, {.required = true}, "A label, or a list of labels.", "\"top\""},
+    {"load_case[].boundary[].traction", Vector, {}, "Force per length.", "[0, -1]"},
+    {"load_case[].boundary[].pressure", Formula, {}, "Traction -p n.", "0.5"},
+    {"load_case[].body", Table, {.like = "body"}, "What acts inside the body.", "{ force = [0, -1] }"},
+
+    {"synthetic",
+     Table,
+     {},
+     "The true body that measurements are made up from: the one drawn, and at least one hole, crack or region; goes "
+     "with measured = \"synthetic\"."},
+    {"synthetic.hole[]", Tables, {.like = "hole[]"}, "As [[hole]]."},
+    {"synthetic.crack[]", Tables, {.like = "crack[]"}, "As [[crack]]."},
+    {"synthetic.region[]", Tables, {.like = "region[]"}, "As [[region]]."},
+    {"synthetic.element",
+     Word,
+     {.words = element_names},
+     "Other than solver.element or of another degree (no inverse crime).",
+     "\"p2\"",
+     "\"afw\" of degree 2, or \"bdms\""},
+    {"synthetic.degree", Whole, {.range = {1, 3}}, "Its degree.", "3", "1 with element, else 2"},
+    {"synthetic.size", Number, {.range = positive}, "Target edge length of its mesh.", "0.02", "0.7 times mesh.size"},
+    {"synthetic.crack_tip_size",
+     Number,
+     {.range = positive},
+     "The same at crack tips.",
+     "0.001",
+     "0.7 times mesh.crack_tip_size"},
+    {"synthetic.noise",
+     Number,
+     {.range = {0, 1}},
+     "Standard deviation relative to the root mean square of the displacements.",
+     "0.05",
+     "0"},
+    {"synthetic.spacing", Number, {.range = positive}, "Of the sensors along the label.", "0.05", "mesh.size"},
+    {"synthetic.seed", Whole, {.range = {0, 2147483647}}, "Of the noise.", "7", "1"}};
+
+View without_entry(View path) {
+  while (path.ends_with("[]")) path.remove_suffix(2);
+  return path;
+}
+
+/// "" of "mesh", "mesh" of "mesh.size".
+View parent(View path) {
+  const std::size_t dot = path.rfind('.');
+  return dot == View::npos ? View() : path.substr(0, dot);
+}
+
+const Key* row(View path) {
+  const auto found = std::find_if(std::begin(rows), std::end(rows), [&](const Key& key) { return key.path == path; });
+  return found == std::end(rows) ? nullptr : found;
+}
+
+/// The path with a table that is like another one replaced by the other, the innermost first; empty: there is none.
+std::string alike(View path) {
+  for (View table = parent(path); !table.empty(); table = parent(table))
+    if (const Key* key = row(table); key && !key->rules.like.empty())
+      return std::string(key->rules.like) + std::string(path.substr(table.size()));
+  return {};
+}
+
+bool contains(View list, View word) {
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find('|'), list.size());
+    if (list.substr(0, end) == word) return true;
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return false;
+}
+
+}  // namespace
+
+std::span<const Key> all_keys() {
+  return rows;
+}
+
+std::string_view name(const Key& key) {
+  const View path = without_entry(key.path);
+  return path.substr(path.rfind('.') + 1);  // npos + 1 is 0
+}
+
+const Key* find_key(std::string_view path) {
+  if (const Key* key = row(path)) return key;
+  if (const std::string other = alike(path); !other.empty()) return find_key(other);
+  return path.ends_with("[]") ? find_key(path.substr(0, path.size() - 2)) : nullptr;
+}
+
+std::vector<const Key*> keys_in(std::string_view table, std::string_view variant) {
+  std::vector<const Key*> keys;
+  const Key* whole = row(table);
+  if (whole && !whole->rules.like.empty()) keys = keys_in(whole->rules.like);
+  if (const std::string other = alike(table); !whole && !other.empty()) keys = keys_in(other);
+  for (const Key& key : rows)
+    if (parent(key.path) == table) keys.push_back(&key);
+  if (!variant.empty())
+    std::erase_if(keys, [&](const Key* key) {
+      const bool always = key->rules.with.empty() && !key->rules.one_of;
+      return !always && name(*key) != variant && !contains(key->rules.with, variant);
+    });
+  return keys;
+}
+
+std::string in_words(const KeyRange& r) {
+  const bool below = r.most<infinity, above = r.least> - infinity;
+  if (r.least == 0 && r.above && !below) return "positive";
+  if (r.least == 0 && !r.above && !below) return "not negative";
+  if (above && below && r.above == r.below)
+    return fmt::format("between {} and {}{}", r.least, r.most, r.above ? ", both excluded" : "");
+  if (above && below && r.least == 0) return fmt::format("positive, at most {}", r.most);
+  return "";
+}
+
+}  // namespace kerf
