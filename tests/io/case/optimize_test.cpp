@@ -620,8 +620,8 @@ INSTANTIATE_TEST_SUITE_P(
               "0.1] }\nstart = { center = [1, 0.4] }",
               "a.toml:19:24: entry 2 of center in start in [[optimize.hole]] = 0.4 lies outside its box [0.5, 0.5]"},
         Wrong{"[optimize]\nmethod = 'mma'\n[[optimize.hole]]\ncircle = { center = [[0.5, 1.5], 0.5], radius = [0.02, "
-              "0.1] }\nstart = { center = [1, 0.5] }",
-              "a.toml:19:11: unknown key \"center\" in start in [[optimize.hole]]; did you mean \"center\"?"},
+              "0.1] }\nstart = { centre = [1, 0.5] }",
+              "a.toml:19:11: unknown key \"centre\" in start in [[optimize.hole]]; did you mean \"center\"?"},
         Wrong{"[optimize]\nmethod = 'mma'\n[[optimize.hole]]\ncircle = { center = [[0.5, 1.5], 0.5], radius = [0.02, "
               "0.1] }\ncircel = 1",
               "a.toml:19:1: unknown key \"circel\" in [[optimize.hole]]; did you mean \"circle\"?"},
