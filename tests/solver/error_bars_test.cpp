@@ -144,9 +144,9 @@ Measured measure(const Body& b, double size) {
 }
 
 // Measured with 0.05 as well: at least 97.1 % covered, medians of the widths 1.4 to 3.7 medians of the errors.
-class ErrorBars : public testing::TestWithParam<Body> {};
+class KnownBodies : public testing::TestWithParam<Body> {};
 
-TEST_P(ErrorBars, CoverNearlyAllPointsAndAreNotMuchWider) {
+TEST_P(KnownBodies, CoverNearlyAllPointsAndAreNotMuchWider) {
   for (const double size : {0.2, 0.1}) {
     const Measured m = measure(GetParam(), size);
     EXPECT_GE(m.covered, 0.95) << size;
@@ -156,7 +156,7 @@ TEST_P(ErrorBars, CoverNearlyAllPointsAndAreNotMuchWider) {
 
 const Material incompressible = plane_strain(1000, 0.499999);
 INSTANTIATE_TEST_SUITE_P(
-    Exact, ErrorBars,
+    Exact, KnownBodies,
     testing::Values(
         table("c01_modeI"), table("c01b_modeI_biaxial"), table("c02_modeII"), table("c03_inclined_open"),
         table("c04_inclined_closed"), table("c05_partial_linear"), table("c05_partial_linear_w"),
@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
         arc("c11_arc", pi / 4), arc("c11b_arc_shear", pi / 6)),
     [](const auto& info) { return info.param.name; });
 
-TEST(ErrorBars, VanishesBetweenEqualSolutionsAndInterpolates) {
+TEST(ErrorBar, VanishesBetweenEqualSolutionsAndInterpolates) {
   const Mesh mesh = triangulate(straight("", exact::wave_field(0.3), 0, 1).shape, {.size = 0.3});
   const Corners c = split_at_cracks(mesh);
   const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
@@ -195,7 +195,7 @@ TEST(ErrorBars, VanishesBetweenEqualSolutionsAndInterpolates) {
   EXPECT_NEAR(half_width_at(mesh, c, s, {0, centroid(mesh, 0)}, 0), 3.9, 1e-12);
 }
 
-TEST(ErrorBars, KnowsABetterElementOrSaysThatThereIsNone) {
+TEST(ErrorBar, KnowsABetterElementOrSaysThatThereIsNone) {
   EXPECT_EQ(better_element(element("bdms")).degree, 2);
   EXPECT_EQ(better_element(element("bdms", 2)).degree, 3);
   EXPECT_EQ(better_element(element("peers")).degree, 1);
