@@ -99,7 +99,7 @@ struct Batch {
 
 Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
   Shape outside = shape;
-  outside.labels.push_back("balls of the validation");
+  outside.labels.emplace_back("balls of the validation");
   const Index label = static_cast<Index>(outside.labels.size()) - 1;
   for (const Site& s : sites)
     outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, sides}, label));
