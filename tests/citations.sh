@@ -150,8 +150,11 @@ def cite_sources(path, block):
             complain(path, block.line(found.start()), f'"{found[0]}" outside brackets: write [Name, Name year]')
 
 
+names = {os.path.basename(f) for f in files()}
+
+
 def exists(path, mentioned):
-    return any(os.path.isfile(os.path.normpath(os.path.join(at, mentioned))) for at in (os.path.dirname(path), ""))
+    return mentioned in names or any(os.path.isfile(os.path.normpath(os.path.join(at, mentioned))) for at in (os.path.dirname(path), ""))
 
 
 for path in files():

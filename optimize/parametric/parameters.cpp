@@ -322,11 +322,10 @@ std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x
 
 OptimizeResult Rounds::run() {
   restore();
-  const std::string& method = request_.method;
+  const OptimizeMethod method = request_.method;
   if (wants_gradients() && evaluations_.blind())
-    throw Error(Fault::Usage,
-                fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"", method,
-                                          *evaluations_.blind()));
+    throw Error(Fault::Usage, fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"",
+                                          word(method), *evaluations_.blind()));
   if (request_.max_iterations < 1)
     throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
   std::optional<DesignEvaluation> begun;
