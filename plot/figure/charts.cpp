@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
@@ -42,7 +43,7 @@ Chart validation_chart(const ValidationResult& result, const std::string& title)
 }
 
 bool wants_logarithm(const std::vector<double>& values) {
-  double least = INFINITY, most = 0;
+  double least = std::numeric_limits<double>::infinity(), most = 0;
   for (const double v : values) {
     if (!std::isfinite(v)) continue;
     if (!(v > 0)) return false;
