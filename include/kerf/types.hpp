@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -15,6 +16,8 @@ using Mat2 = Eigen::Matrix2d;
 using Points = Eigen::Matrix2Xd;  // one column per point
 
 inline constexpr Index none = -1;
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Thrown at the borders only (case file, geometry, unsolvable system, file system). The value is the exit code.
 enum class Fault { Usage = 2, Geometry = 3, Numerics = 4, Files = 5 };

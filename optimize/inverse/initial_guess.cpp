@@ -22,7 +22,6 @@ namespace {
 
 using Kind = Drawn::Kind;
 constexpr double pi = std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What one drawn thing may be.
 struct Variant {

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -20,7 +19,6 @@ using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
 using Kind = Drawn::Kind;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double sharpness = 40;  // of soft minima
 
 /// A boundary at some x: a disc, or a polyline with the derivatives of its points by the variables of the one thing

@@ -19,7 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double most_stretch = 1.6;   // of a triangle of a moved mesh, and pressing
 constexpr double least_angle = 13;     // degrees, of moved meshes
 constexpr double too_close = 0.5;      // a violated condition that leaves designs unsolved: half the distance

@@ -19,7 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool same(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace kerf {
@@ -78,7 +77,6 @@ TEST(Expansion, FiniteInTheIncompressibleLimit) {
   EXPECT_NEAR(hole_energy(m, tensor(1, 0, 0), Vec2::Zero(), Vec2::Zero()), -0.5 * 3 / 4, 1e-15);
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using Kind = Perturbation::Kind;
 
 const std::vector<Material> materials = {plane_strain(2, 0.3), plane_stress(3, 0.2), plane_strain(1, 0.4999), {1, 0}};

@@ -12,14 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<bool> held_rows(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };

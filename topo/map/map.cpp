@@ -10,14 +10,12 @@
 #include "topo/map/mask.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::shared_ptr<const MapFields> fields_of(const Analysis& a, const Corners& corners = {}) {
   return a.fields ? a.fields : recover_fields(a, corners);

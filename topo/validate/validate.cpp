@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <tuple>
 
@@ -21,7 +20,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int around = 64;  // edges around a ball and a hole
 // Relative error of D that the polygon and the mesh around it leave, whatever the radius; measured.
 double plateau_of(const Element& e, const Perturbation& p) {
