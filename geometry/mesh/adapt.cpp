@@ -27,8 +27,7 @@ void check(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
 std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
   const double p = goal.order;
   std::vector<double> factor(eta.size());
-  for (std::size_t t = 0; t < eta.size(); ++t)
-    factor[t] = eta[t] > 0 ? std::pow(eta[t], -1 / (p + 1)) : infinity;
+  for (std::size_t t = 0; t < eta.size(); ++t) factor[t] = eta[t] > 0 ? std::pow(eta[t], -1 / (p + 1)) : infinity;
   const double low_power = std::pow(goal.smallest, 2 * p), high_power = std::pow(goal.largest, 2 * p);
   std::vector<double> weight(eta.size());  // of w^2p in the squared error
   for (std::size_t t = 0; t < eta.size(); ++t) weight[t] = eta[t] > 0 ? std::pow(eta[t], 2 / (p + 1)) : 0;

@@ -19,7 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-
 bool same(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();
 }

@@ -18,7 +18,6 @@ namespace kerf {
 
 namespace {
 
-
 std::vector<bool> held_rows(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
   if (!is_mixed(m.element) || m.element.at_vertices == AtVertices::Stress)

@@ -16,7 +16,6 @@ namespace kerf {
 
 namespace {
 
-
 std::shared_ptr<const MapFields> fields_of(const Analysis& a, const Corners& corners = {}) {
   return a.fields ? a.fields : recover_fields(a, corners);
 }

@@ -10,7 +10,6 @@ namespace kerf {
 
 namespace {
 
-
 struct Fit {
   double intercept = nan, c2 = nan, c3 = nan;
 };
