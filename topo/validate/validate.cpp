@@ -112,7 +112,7 @@ struct Batch {
 Batch mesh_batch(const Shape& shape, const Sizing& sizing, const std::vector<Site>& sites, const Perturbation& p,
                  const std::vector<double>& angle) {
   Shape outside = shape;
-  outside.labels.push_back("balls of the validation");
+  outside.labels.emplace_back("balls of the validation");
   const Index label = static_cast<Index>(outside.labels.size()) - 1;
   Batch b;
   for (const Site& s : sites) {
@@ -188,7 +188,7 @@ void validate_batch(const Shape& shape, const Sizing& sizing, const Element& e, 
 void validate_crack(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene, const Functional& j,
                     const ValidationRequest& r, const Site& site, double angle, Validation& v) {
   Shape outside = shape;
-  outside.labels.push_back("ball of the validation");
+  outside.labels.emplace_back("ball of the validation");
   outside.holes.push_back(
       ball_hole("ball", {site.at, site.ball, 2 * around}, static_cast<Index>(outside.labels.size()) - 1));
   const Mesh mesh = triangulate(outside, sizing);
