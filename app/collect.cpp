@@ -106,7 +106,7 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
     }
     if (any) return e;
   }
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr double unknown = nan;
   return {{Vec2::Zero(), unknown}, {Vec2::Zero(), unknown}};
 }
 

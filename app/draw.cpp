@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 namespace kerf {
@@ -214,7 +213,7 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
     auto values = p.values.col(t);
     gray = gray || p.margin.col(t).minCoeff() < 0;
     if (p.margin.col(t).maxCoeff() < 0 || !values.allFinite()) {
-      values.setConstant(std::numeric_limits<double>::quiet_NaN());
+      values.setConstant(nan);
       gray = true;
     } else {
       negative = negative || values.minCoeff() < 0;

@@ -4,13 +4,12 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN(), degree = pi / 180;
+constexpr double unknown = nan, degree = pi / 180;
 
 Eigen::RowVectorXd flags(const std::vector<bool>& values) {
   Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));

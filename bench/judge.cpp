@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -71,7 +70,7 @@ bool loaded(const OptimizeProblem& p, Index label) {
 using Segments = std::vector<std::array<Vec2, 2>>;
 
 double distance_to(const Segments& segments, const Vec2& x) {
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = infinity;
   for (const auto& [a, b] : segments) nearest = std::min(nearest, distance(x, a, b));
   return nearest;
 }
@@ -147,7 +146,7 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
 }
 
 Judged judge(const OptimizeProblem& p, const Shape& shape, double size, Index triangles, int threads) {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr double unknown = nan;
   Judged out{.least = unknown, .most = unknown, .volume = volume_fraction(p, shape)};
   const Sizing sizing{.size = size};
   if (triangles == 0) {

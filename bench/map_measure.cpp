@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -80,7 +79,7 @@ MapMeasurement once(const BenchProblem& problem, const Element& e, Grading gradi
   map_everywhere(dual, tracking(), {}, corners);
   m.evaluate_dual_s = watch.lap();
   m.memory_mb = peak_memory_mb();
-  m.error = std::numeric_limits<double>::quiet_NaN();
+  m.error = nan;
   if (with_error && problem.exact) m.error = map_error(*problem.exact, model.mesh, map.at_centroids);
   return m;
 }

@@ -10,13 +10,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
 namespace {
 
-constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_known = nan;
 // Lengths of the judge's meshes, and triangles of the last one.
 constexpr double fine_background = 0.005, background = 0.01, fine = 0.02, medium = 0.015;
 constexpr Index fine_triangles = 100000;

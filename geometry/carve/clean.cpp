@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -76,15 +75,15 @@ double reach(const Mesh& mesh, const Signs& signs, Index edge, Index v) {
 
 /// What the other sign does around a vertex.
 struct Around {
-  int runs = 0;                                                // of neighbors with the other sign
-  double thickness = std::numeric_limits<double>::infinity();  // between the two nearest runs
-  double nearest = std::numeric_limits<double>::infinity();
+  int runs = 0;                 // of neighbors with the other sign
+  double thickness = infinity;  // between the two nearest runs
+  double nearest = infinity;
   double farthest = 0;
   bool alone = false;                // no neighbor has the same sign
   double at_first = 0, at_last = 0;  // on the boundary: to the crossings along it; 0: none there
 };
 Around look(const Mesh& mesh, const Signs& signs, const Ring& ring, Index v) {
-  constexpr double far = std::numeric_limits<double>::infinity();
+  constexpr double far = infinity;
   const bool here = signs.inside[std::size_t(v)];
   struct Part {
     bool other;

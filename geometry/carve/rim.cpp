@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -65,7 +64,7 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
       return rim.drawing.corners[std::size_t(strands[first + k % count].from)];
     };
     Index start = none;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (const Index v : boundary) {
       const double d = (mesh.points[std::size_t(v)] - corner(0)).squaredNorm();
       if (d < least) start = v, least = d;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -112,7 +111,7 @@ std::vector<std::size_t> cheapest(const Stretch& s, const Simplifying& how) {
   const std::size_t n = s.x.size() - 1;
   const std::size_t most =
       std::max<std::size_t>(1, s.loose ? std::min<std::size_t>(longest_chord, n / 4) : longest_chord);
-  std::vector<double> cost(n + 1, std::numeric_limits<double>::infinity());
+  std::vector<double> cost(n + 1, infinity);
   std::vector<std::size_t> from(n + 1, 0);
   cost[0] = 0;
   for (std::size_t i = 0; i < n; ++i)
@@ -168,7 +167,7 @@ void restore_area(Chain& chain, const std::vector<Clearance>& clearance, double 
 void start_sharpest(Chain& chain, std::vector<Clearance>& clearance) {
   const std::size_t n = chain.points.size();
   std::size_t sharpest = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (std::size_t i = 0; i < n; ++i) {
     const double wide = (chain.points[(i + 2) % n] - chain.points[(i + n - 2) % n]).norm();
     if (wide < least * (1 - 1e-9)) sharpest = i, least = wide;

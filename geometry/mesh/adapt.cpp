@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -28,8 +27,7 @@ void check(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
 std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
   const double p = goal.order;
   std::vector<double> factor(eta.size());
-  for (std::size_t t = 0; t < eta.size(); ++t)
-    factor[t] = eta[t] > 0 ? std::pow(eta[t], -1 / (p + 1)) : std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < eta.size(); ++t) factor[t] = eta[t] > 0 ? std::pow(eta[t], -1 / (p + 1)) : infinity;
   const double low_power = std::pow(goal.smallest, 2 * p), high_power = std::pow(goal.largest, 2 * p);
   std::vector<double> weight(eta.size());  // of w^2p in the squared error
   for (std::size_t t = 0; t < eta.size(); ++t) weight[t] = eta[t] > 0 ? std::pow(eta[t], 2 / (p + 1)) : 0;
@@ -52,7 +50,7 @@ std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
     }
     return sum > goal.max_triangles;
   };
-  double least = std::numeric_limits<double>::infinity(), most = 0;
+  double least = infinity, most = 0;
   for (const double f : factor)
     if (std::isfinite(f)) least = std::min(least, f), most = std::max(most, f);
   if (most > 0) {
@@ -72,7 +70,7 @@ std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
 std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
   check(mesh, eta, goal);
   const std::vector<double> factor = factors(eta, goal);
-  std::vector<double> size(mesh.points.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> size(mesh.points.size(), infinity);
   for (std::size_t t = 0; t < eta.size(); ++t) {
     // The edge of the equilateral triangle of the same area.
     const double wanted = factor[t] * std::sqrt(4 / std::sqrt(3.0) * area(mesh, Index(t)));

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -28,7 +27,7 @@ Box box(const Mesh& mesh, Index t) {
 
 /// How far x lies outside the triangle, measured along the normals of its sides; not positive inside.
 double outside(const Mesh& mesh, Index t, const Vec2& x) {
-  double worst = -std::numeric_limits<double>::infinity();
+  double worst = -infinity;
   const auto& v = mesh.triangles[std::size_t(t)];
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];
@@ -41,7 +40,7 @@ double outside(const Mesh& mesh, Index t, const Vec2& x) {
 double squared_distance(const Mesh& mesh, Index t, const Vec2& x) {
   if (outside(mesh, t, x) <= 0) return 0;
   const auto& v = mesh.triangles[std::size_t(t)];
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (std::size_t i = 0; i < 3; ++i)
     least = std::min(
         least, kerf::squared_distance(x, mesh.points[std::size_t(v[i])], mesh.points[std::size_t(v[(i + 1) % 3])]));
@@ -123,7 +122,7 @@ Index locate(const Mesh& mesh, const Locator& locator, const Vec2& x) {
 }
 
 Index nearest_triangle(const Mesh& mesh, const Locator& locator, const Vec2& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   Index found = none;
   const auto to_box = [&](Index number) {
     const Locator::Node& node = locator.nodes[std::size_t(number)];

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -167,13 +166,13 @@ Vec2 centroid(const Mesh& mesh, Index triangle) {
 
 Quality quality(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  double shortest = infinity, longest = 0;
   for (const auto& [a, b] : mesh.edges) {
     const double squared = (mesh.points[std::size_t(b)] - mesh.points[std::size_t(a)]).squaredNorm();
     shortest = std::min(shortest, squared);
     longest = std::max(longest, squared);
   }
-  double sum = 0, smallest_tangent = std::numeric_limits<double>::infinity();
+  double sum = 0, smallest_tangent = infinity;
   for (const auto& v : mesh.triangles) {
     const Vec2 &p = mesh.points[std::size_t(v[0])], &q = mesh.points[std::size_t(v[1])],
                &r = mesh.points[std::size_t(v[2])];

@@ -1,12 +1,12 @@
 // Narrow gaps: for points along the sides and cracks, the nearest piece that faces them across the body.
 
 #include "geometry/mesher/size_field.hpp"
+#include "geometry/plane/cells.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -20,32 +20,23 @@ Vec2 left(const Vec2& d) {
   return {-d.y(), d.x()};
 }
 
+/// A piece of a strand.
 struct Target {
-  Vec2 a, b;
   Index strand;
   bool tip_a, tip_b;  // free ends of a crack face every way
 };
 
 struct Gap {
-  double width = std::numeric_limits<double>::infinity();
+  double width = infinity;
   Vec2 across = Vec2::Zero();
   Index strand = none;
 };
 
-/// Pieces in square cells as wide as the search reaches, so that nine cells are enough.
+/// Pieces in cells as wide as the search reaches, so that nine cells are enough.
 struct Targets {
   std::vector<Target> all;
-  Vec2 low;
-  double cell;
-  int columns, rows;
-  std::vector<std::vector<Index>> in;
-
-  int column(double x) const {
-    return int(std::clamp((x - low.x()) / cell, 0.0, columns - 1.0));
-  }
-  int row(double y) const {
-    return int(std::clamp((y - low.y()) / cell, 0.0, rows - 1.0));
-  }
+  std::vector<std::array<Vec2, 2>> segments;
+  Cells cells;
 };
 
 int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
@@ -58,31 +49,19 @@ int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
       std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / pi)), 1.0, 1e6));
 }
 
-Targets file(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
+Targets targets_of(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
   Targets targets;
-  Vec2 high = Vec2::Constant(-std::numeric_limits<double>::infinity());
-  targets.low = -high;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
     const int count = even_pieces(drawing, strand, reach);
     for (int i = 0; i < count; ++i) {
-      const Vec2 a = point(drawing, strand, double(i) / count), b = point(drawing, strand, double(i + 1) / count);
+      targets.segments.push_back(
+          {point(drawing, strand, double(i) / count), point(drawing, strand, double(i + 1) / count)});
       targets.all.push_back(
-          {a, b, Index(k), i == 0 && tip[std::size_t(strand.from)], i + 1 == count && tip[std::size_t(strand.to)]});
-      targets.low = targets.low.cwiseMin(a).cwiseMin(b);
-      high = high.cwiseMax(a).cwiseMax(b);
+          {Index(k), i == 0 && tip[std::size_t(strand.from)], i + 1 == count && tip[std::size_t(strand.to)]});
     }
   }
-  targets.cell = std::max(reach, (high - targets.low).maxCoeff() / 1000);
-  targets.columns = int((high.x() - targets.low.x()) / targets.cell) + 1;
-  targets.rows = int((high.y() - targets.low.y()) / targets.cell) + 1;
-  targets.in.resize(std::size_t(targets.columns) * std::size_t(targets.rows));
-  for (std::size_t i = 0; i < targets.all.size(); ++i) {
-    const Vec2 l = targets.all[i].a.cwiseMin(targets.all[i].b), h = targets.all[i].a.cwiseMax(targets.all[i].b);
-    for (int r = targets.row(l.y()); r <= targets.row(h.y()); ++r)
-      for (int c = targets.column(l.x()); c <= targets.column(h.x()); ++c)
-        targets.in[std::size_t(r) * std::size_t(targets.columns) + std::size_t(c)].push_back(Index(i));
-  }
+  targets.cells = file(targets.segments, reach, 0, 1000);
   return targets;
 }
 
@@ -105,14 +84,16 @@ bool faces(const Drawing& drawing, const Look& look, Index strand) {
 Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, double reach) {
   const Vec2& x = look.x;
   Gap best{.width = reach};
-  const int c = targets.column(x.x()), r = targets.row(x.y());
-  for (int j = std::max(0, r - 1); j <= std::min(targets.rows - 1, r + 1); ++j)
-    for (int i = std::max(0, c - 1); i <= std::min(targets.columns - 1, c + 1); ++i)
-      for (const Index t : targets.in[std::size_t(j) * std::size_t(targets.columns) + std::size_t(i)]) {
+  const Cells& cells = targets.cells;
+  const int c = cells.column(x.x()), r = cells.row(x.y());
+  for (int j = std::max(0, r - 1); j <= std::min(cells.rows - 1, r + 1); ++j)
+    for (int i = std::max(0, c - 1); i <= std::min(cells.columns - 1, c + 1); ++i)
+      for (const Index t : cells.at(i, j)) {
         const Target& target = targets.all[std::size_t(t)];
-        const Vec2 d = target.b - target.a;
-        const double s = foot(x, target.a, target.b);
-        const Vec2 y = target.a + s * d;
+        const auto& [a, b] = targets.segments[std::size_t(t)];
+        const Vec2 d = b - a;
+        const double s = foot(x, a, b);
+        const Vec2 y = a + s * d;
         const double width = (y - x).norm();
         if (!(width < best.width) || width == 0 || !faces(drawing, look, target.strand)) continue;
         if (look.normal != Vec2::Zero() && look.normal.dot(y - x) < leaving * width) continue;
@@ -137,7 +118,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, double ac
   }
   for (std::size_t v = 0; v < degree.size(); ++v) tip[v] = degree[v] == 1;
   const std::vector<bool> reentrant = reentrant_corners(drawing);
-  const Targets targets = file(drawing, tip, reach);
+  const Targets targets = targets_of(drawing, tip, reach);
 
   const std::size_t limit = sources.size() + max_samples + targets.all.size();
   const auto use = [&](const Vec2& x, const Gap& gap, Index from) {

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace kerf {
@@ -184,7 +183,7 @@ void mark_domain(Triangulation& triangulation, const Drawing& drawing, const Pie
 }
 
 std::string nearest_name(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const Vec2& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   std::string name;
   for (const Piece& piece : pieces.pieces) {
     const double d = distance(x, pieces.points[std::size_t(piece.a)], pieces.points[std::size_t(piece.b)]);

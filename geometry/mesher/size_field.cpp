@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <queue>
 
@@ -105,7 +104,7 @@ double background_at(const SizeField& field, const Vec2& x) {
   Vec2 y = x;
   if (t == none) {
     t = nearest_triangle(mesh, field.locator, x);
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& v = mesh.triangles[std::size_t(t)];
       const Vec2 &a = mesh.points[std::size_t(v[i])], &b = mesh.points[std::size_t(v[(i + 1) % 3])];

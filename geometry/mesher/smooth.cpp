@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace kerf {
@@ -26,7 +25,7 @@ struct Measure {
 
 Measure measure(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double twice = cross(b - a, c - a);
-  if (!(twice > 0)) return {std::numeric_limits<double>::infinity(), 0};
+  if (!(twice > 0)) return {infinity, 0};
   const double p = (c - b).squaredNorm(), q = (a - c).squaredNorm(), r = (b - a).squaredNorm();
   const double sum = p + q + r, tangent = 2 * twice / (sum - 2 * std::min({p, q, r}));
   return {sum / (2 * std::numbers::sqrt3 * twice), tangent * tangent};
@@ -89,7 +88,7 @@ Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
 void move(Mosaic& m, Index vertex, std::vector<Index>& star) {
   star.clear();
   const Vec2 x = m.points[std::size_t(vertex)];
-  double cost = 0, tangent = std::numeric_limits<double>::infinity(), worst = 0;
+  double cost = 0, tangent = infinity, worst = 0;
   Vec2 gradient = Vec2::Zero();
   Mat2 hessian = Mat2::Zero();
   Index t = m.around[std::size_t(vertex)];
@@ -125,7 +124,7 @@ void move(Mosaic& m, Index vertex, std::vector<Index>& star) {
   if (!(step.norm() > 1e-3 * reach)) return;
   for (int attempt = 0; attempt < 4; ++attempt, step /= 2) {
     const Vec2 y = x + step;
-    double cost_there = 0, tangent_there = std::numeric_limits<double>::infinity();
+    double cost_there = 0, tangent_there = infinity;
     for (const Index s : star) {
       const Index i = m.corner(s, vertex);
       const Measure there = measure(y, m.point(s, next(i)), m.point(s, previous(i)));

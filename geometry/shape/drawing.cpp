@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -36,7 +35,7 @@ Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
     const Vec2 derivative = velocity(arc, t) * (arc.to - arc.from);
     return derivative.dot(at(arc, t) - x);  // of half the squared distance
   };
-  Foot best{0, std::numeric_limits<double>::infinity()};
+  Foot best{0, infinity};
   const auto offer = [&](double s) {
     const double distance = (on_strand(corners, strand, s) - x).norm();
     if (distance < best.distance) best = {s, distance};
@@ -104,7 +103,7 @@ void cut(Drawing& drawing, std::size_t k, double s, Index corner) {
 /// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
 Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
   const double join = join_tolerance * drawing.extent;
-  Foot best{0, std::numeric_limits<double>::infinity()};
+  Foot best{0, infinity};
   std::size_t side = 0;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Foot foot = nearest(drawing, drawing.strands[k], x);

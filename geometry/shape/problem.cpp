@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -165,7 +164,7 @@ bool contains(const std::vector<std::array<Vec2, 2>>& loop, const std::vector<Ve
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
   // A box says most of what there is to say: arcs bulge from it by less than their chords are long.
   struct Box {
-    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    Vec2 low = Vec2::Constant(infinity), high = -low;
   };
   std::vector<std::vector<std::array<Vec2, 2>>> loops(loop_count(shape));
   std::vector<Box> boxes(loops.size());

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -96,7 +95,7 @@ Polygon flatten(const Loop& loop, double chord, double longest) {
 }
 
 double extent(const Shape& shape) {
-  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Vec2 low = Vec2::Constant(infinity), high = -low;
   const auto see = [&](const Vec2& x) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);

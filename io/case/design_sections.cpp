@@ -40,7 +40,7 @@ void add_box(const Value& field, double least, Boxes& boxes) {
   boxes.start.push_back(boxes.lower.back() + 0.5 * (boxes.upper.back() - boxes.lower.back()));
 }
 
-constexpr double anything = -std::numeric_limits<double>::infinity();
+constexpr double anything = -infinity;
 
 /// [x, y], each a number or a box.
 void add_place(const Value& field, Boxes& boxes) {

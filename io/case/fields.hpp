@@ -5,7 +5,6 @@
 #include "io/case/reader.hpp"
 #include "kerf/types.hpp"
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>

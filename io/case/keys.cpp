@@ -14,7 +14,6 @@ namespace {
 using enum KeyType;
 using View = std::string_view;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr KeyRange positive{0, infinity, true};
 constexpr KeyRange not_negative{0, infinity};
 constexpr KeyRange poisson{0, 0.5};

@@ -2,7 +2,6 @@
 // The keys of a case file, one row each: what the reader allows, what `kerf keys` prints, what the tables of
 // docs/case-files.md, the JSON Schema and the shell completion are made from.
 
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,7 +39,7 @@ constexpr bool has(KeyType all, KeyType one) {
 
 /// Of numbers, and of the numbers in a pair or a list.
 struct KeyRange {
-  double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+  double least = -infinity, most = infinity;
   bool above = false, below = false;  // least, most themselves are excluded
   bool holds(double x) const {
     return (above ? x > least : x >= least) && (below ? x < most : x <= most);

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 
 namespace kerf {
@@ -23,7 +22,7 @@ struct Measured {
 };
 
 Vec2 interpolate(const Measured& m, const Vec2& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   Vec2 u = Vec2::Zero();
   for (std::size_t i = 0; i + 1 < m.x.size(); ++i) {
     const Vec2 along = m.x[i + 1] - m.x[i];

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -12,7 +11,7 @@ namespace {
 
 double distance(const Vec2& x, const Loop& loop, double chord, double longest) {
   const Polygon p = flatten(loop, chord, longest);
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   for (std::size_t i = 0; i < p.points.size(); ++i)
     least = std::min(least, kerf::distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
   return least;
@@ -20,7 +19,7 @@ double distance(const Vec2& x, const Loop& loop, double chord, double longest) {
 
 /// To the pieces first, first + 1, ..., last - 1 of a polyline, or to an arc.
 double distance(const Vec2& x, const Crack& crack, std::size_t first, std::size_t last) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   if (!crack.arc) {
     for (std::size_t i = first; i < last; ++i)
       least = std::min(least, kerf::distance(x, crack.points[i], crack.points[i + 1]));
@@ -49,7 +48,7 @@ TipPlace crack_tip(const Shape& shape, Index crack, bool at_start) {
   }
 
   const double size = extent(shape);
-  tip.clearance = std::numeric_limits<double>::infinity();
+  tip.clearance = infinity;
   const auto consider = [&](double d, const std::string& what) {
     if (d < tip.clearance) tip.clearance = d, tip.nearest = what;
   };

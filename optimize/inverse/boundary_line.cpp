@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -78,7 +77,7 @@ BoundaryLine boundary_line(const Shape& shape, Index label) {
 
 Place nearest_place(const BoundaryLine& line, const Vec2& x) {
   Place best;
-  best.distance = std::numeric_limits<double>::infinity();
+  best.distance = infinity;
   for (std::size_t c = 0; c < line.curves.size(); ++c) {
     const BoundaryCurve& curve = line.curves[c];
     for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {

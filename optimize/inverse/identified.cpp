@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -99,7 +98,7 @@ std::vector<Identified> identified(const Design& design, const VectorXd& x, cons
   for (const Thing& f : found) out.push_back({.name = f.name, .truth = "", .found = f.value, .exact = {}});
   std::vector<bool> taken(exact.size(), false);
   for (std::size_t round = 0; round < found.size(); ++round) {  // the nearest two that are left
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     std::size_t at = 0, to = 0;
     for (std::size_t i = 0; i < found.size(); ++i)
       for (std::size_t k = 0; k < exact.size(); ++k)

@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 namespace kerf {
@@ -506,7 +505,7 @@ bool wants_map(const Design& design) {
 }
 
 InitialGuess initial_guess(const Problem& p, const Design& design, double clear) {
-  InitialGuess out{.design = design, .explained = std::numeric_limits<double>::quiet_NaN()};
+  InitialGuess out{.design = design, .explained = nan};
   Design given;
   std::vector<Sought> sought;
   for (std::size_t k = 0; k < design.drawn.size(); ++k) {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <random>
 
@@ -29,7 +28,7 @@ Vec2 trace_at(const Model& m, const Field& s, Index edge, const Vec2& x) {
 
 /// The mean of the traces of the edges that are nearest: two at a vertex.
 Vec2 trace_at(const Model& m, const Field& s, const std::vector<Index>& edges, double size, const Vec2& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   std::vector<Index> near;
   for (const Index e : edges) {
     const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];

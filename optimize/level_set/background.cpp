@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 
 namespace kerf {
 
 namespace {
 
-constexpr double far = std::numeric_limits<double>::infinity();
+constexpr double far = infinity;
 constexpr double band = 20;  // edges of the mesh; farther from the boundary nothing needs to be exact
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of

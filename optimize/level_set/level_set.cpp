@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <tuple>
@@ -24,7 +23,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double infinite = infinity;
 
 // Lengths relative to the mesh size, shares of the area of the frame.
 constexpr double fine = 0.5;          // the background mesh against the mesh of the body
@@ -149,7 +148,7 @@ class LevelSetRun {
   double whole_ = 0, target_ = 0, size_ = 0;
   double price_ = 0;  // per area, of volume terms in J
   bool penalized_ = false;
-  double optimality_ = std::numeric_limits<double>::quiet_NaN();  // of the design that the last step started from
+  double optimality_ = nan;  // of the design that the last step started from
   bool worthless_ = false;  // less material is better everywhere: the area is not held
   Progress s_;
   Design design_, best_, kept_;

@@ -66,7 +66,7 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   Stopwatch watch;
   Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
-  e.bounds.assign(r.bounds.size(), -std::numeric_limits<double>::infinity());
+  e.bounds.assign(r.bounds.size(), -infinity);
   e.worst.assign(r.bounds.size(), 0);
   const std::vector<Scene> scenes = scenes_of(p, r);
   for (std::size_t i = 0; i < scenes.size(); ++i) {

@@ -4,7 +4,6 @@
 #include "kerf/shape.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -24,7 +23,7 @@ DesignCurve fixed_polyline(std::vector<Vec2> points, bool closed);
 
 /// A distance and its derivatives by the variables of two things.
 struct Distance {
-  double value = std::numeric_limits<double>::infinity();
+  double value = infinity;
   Eigen::VectorXd by_a, by_b;
 };
 
@@ -48,7 +47,7 @@ class SoftMinimum {
  private:
   double width_;
   Eigen::VectorXd zero_a_, zero_b_;
-  double least_ = std::numeric_limits<double>::infinity();
+  double least_ = infinity;
   std::vector<Distance> entries_;
 };
 

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -278,7 +277,7 @@ struct Evaluations::Impl {
     result.holes = static_cast<int>(body.shape.holes.size());
     double merit = 0;
     VectorXd by_merit = VectorXd::Zero(x.size()), by;
-    result.bounds.assign(request.bounds.size(), -std::numeric_limits<double>::infinity());
+    result.bounds.assign(request.bounds.size(), -infinity);
     std::vector<double> values;
     for (std::size_t l = 0; l < loads.size(); ++l) {
       Scene scene = body.scene;

@@ -19,7 +19,7 @@ struct DesignEvaluation {
   Index base = none;              // which mesh of the round was moved
   bool fresh = false;             // that one was made for this design
   Fault fault = Fault::Geometry;  // of a failure; not part of a replay
-  double objective = std::numeric_limits<double>::quiet_NaN(), volume_fraction = 0;
+  double objective = nan, volume_fraction = 0;
   std::vector<double> bounds;  // of the bounded functionals, the worst load case
   Index triangles = 0;
   int holes = 0, state_solves = 0;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <memory>
 
 namespace kerf {
@@ -477,7 +476,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
   for (Eigen::Index j = 0; j < m; ++j) complement[j] = std::max(0.0, -e.values[near[static_cast<std::size_t>(j)]]);
   // For given signs of the slopes a problem of nonnegative least squares. Any multipliers bound the residual.
   VectorXd multipliers = VectorXd::Zero(m), best = multipliers;
-  double least = std::numeric_limits<double>::infinity();
+  double least = infinity;
   const auto left = [&](const VectorXd& l) {
     const VectorXd r = g + A * l;
     VectorXd all(n + m);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -168,7 +167,7 @@ void draw_slopes(cairo_t* pen, const Frame& frame, const std::vector<Slope>& slo
 /// The points of every series on the axes, and what they span.
 struct Data {
   std::vector<std::vector<Vec2>> lines;
-  Vec2 least = Vec2::Constant(std::numeric_limits<double>::infinity()), most = -least;
+  Vec2 least = Vec2::Constant(infinity), most = -least;
   int named = 0;
   double legend_width = 0;
 };

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -43,7 +42,7 @@ Chart validation_chart(const ValidationResult& result, const std::string& title)
 }
 
 bool wants_logarithm(const std::vector<double>& values) {
-  double least = std::numeric_limits<double>::infinity(), most = 0;
+  double least = infinity, most = 0;
   for (const double v : values) {
     if (!std::isfinite(v)) continue;
     if (!(v > 0)) return false;

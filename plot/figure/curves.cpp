@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -31,7 +30,7 @@ struct Axis {
 
 Axis make_axis(const std::vector<double>& values, bool logarithmic, double room) {
   Axis axis{0, 1, logarithmic};
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double least = infinity, most = -least;
   for (const double v : values) {
     if (!axis.shows(v)) continue;
     least = std::min(least, logarithmic ? std::log10(v) : v);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -23,7 +22,7 @@ struct View {
 };
 
 View view_of(const std::vector<Snapshot>& snapshots) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
+  constexpr double infinite = infinity;
   View v{Vec2::Constant(infinite), Vec2::Constant(-infinite)};
   for (const Snapshot& s : snapshots)
     for (const auto& loop : s.contours.boundary)

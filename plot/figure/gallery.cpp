@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -17,7 +16,7 @@ constexpr std::uint32_t own_body = 0x1f5a8a, other_body = 0x6b747d, void_gray = 
 const Font row_font{28, true}, panel_font{22, true}, caption_font{20};
 
 struct Extent {
-  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Vec2 low = Vec2::Constant(infinity), high = -low;
   void take(const std::vector<Polyline>& lines) {
     for (const Polyline& line : lines)
       for (const Vec2& p : line) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 
@@ -92,7 +91,7 @@ Ticks level_ticks(double low, double high, double length, const Font& font, cons
 }
 
 struct Bounds {
-  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity());
+  Vec2 low = Vec2::Constant(infinity);
   Vec2 high = -low;
   void add(const Vec2& p) {
     if (!p.allFinite()) return;

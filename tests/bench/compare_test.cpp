@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace kerf {
 namespace {
@@ -47,7 +46,7 @@ TEST(TimeTo, DoesNotExtrapolateFromErrorsThatStandStill) {
 }
 
 TEST(TimeTo, LeavesOutWhatIsNoMeasurement) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = nan;
   EXPECT_FALSE(time_to({}, 1e-3));
   EXPECT_FALSE(time_to({{nan, 1}, {0, 1}, {1, 0}, {1, nan}}, 1e-3));
   EXPECT_EQ(text(std::nullopt), "-");

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 
@@ -141,7 +140,7 @@ TEST(Connect, RefusesWhatIsNoMesh) {
   fails({{0, 1, 2}}, {{0, 1, none, 0}});                              // crack on the boundary
   fails({{0, 1, 2}, {1, 3, 2}}, {{1, 2, none, 0}, {2, 1, none, 0}});  // crack twice
   std::vector<Vec2> bad = points;
-  bad[0].x() = std::numeric_limits<double>::quiet_NaN();
+  bad[0].x() = nan;
   EXPECT_THROW(connect(bad, {{0, 1, 2}}, {}), std::invalid_argument);
 }
 
@@ -284,10 +283,10 @@ TEST(Locate, FindsTheNearestTriangle) {
   for (int i = 0; i < 300; ++i) {
     const Vec2 x(std::pow(10, 9 * unit(random) - 8), 1.4 * unit(random) - 0.2);
     // The least distance to a triangle, by way of every edge.
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     const auto to = [&](Index t) {
       if (holds(m, t, x, 0)) return 0.0;
-      double best = std::numeric_limits<double>::infinity();
+      double best = infinity;
       for (const Index e : m.edges_of[std::size_t(t)]) {
         const Vec2 &a = m.points[std::size_t(m.edges[std::size_t(e)][0])],
                    &b = m.points[std::size_t(m.edges[std::size_t(e)][1])];
@@ -304,7 +303,6 @@ TEST(Locate, FindsTheNearestTriangle) {
 
 TEST(Locate, SaysWhatLiesOutside) {
   const Mesh m = grid(6, 4, {{2, 1}});
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Vec2> outside{{-1, 0}, {7, 2}, {3, 9}, {2.5, 1.5}, {-1e-9, 1}, {nan, 0}, {1e300, 1e300}};
   for (const Index t : locate(m, outside)) EXPECT_EQ(t, none);
   for (const Index t : locate(m, std::vector<Vec2>{{-1e-13, 1}, {6 + 1e-13, 4}, {0, 0}})) EXPECT_NE(t, none);

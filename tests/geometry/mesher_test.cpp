@@ -341,7 +341,6 @@ void expect_error(const Shape& shape, const Sizing& sizing, const std::string& w
 }
 
 TEST(Triangulate, NamesWhatItRefuses) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_error(with_cracks({{"c", {{0, 0}, {3, 0}}}}), {.size = 0.1}, "crack 'c' leaves the body at (2, 0)");
   expect_error(square(), {.size = -1}, "mesh.size");
   expect_error(square(), {.size = nan}, "mesh.size");

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <ostream>
 
 namespace kerf {
@@ -120,7 +119,7 @@ void PrintTo(const Bad& bad, std::ostream* out) {
 }
 
 std::vector<Bad> bad_shapes() {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  constexpr double inf = infinity;
   const auto outline = [](std::vector<Vec2> points) { return Shape{polygon("outline", points, 0), {}, {}, {"side"}}; };
   const auto two_cracks = [](std::vector<Vec2> a, std::vector<Vec2> b) {
     Shape shape = with_crack(std::move(a));

@@ -34,8 +34,8 @@ Checkpoint sample() {
   c.numbers["empty"] = Eigen::VectorXd();
   c.numbers["phi"] = Eigen::VectorXd::LinSpaced(7, -1, 1 + 1e-16);
   c.numbers["odd"] =
-      Eigen::Vector4d(std::numeric_limits<double>::quiet_NaN(), -0.0, std::numeric_limits<double>::denorm_min(),
-                      -std::numeric_limits<double>::infinity());
+      Eigen::Vector4d(nan, -0.0, std::numeric_limits<double>::denorm_min(),
+                      -infinity);
   return c;
 }
 

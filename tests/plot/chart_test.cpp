@@ -9,7 +9,6 @@
 #include <cairo/cairo.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace kerf {
 namespace {
@@ -53,7 +52,7 @@ TEST(Chart, DrawsTheLineOfASeriesInItsColor) {
 
 TEST(Chart, LeavesOutWhatHasNoLogarithm) {
   Chart chart = falling();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = nan;
   chart.series[0].points.insert(chart.series[0].points.begin() + 1,
                                 {{0, 1}, {-1, 1}, {1, 0}, {1, -1}, {nan, 1}, {1, nan}, {1 / 0.0, 1}});
   EXPECT_EQ(drawn(chart, blue), drawn(falling(), blue));

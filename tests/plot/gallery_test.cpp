@@ -8,7 +8,6 @@
 #include <cairo/cairo.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace kerf {
 namespace {
@@ -82,7 +81,7 @@ TEST(Bars, AreAsLongAsTheirValues) {
   const long two = look(chart, blue).pixels;
   chart.groups[0].bars.push_back({.name = "b", .value = 1, .text = "1"});
   EXPECT_NEAR(static_cast<double>(look(chart, blue).pixels), 1.5 * static_cast<double>(two), 0.02 * two);
-  chart.groups[0].bars[1].value = std::numeric_limits<double>::quiet_NaN();
+  chart.groups[0].bars[1].value = nan;
   EXPECT_EQ(look(chart, blue).pixels, two);
   chart.groups.clear();
   EXPECT_EQ(look(chart, blue).pixels, 0);

@@ -8,7 +8,6 @@
 
 #include <cairo/cairo.h>
 
-#include <limits>
 #include <set>
 
 // Asked by the leak sanitizer, if there is one: fontconfig keeps its caches to the end, and they do not grow.
@@ -178,7 +177,7 @@ TEST(Picture, BodyOfAnyOrientationIsFilledWithoutHoles) {
 TEST(Picture, NotFiniteIsGray) {
   const Png png = drawn(grid({0, 0}, {1, 1}, 10, 10, [](const Vec2& p) {
     if (p.x() < 0.35) return std::nan("");
-    return p.x() > 0.75 ? std::numeric_limits<double>::infinity() : p.y();
+    return p.x() > 0.75 ? infinity : p.y();
   }));
   EXPECT_GT(png.count(not_finite_color), png.width * png.height / 4);
   const Png nothing_finite = drawn(grid({0, 0}, {1, 1}, 3, 3, [](const Vec2&) { return std::nan(""); }));
@@ -206,7 +205,7 @@ TEST(Picture, MeshAloneShowsItsEdges) {
 }
 
 TEST(Picture, EmptyAndDegenerateInputsAreDrawn) {
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = infinity;
   Picture empty;
   expect_white_rim(drawn(empty));
   empty.title = "Nothing\nhere \xff\xfe";  // a line end, and bytes that are no text

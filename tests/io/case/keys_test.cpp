@@ -100,7 +100,7 @@ std::string wrong(const json& value, const json& schema, const json& root, const
       !std::regex_match(value.get<std::string>(), std::regex(schema["pattern"].get<std::string>())))
     return path + ": does not look like " + schema["pattern"].dump();
   if (value.is_number()) {
-    const double x = value.get<double>(), inf = std::numeric_limits<double>::infinity();
+    const double x = value.get<double>(), inf = infinity;
     if (x < schema.value("minimum", -inf) || x > schema.value("maximum", inf) ||
         x <= schema.value("exclusiveMinimum", -inf) || x >= schema.value("exclusiveMaximum", inf))
       return path + ": out of range";

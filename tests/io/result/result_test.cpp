@@ -3,7 +3,6 @@
 #include "io/files.hpp"
 #include "tests/support/sample.hpp"
 
-#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace kerf {
@@ -143,7 +142,7 @@ TEST(ResultJson, SectionsOfJobsThatDidNotRunAreAbsent) {
 
 TEST(ResultJson, NotFiniteIsNull) {
   Result r = test::full_result();
-  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::nan(""), infinity = infinity;
   r.state->energy = nan;
   r.state->estimated_error = infinity;
   r.state->energy_bounds = {-infinity, 1};
