@@ -67,7 +67,7 @@ Ring ring(const Mesh& mesh, const Stars& stars, Index v) {
   return ring;
 }
 
-/// How far along the edge from v its crossing lies.
+/// How infinity along the edge from v its crossing lies.
 double reach(const Mesh& mesh, const Signs& signs, Index edge, Index v) {
   const double t = exact_crossing(mesh, signs, edge);
   return length(mesh, edge) * (mesh.edges[std::size_t(edge)][0] == v ? t : 1 - t);
@@ -83,7 +83,6 @@ struct Around {
   double at_first = 0, at_last = 0;  // on the boundary: to the crossings along it; 0: none there
 };
 Around look(const Mesh& mesh, const Signs& signs, const Ring& ring, Index v) {
-  constexpr double far = infinity;
   const bool here = signs.inside[std::size_t(v)];
   struct Part {
     bool other;
@@ -94,7 +93,7 @@ Around look(const Mesh& mesh, const Signs& signs, const Ring& ring, Index v) {
   around.alone = true;
   for (std::size_t i = 0; i < ring.edge.size(); ++i) {
     const bool other = bool(signs.inside[std::size_t(ring.other[i])]) != here;
-    const double d = other ? reach(mesh, signs, ring.edge[i], v) : far;
+    const double d = other ? reach(mesh, signs, ring.edge[i], v) : infinity;
     parts.push_back({other, d});
     if (!other) {
       around.alone = false;
@@ -116,7 +115,7 @@ Around look(const Mesh& mesh, const Signs& signs, const Ring& ring, Index v) {
   for (std::size_t i = 1; i <= parts.size(); ++i) {
     const Part& part = parts[(first + i) % parts.size()];
     if (!part.other) continue;
-    if (!parts[(first + i - 1) % parts.size()].other) runs.push_back(far);
+    if (!parts[(first + i - 1) % parts.size()].other) runs.push_back(infinity);
     runs.back() = std::min(runs.back(), part.distance);
   }
   around.runs = int(runs.size());

@@ -46,7 +46,6 @@ TEST(TimeTo, DoesNotExtrapolateFromErrorsThatStandStill) {
 }
 
 TEST(TimeTo, LeavesOutWhatIsNoMeasurement) {
-  const double nan = nan;
   EXPECT_FALSE(time_to({}, 1e-3));
   EXPECT_FALSE(time_to({{nan, 1}, {0, 1}, {1, 0}, {1, nan}}, 1e-3));
   EXPECT_EQ(text(std::nullopt), "-");

@@ -52,7 +52,6 @@ TEST(Chart, DrawsTheLineOfASeriesInItsColor) {
 
 TEST(Chart, LeavesOutWhatHasNoLogarithm) {
   Chart chart = falling();
-  const double nan = nan;
   chart.series[0].points.insert(chart.series[0].points.begin() + 1,
                                 {{0, 1}, {-1, 1}, {1, 0}, {1, -1}, {nan, 1}, {1, nan}, {1 / 0.0, 1}});
   EXPECT_EQ(drawn(chart, blue), drawn(falling(), blue));

@@ -205,7 +205,6 @@ TEST(Picture, MeshAloneShowsItsEdges) {
 }
 
 TEST(Picture, EmptyAndDegenerateInputsAreDrawn) {
-  const double infinity = infinity;
   Picture empty;
   expect_white_rim(drawn(empty));
   empty.title = "Nothing\nhere \xff\xfe";  // a line end, and bytes that are no text

@@ -54,7 +54,6 @@ TEST(Raster, ValuesAreLinear) {
 }
 
 TEST(Raster, TrianglesThatCannotBeDrawnAreLeftOut) {
-  const double infinity = infinity;
   for (const Vec2& bad : {Vec2(infinity, 3), Vec2(std::nan(""), 3)}) {
     const std::vector<Vec2> points = {{0, 0}, {8, 0}, bad};
     Painting painting;

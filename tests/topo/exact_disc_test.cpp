@@ -101,7 +101,6 @@ double derivative(const Disc& d, const json& c) {
     return form(p, d.m, 0, d.s, d.s);
   }
   // The center does not move: like a rigid inclusion.
-  const double infinity = infinity;
   if (ends("clamped_hole_traction_compliance")) return inclusion_form(d.m, {infinity, 0}, d.s, d.s);
   const auto at = d.name.find("vonMises_p");
   if (at == std::string::npos) {

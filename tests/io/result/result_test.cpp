@@ -142,7 +142,7 @@ TEST(ResultJson, SectionsOfJobsThatDidNotRunAreAbsent) {
 
 TEST(ResultJson, NotFiniteIsNull) {
   Result r = test::full_result();
-  const double nan = std::nan(""), infinity = infinity;
+
   r.state->energy = nan;
   r.state->estimated_error = infinity;
   r.state->energy_bounds = {-infinity, 1};

@@ -121,7 +121,6 @@ TEST(Vtk, PolyDataReadsBack) {
 TEST(Vtk, KeepsWhatIsNotFinite) {
   const Folder folder;
   const Picture grid = test::grid({0, 0}, {1, 1}, 1, 1, [](const Vec2&) { return 0.0; });
-  const double infinity = infinity;
   Eigen::MatrixXd values(1, 4);
   values << 1, std::nan(""), infinity, -infinity;
   write_vtu(folder.path / "a.vtu", grid.points, grid.triangles, std::vector<NamedField>{{"f", false, values}});
