@@ -67,7 +67,7 @@ Ring ring(const Mesh& mesh, const Stars& stars, Index v) {
   return ring;
 }
 
-/// How infinity along the edge from v its crossing lies.
+/// How far along the edge from v its crossing lies.
 double reach(const Mesh& mesh, const Signs& signs, Index edge, Index v) {
   const double t = exact_crossing(mesh, signs, edge);
   return length(mesh, edge) * (mesh.edges[std::size_t(edge)][0] == v ? t : 1 - t);

@@ -175,10 +175,10 @@ struct Reader {
 Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,
                                  const Case& c) {
   const Reader reader{folder, definitions, c};
-  const Kind& kind = read_kind(table);
-  Functional functional{.kind = kind.name, .terms = {}, .sum = kind.name == "sum"};
-  if (kind.name != "sum") {
-    functional.terms = reader.terms(table, kind.name);
+  const std::string kind = read_kind(table);
+  Functional functional{.kind = kind, .terms = {}, .sum = kind == "sum"};
+  if (kind != "sum") {
+    functional.terms = reader.terms(table, kind);
     return functional;
   }
   const Value* measured = nullptr;
