@@ -1,4 +1,4 @@
-#include "solver/element/mixed.hpp"
+#include "solver/element/interior_fields.hpp"
 
 #include <Eigen/LU>
 
@@ -70,7 +70,7 @@ struct DisplacementTriangle {
     const Eigen::Matrix4d a = stiffness_of(material);
     Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(P, P);
     for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
-      const Points xi = MixedTriangle<E>::point(s, k.rule.x(0, q), k.rule.x(1, q));
+      const Points xi = point(s, k.rule.x(0, q), k.rule.x(1, q));
       const Eigen::VectorXd v = monomials(Degree - 1, xi);
       moment += 0.5 * k.rule.w[q] * v * v.transpose();
     }
@@ -100,7 +100,7 @@ struct DisplacementTriangle {
 
 template <const Element& E>
 constexpr Operations displacement_element_operations() {
-  using Sized = MixedTriangle<E>;
+  using Sized = InteriorFields<E>;
   return {&DisplacementTriangle<E>::condense, &DisplacementTriangle<E>::interior, &Sized::evaluate,
           &Sized::stress_at_point, &Sized::weigh};
 }

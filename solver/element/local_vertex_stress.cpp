@@ -1,19 +1,22 @@
 // The conforming Arnold-Winther element: the stress tensors at the vertices are skeleton unknowns beside P_1 traces on
 // the edges. With s = I z + E v, v the vertex values, the local problem is stationary in (z, u); what is left is
 // positive in the traces and negative in v: quasi-definite. Small dense matrices: an element to check others with.
-#include "solver/element/mixed.hpp"
+#include "solver/element/interior_fields.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
+
+#include <cmath>
 
 namespace kerf {
 
 namespace {
 
 constexpr const Element& E = arnold_winther_conforming;
-using Base = MixedTriangle<E>;
+using Base = Space<E>;
 
 struct Split {
-  Base::System<Base::S> system;
+  LocalArrays<E, Base::S> system;
   Eigen::MatrixXd span;          // F x S
   Eigen::VectorXd edge;          // S: int (u_D - its linear part) . s n, in xi
   Eigen::MatrixXd inner, outer;  // S x (S - 9) and S x 9: no values at the vertices; unit values in the vertex frames
@@ -38,7 +41,7 @@ Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matri
 
 Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
   const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
-  Split r{Base::assemble(k, t, s, material, body), Base::span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
+  Split r{LocalProblem<E>::assemble(k, t, s, material, body), span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
   if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<cubic_trace_count>());
   // Values at the vertices as (s11, s22, sqrt(2) s12) in the vertex's frame.
   Eigen::MatrixXd values(9, Base::F);
@@ -123,13 +126,13 @@ struct VertexStressTriangle {
     Eigen::VectorXd all(interior_count(E));
     all.head<Base::F>() = p.span * (p.inner * y.head<Z>() + p.outer * x.tail<9>());
     all.segment<Base::U>(Base::F) = s.h * y.tail<Base::U>();
-    all.tail(rotation_count(E)) = Base::rotation_of(k, s, material, all);
+    all.tail(rotation_count(E)) = rotation_of(k, s, material, all);
     return all;
   }
 };
 
-constexpr Operations run{&VertexStressTriangle::condense, &VertexStressTriangle::interior, &Base::evaluate,
-                         &Base::stress_at_point, &Base::weigh};
+constexpr Operations run{&VertexStressTriangle::condense, &VertexStressTriangle::interior, &InteriorFields<E>::evaluate,
+                         &InteriorFields<E>::stress_at_point, &InteriorFields<E>::weigh};
 
 }  // namespace
 

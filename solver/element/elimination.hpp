@@ -1,0 +1,164 @@
+#pragma once
+// Elimination of stress, displacement and rotation of one triangle by two Cholesky factors, and the way back.
+
+#include "solver/element/local_problem.hpp"
+
+#include <cmath>
+
+namespace kerf {
+
+// y += f x and y -= f x. The loops over columns are innermost, so that they vectorize.
+template <int N>
+inline void add(double* __restrict y, double f, const double* __restrict x) {
+  for (int j = 0; j < N; ++j) y[j] += f * x[j];
+}
+template <int N>
+inline void subtract(double* __restrict y, double f, const double* __restrict x) {
+  for (int j = 0; j < N; ++j) y[j] -= f * x[j];
+}
+
+// In place, in the upper triangle: A = U'U, with the inverse of the diagonal on the diagonal.
+template <int N>
+void cholesky(Rowwise<N, N>& a) {
+  for (int k = 0; k < N; ++k) {
+    const double inverse = 1 / std::sqrt(a(k, k));
+    a(k, k) = inverse;
+    for (int j = k + 1; j < N; ++j) a(k, j) *= inverse;
+    for (int i = k + 1; i < N; ++i) {
+      const double factor = a(k, i);
+      for (int j = i; j < N; ++j) a(i, j) -= factor * a(k, j);
+    }
+  }
+}
+// x <- U'^-1 x
+template <int N, int Columns>
+void forward(const Rowwise<N, N>& u, Rowwise<N, Columns>& x) {
+  double* row = x.data();
+  for (int k = 0; k < N; ++k, row += Columns) {
+    for (int j = 0; j < Columns; ++j) row[j] *= u(k, k);
+    for (int i = k + 1; i < N; ++i) subtract<Columns>(row + (i - k) * Columns, u(k, i), row);
+  }
+}
+// x <- U^-1 x
+template <int N>
+void backward(const Rowwise<N, N>& u, Rowwise<N, 1>& x) {
+  for (int i = N - 1; i >= 0; --i) {
+    double sum = x[i];
+    for (int k = i + 1; k < N; ++k) sum -= u(i, k) * x[k];
+    x[i] = sum * u(i, i);
+  }
+}
+
+// Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant
+// pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
+//   L L' = M + gamma B'B (L' stored),  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
+template <const Element& E>
+struct Elimination : Space<E> {
+  using Space<E>::S, Space<E>::B, Space<E>::X, Space<E>::V;
+  Rowwise<S, S> L;
+  Rowwise<B, B> LB;
+  Rowwise<S, B> YB;
+  Rowwise<S, X> YC;
+  Rowwise<B, X> Z;
+  Rowwise<B, 1> given;  // LB^-1 of the right-hand side of the constraints
+  Rowwise<S, 1> YT;     // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
+  Rowwise<B, 1> ZT;
+  double gamma;
+
+  Elimination(const LocalArrays<E, S>& a, const Material& material, const Penalty& penalty) {
+    gamma = 1 / (2 * material.mu);
+    factorize(a, penalty);
+    YB = a.Bt;
+    YC = a.Ct;
+    forward<S, B>(L, YB);
+    forward<S, X>(L, YC);
+    set_zero(LB);
+    set_zero(Z);
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) {
+        add<B>(&LB(b, 0), YB(i, b), &YB(i, 0));
+        add<X>(&Z(b, 0), YB(i, b), &YC(i, 0));
+      }
+    cholesky<B>(LB);
+    forward<B, X>(LB, Z);
+    given = a.given;
+    forward<B, 1>(LB, given);
+    if (penalty.a > 0) {
+      YT = a.trace;
+      forward<S, 1>(L, YT);
+      ZT = YB.transpose().lazyProduct(YT);
+      forward<B, 1>(LB, ZT);
+    }
+  }
+
+  Condensed condensed(const Scaled& s, const ForceMoments& force, const Penalty& penalty) const {
+    Rowwise<X, X> K;
+    set_zero(K);
+    for (int i = 0; i < S; ++i)
+      for (int x = 0; x < X; ++x) add<X>(&K(x, 0), YC(i, x), &YC(i, 0));
+    for (int b = 0; b < B; ++b)
+      for (int x = 0; x < X; ++x) subtract<X>(&K(x, 0), Z(b, x), &Z(b, 0));
+    Condensed result{SkeletonMatrix(X, X), SkeletonVector::Zero(X), {}, 0, 0};
+    for (int j = 0; j < X; ++j)
+      for (int i = 0; i < X; ++i) result.K(i, j) = K(i, j);
+    // s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
+    if (force.size() > 0) result.F = -s.h * (Z.transpose().lazyProduct(given));
+    if constexpr (V > 0) {  // rotations do not scale with the triangle
+      result.K.template bottomRows<V>() *= s.h;
+      result.K.template rightCols<V>() *= s.h;
+      result.F.template tail<V>() *= s.h;
+    }
+    if (penalty.a > 0) {
+      result.trace = s.h * (YC.transpose().lazyProduct(YT) - Z.transpose().lazyProduct(ZT));
+      if constexpr (V > 0) result.trace.template tail<V>() *= s.h;
+      result.own = 2 * ZT.dot(given);
+      result.by_theta = 2 * (YT.squaredNorm() - ZT.squaredNorm());
+    }
+    return result;
+  }
+
+  // Right-hand sides of the dual problem: `stress` <- L^-1 stress, `own` <- LB^-1 own; returned is
+  // LB^-1 (own - YB'stress).
+  Rowwise<B, 1> reduce(Rowwise<S, 1>& stress, Rowwise<B, 1>& own) const {
+    forward<S, 1>(L, stress);
+    forward<B, 1>(LB, own);
+    Rowwise<B, 1> from_stress = YB.transpose().lazyProduct(stress);
+    forward<B, 1>(LB, from_stress);
+    return own - from_stress;
+  }
+
+  // The solution s, (u_xi, r) for a trace m_xi. `low` is LB^-1 of the constraints' right-hand side `right` (less what
+  // the stress load adds to it), `load` L^-1 of a load on the stresses.
+  struct Solution {
+    Rowwise<S, 1> stress;
+    Rowwise<B, 1> inner;
+  };
+  Solution back(const Rowwise<X, 1>& m, const Rowwise<B, 1>& low, const Rowwise<B, 1>& right, const Rowwise<S, 1>* load,
+                const Penalty& penalty) const {
+    // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
+    Rowwise<B, 1> p = low - Z.lazyProduct(m);
+    if (penalty.a > 0) p -= penalty.theta * ZT;
+    backward<B>(LB, p);
+    Rowwise<S, 1> stress = YC.lazyProduct(m) + YB.lazyProduct(p);
+    if (load) stress += *load;
+    if (penalty.a > 0) stress += penalty.theta * YT;
+    backward<S>(L, stress);
+    p = gamma * right - p;
+    return {stress, p};
+  }
+
+ private:
+  void factorize(const LocalArrays<E, S>& a, const Penalty& penalty) {
+    L = a.M;
+    if (penalty.a > 0) L += 2 * penalty.a * a.trace * a.trace.transpose();  // the area in xi is 1/2
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) {
+        const double factor = gamma * a.Bt(i, b);
+        if (factor != 0)
+          for (int j = i; j < S; ++j) L(i, j) += factor * a.Bt(j, b);
+      }
+    cholesky<S>(L);
+  }
+};
+
+}  // namespace kerf

@@ -1,0 +1,132 @@
+// What the mixed elements do in matrices whose sizes are known at run time only.
+#include "solver/element/interior_fields.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+#include <cmath>
+
+namespace kerf {
+
+Scaled scale(const Triangle& t) {
+  Scaled s;
+  s.center = centroid(t);
+  s.h = std::sqrt(2 * area(t));
+  for (int i = 0; i < 3; ++i) s.x[i] = (t.x[i] - s.center) / s.h;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 e = s.x[(i + 2) % 3] - s.x[(i + 1) % 3];
+    s.gradient[i] = Vec2(-e.y(), e.x());  // inward normal times length over twice the area, which is 1
+  }
+  return s;
+}
+
+Eigen::Matrix4d compliance(const Material& material) {
+  const double half = 1 / (4 * material.mu), full = 1 / (2 * material.mu), c = material.c;
+  Eigen::Matrix4d A;
+  A << half + c, 0, 0, c - half,  //
+      0, full, 0, 0,              //
+      0, 0, full, 0,              //
+      c - half, 0, 0, half + c;
+  return A;
+}
+
+namespace {
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+}  // namespace
+
+Eigen::MatrixXd by_columns(const double* a, int rows, int columns) {
+  return Eigen::Map<const RowMajor>(a, rows, columns);
+}
+
+Eigen::MatrixXd span_of(const Kernel& k, const Scaled& s) {
+  if (k.element.cut != Cut::LinearNormal) return k.cut;
+  // n.s n is linear on an edge when its second derivative along the edge vanishes.
+  Eigen::MatrixXd conditions = Eigen::MatrixXd::Zero(k.cut.rows(), 3);
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 tau = (s.x[(e + 2) % 3] - s.x[(e + 1) % 3]).normalized(), n(tau.y(), -tau.x());
+    const double second[3] = {tau.x() * tau.x(), tau.x() * tau.y(), tau.y() * tau.y()};
+    for (int j = 0; j < 3; ++j)
+      for (int c = 0; c < 4; ++c) conditions(4 * place(2 - j, j) + c, e) = second[j] * n[c / 2] * n[c % 2];
+  }
+  const Eigen::MatrixXd inside = k.cut.transpose() * conditions;
+  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(inside).householderQ();
+  return k.cut * q.rightCols(stress_dimension(k.element));
+}
+
+void restrict_to(const Eigen::MatrixXd& n, const Rows<const double>& full, const Rows<double>& cut) {
+  const auto map = [](double* a, int rows, int columns) { return Eigen::Map<RowMajor>(a, rows, columns); };
+  const int N = cut.functions;
+  map(cut.M, N, N) = n.transpose() * (by_columns(full.M, full.functions, full.functions) * n).eval();
+  map(cut.Bt, N, cut.constraints) = (n.transpose() * by_columns(full.Bt, full.functions, full.constraints)).eval();
+  map(cut.Ct, N, cut.traces) = (n.transpose() * by_columns(full.Ct, full.functions, full.traces)).eval();
+  const Eigen::VectorXd trace = Eigen::Map<const Eigen::VectorXd>(full.trace, full.functions);
+  Eigen::Map<Eigen::VectorXd>(cut.trace, N) = (n.transpose() * trace).eval();
+}
+
+namespace {
+
+// Of the monomials up to a degree with each other, over the triangle.
+Eigen::MatrixXd moments(const Kernel& k, const Scaled& s, int degree) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dim(degree), dim(degree));
+  for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
+    const Points xi = point(s, k.rule.x(0, q), k.rule.x(1, q));
+    const Eigen::VectorXd v = monomials(degree, xi);
+    sum += k.rule.w[q] * v * v.transpose();
+  }
+  return sum;
+}
+
+// Per monomial the strain 11, 12, 22.
+Eigen::MatrixXd strain_of(const Material& material, int monomials, const Eigen::VectorXd& all) {
+  Eigen::MatrixXd strain(monomials, 3);
+  for (int m = 0; m < monomials; ++m) {
+    const double s11 = all[4 * m], s22 = all[4 * m + 3], mean = material.c * (s11 + s22);
+    strain.row(m) << (s11 - s22) / (4 * material.mu) + mean, (all[4 * m + 1] + all[4 * m + 2]) / (4 * material.mu),
+        (s22 - s11) / (4 * material.mu) + mean;
+  }
+  return strain;
+}
+
+// The constant of the rotation from the moment of u, which u_h has more exactly than its gradient: u* with this
+// gradient (columns d1 u1, d2 u1, d1 u2, d2 u2), then the rest of its moment int xi^perp . (u_h - u*) as a rigid
+// rotation. `u` are the displacement coefficients.
+double mean_rotation(const Kernel& k, const Scaled& s, const Eigen::MatrixXd& gradient,
+                     const Eigen::Ref<const Eigen::VectorXd>& u) {
+  const int D = k.element.rotation + 1, n = dim(D) - 1;
+  const Eigen::MatrixXd d1 = derivative(D, 0), d2 = derivative(D, 1), product = moments(k, s, D);
+  const Eigen::MatrixXd laplace = (d1.transpose() * product * d1 + d2.transpose() * product * d2);
+  const Eigen::LLT<Eigen::MatrixXd> llt(laplace.bottomRightCorner(n, n));
+  double left = 0;
+  for (int row = 0; row < 2; ++row) {
+    const Eigen::VectorXd right =
+        d1.transpose() * (product * gradient.col(2 * row)) + d2.transpose() * (product * gradient.col(2 * row + 1));
+    const Eigen::VectorXd star = llt.solve(Eigen::VectorXd(right.tail(n)));
+    Eigen::VectorXd rest = -star;
+    for (int b = 1; b < u.size() / 2; ++b) rest[b - 1] += u[2 * b + row] / s.h;
+    left += row == 0 ? -product.row(2).tail(n).dot(rest) : product.row(1).tail(n).dot(rest);
+  }
+  return -left / (product(1, 1) + product(2, 2));
+}
+
+}  // namespace
+
+Eigen::VectorXd rotation_of(const Kernel& k, const Scaled& s, const Material& material, const Eigen::VectorXd& all) {
+  const Element& e = k.element;
+  const int N = rotation_count(e);
+  const Eigen::MatrixXd moment = moments(k, s, e.rotation), strain = strain_of(material, N, all);
+  const Eigen::MatrixXd d1 = derivative(e.rotation, 0), d2 = derivative(e.rotation, 1);
+  const Eigen::VectorXd along1 = d2 * strain.col(0) - d1 * strain.col(1),
+                        along2 = d2 * strain.col(1) - d1 * strain.col(2);
+  const Eigen::MatrixXd stiffness = d1.transpose() * moment * d1 + d2.transpose() * moment * d2;
+  const Eigen::VectorXd load = d1.transpose() * (moment * along1) + d2.transpose() * (moment * along2);
+  Eigen::VectorXd r(N);
+  r.tail(N - 1) =
+      Eigen::LLT<Eigen::MatrixXd>(stiffness.bottomRightCorner(N - 1, N - 1)).solve(Eigen::VectorXd(load.tail(N - 1)));
+  r[0] = 0;
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(dim(e.rotation + 1), 4);
+  gradient.topRows(N) << strain.col(0), strain.col(1) + r, strain.col(1) - r, strain.col(2);
+  r[0] = mean_rotation(k, s, gradient, all.segment(stress_count(e), displacement_count(e)));
+  return r;
+}
+
+}  // namespace kerf
