@@ -1,6 +1,7 @@
 #include "app/collect.hpp"
 
 #include "io/validation.hpp"
+#include "kerf/case_file.hpp"
 #include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"

@@ -2,6 +2,7 @@
 
 #include "app/draw.hpp"
 #include "app/files.hpp"
+#include "topo/analysis.hpp"
 
 #include <fmt/core.h>
 

@@ -17,7 +17,7 @@ struct Body {
 Mesh mesh_body(const Body& body, Journal& journal);
 /// On this mesh; `how.error` and what belongs to it are not asked.
 Adapted solve_once(const Body& body, Mesh mesh, const Adaptation& how, Journal& journal);
-Adapted solve_refined(const Body& body, const Adaptation& how, Journal& journal);
+Adapted solve_refined(const Body& body, Adaptation how, Journal& journal);
 
 AdaptResult adapt_result(const Adapted& adapted);
 

@@ -2,6 +2,8 @@
 // The keys of a case file, one row each: what the reader allows, what `kerf keys` prints, what the tables of
 // docs/case-files.md, the JSON Schema and the shell completion are made from.
 
+#include "kerf/types.hpp"
+
 #include <span>
 #include <string>
 #include <string_view>

@@ -5,7 +5,6 @@
 namespace kerf {
 
 double in_half_turn(double angle) {
-  using pi;
   const double a = angle - pi * std::floor(angle / pi);
   return a < pi ? a : 0;
 }

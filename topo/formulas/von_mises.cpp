@@ -10,7 +10,6 @@ namespace kerf {
 
 namespace {
 
-using pi;
 constexpr int terms = 17;  // Chebyshev coefficients of a piece: exact up to p = 32
 
 struct Invariants {

@@ -55,8 +55,8 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   const Ordering& o = operators().inner->ordering;
   const Eigen::Index n = ball.unknowns, begin = static_cast<Eigen::Index>(ball.number) * n;
   std::vector<Eigen::Index> mine, rest;
-  for (Eigen::Index i = 0; i < o.kept; ++i) (i >= begin && i < begin + n ? mine : rest).push_back(i);
-  for (Eigen::Index i = 0; i < o.trailing; ++i) mine.push_back(o.kept + i);
+  for (Eigen::Index i = 0; i < o.interface_rows; ++i) (i >= begin && i < begin + n ? mine : rest).push_back(i);
+  for (Eigen::Index i = 0; i < o.contact_rows; ++i) mine.push_back(o.interface_rows + i);
   S = W(mine, mine);
   if (!rest.empty()) {
     const Eigen::MatrixXd couple = W(rest, mine);

@@ -8,7 +8,6 @@ namespace kerf {
 namespace {
 
 using Eigen::VectorXd;
-using pi;
 
 std::vector<std::string> names(Eigen::Index) {
   return {"x", "y", "radius"};

@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
-using pi;
 
 Vec2 vertex(const VectorXd& v, Index i) {
   return v.segment<2>(2 * i);

@@ -9,7 +9,6 @@ namespace kerf {
 namespace {
 
 using Eigen::VectorXd;
-using pi;
 
 Mat2 rotation(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
