@@ -2,6 +2,8 @@
 
 #include "bench/compare.hpp"
 
+#include "kerf/types.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>

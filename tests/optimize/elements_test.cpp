@@ -9,7 +9,7 @@ namespace {
 std::string refused(const Problem& p, const OptimizeRequest& r) {
   try {
     const auto go_on = [](const Iterate&) { return false; };
-    if (r.method == "level-set")
+    if (r.method == OptimizeMethod::LevelSet)
       optimize_level_set(p, r, go_on, {});
     else
       optimize_parameters(p, r, go_on, {});
@@ -22,12 +22,12 @@ std::string refused(const Problem& p, const OptimizeRequest& r) {
 
 TEST(ElementsOfOptimization, BothLoopsRefuseTheSameInTheSameWords) {
   Problem p = scenes::everything();
-  OptimizeRequest level_set{.method = "level-set", .volume_at_most = 0.9}, drawn{.method = "mma"};
+  OptimizeRequest level_set{.method = OptimizeMethod::LevelSet, .volume_at_most = 0.9},
+      drawn{.method = OptimizeMethod::Mma};
   drawn.design = scenes::everything_drawn();
   for (const Element& e : elements) {
     if (can_optimize(e)) continue;
-    p.element = e.name;
-    p.degree = e.degree;
+    p.element = e;
     const std::string why = refusal(e, can_optimize).value();
     EXPECT_EQ(refused(p, level_set), why);
     EXPECT_EQ(refused(p, drawn), "method \"mma\" needs derivatives: " + why + "; or use method = \"cobyla\"");
