@@ -56,7 +56,7 @@ def draw():
            '<rect width="100%" height="100%" fill="white"/>']
     for room in ROOMS:
         top = y[room]
-        lines = [", ".join(f"{wing} ({count})" for wing, count in sorted(wings[room].items())) or
+        lines = [", ".join(f"{wing} ({count})" for wing, count in sorted(wings[room].items()) if wing != "micro") or
                  f"{len(list((ROOT / room).glob('*.cpp')))} sources"]
         if public[room]:
             lines.append("public: " + clipped([name for name in public[room] if name != "kerf"], 84))

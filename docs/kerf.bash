@@ -23,7 +23,7 @@ _kerf() {
     optimize) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
-    bench) options="--help --list --output --seconds --peer-seconds --case --element --quick --large --peers --quiet --log-level --force" ;;
+    bench) options="--help" ;;
   esac
   if [[ $word == -* ]]; then
     COMPREPLY=($(compgen -W "$options" -- "$word"))

@@ -172,7 +172,7 @@ TEST(ExactDisc, ClampedHolesAreSecondOrderAfterRenormalization) {
     for (const json& v : c.at("values")) {
       const double eps = v.at("eps");
       const double change = 0.5 * u0.dot(clamped_force(d.m, eps, hreg, u0));
-      EXPECT_NEAR(change / static_cast<double>(number(v.at("renormalized"))), 1, 1e-12) << eps;
+      EXPECT_NEAR(change / static_cast<double>(number(v.at("renormalised"))), 1, 1e-12) << eps;
       const double truth = static_cast<double>(number(v.at(body ? "dJ" : "J")));
       error.push_back(std::abs(change - truth));
     }
