@@ -30,7 +30,7 @@ int main() try {
   std::printf("J = %.6g; a hole of radius eps at (%g, %g) changes it by %.6g pi eps^2\n", analysis.value, at.x(), at.y(),
               hole.value);
 
-  const auto proof = validate(shape, sizing, model.element, scene, J, {.points = {at}, .radii = {0.08, 0.04, 0.02}});
+  const auto proof = validate({shape, sizing}, model.element, scene, J, {.points = {at}, .radii = {0.08, 0.04, 0.02}});
   std::printf("finite holes give %.6g pi eps^2: it %s\n", proof[0].intercept,
               proof[0].verdict == Verdict::Holds ? "holds" : "does not hold");
   return proof[0].verdict == Verdict::Holds ? 0 : 1;

@@ -27,8 +27,7 @@ Module load() {
     places.push_back(program.parent_path() / "kerf_vtk.so");
     places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / "kerf_vtk.so");
   }
-  for (const char* folder : {KERF_VTK_BUILT, KERF_VTK_INSTALLED})
-    places.push_back(std::filesystem::path(folder) / "kerf_vtk.so");
+  places.push_back(std::filesystem::path(KERF_VTK_FOLDER) / "kerf_vtk.so");
   std::string reason;
   for (const auto& place : places) {
     void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
