@@ -10,12 +10,11 @@
 
 namespace kerf {
 
-/// A corner of the drawn boundary at which the body fills a larger angle is reentrant, a singular point. What lies
-/// between 180 degrees and this is hardly singular: stresses grow no faster than r^-0.1 [Williams 1952].
-inline constexpr double reentrant_angle = 190 * pi / 180;
-/// The same at the vertices of a mesh, which shows curves as polygons: they turn by 360 / 32 degrees per piece, by up
-/// to 14 at the middle of a fillet of two pieces.
-inline constexpr double reentrant_angle_of_polygons = reentrant_angle + 10 * pi / 180;
+/// A corner of the boundary at which the body fills a larger angle is reentrant, a singular point. Polygons that stand
+/// for curves stay below: the mesher turns by 360 / 32 degrees = 0.2 per piece, by 0.24 at the middle of a fillet of
+/// two pieces. What lies between 180 degrees and this is hardly singular: stresses grow no faster than r^-0.16
+/// [Williams 1952].
+inline constexpr double reentrant_angle = pi + 0.3;
 
 /// Where on the segment from a (0) to b (1) the point nearest to x lies; 0 when a = b.
 double foot(const Vec2& x, const Vec2& a, const Vec2& b);

@@ -18,7 +18,7 @@ struct RecoveredStress {
   std::vector<bool> kept;        // per corner: no polynomial
 };
 
-/// Corners where the stress is not smooth: angles over reentrant_angle_of_polygons on the boundary or a crack (tips, corners),
+/// Corners where the stress is not smooth: angles over reentrant_angle on the boundary or a crack (tips, corners),
 /// and where a crack begins to touch. `state`: the one with the contact, for adjoint fields too.
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& corners);
 

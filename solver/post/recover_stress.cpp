@@ -390,8 +390,7 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
   const std::vector<bool> changes = contact_changes(model, state);
   const std::vector<double> angle = corner_angles(model.mesh, c);
   std::vector<bool> result(c.vertex.size(), false);
-  for (std::size_t i = 0; i < angle.size(); ++i)
-    result[i] = angle[i] > reentrant_angle_of_polygons || changes[c.vertex[i]];
+  for (std::size_t i = 0; i < angle.size(); ++i) result[i] = angle[i] > reentrant_angle || changes[c.vertex[i]];
   return result;
 }
 

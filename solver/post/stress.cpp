@@ -82,7 +82,7 @@ void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
     for (const Support& support : model.scene.supports)
       if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
     for (const Index v : mesh.edges[e]) {
-      if (angle[v] > reentrant_angle_of_polygons || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
+      if (angle[v] > reentrant_angle || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
       held[v] = kind;
     }
   }

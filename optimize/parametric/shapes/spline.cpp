@@ -42,7 +42,8 @@ Vec2 spline_point(const VectorXd& v, double s) {
 /// Pieces of the polygon of a spline: each corner turns by 6 degrees at most, well below what counts as one.
 Index spline_pieces(const VectorXd& v, double size) {
   const auto n = static_cast<Index>(v.size() / 2);
-  constexpr double most_turn = 0.6 * (reentrant_angle - pi);
+  constexpr double most_turn = 6 * pi / 180;
+  static_assert(most_turn < reentrant_angle - pi);
   constexpr Index most = 64;  // per span
   for (Index per_span = 4;; per_span *= 2) {
     double turn = 0, longest = 0;
