@@ -7,19 +7,20 @@
 
 namespace kerf {
 
-// y += f x and y -= f x. The loops over columns are innermost, so that they vectorize.
+// y += f x and y -= f x, rows of N numbers: as Eigen's rows, which vectorize where plain loops did not (a third of the
+// elimination's time).
 template <int N>
-inline void add(double* __restrict y, double f, const double* __restrict x) {
-  for (int j = 0; j < N; ++j) y[j] += f * x[j];
+inline void add(double* y, double f, const double* x) {
+  Eigen::Map<Eigen::Matrix<double, 1, N>>(y).noalias() += f * Eigen::Map<const Eigen::Matrix<double, 1, N>>(x);
 }
 template <int N>
-inline void subtract(double* __restrict y, double f, const double* __restrict x) {
-  for (int j = 0; j < N; ++j) y[j] -= f * x[j];
+inline void subtract(double* y, double f, const double* x) {
+  Eigen::Map<Eigen::Matrix<double, 1, N>>(y).noalias() -= f * Eigen::Map<const Eigen::Matrix<double, 1, N>>(x);
 }
 
 // In place, in the upper triangle: A = U'U, with the inverse of the diagonal on the diagonal.
 template <int N>
-void cholesky(Rowwise<N, N>& a) {
+inline __attribute__((always_inline)) void cholesky(Rowwise<N, N>& a) {
   for (int k = 0; k < N; ++k) {
     const double inverse = 1 / std::sqrt(a(k, k));
     a(k, k) = inverse;
@@ -32,7 +33,7 @@ void cholesky(Rowwise<N, N>& a) {
 }
 // x <- U'^-1 x
 template <int N, int Columns>
-void forward(const Rowwise<N, N>& u, Rowwise<N, Columns>& x) {
+inline __attribute__((always_inline)) void forward(const Rowwise<N, N>& u, Rowwise<N, Columns>& x) {
   double* row = x.data();
   for (int k = 0; k < N; ++k, row += Columns) {
     for (int j = 0; j < Columns; ++j) row[j] *= u(k, k);
