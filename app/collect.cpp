@@ -107,8 +107,7 @@ Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>&
     }
     if (any) return e;
   }
-  constexpr double unknown = nan;
-  return {{Vec2::Zero(), unknown}, {Vec2::Zero(), unknown}};
+  return {{Vec2::Zero(), nan}, {Vec2::Zero(), nan}};
 }
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {

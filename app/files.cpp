@@ -9,7 +9,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double unknown = nan, degree = pi / 180;
+constexpr double degree = pi / 180;
 
 Eigen::RowVectorXd flags(const std::vector<bool>& values) {
   Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));
@@ -112,8 +112,8 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
   std::vector<std::vector<double>> rows;
   for (const MapPoint& p : map.result.points.empty() ? at_corners(mesh, data, map.full) : map.result.points) {
     std::vector<double> row = {p.at.x(), p.at.y(), p.value};
-    if (bounds) row.insert(row.end(), {p.lower.value_or(unknown), p.upper.value_or(unknown)});
-    if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : unknown);
+    if (bounds) row.insert(row.end(), {p.lower.value_or(nan), p.upper.value_or(nan)});
+    if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : nan);
     row.push_back(p.masked ? 1 : 0);
     rows.push_back(std::move(row));
   }
@@ -125,7 +125,7 @@ void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> p
   const Model& model = adapted.model;
   const State& state = adapted.state;
   const std::vector<Index> where = locate(model.mesh, points);
-  std::vector<MapPoint> map(points.size(), MapPoint{.value = unknown});
+  std::vector<MapPoint> map(points.size(), MapPoint{.value = nan});
   if (analysis) {
     MapRequest request = task.request;
     request.bounds = false;
@@ -134,7 +134,7 @@ void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> p
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec2& x = points[i];
-    std::vector<double> row(8, unknown);  // an empty cell: outside the body
+    std::vector<double> row(8, nan);  // an empty cell: outside the body
     row[0] = x.x(), row[1] = x.y();
     if (where[i] != none) {
       const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);

@@ -146,8 +146,7 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
 }
 
 Judged judge(const OptimizeProblem& p, const Shape& shape, double size, Index triangles, int threads) {
-  constexpr double unknown = nan;
-  Judged out{.least = unknown, .most = unknown, .volume = volume_fraction(p, shape)};
+  Judged out{.least = nan, .most = nan, .volume = volume_fraction(p, shape)};
   const Sizing sizing{.size = size};
   if (triangles == 0) {
     const Model model = prepare(triangulate(shape, sizing), element("bdms"), p.problem.scene, threads);

@@ -15,7 +15,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double not_known = nan;
 // Lengths of the judge's meshes, and triangles of the last one.
 constexpr double fine_background = 0.005, background = 0.01, fine = 0.02, medium = 0.015;
 constexpr Index fine_triangles = 100000;
@@ -34,7 +33,7 @@ std::vector<std::size_t> chosen(std::size_t count) {
 }
 
 DesignPoint first_near(const std::vector<DesignPoint>& curve, double last) {
-  DesignPoint best{.seconds = not_known, .compliance = not_known};
+  DesignPoint best{.seconds = nan, .compliance = nan};
   for (auto p = curve.rbegin(); p != curve.rend(); ++p) {
     if (!(std::abs(p->compliance - last) <= near * last)) break;
     best = *p;
@@ -230,7 +229,7 @@ class Runner {
                      .objective = result.objective + p.volume_penalty * result.volume_fraction * whole,
                      .compliance = result.objective,
                      .volume = result.volume_fraction,
-                     .judged = not_known,
+                     .judged = nan,
                      .stopped = result.stopped};
     if (p.ersatz == 0) {
       const Judged j = judge_last(p, result.shape);

@@ -10,7 +10,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double far = infinity;
 constexpr double band = 20;  // edges of the mesh; farther from the boundary nothing needs to be exact
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
@@ -23,7 +22,7 @@ template <typename DistanceTo>
 Carried carry(const BackgroundMesh& b, std::span<const std::pair<Index, Index>> seeds, double reach,
               const DistanceTo& distance_to) {
   const std::size_t n = b.mesh.points.size();
-  Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), far), std::vector<Index>(n, none)};
+  Carried c{Eigen::VectorXd::Constant(static_cast<Eigen::Index>(n), infinity), std::vector<Index>(n, none)};
   struct Candidate {
     double distance;
     Index vertex, source;
@@ -61,7 +60,7 @@ bool inside(const Polygon& p, const Vec2& x) {
 }
 
 double to_polygon(const Polygon& p, const Vec2& x) {
-  double least = far;
+  double least = infinity;
   for (std::size_t i = 0; i < p.points.size(); ++i)
     least = std::min(least, distance(x, p.points[i], p.points[(i + 1) % p.points.size()]));
   return inside(p, x) ? -least : least;
@@ -69,7 +68,7 @@ double to_polygon(const Polygon& p, const Vec2& x) {
 
 Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
   if (solid.loops.empty() && solid.labels.empty() && solid.discs.empty()) return {};
-  Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), far);
+  Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), infinity);
   std::vector<std::pair<Polygon, double>> polygons;
   for (const auto& [loop, margin] : solid.loops)
     polygons.emplace_back(flatten(loop, chord, extent({.outline = loop}) / 20), margin);

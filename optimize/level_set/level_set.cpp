@@ -23,8 +23,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double infinite = infinity;
-
 // Lengths relative to the mesh size, shares of the area of the frame.
 constexpr double fine = 0.5;          // the background mesh against the mesh of the body
 constexpr double strip = 1.5;         // of background edges beside loads that stay solid
@@ -52,11 +50,11 @@ struct Progress {
   Eigen::VectorXd lambda;  // multipliers of the bounds
   double multiplier = 0;   // of the area
   Eigen::VectorXd best;    // phi of the best design at the final area; empty before
-  double best_J = infinite, best_area = 0;
+  double best_J = infinity, best_area = 0;
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
   Eigen::VectorXd kept;               // phi of the design of least J that keeps the bounds; empty without bounds
-  double kept_J = infinite;
+  double kept_J = infinity;
   int kept_iteration = 0;
   std::vector<double> track;       // merit of the best after every iteration at the final area
   std::string ended;               // why the loop is over; empty while it is not
@@ -149,7 +147,7 @@ class LevelSetRun {
   double price_ = 0;  // per area, of volume terms in J
   bool penalized_ = false;
   double optimality_ = nan;  // of the design that the last step started from
-  bool worthless_ = false;  // less material is better everywhere: the area is not held
+  bool worthless_ = false;   // less material is better everywhere: the area is not held
   Progress s_;
   Design design_, best_, kept_;
 };
@@ -501,8 +499,8 @@ OptimizeResult LevelSetRun::run() {
       tried = nullptr;
     }
     // Before the area is the wanted one J may rise: nothing is best yet.
-    const double value = tried ? merit(*tried) : infinite;
-    const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinite;
+    const double value = tried ? merit(*tried) : infinity;
+    const double best = s_.best.size() > 0 ? merit(s_.best_J, s_.best_area, s_.best_bounds) : infinity;
     const bool better = settled() && value < best;
     const bool lost =
         settled() && s_.best.size() > 0 && !better && (value > best + rise * std::abs(best) || s_.since + 1 > patience);

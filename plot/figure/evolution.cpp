@@ -22,8 +22,7 @@ struct View {
 };
 
 View view_of(const std::vector<Snapshot>& snapshots) {
-  constexpr double infinite = infinity;
-  View v{Vec2::Constant(infinite), Vec2::Constant(-infinite)};
+  View v{Vec2::Constant(infinity), Vec2::Constant(-infinity)};
   for (const Snapshot& s : snapshots)
     for (const auto& loop : s.contours.boundary)
       for (const Vec2& p : loop)
