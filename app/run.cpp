@@ -1,4 +1,5 @@
 #include "app/run.hpp"
+#include "app/peaks.hpp"
 
 #include "app/draw.hpp"
 #include "app/files.hpp"
@@ -136,11 +137,13 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
   journal.begin("recover");
-  StateSection section = describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
+  StateSection section =
+      describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
   r.cracks = std::move(section.cracks);
   if (section.contact) r.contact = std::move(section.contact);
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
+  add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
   journal.seconds.solve += journal.lap();
   write_state(adapted, data, r.cracks, journal);
   return {std::move(adapted), std::move(data)};
@@ -172,7 +175,7 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   OptimizeSection found = optimize_body(optimize_task(c, journal.options.threads), journal);
   if (!found.result.feasible) {
     r.status = "infeasible";
-    r.reason = "the design violates a constraint: " + found.result.stopped;
+    r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
   }
   Case design = designed(c, found.result);
   r.optimize = std::move(found.result);

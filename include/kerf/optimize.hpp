@@ -104,12 +104,36 @@ struct Iteration {
   std::vector<double> bounds;  // values of the bounded functionals
   double violation = 0;        // largest relative violation of a constraint
   double step = 0;             // level set: largest move of the boundary; NLopt: largest relative change
-  double optimality = 0;       // level set: angle (radians) or relative gradient; NLopt: KKT residual; NaN unknown
+  double optimality = 0;       // level set: angle (radians) or shape residual; NLopt: KKT residual; NaN unknown
   int holes = 0;
   Index triangles = 0;
   int state_solves = 0;            // so far, line searches included
   std::string note;                // why the objective rose, what was nucleated, dropped, ...; empty mostly
   Eigen::VectorXd variables = {};  // NLopt methods
+};
+
+/// How an optimization ended. Optimal: its conditions hold to the residuals printed, on a finer mesh, too.
+enum class Ending { Optimal, Stalled, BudgetUsed, Infeasible };
+inline constexpr std::array<std::string_view, 4> ending_words{"optimal", "stalled", "budget used", "infeasible"};
+constexpr std::string_view word(Ending ending) {
+  return ending_words[static_cast<std::size_t>(ending)];
+}
+
+/// The design at the end, solved again on a mesh of half the size, with one degree more where the element has it.
+struct FinerDesign {
+  double size = 0;  // of the mesh, near which edges are
+  Element element = bdms(1);
+  double objective = nan, volume_fraction = nan;
+  std::vector<double> bounds;  // values of the bounded functionals
+  double violation = nan;      // largest relative violation of a constraint
+  std::string failure;         // why it could not be solved; empty mostly
+};
+
+/// Of a level set's design, per area: the least of (T - price of area) / price over the body away from singular points.
+/// Where it is not negative no small hole pays.
+struct HoleMargin {
+  double least = nan;
+  Vec2 at = Vec2::Zero();
 };
 
 /// An accepted iterate; model and state are those of the first load case.
@@ -127,9 +151,11 @@ struct OptimizeResult {
   OptimizeMethod method = OptimizeMethod::LevelSet;
   int iterations = 0, state_solves = 0;
   double objective = 0, volume_fraction = 0, optimality = 0;
-  bool feasible = true;
-  bool converged = false;
-  std::string stopped;  // "converged", or why, in words
+  bool feasible = true;  // on the finer mesh, too
+  Ending ending = Ending::Stalled;
+  std::string stopped;  // the word of the ending, and why
+  FinerDesign finer;
+  HoleMargin holes;  // level set
   std::vector<std::string> notes;
   std::vector<Iteration> history;
   Shape shape;                     // the last one
@@ -153,7 +179,9 @@ struct CheckpointPlace {
 /// until no step of 3% of the mesh size makes it fall further, or over 8 iterations by less than the tolerance;
 /// request.max_iterations in all. What bears supports, loads and functionals stays solid. `place`: after every
 /// iteration a checkpoint is written; resumed, the run goes on from there and ends with the same bits. Every iterate is
-/// shown to `see`. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry) or
+/// shown to `see`. The end is "optimal" where the shape residual (root mean square over what can move of (rate of J -
+/// price)/price, without waves shorter than the mesh size) is at most 0.1, no small hole pays, and the constraints hold
+/// on a mesh of half the size. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry) or
 /// Error(Numerics) when the start cannot be meshed or solved.
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place);

@@ -79,7 +79,6 @@ std::string sentence(const OptimizeResult& result) {
   std::string out =
       fmt::format("{} ended after {} iteration{} and {} state solves: {}", word(result.method), result.iterations,
                   result.iterations == 1 ? "" : "s", result.state_solves, result.stopped);
-  if (!result.feasible) out += "; the design is infeasible: it violates a constraint";
   return out;
 }
 

@@ -48,6 +48,13 @@ Json mesh_section(const Result& result) {
   return section;
 }
 
+Json peak_section(const Peak& peak) {
+  Json out = placed(peak.largest);
+  out["singular"] = peak.singular;
+  if (peak.singular) out["regular"] = peak.regular ? placed(*peak.regular) : Json(nullptr);
+  return out;
+}
+
 Json state_section(const StateResult& state) {
   Json bounds = nullptr;
   if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
@@ -61,6 +68,8 @@ Json state_section(const StateResult& state) {
               {"estimated_error", number(state.estimated_error)},
               {"energy_bounds", std::move(bounds)}};
   out["degree"] = state.degree;
+  if (state.von_mises) out["max_von_mises"] = peak_section(*state.von_mises);
+  if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
   if (!state.notes.empty()) out["notes"] = state.notes;
   return out;
 }
@@ -90,12 +99,14 @@ Json crack_section(const CrackResult& crack) {
                     {"T", number(tip.T)},
                     {"spread", std::move(spread)}});
   }
-  return {{"name", crack.name},
-          {"length", number(crack.length)},
-          {"max_opening", number(crack.max_opening)},
-          {"max_pressure", number(crack.max_pressure)},
-          {"transitions", std::move(transitions)},
-          {"tips", std::move(tips)}};
+  Json out = {{"name", crack.name},
+              {"length", number(crack.length)},
+              {"max_opening", number(crack.max_opening)},
+              {"max_pressure", number(crack.max_pressure)},
+              {"transitions", std::move(transitions)},
+              {"tips", std::move(tips)}};
+  if (crack.pressure) out["pressure_peak"] = peak_section(*crack.pressure);
+  return out;
 }
 
 Json functional_section(const FunctionalResult& functional) {
@@ -169,6 +180,19 @@ Json identified_section(const std::vector<Identified>& all) {
   return out;
 }
 
+Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
+  Json out = {{"size", number(finer.size)},
+              {"element", finer.element.name},
+              {"degree", finer.element.degree},
+              {"objective", number(finer.objective)},
+              {"volume_fraction", number(finer.volume_fraction)},
+              {"violation", number(finer.violation)}};
+  for (std::size_t i = 0; i < std::min(names.bounds.size(), finer.bounds.size()); ++i)
+    out["bounds"].push_back({{"name", names.bounds[i]}, {"value", number(finer.bounds[i])}});
+  if (!finer.failure.empty()) out["failure"] = finer.failure;
+  return out;
+}
+
 Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   Json out = {{"method", word(o.method)},
               {"iterations", o.iterations},
@@ -177,8 +201,11 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"volume_fraction", number(o.volume_fraction)},
               {"feasible", o.feasible},
               {"stopped", o.stopped},
-              {"converged", o.converged},
+              {"ending", word(o.ending)},
+              {"converged", o.ending == Ending::Optimal},
               {"optimality", number(o.optimality)}};
+  if (std::isfinite(o.holes.least)) out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
+  if (o.finer.size > 0) out["finer"] = finer_section(o.finer, names);
   if (!o.history.empty()) {
     const Iteration &first = o.history.front(), &last = o.history.back();
     out["start"] = {{"objective", number(first.objective)}, {"volume_fraction", number(first.volume_fraction)}};

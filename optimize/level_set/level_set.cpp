@@ -8,7 +8,9 @@
 #include "optimize/level_set/fixed_point.hpp"
 #include "optimize/level_set/nucleate.hpp"
 #include "optimize/level_set/speed.hpp"
+#include "optimize/loop/finish.hpp"
 #include "optimize/loop/history_text.hpp"
+#include "solver/stress.hpp"
 #include "topo/map_at_centroids.hpp"
 
 #include <fmt/core.h>
@@ -36,8 +38,8 @@ constexpr double jump = 10;          // of J in one step while the area falls
 constexpr double rise = 0.02;        // of the merit over the best one that is followed for a while
 constexpr int patience = 4;          // iterations without a better design before the step is halved
 constexpr const char* out_of_iterations = "the iterations asked for are done";
-constexpr double feasible = 1e-3;  // relative violation of a constraint
-constexpr std::size_t window = 8;  // iterations over which a small change means convergence
+constexpr double largest_residual = 0.1;  // of the shape of what is called optimal [theory: L.10]
+constexpr std::size_t window = 8;         // iterations over which a small change means convergence
 
 /// All that an iteration leaves to the next one.
 struct Progress {
@@ -48,8 +50,10 @@ struct Progress {
   Eigen::VectorXd psi;  // of the fixed point: on the unit sphere of L2
   double turn = largest_turn;
   Eigen::VectorXd lambda;  // multipliers of the bounds
-  double multiplier = 0;   // of the area
-  Eigen::VectorXd best;    // phi of the best design at the final area; empty before
+  Eigen::VectorXd tight;   // share of every bound that the loop's mesh may use, so that a finer one keeps it
+  int tightened = 0;
+  double multiplier = 0;  // of the area
+  Eigen::VectorXd best;   // phi of the best design at the final area; empty before
   double best_J = infinity, best_area = 0;
   Eigen::VectorXd best_bounds;
   int best_iteration = 0, since = 0;  // iterations since the best
@@ -64,17 +68,18 @@ struct Progress {
 
 // What a checkpoint holds of it, by name: vectors, "track", the texts "ended" and "drawn", the rows, and "scalars" in
 // this order.
-constexpr std::array<std::pair<const char*, Eigen::VectorXd Progress::*>, 6> kept_vectors{
+constexpr std::array<std::pair<const char*, Eigen::VectorXd Progress::*>, 7> kept_vectors{
     {{"phi", &Progress::phi},
      {"psi", &Progress::psi},
      {"lambda", &Progress::lambda},
+     {"tight", &Progress::tight},
      {"best", &Progress::best},
      {"kept", &Progress::kept},
      {"best_bounds", &Progress::best_bounds}}};
 template <typename State, typename Number>
 auto kept_scalars(State& s, Number& mesh_size) {
   return std::tie(s.iteration, s.solves, s.wanted, s.step, s.turn, s.multiplier, s.best_J, s.best_area,
-                  s.best_iteration, s.since, mesh_size, s.kept_J, s.kept_iteration);
+                  s.best_iteration, s.since, mesh_size, s.kept_J, s.kept_iteration, s.tightened);
 }
 
 Eigen::VectorXd vector_of(const std::vector<double>& v) {
@@ -120,7 +125,14 @@ class LevelSetRun {
   double merit(double J, double area, const Eigen::VectorXd& bounds) const;
   double merit(const Evaluated& e) const;
   double violation(const Evaluated& e) const;
-  std::string violated() const;
+  bool keeps_bounds(const Evaluated& e) const;
+  bool tighten();
+  FinerDesign finer(const Evaluated& e) const;
+  FinerDesign finer_strong(const OptimizeResult& result) const;
+  BoundaryRate total_rate(const Evaluated& e) const;
+  HoleMargin hole_margin(const Evaluated& e, double price) const;
+  LoopEnd loop_end(const std::string& why, bool go_on, HoleMargin& holes) const;
+  void finish(OptimizeResult& result, const std::string& why, bool go_on) const;
   Eigen::VectorXd relative(const Eigen::VectorXd& bounds) const;
   std::vector<double> weights(const Evaluated& e) const;
   Eigen::VectorXd shape_step(const Evaluated& e, std::vector<std::string>& notes);
@@ -129,6 +141,9 @@ class LevelSetRun {
   bool accept(Design e, std::vector<std::string> notes);
   bool settled() const {
     return penalized_ || s_.wanted <= target_;
+  }
+  Index free_label() const {
+    return static_cast<Index>(p_.frame.labels.size());
   }
   void save() const;
   bool restore();
@@ -146,8 +161,9 @@ class LevelSetRun {
   double whole_ = 0, target_ = 0, size_ = 0;
   double price_ = 0;  // per area, of volume terms in J
   bool penalized_ = false;
-  double optimality_ = nan;  // of the design that the last step started from
-  bool worthless_ = false;   // less material is better everywhere: the area is not held
+  double optimality_ = nan;    // of the design that the last step started from
+  std::vector<Index> strong_;  // of the strong phase alone: crack of the frame per crack
+  bool worthless_ = false;     // less material is better everywhere: the area is not held
   Progress s_;
   Design design_, best_, kept_;
 };
@@ -263,12 +279,12 @@ LevelSetRun::Design LevelSetRun::trial(Eigen::VectorXd& phi, std::vector<std::st
   return e;
 }
 
-/// (value - bound) / |bound|.
+/// (value - what the loop's mesh may use of the bound) / |bound|.
 Eigen::VectorXd LevelSetRun::relative(const Eigen::VectorXd& bounds) const {
   Eigen::VectorXd c(bounds.size());
   for (Eigen::Index i = 0; i < c.size(); ++i) {
     const double most = r_.bounds[static_cast<std::size_t>(i)].at_most;
-    c[i] = (bounds[i] - most) / std::max(std::abs(most), 1e-300);
+    c[i] = (bounds[i] - most * s_.tight[i]) / std::max(std::abs(most), 1e-300);
   }
   return c;
 }
@@ -299,21 +315,14 @@ double LevelSetRun::merit(const Evaluated& e) const {
   return merit(e.J, e.area, vector_of(e.bounds));
 }
 
-double LevelSetRun::violation(const Evaluated& e) const {
-  double worst = penalized_ ? 0 : std::max(0.0, e.area / target_ - 1);
+/// Those that the loop holds itself to.
+bool LevelSetRun::keeps_bounds(const Evaluated& e) const {
   const Eigen::VectorXd c = relative(vector_of(e.bounds));
-  return c.size() > 0 ? std::max(worst, c.maxCoeff()) : worst;
+  return violation(e) < feasible_violation && (c.size() == 0 || c.maxCoeff() < feasible_violation);
 }
 
-/// What the design violates, in words.
-std::string LevelSetRun::violated() const {
-  std::vector<std::string> all;
-  if (!penalized_ && design_->area > (1 + feasible) * target_)
-    all.push_back(fmt::format("volume fraction {:.4g} > {:.4g}", design_->area / whole_, target_ / whole_));
-  for (std::size_t k = 0; k < r_.bounds.size(); ++k)
-    if (design_->bounds[k] > r_.bounds[k].at_most)
-      all.push_back(fmt::format("{} {:.4g} > {:.4g}", r_.bounds[k].name, design_->bounds[k], r_.bounds[k].at_most));
-  return join(all, ", ");
+double LevelSetRun::violation(const Evaluated& e) const {
+  return violation_of(r_, e.bounds, e.area / whole_);
 }
 
 /// d merit / d bound, per bound.
@@ -361,14 +370,19 @@ double lower_third(const Eigen::VectorXd& values) {
   return *at;
 }
 
-Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::string>& notes) {
-  const LevelSetRequest& how = r_.level_set;
-  const std::vector<WeightedAnalysis> objective = analyze_objective(e);
-  BoundaryRate rate = boundary_rate(e, objective);
+/// Of the merit without the price of its area.
+BoundaryRate LevelSetRun::total_rate(const Evaluated& e) const {
+  BoundaryRate rate = boundary_rate(e, analyze_objective(e));
   const std::vector<double> weight = weights(e);
   for (std::size_t k = 0; k < weight.size(); ++k)
     if (weight[k] > 0) add(rate, weight[k], boundary_rate(e, analyze_bound(e, k)));
   rate.density.array() -= price_;
+  return rate;
+}
+
+Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::string>& notes) {
+  const LevelSetRequest& how = r_.level_set;
+  const BoundaryRate rate = total_rate(e);
   const bool enclosed = rate.curve.edges.empty();
   if (enclosed && how.nucleate_every == 0)
     throw Error(Fault::Geometry, "no boundary is free to move; ask for optimize.nucleate or optimize.start");
@@ -377,7 +391,7 @@ Eigen::VectorXd LevelSetRun::shape_step(const Evaluated& e, std::vector<std::str
                            .share = std::min(1 * s_.step / size_, 1.0),
                            .smoothing = how.smoothing > 0 ? how.smoothing : size_,
                            .min_feature = how.min_feature};
-  const Speed speed = boundary_speed({background_, distance, rate}, limits, elastic_.get(),
+  const Speed speed = boundary_speed({background_, distance, rate, free_label()}, limits, elastic_.get(),
                                      penalized_ ? std::optional(r_.volume_penalty + price_) : std::nullopt);
   s_.multiplier = speed.multiplier - price_;
   optimality_ = speed.optimality;
@@ -433,6 +447,7 @@ OptimizeResult LevelSetRun::run() {
   if (!restore()) {
     const Eigen::Index n = static_cast<Eigen::Index>(background_.mesh.points.size());
     s_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(r_.bounds.size()));
+    s_.tight = Eigen::VectorXd::Ones(s_.lambda.size());
     s_.step = largest_step * size_;
     Eigen::VectorXd phi = Eigen::VectorXd::Constant(n, -1e3 * size_);
     if (r_.level_set.start) {
@@ -550,7 +565,7 @@ OptimizeResult LevelSetRun::run() {
         s_.best_bounds = vector_of(design_->bounds);
         s_.best_iteration = s_.iteration;
       }
-      if (settled() && !r_.bounds.empty() && violation(*design_) < feasible && design_->J < s_.kept_J) {
+      if (settled() && !r_.bounds.empty() && keeps_bounds(*design_) && design_->J < s_.kept_J) {
         s_.kept = next;
         s_.kept_J = design_->J;
         s_.kept_iteration = s_.iteration;
@@ -561,19 +576,21 @@ OptimizeResult LevelSetRun::run() {
         s_.lambda =
             (s_.lambda + patient_multipliers * stiffness_of_bounds * relative(vector_of(design_->bounds))).cwiseMax(0);
     }
-    if (settled() && s_.best.size() > 0) {
+    const bool moved = tried && !lost;
+    if (moved && settled() && s_.best.size() > 0) {
       s_.track.push_back(merit(s_.best_J, s_.best_area, s_.best_bounds));
       const std::size_t n = s_.track.size();
       if (n > window && s_.track[n - 1 - window] - s_.track.back() < r_.tolerance * std::abs(s_.track.back()) &&
-          violation(*best_) < feasible)
-        stopped = "converged";
+          keeps_bounds(*best_))
+        stopped = fmt::format("the best merit fell by less than {:.1g} of it in {} steps", r_.tolerance, window);
     }
     if (stopped.empty() && s_.step < smallest_step * size_)
       stopped = fmt::format("no better design within a step of {:.2g}", 2 * s_.step);
+    if (!stopped.empty() && s_.iteration < r_.max_iterations && tighten()) stopped.clear();
     save();
   }
   if (go_on && s_.ended.empty()) {
-    if (kept_ && best_ && violation(*best_) >= feasible) {
+    if (kept_ && best_ && !keeps_bounds(*best_)) {
       best_ = kept_;
       s_.best = s_.kept;
       s_.best_iteration = s_.kept_iteration;
@@ -599,11 +616,6 @@ OptimizeResult LevelSetRun::run() {
   result.state_solves = s_.solves;
   result.objective = design_->J;
   result.volume_fraction = design_->area / whole_;
-  result.optimality = s_.rows.back().optimality;
-  result.feasible = violation(*design_) < feasible;
-  result.converged = stopped == "converged";
-  result.stopped = go_on ? stopped : "stopped as asked";
-  if (!result.feasible) result.stopped += ", infeasible: " + violated();
   result.history = s_.rows;
   result.shape = design_->shape;
   result.scene = design_->cases.front().model.scene;
@@ -612,16 +624,132 @@ OptimizeResult LevelSetRun::run() {
     result.scene.regions.clear();
     try {
       Carved carved = carve(p_.frame, background_.mesh, s_.phi, carving_);
-      result.scene = with_cracks(scenes_of(p_, r_).front(), carved.crack_of);
+      strong_ = carved.crack_of;
+      result.scene = with_cracks(scenes_of(p_, r_).front(), strong_);
       result.shape = std::move(carved.shape);
       result.notes.push_back(
           "objective and volume are those with the weak phase; the state is that of the design without it");
     } catch (const Error& error) {
       if (error.fault != Fault::Geometry) throw;
-      result.notes.push_back(fmt::format("the strong phase alone is no body: {}", error.what()));
+      result.finer.failure = fmt::format("the strong phase alone is no body: {}", error.what());
+      result.notes.push_back(result.finer.failure);
     }
   }
+  finish(result, stopped, go_on);
   return result;
+}
+
+/// The least of (T - price)/price over the triangles in which a hole may be, away from singular points.
+HoleMargin LevelSetRun::hole_margin(const Evaluated& e, double price) const {
+  constexpr double clear = 2;  // of singular points, in mesh sizes
+  const Model& m = e.cases.front().model;
+  const std::vector<Vec2> singular = singular_points(m);
+  const Eigen::VectorXd T = derivative(e);
+  const double of_area = price - price_;  // T has what volume costs in J
+  HoleMargin holes;
+  for (Index t = 0; t < T.size(); ++t) {
+    const Vec2 x = centroid(m.mesh, t);
+    if (background_.frozen.size() > 0 && value_at(background_, background_.frozen, x) < 0) continue;
+    if (std::any_of(singular.begin(), singular.end(), [&](const Vec2& y) { return (x - y).norm() < clear * size_; }))
+      continue;
+    if (const double margin = (T[t] - of_area) / price; !(margin >= holes.least)) holes = {margin, x};
+  }
+  return holes;
+}
+
+/// What there is to say of the design at the end; `why`: the loop ended.
+LoopEnd LevelSetRun::loop_end(const std::string& why, bool go_on, HoleMargin& holes) const {
+  LoopEnd end{.row = s_.rows.back(), .asked = largest_residual, .kind = "shape residual", .why = why};
+  end.budget_used = !go_on || why.starts_with(out_of_iterations);
+  if (!go_on) {
+    end.why = end.obstacle = "stopped as asked";
+    return end;
+  }
+  if (r_.level_set.ersatz > 0) {
+    end.kind = "angle";
+    end.residual = optimality_;
+    end.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
+    return end;
+  }
+  const BoundaryRate rate = total_rate(*design_);
+  if (rate.curve.edges.empty()) return end;
+  const Eigen::VectorXd distance = signed_distance(background_, s_.phi);
+  const SpeedLimits limits{.most = size_, .smoothing = size_};
+  const Speed speed = boundary_speed({background_, distance, rate, free_label()}, limits, nullptr,
+                                     penalized_ ? std::optional(r_.volume_penalty + price_) : std::nullopt);
+  end.residual = speed.optimality;
+  const double price = speed.multiplier;
+  if (!(price > 0)) return end;
+  holes = hole_margin(*design_, price);
+  const std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
+  if (holes.least < 0)
+    end.obstacle = fmt::format("a small hole at {} pays: T is {:.2g} of the price there", place, 1 + holes.least);
+  else
+    end.evidence = fmt::format("no small hole pays: T is at least {:.2g} of the price, at {}", 1 + holes.least, place);
+  if (!penalized_ && design_->area < (1 - feasible_violation) * target_)
+    end.obstacle = join({end.obstacle, fmt::format("volume fraction {:.4g} of {:.4g} allowed, though more would pay",
+                                                   design_->area / whole_, target_ / whole_)});
+  return end;
+}
+
+FinerDesign LevelSetRun::finer(const Evaluated& e) const {
+  Problem judged = p_;
+  judged.scene.laws = e.cases.front().model.scene.laws;
+  judged.objective = e.objective;
+  OptimizeRequest asked = r_;
+  for (std::size_t k = 0; k < asked.bounds.size(); ++k) asked.bounds[k].functional = e.bounded[k];
+  return solve_finer(std::move(judged), asked, e.shape, whole_);
+}
+
+/// Where the best design keeps its bounds on this mesh, but not on a finer one, the loop goes on under bounds that are
+/// tighter by as much as the meshes differ.
+bool LevelSetRun::tighten() {
+  constexpr int most = 3;
+  const Design& found = kept_ ? kept_ : best_;
+  if (r_.bounds.empty() || r_.level_set.ersatz > 0 || s_.tightened == most || !found || !keeps_bounds(*found))
+    return false;
+  const FinerDesign there = finer(*found);
+  s_.solves += static_cast<int>(found->cases.size());
+  if (!there.failure.empty() || there.violation < feasible_violation) return false;
+  ++s_.tightened;
+  for (Eigen::Index k = 0; k < s_.tight.size(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const double at_most = r_.bounds[i].at_most,
+                 excess = (there.bounds[i] - at_most) / std::max(std::abs(at_most), 1e-300);
+    if (excess > 0) s_.tight[k] -= (at_most > 0 ? 1 : -1) * (excess + 0.5 * feasible_violation);
+  }
+  s_.rows.back().note = join({s_.rows.back().note, fmt::format("bounds tightened: on a mesh of half the size they are "
+                                                               "violated by {:.2g}",
+                                                               there.violation)});
+  s_.best.resize(0);
+  s_.kept.resize(0);
+  best_ = kept_ = nullptr;
+  s_.kept_J = infinity;
+  s_.since = 0;
+  s_.track.clear();
+  s_.step = std::max(s_.step, 0.3 * largest_step * size_);
+  return true;
+}
+
+/// Of the strong phase alone.
+FinerDesign LevelSetRun::finer_strong(const OptimizeResult& result) const {
+  Problem judged = p_;
+  judged.scene.laws = result.scene.laws;
+  judged.objective = on_parts(p_.objective, strong_);
+  OptimizeRequest asked = r_;
+  for (FunctionalBound& bound : asked.bounds) bound.functional = on_parts(bound.functional, strong_);
+  return solve_finer(std::move(judged), asked, result.shape, whole_);
+}
+
+void LevelSetRun::finish(OptimizeResult& result, const std::string& why, bool go_on) const {
+  const LoopEnd end = loop_end(why, go_on, result.holes);
+  const bool weak = r_.level_set.ersatz > 0;
+  if (weak && !result.finer.failure.empty()) go_on = false;
+  if (go_on) {
+    result.finer = weak ? finer_strong(result) : finer(*design_);
+    result.state_solves += static_cast<int>(design_->cases.size());
+  }
+  judge(result, r_, end);
 }
 
 void LevelSetRun::save() const {

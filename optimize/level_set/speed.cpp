@@ -62,6 +62,7 @@ BoundaryRate boundary_rate(const Evaluated& e, std::span<const WeightedAnalysis>
                &b = r.curve.points[static_cast<std::size_t>(ends[1])];
     r.middle.push_back(0.5 * (a + b));
     r.normal.push_back(outward_normal(m.mesh, edge));
+    r.label.push_back(label);
     density.push_back(rate[static_cast<std::size_t>(edge)] / (b - a).norm());
   }
   const Eigen::Index n = static_cast<Eigen::Index>(density.size());
@@ -144,11 +145,40 @@ double balancing_price(const Members& m, const BoundaryRate& rate, const SpeedLi
   return price;
 }
 
+/// Root mean square along what can move of (gain - price)/price without its short waves [theory: L.10]. What would grow
+/// out of the frame, and what would take from parts that stay solid, cannot move.
+double shape_residual(const SpeedOf& of, double price, double smoothing) {
+  const auto& [background, distance, rate, free_label] = of;
+  const Eigen::Index n = rate.density.size();
+  const double gain = std::sqrt(rate.density.cwiseAbs2().dot(rate.length) / rate.length.sum());
+  const double unit = price > 0 ? price : gain;  // without a price nothing but a vanishing gain is optimal
+  if (!(unit > 0)) return 0;
+  Eigen::VectorXd r(n);
+  std::vector<bool> blocked(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    r[i] = (-rate.density[i] - price) / unit;
+    const bool solid =
+        background.frozen.size() > 0 && value_at(background, background.frozen, rate.middle[k]) < 0.5 * background.size;
+    blocked[k] = r[i] > 0 ? rate.label[k] < free_label : solid;
+    if (blocked[k]) r[i] = 0;
+  }
+  const Eigen::VectorXd smooth = smooth_along(rate.curve, rate.length, smoothing, r);
+  double sum = 0, length = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
+    if (blocked[static_cast<std::size_t>(i)]) continue;
+    sum += rate.length[i] * (smooth[a] * smooth[a] + smooth[a] * smooth[b] + smooth[b] * smooth[b]) / 3;
+    length += rate.length[i];
+  }
+  return length > 0 ? std::sqrt(sum / length) : 0;
+}
+
 }  // namespace
 
 Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const ElasticProduct* elastic,
                      std::optional<double> multiplier) {
-  const auto& [background, distance, rate] = of;
+  const auto& [background, distance, rate, free_label] = of;
   const Eigen::Index n = rate.density.size();
   Speed s;
   s.on_background = Eigen::VectorXd::Zero(distance.size());
@@ -156,12 +186,7 @@ Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const Elastic
   const Members m = members_of(background, distance, rate, limits);
   s.multiplier = multiplier ? *multiplier : balancing_price(m, rate, limits);
   s.on_curve = speed_at(s.multiplier, m, limits);
-  s.optimality = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double size = std::abs(m.gain[i]) + std::abs(s.multiplier);
-    if (size > 0) s.optimality += rate.length[i] * std::abs(m.gain[i] - s.multiplier) / size;
-  }
-  s.optimality /= rate.length.sum();
+  s.optimality = shape_residual(of, s.multiplier, limits.smoothing);
   const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
   s.on_background =
       elastic ? elastic->extend(background, rate.curve, moved, distance) : extend(background, rate.curve.points, moved);

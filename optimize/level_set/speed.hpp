@@ -11,6 +11,7 @@ struct BoundaryRate {
   EdgeCurve curve;
   std::vector<Vec2> middle, normal;
   Eigen::VectorXd length, density;  // per edge of the curve
+  std::vector<Index> label;         // of the mesh, per edge
 };
 BoundaryRate boundary_rate(const Evaluated& e, std::span<const WeightedAnalysis> analyses);
 /// a + factor b of one design.
@@ -31,15 +32,17 @@ struct SpeedLimits {
 /// would overshoot. Where J falls with less material everywhere, the speed is the gradient itself.
 struct Speed {
   double multiplier = 0;          // per area
-  double optimality = 0;          // mean of |density + multiplier| / (|density| + |multiplier|) along the boundary
+  double optimality = 0;          // shape residual [theory: L.10]
   Eigen::VectorXd on_curve;       // per edge, before it is made smooth
   Eigen::VectorXd on_background;  // per vertex, smooth, constant along normals
 };
-/// The design whose boundary moves: its rate, and the signed distance to the boundary on the background mesh.
+/// The design whose boundary moves: its rate, and the signed distance to the boundary on the background mesh. Edges with
+/// labels below `free_label` lie on the frame and cannot grow.
 struct SpeedOf {
   const BackgroundMesh& background;
   const Eigen::VectorXd& distance;
   const BoundaryRate& rate;
+  Index free_label = 0;
 };
 /// `elastic`: the product that extends them; null: constant along normals. `multiplier` given: as it is. Otherwise such
 /// that the area does not change to first order.

@@ -376,7 +376,7 @@ Minimum Run::minimize(OptimizeMethod method) {
       continue;
     }
     if (!program_.gradients) {
-      found.reason = feasible() ? "converged as far as can be told without gradients: " + said : said;
+      found.reason = feasible() ? "without gradients nothing tells an optimum: " + said : said;
       found.converged = feasible() && code > 0;
       break;
     }
@@ -426,7 +426,7 @@ void Run::report(Minimum& found) {
       }
   }
   if (!found.feasible)
-    found.reason = fmt::format("infeasible, constraints are violated by {:.2g}: {}", found.violation, found.reason);
+    found.reason = fmt::format("constraints are violated by {:.2g}: {}", found.violation, found.reason);
 }
 
 }  // namespace

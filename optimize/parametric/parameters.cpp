@@ -1,6 +1,7 @@
 #include "kerf/optimize.hpp"
 
 #include "optimize/checkpoint.hpp"
+#include "optimize/loop/finish.hpp"
 #include "optimize/parametric/evaluations.hpp"
 
 #include <fmt/core.h>
@@ -371,14 +372,24 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
   result_.state_solves = state_solves_;
   result_.objective = row.objective;
   result_.volume_fraction = row.volume_fraction;
-  result_.optimality = found.kkt;
-  result_.feasible = found.feasible;
-  result_.converged = found.converged;
-  result_.stopped = found.reason;
   result_.variables = row.variables;
   DrawnBody body = body_of(request_.design, row.variables, problem_);
   result_.shape = std::move(body.shape);
   result_.scene = std::move(body.scene);
+  LoopEnd end{.row = row,
+              .residual = found.kkt,
+              .asked = request_.tolerance,
+              .kind = "KKT residual",
+              .why = found.reason,
+              .budget_used = found.asked_to_stop || left() < 1,
+              .allowed = feasibility,
+              .obstacle = found.converged || !std::isfinite(found.kkt) ? "" : found.reason};
+  if (!found.asked_to_stop) {
+    Problem judged = problem_;
+    judged.scene = result_.scene;
+    result_.finer = solve_finer(std::move(judged), request_, result_.shape, evaluations_.frame_area());
+  }
+  judge(result_, request_, end);
   return std::move(result_);
 }
 

@@ -40,8 +40,8 @@ OptimizeResult result() {
   r.objective = 70;
   r.volume_fraction = 0.4;
   r.optimality = 0.001;
-  r.converged = true;
-  r.stopped = "converged";
+  r.ending = Ending::Optimal;
+  r.stopped = "optimal: KKT residual 0.001";
   r.notes = {"restarted <once>"};
   for (int k = 0; k < 3; ++k) {
     Iteration row{.number = k, .objective = 100.0 / (k + 1), .merit = 100.0 / (k + 1), .volume_fraction = 1 - 0.3 * k};
@@ -114,7 +114,9 @@ TEST(History, GoesToJsonSummaryAndPage) {
   EXPECT_EQ(json["objective"], 70);
   EXPECT_EQ(json["volume_fraction"], 0.4);
   EXPECT_EQ(json["feasible"], true);
-  EXPECT_EQ(json["stopped"], "converged");
+  EXPECT_EQ(json["stopped"], "optimal: KKT residual 0.001");
+  EXPECT_EQ(json["ending"], "optimal");
+  EXPECT_EQ(json["converged"], true);
   EXPECT_EQ(json["start"]["objective"], 100);
   EXPECT_EQ(json["bounds"][1]["name"], "area, too");
   EXPECT_EQ(json["bounds"][0]["value"], 5);
@@ -130,7 +132,8 @@ TEST(History, GoesToJsonSummaryAndPage) {
   EXPECT_TRUE(json["identified"][1]["position_error"].is_null());
 
   const std::string words = summary(r);
-  EXPECT_NE(words.find("optimize    mma ended after 2 iterations and 5 state solves: converged\n"), std::string::npos)
+  EXPECT_NE(words.find("optimize    mma ended after 2 iterations and 5 state solves: optimal: KKT residual 0.001\n"),
+            std::string::npos)
       << words;
   EXPECT_NE(words.find("objective 70 from 100  volume fraction 0.4  optimality 0.001  2 holes"), std::string::npos);
   EXPECT_NE(words.find("peak 5  at most 3.5"), std::string::npos);
@@ -144,8 +147,9 @@ TEST(History, GoesToJsonSummaryAndPage) {
   EXPECT_LT(page.find("<h2>Optimization</h2>"), page.find("data:image/png"));
   EXPECT_LT(page.find("data:image/png"), page.find("<h2>Mesh</h2>"));
 
-  r.optimize->feasible = false;
-  EXPECT_NE(summary(r).find("the design is infeasible"), std::string::npos);
+  r.optimize->ending = Ending::Infeasible;
+  r.optimize->stopped = "infeasible: peak 5 > 3.5";
+  EXPECT_NE(summary(r).find("infeasible: peak 5 > 3.5"), std::string::npos);
 }
 
 TEST(Snapshots, ThereAreAFewAndTheFirstAndTheLastAreAmongThem) {

@@ -1,0 +1,36 @@
+#pragma once
+// The end of an optimization: the design judged by computations that the loop did not make, and the word for it.
+
+#include "optimize/loop/evaluate.hpp"
+
+namespace kerf {
+
+inline constexpr double feasible_violation = 1e-3;  // relative violation of a constraint that does not count
+
+/// Bounds and volume of a design on its mesh: the largest relative violation, 0 for none.
+double violation_of(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction);
+/// What they violate by more than `feasible_violation`, in words; empty for nothing.
+std::string violated(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction);
+
+/// The design on a mesh of half the size with one degree more, by the same loads and functionals. `p`: its scene and
+/// its functionals are those of the shape. `whole`: the area that volume fractions refer to. What cannot be meshed or
+/// solved comes back as `failure`.
+FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole);
+
+/// The design as its loop leaves it.
+struct LoopEnd {
+  const Iteration& row;   // of the history
+  double residual = nan;  // of the conditions of optimality
+  double asked = 0;       // the largest one that counts as optimal
+  std::string_view kind;  // of residual, in words: "shape residual", "KKT residual"
+  std::string why;        // the loop ended
+  bool budget_used = false;
+  double allowed = feasible_violation;  // of the constraints on the loop's own mesh
+  std::string obstacle;                 // what else speaks against "optimal", in words; empty: nothing
+  std::string evidence;                 // what else speaks for it
+};
+
+/// Fills feasible, ending, stopped and optimality of the result, which has the finer design.
+void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end);
+
+}  // namespace kerf
