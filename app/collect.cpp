@@ -90,25 +90,24 @@ ContactResultSummary contact_result(const State& state, ContactMethod method, co
   return r;
 }
 
-Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius) {
-  const Eigen::VectorXd& values = map.at_centroids;
-  for (const bool with_masked : {false, true}) {
-    Extrema e;
-    bool any = false;
-    for (Index t = 0; t < static_cast<Index>(values.size()); ++t) {
-      if (!std::isfinite(values[t]) || (!with_masked && map.masked_centroid[static_cast<std::size_t>(t)])) continue;
-      const Vec2 x = centroid(model.mesh, t);
-      bool near = false;
-      for (const Vec2& p : singular) near = near || (x - p).squaredNorm() < radius * radius;
-      if (near) continue;
-      if (!any || values[t] < e.min.value) e.min = {x, values[t]};
-      if (!any || values[t] > e.max.value) e.max = {x, values[t]};
-      any = true;
-    }
-    if (any) return e;
+namespace {
+
+/// Smallest and largest of the values at corners that are left out for no reason stronger than `most`.
+std::optional<std::array<PlacedValue, 2>> extrema(const PlotData& data, const Eigen::VectorXd& values,
+                                                  std::span<const LeftOut> left_out, LeftOut most) {
+  std::optional<std::array<PlacedValue, 2>> e;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!std::isfinite(values[i]) || left_out[k] > most) continue;
+    const PlacedValue here{data.points[k], values[i]};
+    if (!e) e = {here, here};
+    if (here.value < (*e)[0].value) (*e)[0] = here;
+    if (here.value > (*e)[1].value) (*e)[1] = here;
   }
-  return {{Vec2::Zero(), nan}, {Vec2::Zero(), nan}};
+  return e;
 }
+
+}  // namespace
 
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
   FunctionalResult r{j.kind, analysis.value};
@@ -118,15 +117,18 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
   return r;
 }
 
-MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent) {
+MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
+                     std::span<const LeftOut> left_out) {
   const Model& model = *analysis.model;
-  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind))};
-  const std::vector<Vec2> singular = singular_points(model);
-  constexpr double share = 0.02;  // of the body's extent
-  r.excluded_radius = singular.empty() ? 0 : share * extent;
-  const Extrema e = extrema(model, map, singular, r.excluded_radius);
-  r.min = e.min;
-  r.max = e.max;
+  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind)),
+              .min = {Vec2::Zero(), nan},
+              .max = {Vec2::Zero(), nan}};
+  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular})
+    if (const auto e = extrema(data, map.at_corners, left_out, most)) {
+      r.min = (*e)[0];
+      r.max = (*e)[1];
+      break;
+    }
   if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
   r.radius = task.request.radius;
   double masked = 0;

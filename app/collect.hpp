@@ -24,13 +24,8 @@ StateResult state_result(const Model& model, const State& state, const Indicator
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
 
-/// Smallest and largest value over the triangles that are not masked and whose centroid is at least `radius` from every
-/// singular point; over masked ones too where nothing else is left.
-struct Extrema {
-  PlacedValue min, max;
-};
-Extrema extrema(const Model& model, const FullMap& map, const std::vector<Vec2>& singular, double radius);
-
+/// What the extrema of a map leave out, per corner or triangle.
+enum class LeftOut : unsigned char { No, Masked, Singular };
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis);
 /// What is mapped: `points`: where it is asked for; none: everywhere.
 struct MapTask {
@@ -38,8 +33,10 @@ struct MapTask {
   const MapRequest& request;
   const std::vector<Vec2>& points;
 };
-/// `extent`: of the body.
-MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent);
+/// Of the corners whose values the files and the picture have. `left_out` is the measure of what min and max are over:
+/// the rest, or, where that is nothing, what is masked, too.
+MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
+                     std::span<const LeftOut> left_out);
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);

@@ -202,7 +202,8 @@ Picture stress_picture(const std::string& title, const Model& model, const PlotD
 }
 
 Picture map_picture(const std::string& title, const MapTask& task, const Model& model, const PlotData& data,
-                    const FullMap& map) {
+                    const Mapped& mapped) {
+  const FullMap& map = mapped.full;
   Picture p{.title = title, .subtitle = map_words(task)};
   p.points = data.points;
   p.triangles = data.corners.of;
@@ -220,11 +221,11 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
       positive = positive || values.maxCoeff() > 0;
     }
   }
-  if (gray)
-    p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
+  if (gray) p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
   p.value_label = has_series(task.request.perturbation) ? "topological derivative T" : "predicted change of J";
   p.scale = negative && positive ? Scale::Diverging : Scale::Linear;
-  p.clip = 0.02;  // the map is infinite at tips
+  p.clip = 0;
+  p.range = {mapped.result.min.value, mapped.result.max.value};  // it may be infinite at tips
   add_lines(model.mesh, data.corners, p.points, p);
   for (std::size_t i = 0; i < task.points.size() && i < 20; ++i)
     p.marks.emplace_back(task.points[i], std::to_string(i + 1));

@@ -1,7 +1,7 @@
 #pragma once
 // The pictures of a run.
 
-#include "app/collect.hpp"
+#include "app/map.hpp"
 #include "plot/picture.hpp"
 
 namespace kerf {
@@ -9,7 +9,7 @@ namespace kerf {
 Picture mesh_picture(const std::string& title, const Mesh& mesh);
 Picture stress_picture(const std::string& title, const Model& model, const PlotData& data);
 Picture map_picture(const std::string& title, const MapTask& task, const Model& model, const PlotData& data,
-                    const FullMap& map);
+                    const Mapped& mapped);
 
 /// The body in one color with its supports, and the loads of the scene and of the further load cases as arrows.
 /// `size`: extent of the body.

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double degree = pi / 180;
 
-Eigen::RowVectorXd flags(const std::vector<bool>& values) {
+/// 0: counts for the extrema; 1: masked; 2: near a singular point.
+Eigen::RowVectorXd flags(std::span<const LeftOut> values) {
   Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));
-  for (Eigen::Index i = 0; i < row.size(); ++i) row[i] = values[static_cast<std::size_t>(i)] ? 1 : 0;
+  for (Eigen::Index i = 0; i < row.size(); ++i) row[i] = static_cast<double>(values[static_cast<std::size_t>(i)]);
   return row;
 }
 
@@ -36,11 +37,12 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
 }
 
 /// Fields at the corners and at the centroids.
-void write_map_vtu(const std::filesystem::path& path, const FullMap& map, const PlotData& data) {
+void write_map_vtu(const std::filesystem::path& path, const Mapped& mapped, const PlotData& data) {
+  const FullMap& map = mapped.full;
   std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
                                  {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
-                                 {"mask", false, flags(map.masked_corner)},
-                                 {"mask_at_centroid", true, flags(map.masked_centroid)}};
+                                 {"mask", false, flags(mapped.left_out_corner)},
+                                 {"mask_at_centroid", true, flags(mapped.left_out_centroid)}};
   if (map.lower.size() > 0) {
     fields.push_back({"lower", false, map.lower.transpose()});
     fields.push_back({"upper", false, map.upper.transpose()});
@@ -103,18 +105,19 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
 
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
-  if (journal.vtk) write_map_vtu(journal.file("map.vtu"), map.full, data);
+  if (journal.vtk) write_map_vtu(journal.file("map.vtu"), map, data);
   const bool bounds = task.request.bounds, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});
   if (oriented) columns.push_back("angle_deg");
   columns.push_back("masked");
   std::vector<std::vector<double>> rows;
-  for (const MapPoint& p : map.result.points.empty() ? at_corners(mesh, data, map.full) : map.result.points) {
+  const bool everywhere = map.result.points.empty();
+  for (const MapPoint& p : everywhere ? at_corners(mesh, data, map.full) : map.result.points) {
     std::vector<double> row = {p.at.x(), p.at.y(), p.value};
     if (bounds) row.insert(row.end(), {p.lower.value_or(nan), p.upper.value_or(nan)});
     if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : nan);
-    row.push_back(p.masked ? 1 : 0);
+    row.push_back(everywhere ? static_cast<double>(map.left_out_corner[rows.size()]) : p.masked ? 1 : 0);
     rows.push_back(std::move(row));
   }
   write_csv(journal.file("map.csv"), columns, rows);

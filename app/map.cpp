@@ -2,6 +2,7 @@
 
 #include "app/draw.hpp"
 #include "app/files.hpp"
+#include "app/peaks.hpp"
 #include "topo/analysis.hpp"
 
 #include <fmt/core.h>
@@ -52,7 +53,17 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
   if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
   Mapped map{.full = map_everywhere(analysis, task.functional, task.request, data.corners)};
-  map.result = map_result(task, analysis, map.full, extent(shape));
+  const Model& model = *analysis.model;
+  const SingularZones zones = singular_zones(model, extent(shape));
+  const auto left_out = [&](const Vec2& x, bool masked) {
+    return zones.hold(x) ? LeftOut::Singular : masked ? LeftOut::Masked : LeftOut::No;
+  };
+  for (std::size_t i = 0; i < data.points.size(); ++i)
+    map.left_out_corner.push_back(left_out(data.points[i], map.full.masked_corner[i]));
+  for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t)
+    map.left_out_centroid.push_back(left_out(centroid(model.mesh, static_cast<Index>(t)), map.full.masked_centroid[t]));
+  map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
+  map.result.excluded_radius = zones.radius;
   return map;
 }
 
@@ -67,7 +78,7 @@ void write_map(const MapTask& task, const Mapped& map, const Model& model, const
   journal.begin("write the map");
   write_map_files(journal, task, map, model.mesh, data);
   journal.picture("map.png", "Topological derivative",
-                  [&] { return map_picture(journal.title, task, model, data, map.full); });
+                  [&] { return map_picture(journal.title, task, model, data, map); });
   journal.seconds.output += journal.lap();
 }
 

@@ -16,6 +16,7 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
 struct Mapped {
   FullMap full;
   MapResult result;
+  std::vector<LeftOut> left_out_corner, left_out_centroid;
 };
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape);
 

@@ -22,6 +22,14 @@ struct PlacedValue {
   double value = 0;
 };
 
+/// A largest value. `singular`: it lies so near a tip, a kink, a corner or the end of a support that a finer mesh would
+/// make it larger; `regular` is then the largest one elsewhere, if there is any.
+struct Peak {
+  PlacedValue largest;
+  bool singular = false;
+  std::optional<PlacedValue> regular = {};
+};
+
 /// Along a crack, in path order: n points to the left of the path, jump = left face minus right face.
 struct CrackRow {
   double s;  // arc length from the start of the path
@@ -50,7 +58,8 @@ struct CrackResult {
   };
   std::vector<Transition> transitions;
   std::vector<TipResult> tips;
-  std::vector<CrackRow> rows;  // to crack_<name>.csv and .vtp, not to result.json
+  std::optional<Peak> pressure = {};  // absent without contact pressure
+  std::vector<CrackRow> rows;         // to crack_<name>.csv and .vtp, not to result.json
 };
 
 struct StateResult {
@@ -61,6 +70,7 @@ struct StateResult {
   std::optional<double> estimated_error;               // absent: null
   std::optional<std::array<double, 2>> energy_bounds;  // absent: null
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
+  std::optional<Peak> von_mises = {}, displacement = {};
 };
 
 struct AdaptResult {

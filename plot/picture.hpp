@@ -24,11 +24,12 @@ struct Picture {
   Eigen::Matrix3Xd margin;                      // like `values`: gray where it is negative; no columns: nowhere
   std::string value_label;                      // beside the color bar
   Scale scale = Scale::Linear;
-  double clip = 0.005;                        // share of the area whose values may lie beyond each end of the color bar
-  bool edges = false;                         // draw the edges of the triangles
-  std::vector<std::vector<Vec2>> outlines;    // thin dark lines: boundary
-  std::vector<std::vector<Vec2>> interfaces;  // thin colored lines: between materials
-  std::vector<std::vector<Vec2>> cracks;      // strong lines; one per face when displaced
+  double clip = 0.005;  // share of the area whose values may lie beyond each end of the color bar
+  std::optional<std::array<double, 2>> range = {};  // values beyond it do not lengthen the color bar
+  bool edges = false;                               // draw the edges of the triangles
+  std::vector<std::vector<Vec2>> outlines;          // thin dark lines: boundary
+  std::vector<std::vector<Vec2>> interfaces;        // thin colored lines: between materials
+  std::vector<std::vector<Vec2>> cracks;            // strong lines; one per face when displaced
   std::vector<std::pair<Vec2, std::string>> marks;  // small labeled crosses
 
   // Of a drawing of the body without values.

@@ -83,10 +83,19 @@ std::string at(const Vec2& p) {
   return fmt::format("at ({}, {})", six(p.x()), six(p.y()));
 }
 
+/// "name 5.1 at (0, 1)"; of a singular one what a finer mesh does not change comes first.
+std::vector<std::string> in_words(const std::string& name, const Peak& peak) {
+  const auto placed = [](const PlacedValue& v) { return six(v.value) + ' ' + at(v.at); };
+  if (!peak.singular) return {name + ' ' + placed(peak.largest)};
+  std::vector<std::string> items;
+  if (peak.regular) items.push_back(name + ' ' + placed(*peak.regular));
+  items.push_back((peak.regular ? "singular " : name + ", singular: ") + placed(peak.largest));
+  return items;
+}
+
 void add_crack(std::string& out, const CrackResult& crack) {
-  add(out, "crack",
-      {clean_text(crack.name), item("length", crack.length), item("max opening", crack.max_opening),
-       item("max pressure", crack.max_pressure)});
+  add(out, "crack", {clean_text(crack.name), item("length", crack.length), item("max opening", crack.max_opening)});
+  if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure));
   for (const auto& t : crack.transitions)
     add(out, "", {clean_text(t.from) + " -> " + clean_text(t.to) + ' ' + at(t.at)});
   for (const TipResult& tip : crack.tips) {
@@ -209,6 +218,8 @@ std::string summary(const Result& result) {
         {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
          fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
     add(out, "", {item("energy", s.energy), item("compliance", s.compliance), item("area", s.area)});
+    if (s.von_mises) add(out, "", in_words("max von Mises stress", *s.von_mises));
+    if (s.displacement) add(out, "", in_words("max displacement", *s.displacement));
     if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
     if (s.energy_bounds) {
       add(out, "", {fmt::format("energy in [{}, {}]", six((*s.energy_bounds)[0]), six((*s.energy_bounds)[1]))});

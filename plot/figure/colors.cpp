@@ -138,21 +138,27 @@ const Colors& colors(Scale scale) {
 Limits limits(const Picture& picture) {
   std::vector<Weighted> all;
   all.reserve(static_cast<std::size_t>(picture.values.size()));
-  double total = 0;
+  double total = 0, least = infinity, most = -infinity;
   for (Eigen::Index t = 0; t < picture.values.cols(); ++t) {
     const auto& corner = picture.triangles[static_cast<std::size_t>(t)];
     const Vec2 a = picture.points[static_cast<std::size_t>(corner[0])];
     const double area = 0.5 * std::abs(cross(picture.points[static_cast<std::size_t>(corner[1])] - a,
                                              picture.points[static_cast<std::size_t>(corner[2])] - a));
     if (!picture.values.col(t).allFinite() || !std::isfinite(area)) continue;
-    for (int k = 0; k < 3; ++k) all.push_back({picture.values(k, t), area});
-    total += 3 * area;
+    for (int k = 0; k < 3; ++k) {
+      const double value = picture.values(k, t);
+      least = std::min(least, value);
+      most = std::max(most, value);
+      if (picture.range && !(value >= (*picture.range)[0] && value <= (*picture.range)[1])) continue;
+      all.push_back({value, area});
+      total += area;
+    }
   }
   if (all.empty()) return picture.scale == Scale::Linear ? Limits{0, 1, 0, 0} : Limits{-1, 1, 0, 0};
-  const auto [least, most] =
+  const auto [first, last] =
       std::minmax_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
-  const double low = least->value, high = most->value;
-  Limits out{low, high, low, high};
+  const double low = first->value, high = last->value;
+  Limits out{low, high, least, most};
   const double share = std::clamp(picture.clip, 0.0, 0.49) * total;
   out.low = quantile(all, share);
   for (Weighted& w : all) w.value = -w.value;

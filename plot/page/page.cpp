@@ -113,6 +113,14 @@ std::string key_numbers(const Result& result) {
   return fmt::format("<div class=\"key\">\n{}</div>\n", out);
 }
 
+/// What a finer mesh does not change first.
+void add_peak(Facts& facts, const std::string& name, const Peak& peak) {
+  const auto placed = [](const PlacedValue& v) { return pretty(v.value) + " at " + at(v.at); };
+  if (!peak.singular) return facts.add(name, placed(peak.largest));
+  facts.add(name, peak.regular ? placed(*peak.regular) : "only near singular points");
+  facts.add(name + ", singular", placed(peak.largest) + " (larger on finer meshes)");
+}
+
 std::string mesh_and_state(const Result& result) {
   std::string out;
   if (result.triangles > 0) {
@@ -140,6 +148,8 @@ std::string mesh_and_state(const Result& result) {
     facts.add("energy", pretty(s.energy));
     facts.add("compliance", pretty(s.compliance));
     facts.add("area", pretty(s.area));
+    if (s.von_mises) add_peak(facts, "largest von Mises stress", *s.von_mises);
+    if (s.displacement) add_peak(facts, "largest displacement", *s.displacement);
     if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
     if (s.energy_bounds)
       facts.add("energy between", pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
@@ -157,7 +167,10 @@ std::string crack_section(const CrackResult& crack) {
   Facts facts;
   facts.add("length", pretty(crack.length));
   facts.add("largest opening", pretty(crack.max_opening));
-  facts.add("largest pressure", pretty(crack.max_pressure));
+  if (crack.pressure)
+    add_peak(facts, "largest pressure", *crack.pressure);
+  else
+    facts.add("largest pressure", pretty(crack.max_pressure));
   std::string out = fmt::format("<h3>Crack {}</h3>\n", escape_html(crack.name)) + facts.table();
   std::vector<std::vector<std::string>> rows;
   for (const auto& t : crack.transitions) rows.push_back({at(t.at), escape_html(t.from), escape_html(t.to)});

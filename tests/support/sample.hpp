@@ -108,6 +108,7 @@ inline Result full_result() {
   crack.length = 2;
   crack.max_opening = 0.25;
   crack.max_pressure = 0.5;
+  crack.pressure = Peak{{{-1, 0}, 0.5}, true, PlacedValue{{-0.5, 0}, 0.375}};
   crack.transitions = {{{-1.0 / 3, 0}, "closed", "open"}};
   crack.tips = {{{-1, 0}, std::nullopt, std::nullopt, std::nullopt},
                 {{1, 0}, 1.25, -0.5, 1.8, -0.75, {{0.001, 0.002, 0.003}}}};

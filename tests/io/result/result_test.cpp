@@ -36,7 +36,8 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["contact"]),
             (Keys{"method", "iterations", "linear_solves", "kkt", "open_length", "closed_length", "biactive_length"}));
   ASSERT_EQ(j["cracks"].size(), 1u);
-  EXPECT_EQ(keys(j["cracks"][0]), (Keys{"name", "length", "max_opening", "max_pressure", "transitions", "tips"}));
+  EXPECT_EQ(keys(j["cracks"][0]),
+            (Keys{"name", "length", "max_opening", "max_pressure", "transitions", "tips", "pressure_peak"}));
   EXPECT_EQ(keys(j["cracks"][0]["transitions"][0]), (Keys{"at", "from", "to"}));
   EXPECT_EQ(keys(j["cracks"][0]["tips"][0]), (Keys{"at", "K_I", "K_II", "G", "T", "spread"}));
   EXPECT_EQ(keys(j["functional"]), (Keys{"kind", "value"}));
@@ -70,6 +71,8 @@ TEST(ResultJson, ValuesReadBackToTheSameBits) {
   EXPECT_EQ(j["contact"]["linear_solves"], 3);
   EXPECT_EQ(j["cracks"][0]["transitions"][0]["at"][0].get<double>(), -1.0 / 3);
   EXPECT_EQ(j["cracks"][0]["transitions"][0]["from"], "closed");
+  EXPECT_EQ(j["cracks"][0]["pressure_peak"], Json::parse(R"({"at": [-1.0, 0.0], "value": 0.5, "singular": true,
+                            "regular": {"at": [-0.5, 0.0], "value": 0.375}})"));
   EXPECT_TRUE(j["cracks"][0]["tips"][0]["K_I"].is_null());
   EXPECT_TRUE(j["cracks"][0]["tips"][0]["T"].is_null());
   EXPECT_TRUE(j["cracks"][0]["tips"][0]["spread"].is_null());

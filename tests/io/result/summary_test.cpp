@@ -41,7 +41,7 @@ TEST(Summary, FullRun) {
                            "open 1.3",
                            "closed 0.7",
                            "max opening 0.25",
-                           "max pressure 0.5",
+                           "max pressure 0.375 at (-0.5, 0)  singular 0.5 at (-1, 0)",
                            "closed -> open at (-0.333333, 0)",
                            "tip at (1, 0)  K_I 1.25  K_II -0.5  G 1.8  T -0.75",
                            "min -3 at (0.5, 0.25)",

@@ -1,0 +1,97 @@
+#include "app/peaks.hpp"
+
+#include "solver/recovery.hpp"
+#include "solver/stress.hpp"
+#include "solver/system.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// The larger principal strain, without its sign, at the corners.
+Eigen::VectorXd strains(const Model& model, const PlotData& data) {
+  const std::vector<Material> materials = corner_materials(model, data.corners);
+  Eigen::VectorXd out(data.values.stress.cols());
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const Eigen::Vector3d s = symmetric_part(data.values.stress.col(i));
+    const Eigen::Vector4d g =
+        displacement_gradient(materials[static_cast<std::size_t>(i)], {s[0], s[2], s[2], s[1]}, 0);
+    out[i] = 0.5 * (std::abs(g[0] + g[3]) + std::hypot(g[0] - g[3], g[1] + g[2]));
+  }
+  return out;
+}
+
+std::string in_words(const Vec2& x) {
+  return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
+}
+
+}  // namespace
+
+bool SingularZones::hold(const Vec2& x) const {
+  return std::any_of(points.begin(), points.end(),
+                     [&](const Vec2& p) { return (x - p).squaredNorm() < radius * radius; });
+}
+
+SingularZones singular_zones(const Model& model, double extent) {
+  constexpr double share = 0.02;
+  SingularZones zones{.points = singular_points(model)};
+  if (!zones.points.empty()) zones.radius = share * extent;
+  return zones;
+}
+
+std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& values, const SingularZones& zones) {
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) order.push_back(i);
+  if (order.empty()) return std::nullopt;
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return values[a] > values[b]; });
+  const auto placed = [&](Eigen::Index i) { return PlacedValue{points[static_cast<std::size_t>(i)], values[i]}; };
+  Peak p{.largest = placed(order.front())};
+  p.singular = zones.hold(p.largest.at);
+  if (!p.singular) return p;
+  for (const Eigen::Index i : order)
+    if (!zones.hold(points[static_cast<std::size_t>(i)])) {
+      p.regular = placed(i);
+      break;
+    }
+  return p;
+}
+
+void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
+               std::vector<CrackResult>& cracks) {
+  const SingularZones zones = singular_zones(model, extent);
+  state.von_mises = peak(data.points, data.von_mises, zones);
+  state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
+  for (CrackResult& crack : cracks) {
+    std::vector<Vec2> at;
+    Eigen::VectorXd pressure(static_cast<Eigen::Index>(crack.rows.size()));
+    for (const CrackRow& row : crack.rows) {
+      pressure[static_cast<Eigen::Index>(at.size())] = -row.sigma_n;
+      at.push_back(row.at);
+    }
+    if (crack.max_pressure > 0) crack.pressure = peak(at, pressure, zones);
+  }
+  const std::optional<Peak> strain = peak(data.points, strains(model, data), zones);
+  constexpr double small_strain = 0.05, small_displacement = 0.1;
+  if (strain) {
+    const std::optional<PlacedValue> regular = strain->singular ? strain->regular : std::optional(strain->largest);
+    if (regular && regular->value > small_strain)
+      state.notes.push_back(
+          fmt::format("strains reach {:.2g} at {}: linear elasticity is about small ones (below {:g}); "
+                      "check the units of young and of the loads, or read the results per load",
+                      regular->value, in_words(regular->at), small_strain));
+  }
+  if (state.displacement && state.displacement->largest.value > small_displacement * extent)
+    state.notes.push_back(fmt::format(
+        "displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
+        "about small ones (below {:g})",
+        state.displacement->largest.value / extent, in_words(state.displacement->largest.at), small_displacement));
+}
+
+}  // namespace kerf
