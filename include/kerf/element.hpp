@@ -38,7 +38,7 @@ struct Element {
   int rotation = 1;
   int trace = 1;
   AtVertices at_vertices = AtVertices::Nothing;
-  double efficiency = 1;  // measured: error indicator over stress error, the middle of its range
+  double efficiency = 1;  // error indicator over stress error where the body itself does not tell
 };
 
 /// BDM_k rows with curl(b P_(k-1)) and discontinuous rotation in P_k [Stenberg 1988; Belhachmi 2008 for k = 1]. The

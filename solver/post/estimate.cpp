@@ -1,6 +1,7 @@
 #include "kerf/adaptive.hpp"
 #include "solver/recovery.hpp"
 
+#include "solver/post/calibrate.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
@@ -203,7 +204,7 @@ struct EdgeResiduals {
 
 }  // namespace
 
-Indicator error_indicator(const Model& m, const Field& s) {
+Indicator error_indicator(const Model& m, const State& s) {
   if (!can_estimate_error(m.element))  // their gradients are compatible, what they lack is equilibrium
     return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -228,7 +229,7 @@ Indicator error_indicator(const Model& m, const Field& s) {
     total += square;
     stress += own[t].stress;
   }
-  if (stress > 0) result.relative = std::sqrt(total / stress) / m.element.efficiency;
+  if (stress > 0) result.relative = std::sqrt(total / stress) / efficiency(m, s, result.eta);
   return result;
 }
 
