@@ -3,6 +3,7 @@
 
 #include "geometry/mesher/lattice.hpp"
 #include "geometry/mesher/smooth.hpp"
+#include "geometry/mesher/tips.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
@@ -412,24 +413,105 @@ SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& siz
   return field;
 }
 
+/// A drawing meshed and smoothed; and its edges that mean something, those of patches last.
+struct Meshed {
+  Mesh mesh;
+  std::vector<Marked> marked;
+};
+
+/// `names`: whose words errors are in.
+Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+  // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
+  for (int finer = 1;; finer *= 2) {
+    const Pieces pieces = split_to_size(drawing, field, finer);
+    const auto problem = find_crossing(names, drawing, pieces, {0, 0}, false);
+    if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
+    if (problem) continue;
+    Rough rough = mesh_of(names, drawing, pieces, field, min_angle_deg);
+    if (!place_on_arcs(rough) && finer < 16) continue;
+    Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
+    mesh.region = regions(mesh, rough.interfaces);
+    Smoothed smoothed = smooth(mesh, min_angle_deg, sweeps);
+    mesh = connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
+    return {std::move(mesh), std::move(rough.marked)};
+  }
+}
+
+Patch make_patch(const PatchKind& kind, double min_angle_deg) {
+  const Shape half = half_disc(kind);
+  const Vec2 margin = 0.1 * Vec2::Ones(), corner(kind.radius, kind.radius);
+  const SizeField field = size_field({{Vec2::Zero(), Vec2::Zero(), 1}}, 1 + kind.grading * kind.radius, kind.grading,
+                                     -corner - margin, corner + margin);
+  return mirrored(mesh_drawing(half, draw(half), field, min_angle_deg).mesh);
+}
+
+std::vector<Patch> patches_for(const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+  std::vector<std::pair<PatchKind, Patch>> made;
+  std::vector<Patch> patches;
+  for (const PatchPlace& place : place_patches(drawing, field)) {
+    const auto known = std::ranges::find(made, place.kind, &std::pair<PatchKind, Patch>::first);
+    const Patch& patch =
+        known != made.end() ? known->second
+                            : made.emplace_back(place.kind, make_patch(place.kind, min_angle_deg)).second;
+    patches.push_back(put(patch, drawing, place));
+  }
+  return patches;
+}
+
+/// The patches in their holes.
+Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
+  Mesh& mesh = outside.mesh;
+  std::size_t sides = 0;
+  for (const Patch& patch : patches) sides += std::size_t(patch.boundary);
+  std::vector<Marked> marked(outside.marked.begin(), outside.marked.end() - Index(sides)), before, after;
+  auto side = outside.marked.end() - Index(sides);
+  std::vector<Index> region = mesh.region;
+  std::map<std::pair<Index, Index>, Index> beyond;  // the triangles that the patches touch
+  if (!region.empty())
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (mesh.sides[e][0] == none || mesh.sides[e][1] == none)
+        beyond[{mesh.edges[e][0], mesh.edges[e][1]}] = std::max(mesh.sides[e][0], mesh.sides[e][1]);
+  for (const Patch& patch : patches) {
+    std::vector<Index> number;
+    if (!region.empty()) {
+      const Index t = beyond.at(std::minmax(side->a, side->b));
+      region.insert(region.end(), patch.triangles.size(), region[std::size_t(t)]);
+    }
+    for (Index i = 0; i < patch.boundary; ++i, ++side) number.push_back(side->a);
+    for (std::size_t i = std::size_t(patch.boundary); i < patch.points.size(); ++i) {
+      number.push_back(Index(mesh.points.size()));
+      mesh.points.push_back(patch.points[i]);
+    }
+    for (const auto& [a, b, c] : patch.triangles)
+      mesh.triangles.push_back({number[std::size_t(a)], number[std::size_t(b)], number[std::size_t(c)]});
+    const Index crack = patch.tip.crack;
+    std::vector<Marked> edges;
+    for (std::size_t i = 0; i + 1 < patch.crack.size(); ++i) {
+      const Index near = number[std::size_t(patch.crack[i])], far = number[std::size_t(patch.crack[i + 1])];
+      edges.push_back(patch.tip.at_start ? Marked{near, far, none, crack} : Marked{far, near, none, crack});
+    }
+    if (patch.tip.at_start)
+      before.insert(before.end(), edges.begin(), edges.end());
+    else
+      after.insert(after.end(), edges.rbegin(), edges.rend());
+  }
+  before.insert(before.end(), marked.begin(), marked.end());
+  before.insert(before.end(), after.begin(), after.end());
+  return connect(std::move(mesh.points), std::move(mesh.triangles), before, std::move(region));
+}
+
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
   if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   const SizeField field = field_of(shape, drawing, sizing, background);
-  // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
-  for (int finer = 1;; finer *= 2) {
-    const Pieces pieces = split_to_size(drawing, field, finer);
-    const auto problem = find_crossing(shape, drawing, pieces, {0, 0}, false);
-    if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
-    if (problem) continue;
-    Rough rough = mesh_of(shape, drawing, pieces, field, sizing.min_angle_deg);
-    if (!place_on_arcs(rough) && finer < 16) continue;
-    Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
-    mesh.region = regions(mesh, rough.interfaces);
-    Smoothed smoothed = smooth(mesh, sizing.min_angle_deg, sweeps);
-    return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
-  }
+  if (!sizing.mirrored_tips) return mesh_drawing(shape, drawing, field, sizing.min_angle_deg).mesh;
+  const std::vector<Patch> patches = patches_for(drawing, field, sizing.min_angle_deg);
+  Shape names = shape;
+  for (const Patch& patch : patches)
+    names.holes.push_back({fmt::format("around a tip of {}", name(shape, drawing.strands[patch.tip.strand])), {}});
+  const Drawing around = without(drawing, patches, Index(shape.holes.size()) + 1);
+  return fill(mesh_drawing(names, around, field, sizing.min_angle_deg), patches);
 }
 
 }  // namespace

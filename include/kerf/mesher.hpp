@@ -13,6 +13,8 @@ struct Sizing {
   double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
   double min_angle_deg = 25;  // wherever the input angles allow it
   double across = 2;          // edges across narrow gaps between sides
+  bool mirrored_tips = false;  // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
+                               // friction needs [theory: F.8]
 };
 
 /// Target edge lengths for a further mesh of the same shape, at the vertices of an earlier one: linear in its
