@@ -450,9 +450,9 @@ std::vector<Patch> patches_for(const Drawing& drawing, const SizeField& field, d
   std::vector<Patch> patches;
   for (const PatchPlace& place : place_patches(drawing, field)) {
     const auto known = std::ranges::find(made, place.kind, &std::pair<PatchKind, Patch>::first);
-    const Patch& patch =
-        known != made.end() ? known->second
-                            : made.emplace_back(place.kind, make_patch(place.kind, min_angle_deg)).second;
+    const Patch& patch = known != made.end()
+                             ? known->second
+                             : made.emplace_back(place.kind, make_patch(place.kind, min_angle_deg)).second;
     patches.push_back(put(patch, drawing, place));
   }
   return patches;

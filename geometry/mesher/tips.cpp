@@ -71,7 +71,8 @@ Shape half_disc(const PatchKind& kind) {
   const double r = kind.radius;
   Side left{.start = {-r, 0}, .label = 0}, right{.start = {0, 0}, .label = 0},
       rim{.start = {r, 0}, .label = 1, .arc = Arc{Vec2::Zero(), r * Mat2::Identity(), 0, pi}};
-  return {.outline = {"patch", {left, right, rim}}, .holes = {}, .cracks = {}, .labels = {"crack", "rim"}, .regions = {}};
+  return {
+      .outline = {"patch", {left, right, rim}}, .holes = {}, .cracks = {}, .labels = {"crack", "rim"}, .regions = {}};
 }
 
 Patch mirrored(const Mesh& half) {
@@ -108,9 +109,8 @@ Patch mirrored(const Mesh& half) {
   }
   for (std::size_t v = 0; v < n; ++v)
     if (on_axis[v] && half.points[v].x() <= 0) patch.crack.push_back(upper[v]);
-  std::sort(patch.crack.begin(), patch.crack.end(), [&](Index a, Index b) {
-    return patch.points[std::size_t(a)].x() > patch.points[std::size_t(b)].x();
-  });
+  std::sort(patch.crack.begin(), patch.crack.end(),
+            [&](Index a, Index b) { return patch.points[std::size_t(a)].x() > patch.points[std::size_t(b)].x(); });
   return patch;
 }
 
@@ -123,8 +123,9 @@ std::vector<PatchPlace> place_patches(const Drawing& drawing, const SizeField& f
     for (; radius >= least_radius; radius -= 0.5) {
       double around = infinity;
       for (int i = 0; i < 16; ++i)
-        around = std::min(around, size_at(field, beside_crack(drawing, tip, radius * size *
-                                                              Vec2(std::cos(pi * i / 8), std::sin(pi * i / 8)))));
+        around = std::min(
+            around, size_at(field, beside_crack(drawing, tip,
+                                                radius * size * Vec2(std::cos(pi * i / 8), std::sin(pi * i / 8)))));
       // In steps, so that tips share their patches.
       const double grading = std::floor(20 * (around / size - 1) / radius + 1e-6) / 20;
       if (grading < 0) continue;

@@ -10,9 +10,9 @@ struct Sizing {
   double size = 0;  // target edge length; 0: extent / 40
   double crack_tip_size =
       0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
-  double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
-  double min_angle_deg = 25;  // wherever the input angles allow it
-  double across = 2;          // edges across narrow gaps between sides
+  double grading = 0.25;       // growth of the target length per length away from tips, corners and small holes
+  double min_angle_deg = 25;   // wherever the input angles allow it
+  double across = 2;           // edges across narrow gaps between sides
   bool mirrored_tips = false;  // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
                                // friction needs [theory: F.8]
 };
