@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 namespace kerf {
@@ -445,38 +446,35 @@ Patch make_patch(const PatchKind& kind, double min_angle_deg) {
   return mirrored(mesh_drawing(half, draw(half), field, min_angle_deg).mesh);
 }
 
-std::vector<Patch> patches_for(const Drawing& drawing, const SizeField& field, double min_angle_deg) {
-  std::vector<std::pair<PatchKind, Patch>> made;
-  std::vector<Patch> patches;
-  for (const PatchPlace& place : place_patches(drawing, field)) {
-    const auto known = std::ranges::find(made, place.kind, &std::pair<PatchKind, Patch>::first);
-    const Patch& patch = known != made.end()
-                             ? known->second
-                             : made.emplace_back(place.kind, make_patch(place.kind, min_angle_deg)).second;
-    patches.push_back(put(patch, drawing, place));
+/// Made once per kind.
+struct Patches {
+  double min_angle_deg;
+  std::vector<std::pair<PatchKind, Patch>> made = {};
+
+  const Patch& of(const PatchKind& kind) {
+    const auto known = std::ranges::find(made, kind, &std::pair<PatchKind, Patch>::first);
+    return known != made.end() ? known->second : made.emplace_back(kind, make_patch(kind, min_angle_deg)).second;
   }
-  return patches;
-}
+};
 
 /// The patches in their holes.
 Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
   Mesh& mesh = outside.mesh;
   std::size_t sides = 0;
   for (const Patch& patch : patches) sides += std::size_t(patch.boundary);
-  std::vector<Marked> marked(outside.marked.begin(), outside.marked.end() - Index(sides)), before, after;
   auto side = outside.marked.end() - Index(sides);
+  std::vector<Marked> body(outside.marked.begin(), side), marked, at_ends;  // along each crack from start to end
   std::vector<Index> region = mesh.region;
-  std::map<std::pair<Index, Index>, Index> beyond;  // the triangles that the patches touch
+  std::map<std::pair<Index, Index>, Index> beside;  // the triangles that the patches touch
   if (!region.empty())
     for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-      if (mesh.sides[e][0] == none || mesh.sides[e][1] == none)
-        beyond[{mesh.edges[e][0], mesh.edges[e][1]}] = std::max(mesh.sides[e][0], mesh.sides[e][1]);
+      if (const auto& [left, right] = mesh.sides[e]; left == none || right == none)
+        beside[{mesh.edges[e][0], mesh.edges[e][1]}] = std::max(left, right);
   for (const Patch& patch : patches) {
+    if (!region.empty())
+      region.insert(region.end(), patch.triangles.size(),
+                    region[std::size_t(beside.at(std::minmax(side->a, side->b)))]);
     std::vector<Index> number;
-    if (!region.empty()) {
-      const Index t = beyond.at(std::minmax(side->a, side->b));
-      region.insert(region.end(), patch.triangles.size(), region[std::size_t(t)]);
-    }
     for (Index i = 0; i < patch.boundary; ++i, ++side) number.push_back(side->a);
     for (std::size_t i = std::size_t(patch.boundary); i < patch.points.size(); ++i) {
       number.push_back(Index(mesh.points.size()));
@@ -484,20 +482,67 @@ Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
     }
     for (const auto& [a, b, c] : patch.triangles)
       mesh.triangles.push_back({number[std::size_t(a)], number[std::size_t(b)], number[std::size_t(c)]});
-    const Index crack = patch.tip.crack;
     std::vector<Marked> edges;
-    for (std::size_t i = 0; i + 1 < patch.crack.size(); ++i) {
-      const Index near = number[std::size_t(patch.crack[i])], far = number[std::size_t(patch.crack[i + 1])];
-      edges.push_back(patch.tip.at_start ? Marked{near, far, none, crack} : Marked{far, near, none, crack});
+    for (std::size_t i = 0; i + 1 < patch.crack.size(); ++i)
+      edges.push_back(
+          {number[std::size_t(patch.crack[i])], number[std::size_t(patch.crack[i + 1])], none, patch.tip.crack});
+    if (patch.tip.at_start) {
+      marked.insert(marked.end(), edges.begin(), edges.end());
+    } else {
+      for (Marked& e : edges) std::swap(e.a, e.b);
+      at_ends.insert(at_ends.end(), edges.rbegin(), edges.rend());
     }
-    if (patch.tip.at_start)
-      before.insert(before.end(), edges.begin(), edges.end());
-    else
-      after.insert(after.end(), edges.rbegin(), edges.rend());
   }
-  before.insert(before.end(), marked.begin(), marked.end());
-  before.insert(before.end(), after.begin(), after.end());
-  return connect(std::move(mesh.points), std::move(mesh.triangles), before, std::move(region));
+  marked.insert(marked.end(), body.begin(), body.end());
+  marked.insert(marked.end(), at_ends.begin(), at_ends.end());
+  return connect(std::move(mesh.points), std::move(mesh.triangles), marked, std::move(region));
+}
+
+/// Per patch whether an angle in it or at its rim is smaller than promised.
+std::vector<bool> cramped(const Mesh& mesh, const std::vector<Patch>& patches, double min_angle_deg) {
+  std::map<std::pair<double, double>, std::size_t> patch_at;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    for (const Vec2& x : patches[p].points) patch_at[{x.x(), x.y()}] = p;
+  const double least = std::sin(min_angle_deg * pi / 180) * (1 - 1e-6);
+  std::vector<bool> found(patches.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    std::array<double, 3> length;
+    for (std::size_t i = 0; i < 3; ++i)
+      length[i] = (mesh.points[std::size_t(v[i])] - mesh.points[std::size_t(v[(i + 1) % 3])]).norm();
+    std::ranges::sort(length);
+    if (2 * area(mesh, Index(t)) >= least * length[1] * length[2]) continue;
+    for (const Index i : v)
+      if (const auto at = patch_at.find({mesh.points[std::size_t(i)].x(), mesh.points[std::size_t(i)].y()});
+          at != patch_at.end())
+        found[at->second] = true;
+  }
+  return found;
+}
+
+/// With patches around the tips. Edges at their rims cannot be split, so that an angle there may fall short: then that
+/// patch becomes smaller, and in the end is left out.
+Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+  Patches kinds{min_angle_deg};
+  std::vector<PatchPlace> places = place_patches(drawing, field);
+  for (int attempt = 0;; ++attempt) {
+    Shape names = shape;
+    std::vector<Patch> patches;
+    for (const PatchPlace& place : places) {
+      patches.push_back(put(kinds.of(place.kind), drawing, place));
+      names.holes.push_back({fmt::format("around a tip of {}", name(shape, drawing.strands[place.tip.strand])), {}});
+    }
+    const Drawing around = without(drawing, patches, Index(shape.holes.size()) + 1);
+    Mesh mesh = fill(mesh_drawing(names, around, field, min_angle_deg), patches);
+    constexpr int patience = 6;
+    const std::vector<bool> bad = cramped(mesh, patches, min_angle_deg);
+    if (attempt == patience || std::ranges::none_of(bad, std::identity{})) return mesh;
+    std::vector<PatchPlace> next;
+    for (std::size_t p = 0; p < places.size(); ++p)
+      if (!bad[p] || (attempt + 1 < patience && fit(places[p], drawing, field, places[p].kind.radius - 1)))
+        next.push_back(places[p]);
+    places = std::move(next);
+  }
 }
 
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
@@ -505,13 +550,8 @@ Mesh triangulate(const Shape& shape, const Sizing& given, const Background* back
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   const SizeField field = field_of(shape, drawing, sizing, background);
-  if (!sizing.mirrored_tips) return mesh_drawing(shape, drawing, field, sizing.min_angle_deg).mesh;
-  const std::vector<Patch> patches = patches_for(drawing, field, sizing.min_angle_deg);
-  Shape names = shape;
-  for (const Patch& patch : patches)
-    names.holes.push_back({fmt::format("around a tip of {}", name(shape, drawing.strands[patch.tip.strand])), {}});
-  const Drawing around = without(drawing, patches, Index(shape.holes.size()) + 1);
-  return fill(mesh_drawing(names, around, field, sizing.min_angle_deg), patches);
+  if (sizing.mirrored_tips) return with_patches(shape, drawing, field, sizing.min_angle_deg);
+  return mesh_drawing(shape, drawing, field, sizing.min_angle_deg).mesh;
 }
 
 }  // namespace
@@ -522,6 +562,22 @@ Mesh triangulate(const Shape& shape, const Sizing& sizing) {
 
 Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background) {
   return triangulate(shape, sizing, &background);
+}
+
+std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& given) {
+  const Sizing sizing = checked(shape, given);
+  const Drawing drawing = draw(shape);
+  std::vector<std::string> notes;
+  for (const TipEnd& tip : free_ends(drawing)) {
+    const double size = size_in_room(tip.room, sizing.crack_tip_size);
+    if (size >= sizing.crack_tip_size) continue;
+    const Vec2& x = drawing.corners[std::size_t(tip.corner)];
+    notes.push_back(
+        fmt::format("the tip of crack \"{}\" at ({:.6g}, {:.6g}) has only {:.3g} to its other end or the next thing "
+                    "drawn, less than four edges of mesh.crack_tip_size = {:.3g}: its edges are {:.3g}",
+                    shape.cracks[std::size_t(tip.crack)].name, x.x(), x.y(), tip.room, sizing.crack_tip_size, size));
+  }
+  return notes;
 }
 
 }  // namespace kerf

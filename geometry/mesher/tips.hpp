@@ -15,6 +15,9 @@ struct TipEnd {
 };
 std::vector<TipEnd> free_ends(const Drawing& drawing);
 
+/// The size of edges at a tip with that room: as asked, or small enough for a ring around the tip.
+double size_in_room(double room, double asked);
+
 /// Triangles around a tip. The first points are those of its boundary, counter-clockwise, point 0 on the crack.
 struct Patch {
   std::vector<Vec2> points;
@@ -35,13 +38,16 @@ struct PatchKind {
 Shape half_disc(const PatchKind& kind);
 Patch mirrored(const Mesh& half);
 
-/// Where the patches of a drawing belong: 10 edges of the tip wide, or as far as half the room and what the field
-/// allows; none where fewer than `least_radius` edges fit.
 struct PatchPlace {
   TipEnd tip;
   PatchKind kind;
   double size;  // of the edges at the tip
 };
+
+/// The largest kind up to the radius `most` that half the room and the field allow; false when fewer than 3 edges fit.
+bool fit(PatchPlace& place, const Drawing& drawing, const SizeField& field, double most);
+
+/// Where the patches of a drawing belong: 10 edges of the tip wide, or as far as they fit.
 std::vector<PatchPlace> place_patches(const Drawing& drawing, const SizeField& field);
 
 /// The patch at its place: moved, turned and, on an arc, bent with the crack.

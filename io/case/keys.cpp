@@ -16,7 +16,7 @@ using View = std::string_view;
 
 constexpr KeyRange positive{0, infinity, true};
 constexpr KeyRange not_negative{0, infinity};
-constexpr KeyRange poisson{0, 0.5};
+constexpr KeyRange poisson{-1, 0.5, true};  // what is stable
 
 constexpr std::array<View, 2> plane_states{"plane strain", "plane stress"};
 constexpr std::array<View, 9> element_names{
