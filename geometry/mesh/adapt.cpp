@@ -81,7 +81,7 @@ std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const doub
 }
 
 Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
-  const Mirror mirror = mirrored_tips ? mirror_at_tips(mesh) : Mirror{};
+  const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     auto& edges = mesh.edges_of[t];
     std::size_t longest = 0;
@@ -101,7 +101,7 @@ Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
 
 Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips) {
   // A triangle with an edge to be halved halves its own edge 0 first. At tips the image of an edge is halved with it.
-  const Mirror mirror = mirrored_tips ? mirror_at_tips(mesh) : Mirror{};
+  const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   std::vector<Index> middle(mesh.edges.size(), none);
   std::vector<Index> open(marked.begin(), marked.end());
   const auto halve = [&](Index e) {

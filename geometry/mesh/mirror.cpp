@@ -16,7 +16,7 @@ struct Pair {
 
 struct Walk {
   const Mesh& mesh;
-  Mirror found;
+  MirrorImages found;
   Vec2 tip, ahead;
   std::vector<Pair> open = {};
 
@@ -71,7 +71,7 @@ struct Walk {
 
 }  // namespace
 
-Mirror mirror_at_tips(const Mesh& mesh) {
+MirrorImages mirror_at_tips(const Mesh& mesh) {
   Walk walk{mesh,
             {std::vector<Index>(mesh.triangles.size(), none), std::vector<Index>(mesh.edges.size(), none)},
             Vec2::Zero(),

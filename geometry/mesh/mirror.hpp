@@ -7,12 +7,12 @@ namespace kerf {
 
 /// Per triangle and edge its image, none where there is none; edges on the crack and straight ahead of it are their
 /// own.
-struct Mirror {
+struct MirrorImages {
   std::vector<Index> triangle, edge;
 };
 
 /// From each tip outwards, as far as triangle answers triangle up to a twentieth of the length of an edge: patches bent
 /// along an arc count while they hardly bend.
-Mirror mirror_at_tips(const Mesh& mesh);
+MirrorImages mirror_at_tips(const Mesh& mesh);
 
 }  // namespace kerf

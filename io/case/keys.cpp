@@ -188,7 +188,8 @@ constexpr Key rows[] = {
     {"mesh.crack_tip_size",
      Number,
      {.range = positive},
-     "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles.",
+     "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles. A tip with less than "
+     "four of them to the next thing drawn gets a twentieth of that.",
      "0.01",
      "size/100"},
     {"mesh.min_angle",

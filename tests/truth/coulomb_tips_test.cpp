@@ -1,4 +1,5 @@
-// Tips of cracks with Coulomb's friction against exact stick-slip cracks, and tips with little room against exact fields.
+// Tips of cracks with Coulomb's friction against exact stick-slip cracks, and tips with little room against exact
+// fields.
 
 #include "kerf/fracture.hpp"
 #include "kerf/mesher.hpp"
@@ -39,9 +40,8 @@ Tips tips_of(const exact::ExactField& f, const CrackLaw& law, const Sizing& sizi
   Scene scene{.material = f.material, .body = {}, .supports = {}, .tractions = {}, .laws = {}};
   scene.laws.assign(mesh.cracks.size(), law);
   for (Index label = 0; label < 4; ++label)
-    scene.supports.push_back({label, false, true, true, [&f](const Vec2& x, const Vec2&) {
-                                return f.displacement(x, exact::side_of(f, x));
-                              }});
+    scene.supports.push_back({label, false, true, true,
+                              [&f](const Vec2& x, const Vec2&) { return f.displacement(x, exact::side_of(f, x)); }});
   const Model model = prepare(std::move(mesh), e, std::move(scene), 1);
   const State state = solve(model);
   EXPECT_TRUE(certified(state));
@@ -68,8 +68,8 @@ Errors errors(const exact::ExactField& f, const Tips& tips) {
     const TipIntensity& t = tips.of.at(i);
     const double error = std::abs(t.K_II - f.tips[i].k2);
     e.largest = std::max(e.largest, error / std::abs(f.tips[i].k2));
-    e.covered = e.covered && error <= t.spread * std::max(std::hypot(t.K_I, t.K_II),
-                                                          tips.stress * std::sqrt(pi * t.radius));
+    e.covered =
+        e.covered && error <= t.spread * std::max(std::hypot(t.K_I, t.K_II), tips.stress * std::sqrt(pi * t.radius));
   }
   return e;
 }
@@ -119,8 +119,7 @@ TEST(CoulombTips, TheSpreadCoversWhatFalsePressureDoes) {
 TEST(CrowdedTips, RefineByThemselves) {
   const Mat2 far = (Mat2() << 0.3, 0.4, 0.4, 1).finished();
   for (const double half : {0.05, 0.001}) {
-    const exact::ExactField f =
-        exact::line_crack("short", steel, exact::under(far, 0.3, half, {0.13, 0.07}));
+    const exact::ExactField f = exact::line_crack("short", steel, exact::under(far, 0.3, half, {0.13, 0.07}));
     const Tips tips = tips_of(f, {}, {.size = 0.2, .crack_tip_size = 0.1}, element("bdms"));
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_NEAR(tips.of.at(i).K_I, f.tips[i].k1, 5e-3 * f.tips[i].k1);
@@ -174,7 +173,8 @@ TEST_F(Scenes, StickAndSlip) {
   const auto at_inner_end = [&](double b) {
     double sum = 0;
     constexpr int n = 2000;
-    for (int i = 0; i < n; ++i) {  // s = b^2 + (1 - b^2) sin^2(t): ds ((1 - s)/(s - b^2))^(1/2) = 2 (1 - b^2) cos^2 t dt
+    for (int i = 0; i < n;
+         ++i) {  // s = b^2 + (1 - b^2) sin^2(t): ds ((1 - s)/(s - b^2))^(1/2) = 2 (1 - b^2) cos^2 t dt
       const double t = (i + 0.5) * pi / 2 / n, s = b * b + (1 - b * b) * std::pow(std::sin(t), 2);
       sum += (a - f / std::sqrt(s)) * std::pow(std::cos(t), 2);
     }
