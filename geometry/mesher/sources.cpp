@@ -106,12 +106,13 @@ struct Finder {
       ask(end, sizing.crack_tip_size, reach);
   }
 
-  /// Tips that others or their own crack's other end are so near to that no ring of elements would fit between.
+  /// Tips that others or their own crack's other end are so near to that no ring of elements would fit between. Given a
+  /// background it decides how much finer the mesh is.
   void ask_at_crowded_tips() {
     for (const TipEnd& tip : free_ends(drawing)) {
-      const double size = size_in_room(tip.room, singular_points ? sizing.crack_tip_size : sizing.size);
       const Vec2& x = drawing.corners[std::size_t(tip.corner)];
-      if (size < sizing.crack_tip_size || !singular_points) sources.push_back({x, x, size});
+      const double size = singular_points ? size_in_room(tip.room, sizing.crack_tip_size) : largest_in_room(tip.room);
+      if (size < (singular_points ? sizing.crack_tip_size : sizing.size)) sources.push_back({x, x, size});
     }
   }
 

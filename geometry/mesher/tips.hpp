@@ -15,7 +15,10 @@ struct TipEnd {
 };
 std::vector<TipEnd> free_ends(const Drawing& drawing);
 
-/// The size of edges at a tip with that room: as asked, or small enough for a ring around the tip.
+/// The largest edges at a tip with that room that leave a ring of elements around it.
+double largest_in_room(double room);
+
+/// The size of edges at a tip with that room: as asked, or, where that is larger, small enough for a good ring.
 double size_in_room(double room, double asked);
 
 /// Triangles around a tip. The first points are those of its boundary, counter-clockwise, point 0 on the crack.
