@@ -574,7 +574,7 @@ std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& given) {
     const Vec2& x = drawing.corners[std::size_t(tip.corner)];
     notes.push_back(
         fmt::format("the tip of crack \"{}\" at ({:.6g}, {:.6g}) has only {:.3g} to its other end or the next thing "
-                    "drawn, less than four edges of mesh.crack_tip_size = {:.3g}: its edges are {:.3g}",
+                    "drawn, less than two edges of mesh.crack_tip_size = {:.3g}: its edges are {:.3g}",
                     shape.cracks[std::size_t(tip.crack)].name, x.x(), x.y(), tip.room, sizing.crack_tip_size, size));
   }
   return notes;

@@ -69,7 +69,7 @@ std::vector<TipEnd> free_ends(const Drawing& drawing) {
 
 // With fewer edges no ring around the tip resolves anything: K is off by percents or unknown. With 20 it is right to a
 // few thousandths, at 150 triangles more per tip.
-constexpr double fewest = 4, enough = 20;
+constexpr double fewest = 2, enough = 20;
 
 double largest_in_room(double room) {
   return room / fewest;

@@ -32,7 +32,7 @@ struct Background {
 /// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
 
-/// A tip with less than four of its edges to the next thing drawn, or to the other end of its crack, gets shorter ones:
+/// A tip with less than two of its edges to the next thing drawn, or to the other end of its crack, gets shorter ones:
 /// a twentieth of that. What was made finer so, in words. Throws as triangulate does for the sizing.
 std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& sizing);
 

@@ -189,7 +189,7 @@ constexpr Key rows[] = {
      Number,
      {.range = positive},
      "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles. A tip with less than "
-     "four of them to the next thing drawn gets a twentieth of that.",
+     "two of them to the next thing drawn gets a twentieth of that.",
      "0.01",
      "size/100"},
     {"mesh.min_angle",
@@ -685,6 +685,7 @@ std::string in_words(const KeyRange& r) {
   if (above && below && r.above == r.below)
     return fmt::format("between {} and {}{}", r.least, r.most, r.above ? ", both excluded" : "");
   if (above && below && r.least == 0) return fmt::format("positive, at most {}", r.most);
+  if (above && below && r.above) return fmt::format("above {} and at most {}", r.least, r.most);
   return "";
 }
 

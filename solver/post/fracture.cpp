@@ -176,7 +176,8 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
 }
 
 /// From the middles of the triangles. The degree is that of the element's stresses; no more than two, which is a good
-/// part of any smooth state.
+/// part of any smooth state. Fields beside curved faces are turned from the chord to the curve: only a pressure does
+/// not mind.
 PolynomialState smooth_part(const Model& model, const Field& state, const Disc& disc,
                             std::span<const Index> triangles) {
   std::vector<StateSample> samples;
@@ -187,6 +188,7 @@ PolynomialState smooth_part(const Model& model, const Field& state, const Disc& 
     const Fields f = evaluate(model, state, t, x);
     samples.push_back({at, in_frame(disc, f.stress.col(0), 0).stress, f.rotation[0] - disc.rotation, weight});
   }
+  if (disc.tip.curved) return fit_pressure(disc.material, samples);
   const Vec2 force =
       model.scene.body ? Vec2(disc.tip.frame.transpose() * model.scene.body(disc.tip.at)) : Vec2(Vec2::Zero());
   return fit_state(disc.material, std::clamp(model.element.degree, 1, 2), force, samples);

@@ -20,7 +20,7 @@ struct PolynomialState {
   double scale = 1;
   int degree = 0;
   Vec2 force = Vec2::Zero();
-  Eigen::VectorXd coefficients;  // Re a_n, Im a_n, Re b_n, Im b_n
+  Eigen::VectorXd coefficients;  // Re a_n, Im a_n, Re b_n, Im b_n, as many as there are
 
   LocalState at(const Vec2& x) const;
   double t_stress() const;  // s_xx - s_yy at 0
@@ -36,5 +36,8 @@ struct StateSample {
 /// The state nearest to the samples by weighted least squares, exact (to rounding) when they come from such a state.
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
                           const std::vector<StateSample>& samples);
+
+/// The nearest uniform pressure and rotation: what looks the same from every direction.
+PolynomialState fit_pressure(const Material& material, const std::vector<StateSample>& samples);
 
 }  // namespace kerf
