@@ -151,7 +151,7 @@ void note_loads(Notes& notes, const Scene& scene) {
 std::string check(const Case& c) {
   const Mesh mesh = triangulate(c.shape, c.sizing);
   Lines out;
-  Notes notes;
+  Notes notes = crowded_tips(c.shape, c.sizing);
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh);
   out.print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");

@@ -42,16 +42,37 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   return r;
 }
 
+namespace {
+
+/// Where faces begin or cease to touch, and where faces in contact that resist sliding begin or cease to slide.
+std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& profile, const CrackLaw& law) {
+  double most = 0;
+  for (const CrackPoint& p : profile) most = std::max(most, std::abs(p.jump_t));
+  const auto closed = [](const CrackPoint& p) { return p.status == CrackPoint::Status::Closed; };
+  // Held rows have no jump; the smooth domain's solver knows it up to rounding.
+  const auto sticks = [most](const CrackPoint& p) { return std::abs(p.jump_t) <= 1e-9 * most; };
+  std::vector<CrackResult::Transition> found;
+  for (std::size_t i = 1; i < profile.size(); ++i) {
+    const CrackPoint &before = profile[i - 1], &here = profile[i];
+    const Vec2 at = 0.5 * (before.at + here.at);
+    if (closed(before) != closed(here))
+      found.push_back({at, closed(before) ? "closed" : "open", closed(here) ? "closed" : "open"});
+    else if (has_friction(law) && closed(here) && sticks(before) != sticks(here))
+      found.push_back({at, sticks(before) ? "stick" : "slip", sticks(here) ? "stick" : "slip"});
+  }
+  return found;
+}
+
+}  // namespace
+
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape) {
   std::vector<CrackResult> results;
   const std::vector<TipIntensity> tips = crack_tips(model, state);
-  const auto word = [](CrackPoint::Status s) { return s == CrackPoint::Status::Closed ? "closed" : "open"; };
   for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
     CrackResult r;
     r.name = shape.cracks[c].name;
     const std::vector<CrackPoint> profile = crack_profile(model, state, c);
-    for (std::size_t i = 0; i < profile.size(); ++i) {
-      const CrackPoint& p = profile[i];
+    for (const CrackPoint& p : profile) {
       const bool closed = p.status == CrackPoint::Status::Closed;
       r.length += p.length;
       (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
@@ -59,9 +80,8 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
       if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.jump_n);
       r.max_pressure = std::max(r.max_pressure, -p.sigma_n);
       r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed});
-      if (i > 0 && (profile[i - 1].status == CrackPoint::Status::Closed) != closed)
-        r.transitions.push_back({0.5 * (profile[i - 1].at + p.at), word(profile[i - 1].status), word(p.status)});
     }
+    r.transitions = transitions(profile, model.scene.laws[c]);
     if (model.scene.laws[c].kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
     for (const TipIntensity& t : tips)
       if (t.crack == c) {

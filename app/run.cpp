@@ -140,6 +140,8 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   StateSection section =
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
+  const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
+  r.state->notes.insert(r.state->notes.end(), crowded.begin(), crowded.end());
   r.cracks = std::move(section.cracks);
   if (section.contact) r.contact = std::move(section.contact);
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);

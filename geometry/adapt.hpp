@@ -19,12 +19,14 @@ struct Goal {
 std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const double> eta, const Goal& goal);
 
 /// Newest-vertex bisection takes vertex 0 of a triangle as its newest one and edge 0, opposite to it, as the edge to
-/// halve. This turns the triangles of any mesh so that edge 0 is the longest (of equals the one of least number).
-Mesh longest_edges_first(Mesh mesh);
+/// halve. This turns the triangles of any mesh so that edge 0 is the longest (of equals the one of least number; with
+/// `mirrored_tips` the same one in mirror images).
+Mesh longest_edges_first(Mesh mesh, bool mirrored_tips = false);
 
 /// The marked triangles halved, each at least once, and as many others as it takes that no edge ends in the middle of
 /// another. Labels and cracks carry over; new vertices lie on the middles of edges. The descendants of a triangle, over
 /// all rounds, have at most four shapes, if the first mesh came from longest_edges_first those of halved longest edges.
-Mesh bisect(const Mesh& mesh, std::span<const Index> marked);
+/// `mirrored_tips`: where the mesh around a crack tip is its own mirror image in the crack, it stays so.
+Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips = false);
 
 }  // namespace kerf

@@ -54,7 +54,7 @@ struct CrackResult {
   double penetration = 0;                                          // of faces without a contact condition
   struct Transition {
     Vec2 at;
-    std::string from, to;  // "open" | "closed"
+    std::string from, to;  // "open" | "closed", or "stick" | "slip"
   };
   std::vector<Transition> transitions;
   std::vector<TipResult> tips;

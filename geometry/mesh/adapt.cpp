@@ -1,4 +1,5 @@
 #include "geometry/adapt.hpp"
+#include "geometry/mesh/mirror.hpp"
 #include "geometry/topology.hpp"
 
 #include <fmt/format.h>
@@ -79,7 +80,8 @@ std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const doub
   return size;
 }
 
-Mesh longest_edges_first(Mesh mesh) {
+Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
+  const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     auto& edges = mesh.edges_of[t];
     std::size_t longest = 0;
@@ -87,23 +89,32 @@ Mesh longest_edges_first(Mesh mesh) {
       const double here = length(mesh, edges[i]), best = length(mesh, edges[longest]);
       if (here > best || (here == best && edges[i] < edges[longest])) longest = i;
     }
+    // Rounding makes no difference between images: the second one follows the first.
+    if (const Index image = mirrored_tips ? mirror.triangle[t] : none; image != none && std::size_t(image) < t)
+      longest = std::size_t(std::ranges::find(edges, mirror.edge[std::size_t(mesh.edges_of[std::size_t(image)][0])]) -
+                            edges.begin());
     std::rotate(edges.begin(), edges.begin() + Index(longest), edges.end());
     std::rotate(mesh.triangles[t].begin(), mesh.triangles[t].begin() + Index(longest), mesh.triangles[t].end());
   }
   return mesh;
 }
 
-Mesh bisect(const Mesh& mesh, std::span<const Index> marked) {
-  // A triangle with an edge to be halved halves its own edge 0 first.
+Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips) {
+  // A triangle with an edge to be halved halves its own edge 0 first. At tips the image of an edge is halved with it.
+  const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   std::vector<Index> middle(mesh.edges.size(), none);
   std::vector<Index> open(marked.begin(), marked.end());
-  while (!open.empty()) {
-    const Index e = mesh.edges_of.at(std::size_t(open.back()))[0];
-    open.pop_back();
-    if (middle[std::size_t(e)] != none) continue;
+  const auto halve = [&](Index e) {
+    if (e == none || middle[std::size_t(e)] != none) return;
     middle[std::size_t(e)] = 0;
     for (const Index t : mesh.sides[std::size_t(e)])
       if (t != none) open.push_back(t);
+  };
+  while (!open.empty()) {
+    const Index e = mesh.edges_of.at(std::size_t(open.back()))[0];
+    open.pop_back();
+    halve(e);
+    if (mirrored_tips) halve(mirror.edge[std::size_t(e)]);
   }
   std::vector<Vec2> points = mesh.points;
   for (std::size_t e = 0; e < middle.size(); ++e) {

@@ -3,6 +3,7 @@
 
 #include "geometry/mesher/lattice.hpp"
 #include "geometry/mesher/smooth.hpp"
+#include "geometry/mesher/tips.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 namespace kerf {
@@ -412,24 +414,144 @@ SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& siz
   return field;
 }
 
+/// A drawing meshed and smoothed; and its edges that mean something, those of patches last.
+struct Meshed {
+  Mesh mesh;
+  std::vector<Marked> marked;
+};
+
+/// `names`: whose words errors are in.
+Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+  // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
+  for (int finer = 1;; finer *= 2) {
+    const Pieces pieces = split_to_size(drawing, field, finer);
+    const auto problem = find_crossing(names, drawing, pieces, {0, 0}, false);
+    if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
+    if (problem) continue;
+    Rough rough = mesh_of(names, drawing, pieces, field, min_angle_deg);
+    if (!place_on_arcs(rough) && finer < 16) continue;
+    Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
+    mesh.region = regions(mesh, rough.interfaces);
+    Smoothed smoothed = smooth(mesh, min_angle_deg, sweeps);
+    mesh = connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
+    return {std::move(mesh), std::move(rough.marked)};
+  }
+}
+
+Patch make_patch(const PatchKind& kind, double min_angle_deg) {
+  const Shape half = half_disc(kind);
+  const Vec2 margin = 0.1 * Vec2::Ones(), corner(kind.radius, kind.radius);
+  const SizeField field = size_field({{Vec2::Zero(), Vec2::Zero(), 1}}, 1 + kind.grading * kind.radius, kind.grading,
+                                     -corner - margin, corner + margin);
+  return mirrored(mesh_drawing(half, draw(half), field, min_angle_deg).mesh);
+}
+
+/// Made once per kind.
+struct Patches {
+  double min_angle_deg;
+  std::vector<std::pair<PatchKind, Patch>> made = {};
+
+  const Patch& of(const PatchKind& kind) {
+    const auto known = std::ranges::find(made, kind, &std::pair<PatchKind, Patch>::first);
+    return known != made.end() ? known->second : made.emplace_back(kind, make_patch(kind, min_angle_deg)).second;
+  }
+};
+
+/// The patches in their holes.
+Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
+  Mesh& mesh = outside.mesh;
+  std::size_t sides = 0;
+  for (const Patch& patch : patches) sides += std::size_t(patch.boundary);
+  auto side = outside.marked.end() - Index(sides);
+  std::vector<Marked> body(outside.marked.begin(), side), marked, at_ends;  // along each crack from start to end
+  std::vector<Index> region = mesh.region;
+  std::map<std::pair<Index, Index>, Index> beside;  // the triangles that the patches touch
+  if (!region.empty())
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (const auto& [left, right] = mesh.sides[e]; left == none || right == none)
+        beside[{mesh.edges[e][0], mesh.edges[e][1]}] = std::max(left, right);
+  for (const Patch& patch : patches) {
+    if (!region.empty())
+      region.insert(region.end(), patch.triangles.size(),
+                    region[std::size_t(beside.at(std::minmax(side->a, side->b)))]);
+    std::vector<Index> number;
+    for (Index i = 0; i < patch.boundary; ++i, ++side) number.push_back(side->a);
+    for (std::size_t i = std::size_t(patch.boundary); i < patch.points.size(); ++i) {
+      number.push_back(Index(mesh.points.size()));
+      mesh.points.push_back(patch.points[i]);
+    }
+    for (const auto& [a, b, c] : patch.triangles)
+      mesh.triangles.push_back({number[std::size_t(a)], number[std::size_t(b)], number[std::size_t(c)]});
+    std::vector<Marked> edges;
+    for (std::size_t i = 0; i + 1 < patch.crack.size(); ++i)
+      edges.push_back(
+          {number[std::size_t(patch.crack[i])], number[std::size_t(patch.crack[i + 1])], none, patch.tip.crack});
+    if (patch.tip.at_start) {
+      marked.insert(marked.end(), edges.begin(), edges.end());
+    } else {
+      for (Marked& e : edges) std::swap(e.a, e.b);
+      at_ends.insert(at_ends.end(), edges.rbegin(), edges.rend());
+    }
+  }
+  marked.insert(marked.end(), body.begin(), body.end());
+  marked.insert(marked.end(), at_ends.begin(), at_ends.end());
+  return connect(std::move(mesh.points), std::move(mesh.triangles), marked, std::move(region));
+}
+
+/// Per patch whether an angle in it or at its rim is smaller than promised.
+std::vector<bool> cramped(const Mesh& mesh, const std::vector<Patch>& patches, double min_angle_deg) {
+  std::map<std::pair<double, double>, std::size_t> patch_at;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    for (const Vec2& x : patches[p].points) patch_at[{x.x(), x.y()}] = p;
+  const double least = std::sin(min_angle_deg * pi / 180) * (1 - 1e-6);
+  std::vector<bool> found(patches.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    std::array<double, 3> length;
+    for (std::size_t i = 0; i < 3; ++i)
+      length[i] = (mesh.points[std::size_t(v[i])] - mesh.points[std::size_t(v[(i + 1) % 3])]).norm();
+    std::ranges::sort(length);
+    if (2 * area(mesh, Index(t)) >= least * length[1] * length[2]) continue;
+    for (const Index i : v)
+      if (const auto at = patch_at.find({mesh.points[std::size_t(i)].x(), mesh.points[std::size_t(i)].y()});
+          at != patch_at.end())
+        found[at->second] = true;
+  }
+  return found;
+}
+
+/// With patches around the tips. Edges at their rims cannot be split, so that an angle there may fall short: then that
+/// patch becomes smaller, and in the end is left out.
+Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+  Patches kinds{min_angle_deg};
+  std::vector<PatchPlace> places = place_patches(drawing, field);
+  for (int attempt = 0;; ++attempt) {
+    Shape names = shape;
+    std::vector<Patch> patches;
+    for (const PatchPlace& place : places) {
+      patches.push_back(put(kinds.of(place.kind), drawing, place));
+      names.holes.push_back({fmt::format("around a tip of {}", name(shape, drawing.strands[place.tip.strand])), {}});
+    }
+    const Drawing around = without(drawing, patches, Index(shape.holes.size()) + 1);
+    Mesh mesh = fill(mesh_drawing(names, around, field, min_angle_deg), patches);
+    constexpr int patience = 6;
+    const std::vector<bool> bad = cramped(mesh, patches, min_angle_deg);
+    if (attempt == patience || std::ranges::none_of(bad, std::identity{})) return mesh;
+    std::vector<PatchPlace> next;
+    for (std::size_t p = 0; p < places.size(); ++p)
+      if (!bad[p] || (attempt + 1 < patience && fit(places[p], drawing, field, places[p].kind.radius - 1)))
+        next.push_back(places[p]);
+    places = std::move(next);
+  }
+}
+
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
   if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   const SizeField field = field_of(shape, drawing, sizing, background);
-  // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
-  for (int finer = 1;; finer *= 2) {
-    const Pieces pieces = split_to_size(drawing, field, finer);
-    const auto problem = find_crossing(shape, drawing, pieces, {0, 0}, false);
-    if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
-    if (problem) continue;
-    Rough rough = mesh_of(shape, drawing, pieces, field, sizing.min_angle_deg);
-    if (!place_on_arcs(rough) && finer < 16) continue;
-    Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
-    mesh.region = regions(mesh, rough.interfaces);
-    Smoothed smoothed = smooth(mesh, sizing.min_angle_deg, sweeps);
-    return connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
-  }
+  if (sizing.mirrored_tips) return with_patches(shape, drawing, field, sizing.min_angle_deg);
+  return mesh_drawing(shape, drawing, field, sizing.min_angle_deg).mesh;
 }
 
 }  // namespace
@@ -440,6 +562,22 @@ Mesh triangulate(const Shape& shape, const Sizing& sizing) {
 
 Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& background) {
   return triangulate(shape, sizing, &background);
+}
+
+std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& given) {
+  const Sizing sizing = checked(shape, given);
+  const Drawing drawing = draw(shape);
+  std::vector<std::string> notes;
+  for (const TipEnd& tip : free_ends(drawing)) {
+    const double size = size_in_room(tip.room, sizing.crack_tip_size);
+    if (size >= sizing.crack_tip_size) continue;
+    const Vec2& x = drawing.corners[std::size_t(tip.corner)];
+    notes.push_back(
+        fmt::format("the tip of crack \"{}\" at ({:.6g}, {:.6g}) has only {:.3g} to its other end or the next thing "
+                    "drawn, less than two edges of mesh.crack_tip_size = {:.3g}: its edges are {:.3g}",
+                    shape.cracks[std::size_t(tip.crack)].name, x.x(), x.y(), tip.room, sizing.crack_tip_size, size));
+  }
+  return notes;
 }
 
 }  // namespace kerf

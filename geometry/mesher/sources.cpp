@@ -1,6 +1,6 @@
 // What asks for short edges.
 
-#include "geometry/mesher/size_field.hpp"
+#include "geometry/mesher/tips.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -106,6 +106,16 @@ struct Finder {
       ask(end, sizing.crack_tip_size, reach);
   }
 
+  /// Tips that others or their own crack's other end are so near to that no ring of elements would fit between. Given a
+  /// background it decides how much finer the mesh is.
+  void ask_at_crowded_tips() {
+    for (const TipEnd& tip : free_ends(drawing)) {
+      const Vec2& x = drawing.corners[std::size_t(tip.corner)];
+      const double size = singular_points ? size_in_room(tip.room, sizing.crack_tip_size) : largest_in_room(tip.room);
+      if (size < (singular_points ? sizing.crack_tip_size : sizing.size)) sources.push_back({x, x, size});
+    }
+  }
+
   void ask_along_crack(std::size_t i) {
     const Strand& strand = drawing.strands[i];
     const double reach = crack_length[std::size_t(strand.crack)] / 4;
@@ -182,6 +192,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
                                  bool singular_points) {
   Finder find{drawing, sizing, singular_points, look_at_corners(drawing), crack_lengths(shape, drawing)};
   find.ask_along_strands();
+  find.ask_at_crowded_tips();
   find.ask_at_regions();
   find.ask_at_reentrant_corners();
   add_gaps(shape, drawing, sizing.size, sizing.across, find.sources);

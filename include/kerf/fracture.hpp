@@ -19,6 +19,8 @@ struct TipIntensity {
   double radius = 0;  // outer radius of the domain used
   // Largest differences between rings of different radius: of K relative to its norm or, if that is more, the mean
   // stress of the body times sqrt(pi radius); of T relative to |T| or that stress. `spread` is the larger one of K.
+  // With Coulomb's friction spread_K_II holds, besides, what false pressure beside the tip may have done to all rings,
+  // and the difference between J and G [theory: F.8]: an estimate of the error.
   double spread = 0, spread_K_I = 0, spread_K_II = 0, spread_T = 0;
 };
 

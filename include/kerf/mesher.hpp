@@ -10,9 +10,11 @@ struct Sizing {
   double size = 0;  // target edge length; 0: extent / 40
   double crack_tip_size =
       0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
-  double grading = 0.25;      // growth of the target length per length away from tips, corners and small holes
-  double min_angle_deg = 25;  // wherever the input angles allow it
-  double across = 2;          // edges across narrow gaps between sides
+  double grading = 0.25;       // growth of the target length per length away from tips, corners and small holes
+  double min_angle_deg = 25;   // wherever the input angles allow it
+  double across = 2;           // edges across narrow gaps between sides
+  bool mirrored_tips = false;  // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
+                               // friction needs [theory: F.8]
 };
 
 /// Target edge lengths for a further mesh of the same shape, at the vertices of an earlier one: linear in its
@@ -29,6 +31,10 @@ struct Background {
 /// are no longer promised.
 /// Throws Error(Geometry) with find_problem's words, for a sizing that cannot be met, or when the step budget runs out.
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
+
+/// A tip with less than two of its edges to the next thing drawn, or to the other end of its crack, gets shorter ones:
+/// a twentieth of that. What was made finer so, in words. Throws as triangulate does for the sizing.
+std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& sizing);
 
 /// The same with the target min(sizing.size, background) instead of what tips, kinks, junctions, mouths and reentrant
 /// corners ask for. The background is limited to grow by `grading` per length along the edges of its mesh, and to no

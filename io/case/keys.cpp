@@ -16,7 +16,7 @@ using View = std::string_view;
 
 constexpr KeyRange positive{0, infinity, true};
 constexpr KeyRange not_negative{0, infinity};
-constexpr KeyRange poisson{0, 0.5};
+constexpr KeyRange poisson{-1, 0.5, true};  // what is stable
 
 constexpr std::array<View, 2> plane_states{"plane strain", "plane stress"};
 constexpr std::array<View, 9> element_names{
@@ -188,7 +188,8 @@ constexpr Key rows[] = {
     {"mesh.crack_tip_size",
      Number,
      {.range = positive},
-     "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles.",
+     "Edge length at crack tips. Small is cheap: a factor of 10 costs about 10 % more triangles. A tip with less than "
+     "two of them to the next thing drawn gets a twentieth of that.",
      "0.01",
      "size/100"},
     {"mesh.min_angle",
@@ -684,6 +685,7 @@ std::string in_words(const KeyRange& r) {
   if (above && below && r.above == r.below)
     return fmt::format("between {} and {}{}", r.least, r.most, r.above ? ", both excluded" : "");
   if (above && below && r.least == 0) return fmt::format("positive, at most {}", r.most);
+  if (above && below && r.above) return fmt::format("above {} and at most {}", r.least, r.most);
   return "";
 }
 

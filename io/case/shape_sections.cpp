@@ -120,6 +120,8 @@ void read_shape(const Value& document, Case& c) {
 
   add_holes(find_tables(document, "hole"), c.shape);
   add_cracks(find_tables(document, "crack"), c.shape, c.scene.laws);
+  for (const CrackLaw& law : c.scene.laws)
+    if (has_friction(law) && law.friction > 0) c.sizing.mirrored_tips = true;
 }
 
 void add_holes(const std::vector<Value>& tables, Shape& shape) {

@@ -33,7 +33,7 @@ std::vector<Index> mark(const Eigen::VectorXd& eta) {
 
 Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
              const Indicator& indicator) {
-  if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta));
+  if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta), sizing.mirrored_tips);
   constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
   // Below the goal: at singular points the error falls slower than the order of the element says.
   constexpr double safety = 0.7;
@@ -64,7 +64,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
   constexpr std::size_t most_rounds = 40;
   Stopwatch watch;
   Mesh mesh = triangulate(shape, sizing);
-  if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh));
+  if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;
   double best = infinity;
   int without_gain = 0;

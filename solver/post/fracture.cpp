@@ -6,7 +6,8 @@
 // grad q lives on a ring, so that the fields next to the tip, where they are poor, do not enter. On straight faces P .
 // n leaves the work of the tractions on [u'_,1]. On curved ones the auxiliary fields are continued across the straight
 // line behind the tip up to the crack, and all of P enters. J: the same with P_j = 1/2 s : grad u delta_1j - s_ij
-// u_i,1.
+// u_i,1. I is linear in (s, u): a polynomial state, whose K = 0 and T are known, is taken out before the quadrature,
+// so that such states are exact.
 #include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
 
@@ -15,6 +16,8 @@
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/post/crack_tip.hpp"
+#include "solver/post/polynomial_state.hpp"
+#include "solver/post/slip_error.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,9 +55,7 @@ std::array<Ring, rings> place_rings(double radius) {
   return ring;
 }
 
-struct Auxiliary {
-  Mat2 stress, gradient;  // gradient: d_j u_i
-};
+using Auxiliary = LocalState;
 
 /// A tip under unit K_I, under unit K_II, under a unit force along x, at x in its frame and at that angle:
 /// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
@@ -71,8 +72,7 @@ std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2&
   const auto field = [&](const Eigen::Vector4d& s, double rotation) {
     return Auxiliary{tensor(s), tensor(displacement_gradient(m, s, rotation))};
   };
-  return {field(s_I, -turn * Z.imag()), field(s_II, turn * Z.real()),
-          field(s_force, -turn * e.y() / (2 * pi * r))};
+  return {field(s_I, -turn * Z.imag()), field(s_II, turn * Z.real()), field(s_force, -turn * e.y() / (2 * pi * r))};
 }
 
 /// Rows: integrals for K_I, K_II, T, J. One column per ring.
@@ -85,6 +85,7 @@ struct Disc {
   std::array<Ring, rings> ring;
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
+  PolynomialState smooth;  // in the frame of the tip, less that rotation
 };
 
 Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation) {
@@ -93,6 +94,12 @@ Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation) {
   const Mat2& frame = disc.tip.frame;
   const Eigen::Vector4d gradient = displacement_gradient(disc.material, stress, rotation - disc.rotation);
   return {frame.transpose() * tensor(stress) * frame, frame.transpose() * tensor(gradient) * frame};
+}
+
+/// Less the polynomial state.
+LocalState less(const Disc& disc, const LocalState& state, const Vec2& at) {
+  const LocalState smooth = disc.smooth.at(at);
+  return {state.stress - smooth.stress, state.gradient - smooth.gradient};
 }
 
 Integrals over_triangle(const Model& model, const Field& state, const Disc& disc, Index t) {
@@ -110,16 +117,17 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
     const Vec2 at = disc.tip.frame.transpose() * (x.col(i) - disc.tip.at);
     const double r = at.norm(), w = area(shape) * rule.w[i];
     const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i]);
+    const LocalState other = less(disc, {s, d}, at);
     const auto unit = auxiliary_fields(disc.material, at, angle_about(disc.tip, at));
     Vectors P;
     Eigen::Vector4d rest = Eigen::Vector4d::Zero();  // the factor of q
     for (int k = 0; k < auxiliary; ++k)
-      P.col(k) = s.cwiseProduct(unit[k].gradient).sum() * Vec2::UnitX() - s * unit[k].gradient.col(0) -
-                 unit[k].stress * d.col(0);
+      P.col(k) = other.stress.cwiseProduct(unit[k].gradient).sum() * Vec2::UnitX() -
+                 other.stress * unit[k].gradient.col(0) - unit[k].stress * other.gradient.col(0);
     P.col(auxiliary) = 0.5 * s.cwiseProduct(d).sum() * Vec2::UnitX() - s * d.col(0);
     if (model.scene.body) {
       const Vec2 force = disc.tip.frame.transpose() * model.scene.body(x.col(i));
-      for (int k = 0; k < auxiliary; ++k) rest[k] = force.dot(unit[k].gradient.col(0));
+      for (int k = 0; k < auxiliary; ++k) rest[k] = (force - disc.smooth.force).dot(unit[k].gradient.col(0));
       rest[auxiliary] = force.dot(d.col(0));
     }
     for (int k = 0; k < rings; ++k)
@@ -165,6 +173,25 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
     size += weight;
   }
   return size > 0 ? sum / size : 0;
+}
+
+/// From the middles of the triangles. The degree is that of the element's stresses; no more than two, which is a good
+/// part of any smooth state. Fields beside curved faces are turned from the chord to the curve: only a pressure does
+/// not mind.
+PolynomialState smooth_part(const Model& model, const Field& state, const Disc& disc,
+                            std::span<const Index> triangles) {
+  std::vector<StateSample> samples;
+  for (const Index t : triangles) {
+    const Vec2 x = centroid(model.mesh, t), at = disc.tip.frame.transpose() * (x - disc.tip.at);
+    const double weight = area(model.mesh, t) * std::abs(cut_off_slope(disc.ring.front(), at.norm()));
+    if (weight == 0) continue;
+    const Fields f = evaluate(model, state, t, x);
+    samples.push_back({at, in_frame(disc, f.stress.col(0), 0).stress, f.rotation[0] - disc.rotation, weight});
+  }
+  if (disc.tip.curved) return fit_pressure(disc.material, samples);
+  const Vec2 force =
+      model.scene.body ? Vec2(disc.tip.frame.transpose() * model.scene.body(disc.tip.at)) : Vec2(Vec2::Zero());
+  return fit_state(disc.material, std::clamp(model.element.degree, 1, 2), force, samples);
 }
 
 Integrals over_ring(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles) {
@@ -258,7 +285,7 @@ Vec2 traction(const Face& face, const Spot& p) {
   return along_face(face, p.place, &CrackPoint::sigma_n) * p.n + along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
 }
 
-/// int q (s n) . [u'_,1]: the auxiliary fields only.
+/// int q (s n) . [u'_,1]: the auxiliary fields only; s less the polynomial state.
 Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
   Integrals sum = Integrals::Zero();
   for (const Face& face : faces) {
@@ -266,7 +293,7 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
     for (const Spot& p : spots(disc.tip, face.edge)) {
       const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
                  lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * pi);
-      const Vec2 through = traction(face, p);
+      const Vec2 through = traction(face, p) - disc.smooth.at(p.at).stress * p.n;
       for (int k = 0; k < rings; ++k)
         for (int i = 0; i < auxiliary; ++i)
           sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) *
@@ -350,7 +377,8 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
         const Eigen::Index column = static_cast<Eigen::Index>(i);
         const Spot& p = all[i];
         const Auxiliary here = along_curve(in_frame(disc, f.stress.col(column), f.rotation[column]), b - a, p);
-        const Eigen::Vector4d through = flux(disc.material, p, here, upper);
+        Eigen::Vector4d through = flux(disc.material, p, less(disc, here, p.at), upper);
+        through[auxiliary] = flux(disc.material, p, here, upper)[auxiliary];
         const double sliding = work_of_sliding(faces[edge], p, here, upper, curvature);
         for (int k = 0; k < rings; ++k) {
           const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
@@ -379,7 +407,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   constexpr double safe = 0.9, fewest_elements = 1.5;
   const double radius = safe * tip.room;
   const Index at_tip = model.mesh.sides[tip.edges.front()][0];
-  Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius)};
+  Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius), 0, {}};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
@@ -388,6 +416,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
     return result;
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);
+  disc.smooth = smooth_part(model, state, disc, c.triangles);
   const std::vector<Face> behind = faces(model, tip, profile);
   Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(disc, behind);
   if (tip.curved)
@@ -397,7 +426,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   const double modulus = plane_modulus(disc.material);
   Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
   if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);
-  const Row T = modulus * I.row(2);
+  const Row T = (modulus * I.row(2)).array() + disc.smooth.t_stress();
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
   result.T = T[middle];
@@ -408,6 +437,12 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
+  const CrackLaw& law = model.scene.laws[tip.crack];
+  if (has_friction(law) && law.friction > 0) {
+    // The rings agree whatever false friction does to all of them.
+    const double of_energy = std::abs(result.J - result.G) * modulus / 2;
+    result.spread_K_II += relative(slip_error(tip, law, profile, radius), size) + relative(of_energy, size * size);
+  }
   result.spread_T = relative(largest_difference(T), std::max(std::abs(result.T), stress));
   result.spread = std::max(result.spread_K_I, result.spread_K_II);
   return result;

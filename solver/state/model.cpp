@@ -88,6 +88,31 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   return k;
 }
 
+/// The small matrix of contact is dense. Throws Error(Numerics) that names where the many edges are.
+void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
+  constexpr Index most = 9000;  // half a minute and two gigabytes
+  if (rows <= most) return;
+  double shortest = infinity;
+  Vec2 at = Vec2::Zero();
+  Index edges = 0;
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
+    if (scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+      for (const CrackEdge& crack_edge : mesh.cracks[c]) {
+        const double size = length(mesh, crack_edge.edge);
+        const auto& [a, b] = mesh.edges[crack_edge.edge];
+        ++edges;
+        if (size >= shortest) continue;
+        shortest = size;
+        at = (mesh.points[a] + mesh.points[b]) / 2;
+      }
+  throw Error(Fault::Numerics,
+              fmt::format("the cracks in contact have {} unknowns on {} edges; at most {} can be solved for. Edges are "
+                          "as short as {:.2g}, near ({:.6g}, {:.6g}). Beside a gap they are half as long as the gap is "
+                          "wide, whatever mesh.size says: move the crack away from what it nearly touches, or use "
+                          "contact = \"open\"; elsewhere raise mesh.size or mesh.crack_tip_size",
+                          rows, edges, most, shortest, at.x(), at.y()));
+}
+
 }  // namespace
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
@@ -105,14 +130,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   Ordering ordering = order(mesh, skeleton, how.interface_edges);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
   if (mesh.triangles.size() > large) return_freed_memory();
-  constexpr Index most_contact = 9000;  // half a minute and two gigabytes
-  if (ordering.contact_rows > most_contact)
-    throw Error(
-        Fault::Numerics,
-        fmt::format("the cracks in contact have {} unknowns on their faces; at most {} can be solved for; use "
-                    "longer edges there (mesh.size, mesh.crack_tip_size) or move the crack away from the side that "
-                    "it nearly touches",
-                    ordering.contact_rows, most_contact));
+  check_contact(mesh, scene, ordering.contact_rows);
   ModelSeconds seconds;
   const double numbering = watch.lap();
   System system = assemble({mesh, k, skeleton, scene, ordering, threads, how.plain});

@@ -237,7 +237,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"unknown_key", "", "young", "youg", 2,
                "b.toml:6:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
         Broken{"type", "", "100", "\"100\"", 2, "b.toml:6:9: young in [material] must be a number"},
-        Broken{"range", "", "0.3", "0.7", 2, "b.toml:7:11: poisson in [material] must be between 0 and 0.5"},
+        Broken{"range", "", "0.3", "0.7", 2, "b.toml:7:11: poisson in [material] must be above -1 and at most 0.5"},
         Broken{"missing", "", "young = 100", "", 2, "b.toml:5:1: missing key \"young\" in [material]"},
         Broken{"label", "", "on = \"top\"", "on = \"tpo\"", 2, "b.toml:14:6: on in [[boundary]]: there is no label"},
         Broken{"expression", "", "[0, 1]\n", "[0, \"1 + z\"]\n", 2, "unknown name \"z\""},

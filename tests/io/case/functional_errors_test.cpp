@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:18:38: perturbation in [map] has both young and aspect; keep one"},
         Wrong{"[map]\nperturbation = {}", "a.toml:18:16: perturbation in [map] needs one of young, aspect"},
         Wrong{"[map]\nperturbation = { young = 2, poisson = 0.6 }",
-              "a.toml:18:39: poisson in perturbation in [map] must be between 0 and 0.5, not 0.6"},
+              "a.toml:18:39: poisson in perturbation in [map] must be above -1 and at most 0.5, not 0.6"},
         Wrong{"[map]\nperturbation = { young = 1e-310, poisson = 0.3 }",
               "a.toml:18:16: perturbation in [map]: young = 1e-310 is out of range; choose other units"},
         Wrong{"[map]\nperturbation = { aspect = 0.5 }",

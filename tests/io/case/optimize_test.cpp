@@ -1,6 +1,5 @@
 #include "tests/io/case/case_files.hpp"
 
-
 namespace kerf {
 namespace {
 
@@ -669,7 +668,7 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:17:1: missing key \"poisson\" in [[optimize.region]]; add it"},
         Wrong{"[optimize]\nmethod = 'mma'\n[[optimize.region]]\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = "
               "[1, 2]\npoisson = 0.6",
-              "a.toml:20:11: poisson in [[optimize.region]] must be between 0 and 0.5, not 0.6"},
+              "a.toml:20:11: poisson in [[optimize.region]] must be above -1 and at most 0.5, not 0.6"},
         Wrong{"[optimize]\nmethod = 'mma'\n[optimize.hole]\ncircle = { center = [1, 0.5], radius = 0.1 }",
               "a.toml:17:1: \"hole\" may appear several times; write [[optimize.hole]]"}));
 
