@@ -118,22 +118,46 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
   return r;
 }
 
+bool is_everywhere(const FullMap& map) {
+  return map.at_centroids.size() > 0;
+}
+
+namespace {
+
+Extrema extrema(const std::vector<MapPoint>& points) {
+  Extrema e{{Vec2::Zero(), nan}, {Vec2::Zero(), nan}};
+  for (const MapPoint& p : points) {
+    if (!std::isfinite(p.value)) continue;
+    if (!(p.value >= e.min.value)) e.min = {p.at, p.value};
+    if (!(p.value <= e.max.value)) e.max = {p.at, p.value};
+  }
+  return e;
+}
+
+}  // namespace
+
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent) {
   const Model& model = *analysis.model;
   MapResult r{.perturbation = std::string(word(task.request.perturbation.kind))};
+  if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
+  r.radius = task.request.radius;
+  r.biactive_length = analysis.biactive_length;
+  if (!is_everywhere(map)) {
+    const Extrema e = extrema(r.points);
+    r.min = e.min;
+    r.max = e.max;
+    return r;
+  }
   const std::vector<Vec2> singular = singular_points(model);
   constexpr double share = 0.02;  // of the body's extent
   r.excluded_radius = singular.empty() ? 0 : share * extent;
   const Extrema e = extrema(model, map, singular, r.excluded_radius);
   r.min = e.min;
   r.max = e.max;
-  if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
-  r.radius = task.request.radius;
   double masked = 0;
   for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
     if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
   r.masked_share = masked / area(model);
-  r.biactive_length = analysis.biactive_length;
   r.oriented = map.angle.size() > 0;
   return r;
 }

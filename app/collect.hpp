@@ -38,7 +38,9 @@ struct MapTask {
   const MapRequest& request;
   const std::vector<Vec2>& points;
 };
-/// `extent`: of the body.
+/// Empty where the map is made at listed points only.
+bool is_everywhere(const FullMap& map);
+/// `extent`: of the body. Extrema are those of the points where the map is not everywhere.
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, double extent);
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,

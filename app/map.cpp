@@ -51,7 +51,9 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
 
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
   if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
-  Mapped map{.full = map_everywhere(analysis, task.functional, task.request, data.corners)};
+  Mapped map;
+  if (task.points.empty() || !needs_points(*analysis.model, task.functional, task.request.perturbation))
+    map.full = map_everywhere(analysis, task.functional, task.request, data.corners);
   map.result = map_result(task, analysis, map.full, extent(shape));
   return map;
 }
@@ -66,6 +68,7 @@ std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis
 void write_map(const MapTask& task, const Mapped& map, const Model& model, const PlotData& data, Journal& journal) {
   journal.begin("write the map");
   write_map_files(journal, task, map, model.mesh, data);
+  if (!is_everywhere(map.full)) return;
   journal.picture("map.png", "Topological derivative",
                   [&] { return map_picture(journal.title, task, model, data, map.full); });
   journal.seconds.output += journal.lap();

@@ -56,6 +56,11 @@ bool is_energy(const Model& m, const Term& term) {
 
 }  // namespace
 
+bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
+  return !has_series(p) &&
+         std::ranges::any_of(j.terms, [&](const Term& t) { return !t.linear && !is_energy(m, t); });
+}
+
 GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), solver_(m, held_rows(m, s)) {
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
