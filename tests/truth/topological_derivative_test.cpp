@@ -134,7 +134,6 @@ TEST(DrawnChanges, ShapeGradientsByTheRadius) {
     EXPECT_NEAR(boundary, drawn, 0.01 * std::abs(drawn)) << n.name;
   }
 }
-}
 
 // Listed points of a J that is neither linear nor an energy: the map is made there, and right.
 TEST_F(Truth, MapOfAClampedHoleAtListedPoints) {

@@ -41,7 +41,7 @@ struct Place {
 };
 
 // Mean, x, y of the stress that the cut adds to a uniform stress. With gamma = mean/2, gamma' = -x + i y of that and
-// B = 2 m gamma + conj(gamma'): Phi' = B/q, and zbar Phi'' + Psi' without the parts that cancel.
+// B = 2 m gamma + conj(gamma'), without the parts that cancel [theory: T.35].
 std::array<double, 3> added(const Map& map, const Place& at, double mean, Complex gamma) {
   const Complex B = map.m * mean + std::conj(gamma), turned = mean + map.m * gamma;
   const Complex xi3 = at.xi * at.xi * at.xi;

@@ -1,5 +1,5 @@
 #pragma once
-// What a small elliptic hole or crack does to a power of the von Mises stress in the plane around it [theory: T.33].
+// What a small elliptic hole or crack does to a power of the von Mises stress in the plane around it [theory: T.34].
 
 #include "topo/formulas/von_mises.hpp"
 
