@@ -66,7 +66,8 @@ TEST(Exterior, QuadratureAndTablesAreFineEnough) {
       const double exact = fine(mean(s), 0.5 * (s(0, 0) - s(1, 1)), s(0, 1));
       const double size = cut.kind == Cut::Kind::Ellipse ? exact : std::pow(s.norm(), p);
       ASSERT_TRUE(std::isfinite(exact));
-      EXPECT_LT(std::abs(exterior(table, s, 0) - exact), (p > 5 ? 3e-4 : 3e-5) * size) << share << ' ' << p << ' ' << cut.aspect;
+      EXPECT_LT(std::abs(exterior(table, s, 0) - exact), (p > 5 ? 3e-4 : 3e-5) * size)
+          << share << ' ' << p << ' ' << cut.aspect;
     }
   }
 }

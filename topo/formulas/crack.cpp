@@ -7,7 +7,6 @@ namespace kerf {
 
 namespace {
 
-
 // The tractions on a cut at the angle: normal and tangential components of s n, n = (-sin, cos).
 Vec2 on_cut(const PlaneParts& s, double angle) {
   const double c = std::cos(2 * angle), d = std::sin(2 * angle);

@@ -83,7 +83,8 @@ Term stress_power(double p, ScalarField weight, bool plane_strain) {
   };
   term.local = [=, tables = std::make_shared<Tables>(p, plane_strain)](const Perturbation& change,
                                                                        const FieldPoint& at) {
-    return weigh(at.x) * around(*tables, p, change, at);
+    const double w = weigh(at.x);
+    return w == 0 ? 0 : w * around(*tables, p, change, at);
   };
   return term;
 }
