@@ -137,25 +137,48 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
   return r;
 }
 
+bool is_everywhere(const FullMap& map) {
+  return map.at_centroids.size() > 0;
+}
+
+namespace {
+
+std::optional<std::array<PlacedValue, 2>> extrema(const std::vector<MapPoint>& points) {
+  std::optional<std::array<PlacedValue, 2>> e;
+  for (const MapPoint& p : points) {
+    if (!std::isfinite(p.value)) continue;
+    const PlacedValue here{p.at, p.value};
+    if (!e) e = {here, here};
+    if (here.value < (*e)[0].value) (*e)[0] = here;
+    if (here.value > (*e)[1].value) (*e)[1] = here;
+  }
+  return e;
+}
+
+}  // namespace
+
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
                      std::span<const LeftOut> left_out) {
   const Model& model = *analysis.model;
   MapResult r{.perturbation = std::string(word(task.request.perturbation.kind)),
               .min = {Vec2::Zero(), nan},
               .max = {Vec2::Zero(), nan}};
-  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular})
-    if (const auto e = extrema(data, map.at_corners, left_out, most)) {
-      r.min = (*e)[0];
-      r.max = (*e)[1];
-      break;
-    }
   if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
+  std::optional<std::array<PlacedValue, 2>> e;
+  if (!is_everywhere(map)) e = extrema(r.points);
+  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular})
+    if (!e) e = extrema(data, map.at_corners, left_out, most);
+  if (e) {
+    r.min = (*e)[0];
+    r.max = (*e)[1];
+  }
   r.radius = task.request.radius;
+  r.biactive_length = analysis.biactive_length;
+  if (!is_everywhere(map)) return r;
   double masked = 0;
   for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
     if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
   r.masked_share = masked / area(model);
-  r.biactive_length = analysis.biactive_length;
   r.oriented = map.angle.size() > 0;
   return r;
 }

@@ -33,8 +33,10 @@ struct MapTask {
   const MapRequest& request;
   const std::vector<Vec2>& points;
 };
-/// Of the corners whose values the files and the picture have. `left_out` is the measure of what min and max are over:
-/// the rest, or, where that is nothing, what is masked, too.
+/// Empty where the map is made at listed points only.
+bool is_everywhere(const FullMap& map);
+/// Of the corners whose values the files and the picture have; of the points where the map is not everywhere.
+/// `left_out` is the measure of what min and max are over: the rest, or, where that is nothing, what is masked, too.
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
                      std::span<const LeftOut> left_out);
 

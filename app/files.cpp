@@ -105,7 +105,7 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
 
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
-  if (journal.vtk) write_map_vtu(journal.file("map.vtu"), map, data);
+  if (journal.vtk && is_everywhere(map.full)) write_map_vtu(journal.file("map.vtu"), map, data);
   const bool bounds = task.request.bounds, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});

@@ -52,18 +52,23 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
 
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
   if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
-  Mapped map{.full = map_everywhere(analysis, task.functional, task.request, data.corners)};
+  Mapped map;
+  if (task.points.empty() || !needs_points(*analysis.model, task.functional, task.request.perturbation))
+    map.full = map_everywhere(analysis, task.functional, task.request, data.corners);
   const Model& model = *analysis.model;
   const SingularZones zones = singular_zones(model, extent(shape));
   const auto left_out = [&](const Vec2& x, bool masked) {
     return zones.hold(x) ? LeftOut::Singular : masked ? LeftOut::Masked : LeftOut::No;
   };
-  for (std::size_t i = 0; i < data.points.size(); ++i)
-    map.left_out_corner.push_back(left_out(data.points[i], map.full.masked_corner[i]));
-  for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t)
-    map.left_out_centroid.push_back(left_out(centroid(model.mesh, static_cast<Index>(t)), map.full.masked_centroid[t]));
+  if (is_everywhere(map.full)) {
+    for (std::size_t i = 0; i < data.points.size(); ++i)
+      map.left_out_corner.push_back(left_out(data.points[i], map.full.masked_corner[i]));
+    for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t)
+      map.left_out_centroid.push_back(
+          left_out(centroid(model.mesh, static_cast<Index>(t)), map.full.masked_centroid[t]));
+  }
   map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
-  map.result.excluded_radius = zones.radius;
+  if (is_everywhere(map.full)) map.result.excluded_radius = zones.radius;
   return map;
 }
 
@@ -77,6 +82,7 @@ std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis
 void write_map(const MapTask& task, const Mapped& map, const Model& model, const PlotData& data, Journal& journal) {
   journal.begin("write the map");
   write_map_files(journal, task, map, model.mesh, data);
+  if (!is_everywhere(map.full)) return;
   journal.picture("map.png", "Topological derivative",
                   [&] { return map_picture(journal.title, task, model, data, map); });
   journal.seconds.output += journal.lap();

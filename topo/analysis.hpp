@@ -13,6 +13,10 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
 /// which a change of the body moves.
 void require_supports(const Functional& j, const Model& model);
 
+/// Whether the map takes an integral over the body per point, so that it is made at listed points only: a clamped hole
+/// in a J that is neither an energy nor linear in the state.
+bool needs_points(const Model& model, const Functional& j, const Perturbation& p);
+
 /// No prescribed displacement but 0: then the compliance is -2 times the potential energy.
 bool has_rigid_supports(const Model& model);
 

@@ -26,6 +26,8 @@ struct Analysis {
   std::vector<double> slope;       // dJ/d(integral of the term)
   // Weight of -1/2 form(s, s) + b.u: energies; compliances under homogeneous supports (-2), whose adjoint is the state.
   double energy_share = 0;
+  // Weight of the work of the loads in J, of compliances under other supports: their loads go with the body.
+  double work_share = 0;
   std::optional<Field> adjoint = {};  // of all other terms
   Sensitivity derivative = {};        // of these
   // With a misfit: the body with measured displacements.

@@ -132,7 +132,8 @@ void add_map(std::string& out, const MapResult& map) {
   for (std::size_t i = 0; i < std::min(map.points.size(), shown); ++i) {
     const MapPoint& p = map.points[i];
     if (!std::isfinite(p.value)) {
-      add(out, "", {at(p.at) + "  no value: outside the body, or on a crack"});
+      add(out, "", {at(p.at) + (p.masked ? "  no value: too near to something else for this radius"
+                                         : "  no value: outside the body, or on a crack")});
       continue;
     }
     std::string text = at(p.at) + "  " + six(p.value);

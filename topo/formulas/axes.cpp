@@ -19,4 +19,33 @@ double axis(const PlaneParts& m) {
   return in_half_turn(0.5 * std::atan2(m.y, m.x));
 }
 
+double largest_over_angles(const std::function<double(double)>& f, int samples) {
+  double best = 0, value = f(0);
+  const auto take = [&](double angle) {
+    if (const double other = f(angle); other > value) {
+      best = angle;
+      value = other;
+    }
+  };
+  for (int i = 1; i < samples; ++i) take(i * pi / samples);
+  constexpr double golden = 0.6180339887498949;
+  double low = best - pi / samples, high = best + pi / samples, a = high - golden * (high - low),
+         b = low + golden * (high - low), fa = f(a), fb = f(b);
+  for (const double narrow = 1e-9; high - low > narrow;) {
+    if (fa > fb) {
+      high = b;
+      b = a;
+      fb = fa;
+      fa = f(a = high - golden * (high - low));
+    } else {
+      low = a;
+      a = b;
+      fa = fb;
+      fb = f(b = low + golden * (high - low));
+    }
+  }
+  take(0.5 * (low + high));
+  return in_half_turn(best);
+}
+
 }  // namespace kerf

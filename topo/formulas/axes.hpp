@@ -4,6 +4,8 @@
 #include "kerf/perturbation.hpp"
 #include "topo/formulas/parts.hpp"
 
+#include <functional>
+
 namespace kerf {
 
 /// The same direction in [0, pi).
@@ -14,5 +16,8 @@ PlaneParts squares(std::span<const Product> products);
 
 /// Where e.M e is largest, in [0, pi); it is least across.
 double axis(const PlaneParts& m);
+
+/// Where f is largest over half a turn, by this many samples and golden sections beside the best.
+double largest_over_angles(const std::function<double(double angle)>& f, int samples);
 
 }  // namespace kerf

@@ -7,7 +7,6 @@ namespace kerf {
 
 namespace {
 
-
 // The tractions on a cut at the angle: normal and tangential components of s n, n = (-sin, cos).
 Vec2 on_cut(const PlaneParts& s, double angle) {
   const double c = std::cos(2 * angle), d = std::sin(2 * angle);
@@ -41,19 +40,8 @@ Oriented searched_crack(const Material& m, std::span<const Product> products) {
     for (const Product& q : products) sum += q.factor * crack_form(m, angle, q.s, q.t);
     return sum;
   };
-  constexpr int steps = 720;
-  double best = 0;
-  for (int i = 1; i < steps; ++i)
-    if (std::abs(value(i * pi / steps)) > std::abs(value(best))) best = i * pi / steps;
-  double low = best - pi / steps, high = best + pi / steps;
-  constexpr double golden = 0.6180339887498949;
-  for (int i = 0; i < 50; ++i) {
-    const double a = high - golden * (high - low), b = low + golden * (high - low);
-    (std::abs(value(a)) > std::abs(value(b)) ? high : low) = std::abs(value(a)) > std::abs(value(b)) ? b : a;
-  }
-  const double refined = 0.5 * (low + high);
-  if (std::abs(value(refined)) > std::abs(value(best))) best = refined;
-  return {value(best), in_half_turn(best)};
+  const double angle = largest_over_angles([&](double at) { return std::abs(value(at)); }, 720);
+  return {value(angle), angle};
 }
 
 Oriented worst(const Perturbation&, const Material& m, std::span<const Product> products) {

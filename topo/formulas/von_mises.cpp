@@ -20,13 +20,6 @@ Invariants invariants(const Mat2& s) {
   return {p.mean, p.x * p.x + p.y * p.y};
 }
 
-// ((1 + x)^h - 1 - h x)/x^2 for small x.
-double remainder(double h, double x) {
-  double term = 0.5 * h * (h - 1), sum = term;
-  for (int k = 3; k < 40 && std::abs(term) > 1e-18 * std::abs(sum); ++k) sum += term *= (h - k + 1) / k * x;
-  return sum;
-}
-
 // [Phi(s + w) - Phi(s) - Phi'(s):w]/t^2 at t = 1/r^2, in the principal frame of s = (mean, d).
 struct Integrand {
   double share, h, mean, d, added_mean, added_d, whole = 0, lower = 0;
@@ -52,7 +45,8 @@ struct Integrand {
     const double m = -2 * added_d * c, x = -added_mean + added_d * (3 * t - 2) * c, y = added_d * (3 * t - 2) * s;
     const double first = 2 * (share * mean * m + 3 * d * (c * x - s * y)), second = share * m * m + 3 * (x * x + y * y);
     const double slope = first + t * second, v = square();
-    if (std::abs(t * slope) < 0.1 * v) return lower * (slope * slope / v * remainder(h, t * slope / v) + h * second);
+    if (std::abs(t * slope) < 0.1 * v)
+      return lower * (slope * slope / v * power_remainder(h, t * slope / v) + h * second);
     return (std::pow(std::max(v + t * slope, 0.), h) - whole - h * lower * t * first) / (t * t);
   }
 };
@@ -148,6 +142,22 @@ struct Tabulation {
 
 }  // namespace
 
+double power_remainder(double h, double x) {
+  double term = 0.5 * h * (h - 1), sum = term;
+  for (int k = 3; k < 40 && std::abs(term) > 1e-18 * std::abs(sum); ++k) sum += term *= (h - k + 1) / k * x;
+  return sum;
+}
+
+void require_power(const VonMises& outer, double p) {
+  if (!(p >= 1 && p <= 100))
+    throw Error(Fault::Usage, "von Mises stress: the power is " + std::to_string(p) + ", it must lie in [1, 100]");
+  if (p < 2 && outer.share < 1e-3)
+    throw Error(Fault::Usage,
+                "von Mises stress: a power below 2 needs a material that is not incompressible, the power "
+                "is " +
+                    std::to_string(p));
+}
+
 double square(const VonMises& v, const Mat2& s) {
   const Invariants i = invariants(s);
   return v.share * i.mean * i.mean + 3 * i.shear;
@@ -165,13 +175,7 @@ Mat2 power_derivative(const VonMises& v, double p, const Mat2& s) {
 }
 
 PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside, const VonMises& inner) {
-  if (!(p >= 1 && p <= 100))
-    throw Error(Fault::Usage, "von Mises stress: the power is " + std::to_string(p) + ", it must lie in [1, 100]");
-  if (p < 2 && outer.share < 1e-3)
-    throw Error(Fault::Usage,
-                "von Mises stress: a power below 2 needs a material that is not incompressible, the power "
-                "is " +
-                    std::to_string(p));
+  require_power(outer, p);
   PowerTable table{outer, inner, p, inside, {0}, Eigen::MatrixXd(terms, 0)};
   const bool even = std::fmod(p, 2) == 0;
   Tabulation pieces{table, even, gauss(even ? 2 * static_cast<int>(p) + 2 : 10)};

@@ -25,6 +25,12 @@ double power(const VonMises& v, double p, const Mat2& s);
 /// limit for p > 1; for p = 1 the derivative jumps there and zero is one of its subgradients.
 Mat2 power_derivative(const VonMises& v, double p, const Mat2& s);
 
+/// ((1 + x)^h - 1 - h x)/x^2 for |x| below 0.1, to rounding.
+double power_remainder(double h, double x);
+/// Throws (Usage) for p outside [1, 100] or, with 1 <= p < 2, a share below 1e-3, where Psi has an infinite slope at
+/// d = 0 or, for p = 1, is infinite.
+void require_power(const VonMises& v, double p);
+
 /// Psi(s) = (1/pi) int_{|y|>1} [Phi(s + w) - Phi(s) - Phi'(s):w] dy with w the stress that the perturbation of radius 1
 /// adds outside. Psi = (sm^2 + d^2)^(p/2) psi(y), y = d^2/(sm^2 + d^2): Chebyshev sums of psi on pieces of [0, 1].
 struct PowerTable {
@@ -36,9 +42,8 @@ struct PowerTable {
 };
 
 /// Builds the table: exact up to rounding for even p, else relative error 1e-10 (measured for shares from 0.16 on).
-/// `inner` is the von Mises stress of the material inside (a hole has none). Throws (Usage) for p < 1 or, with 1 <= p <
-/// 2, a share below 1e-3, where Psi has an infinite slope at d = 0 or, for p = 1, is infinite [Amstutz, Novotny 2010;
-/// theory: T.20, T.22].
+/// `inner` is the von Mises stress of the material inside (a hole has none). Throws as
+/// require_power [Amstutz, Novotny 2010; theory: T.20, T.22].
 PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside = {}, const VonMises& inner = {});
 
 double exterior(const PowerTable& table, const Mat2& s);

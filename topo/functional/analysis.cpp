@@ -151,12 +151,14 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
     a.slope.push_back(slope(term, value));
     a.value += term.factor * result;
     if (value_only || term.measured) continue;
-    if (term.energy)
+    if (term.energy) {
       a.energy_share += term.factor;
-    else if (term.work && self_adjoint_work)
+    } else if (term.work && self_adjoint_work) {
       a.energy_share -= 2 * term.factor;
-    else
+    } else {
+      if (term.work) a.work_share += a.slope.back();
       a.derivative += scaled(a.slope.back(), derivative(term, model, state));
+    }
   }
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;

@@ -1,7 +1,10 @@
 #include "kerf/functional.hpp"
+#include "topo/formulas/exterior.hpp"
 #include "topo/formulas/kind.hpp"
 #include "topo/formulas/von_mises.hpp"
 
+#include <array>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,29 +13,59 @@ namespace kerf {
 
 namespace {
 
-// One table per material, perturbation and kind: made when first asked for.
+// Tables per material and perturbation: made when first asked for.
 class Tables {
  public:
   Tables(double p, bool plane_strain) : p_(p), plane_strain_(plane_strain) {}
 
-  const PowerTable& operator()(const Perturbation& change, const Material& m) {
-    const std::array<double, 5> key{m.mu, m.c, static_cast<double>(change.kind), change.inclusion.mu,
-                                    change.inclusion.c};
-    const std::scoped_lock lock(mutex_);
-    const auto found = tables_.find(key);
-    if (found != tables_.end()) return found->second;
-    return tables_.emplace(key, tabulate(law(m), p_, inside(change, m), law(change.inclusion))).first->second;
+  const PowerTable& circle(const Perturbation& change, const Material& m) {
+    return found(circles_, {m.mu, m.c, static_cast<double>(change.kind), change.inclusion.mu, change.inclusion.c},
+                 [&] { return tabulate(law(m), p_, inside(change, m), law(change.inclusion)); });
   }
-
- private:
+  const CutTable& cut(const Cut& cut, const Material& m) {
+    return found(cuts_, {law(m).share, static_cast<double>(cut.kind), cut.aspect},
+                 [&] { return tabulate(law(m), p_, cut); });
+  }
   VonMises law(const Material& m) const {
     return plane_strain_ ? von_mises_plane_strain(m) : VonMises{};
   }
+
+ private:
+  template <class Key, class Table, class Make>
+  const Table& found(std::map<Key, Table>& tables, const Key& key, const Make& make) {
+    const std::scoped_lock lock(mutex_);
+    const auto known = tables.find(key);
+    return known != tables.end() ? known->second : tables.emplace(key, make()).first->second;
+  }
   double p_;
   bool plane_strain_;
-  std::map<std::array<double, 5>, PowerTable> tables_;
+  std::map<std::array<double, 5>, PowerTable> circles_;
+  std::map<std::array<double, 3>, CutTable> cuts_;
   std::mutex mutex_;
 };
+
+// What a change at a point of a body adds to T, for weight 1. A directed one has its angle.
+double around(Tables& tables, double p, const Perturbation& change, const FieldPoint& at) {
+  switch (row(change).becomes) {
+    case Becomes::Clamp:
+      throw Error(Fault::Usage,
+                  "functionals of the stress have no expansion for clamped holes, around which the stress is singular; "
+                  "use another perturbation");
+    case Becomes::Slit: {
+      const Vec2 n(-std::sin(*change.angle), std::cos(*change.angle));
+      const Cut cut{n.dot(at.stress * n) > 0 ? Cut::Kind::Open : Cut::Kind::Closed};
+      return exterior(tables.cut(cut, at.material), at.stress, *change.angle);
+    }
+    case Becomes::Material:
+      if (change.inclusion.mu == at.material.mu && change.inclusion.c == at.material.c) return 0;
+      break;
+    case Becomes::Nothing:
+      if (is_directed(change))
+        return (p - 1) * power(tables.law(at.material), p, at.stress) +
+               exterior(tables.cut({Cut::Kind::Ellipse, change.aspect}, at.material), at.stress, *change.angle);
+  }
+  return local_term(tables.circle(change, at.material), at.stress);
+}
 
 }  // namespace
 
@@ -50,15 +83,8 @@ Term stress_power(double p, ScalarField weight, bool plane_strain) {
   };
   term.local = [=, tables = std::make_shared<Tables>(p, plane_strain)](const Perturbation& change,
                                                                        const FieldPoint& at) {
-    if (!row(change).inside)
-      throw Error(
-          Fault::Usage,
-          "functionals of the stress have expansions for circular holes and inclusions only; use perturbation = "
-          "\"hole\" or { young, poisson }");
-    if (row(change).becomes == Becomes::Material && change.inclusion.mu == at.material.mu &&
-        change.inclusion.c == at.material.c)
-      return 0.0;
-    return local_term((*tables)(change, at.material), at.stress, weigh(at.x));
+    const double w = weigh(at.x);
+    return w == 0 ? 0 : w * around(*tables, p, change, at);
   };
   return term;
 }

@@ -56,6 +56,10 @@ bool is_energy(const Model& m, const Term& term) {
 
 }  // namespace
 
+bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
+  return !has_series(p) && std::ranges::any_of(j.terms, [&](const Term& t) { return !t.linear && !is_energy(m, t); });
+}
+
 GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), solver_(m, held_rows(m, s)) {
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
@@ -166,8 +170,7 @@ class Clamped {
     }
     if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
     for (const Term& term : j_.terms)
-      if (term.linear && term.density)
-        value -= pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
+      if (term.linear && term.density) value -= pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
     if (inserts()) value += inserted(x, material, green, F);
     return value;
   }

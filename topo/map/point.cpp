@@ -1,5 +1,6 @@
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
+#include "topo/formulas/axes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,33 @@ double local(const Term& term, const Perturbation& p, const PointValues& v, cons
   const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
   if (term.local) return term.local(p, at);
   return removes_body(p) ? -term.density(at).value : 0;
+}
+
+// The part of T that may depend on a direction.
+Oriented forms_and_locals(const Expansion& e, const Perturbation& p, const PointValues& v,
+                          std::span<const Product> products) {
+  Oriented t = oriented(p, v.material, products);
+  const Mat2 s = symmetric(v.stress);
+  for (std::size_t i = 0; i < e.j.terms.size(); ++i) t.value += e.a.slope[i] * local(e.j.terms[i], p, v, s);
+  return t;
+}
+
+// The least T over the directions of an ellipse, the largest in magnitude over those of a crack: in closed form where
+// the densities of J do not see them.
+Oriented best_direction(const Expansion& e, const PointValues& v, std::span<const Product> products) {
+  const auto sees = [](const Term& term) { return static_cast<bool>(term.local); };
+  if (!is_directed(e.p) || e.p.angle || std::ranges::none_of(e.j.terms, sees))
+    return forms_and_locals(e, e.p, v, products);
+  const bool crack = row(e.p).becomes == Becomes::Slit;
+  Perturbation p = e.p;
+  const auto rank = [&](double angle) {
+    p.angle = angle;
+    const double T = forms_and_locals(e, p, v, products).value;
+    return crack ? std::abs(T) : -T;
+  };
+  constexpr int samples = 36;
+  p.angle = largest_over_angles(rank, samples);
+  return forms_and_locals(e, p, v, products);
 }
 
 }  // namespace
@@ -66,14 +94,13 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
   if (a.energy_share != 0 || !a.adjoint) products[count++] = {-0.5 * a.energy_share, s, s};
   if (a.adjoint) products[count++] = {1, s, symmetric(v.dual)};
   if (a.measured) products[count++] = {-0.5 * a.measured_share, symmetric(v.measured), symmetric(v.measured)};
-  Oriented t = oriented(p, v.material, std::span(products.data(), count));
+  Oriented t = best_direction(e, v, std::span(products.data(), count));
   const bool loaded = removes_body(p) && a.model->scene.body;
   Vec2 body = Vec2::Zero();
   if (loaded) {
     body = a.model->scene.body(v.x);
-    t.value += body.dot(a.energy_share * v.u - v.p + a.measured_share * v.measured_u);
+    t.value += body.dot((a.energy_share - a.work_share) * v.u - v.p + a.measured_share * v.measured_u);
   }
-  for (std::size_t i = 0; i < e.j.terms.size(); ++i) t.value += a.slope[i] * local(e.j.terms[i], p, v, s);
   if (a.biactive) {
     const Eigen::Index n = v.openings.cols();
     Eigen::VectorXd g(n);

@@ -37,7 +37,6 @@ class OnEdge {
  public:
   OnEdge(const Analysis& a, const Functional& j) : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a)) {
     need_dual_recovered_ = needs(a, j, {}).recover_dual;
-    held_rigidly_ = has_rigid_supports(*a.model);
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
 
@@ -53,7 +52,7 @@ class OnEdge {
     const bool loaded = !force.isZero(0);
     const double s = recovered(m, *a_.state, fields_->recovered[FieldOf::Primal]);
     const Vec2 u = loaded ? displacement_at(m, *a_.state, t, x, true) : Vec2::Zero();
-    double sum = a_.energy_share * (0.5 * s * s / modulus - force.dot(u));
+    double sum = a_.energy_share * (0.5 * s * s / modulus - force.dot(u)) + a_.work_share * force.dot(u);
     if (a_.measured) {
       const double other = recovered(*a_.measured_model, *a_.measured, fields_->recovered[FieldOf::Measured]);
       const Vec2 moved = loaded ? displacement_at(*a_.measured_model, *a_.measured, t, x, true) : Vec2::Zero();
@@ -67,7 +66,6 @@ class OnEdge {
     if (uses_rotation_) at.rotation = evaluate(m, *a_.state, t, x).rotation[0];
     for (std::size_t i = 0; i < j_.terms.size(); ++i) {
       const Term& term = j_.terms[i];
-      if (term.work && !held_rigidly_) sum += a_.slope[i] * force.dot(u);
       if (!term.density) continue;
       if (term.uses_displacement) at.displacement = displacement_at(m, *a_.state, t, x, true);
       // eps(p) = A zeta + j_sigma: the adjoint's stress solves for a prestrain where J depends on the stress.
@@ -81,7 +79,7 @@ class OnEdge {
   const Analysis& a_;
   const Functional& j_;
   std::shared_ptr<const MapFields> fields_;
-  bool need_dual_recovered_ = true, uses_rotation_ = false, held_rigidly_ = true;
+  bool need_dual_recovered_ = true, uses_rotation_ = false;
 };
 
 }  // namespace

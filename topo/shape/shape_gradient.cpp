@@ -25,9 +25,9 @@ struct Loaded {
 // derivatives by the state 0, so that only what the fields meet while they move along counts.
 struct Parts {
   std::vector<Loaded> loaded;  // the model; with a misfit the measured body
+  double work = 0;             // weight of (f, u) + <g, u>
   const Field* dual = nullptr;
   const Sensitivity* derivative = nullptr;
-  double work = 0;           // weight of (f, u) + <g, u>
   double reaction_work = 0;  // of the work of the supports: see add_supports
   struct Explicit {
     const Term* term;
@@ -37,7 +37,7 @@ struct Parts {
 };
 
 Parts parts_of(const Analysis& a, const Functional& j) {
-  Parts p{.loaded = {{*a.model, *a.state, a.energy_share}}};
+  Parts p{.loaded = {{*a.model, *a.state, a.energy_share}}, .work = a.work_share};
   if (a.measured) p.loaded.push_back({*a.measured_model, *a.measured, a.measured_share});
   if (a.adjoint) {
     p.dual = &*a.adjoint;
@@ -50,8 +50,6 @@ Parts parts_of(const Analysis& a, const Functional& j) {
       p.terms.push_back({&term, a.slope[i]});
     else if (has_rigid_supports(*a.model))
       p.reaction_work += a.slope[i];
-    else
-      p.work += a.slope[i];
   }
   return p;
 }
