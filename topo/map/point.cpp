@@ -1,5 +1,6 @@
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
+#include "topo/formulas/mutation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ double local(const Term& term, const Perturbation& p, const PointValues& v, cons
   if (!term.density) return 0;
   const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
   if (term.local) return term.local(p, at);
-  return removes_body(p) ? -term.density(at).value : 0;
+  return removes_body(p) ? -mutant(FormulaPart::LocalDensity) * term.density(at).value : 0;
 }
 
 }  // namespace
@@ -63,14 +64,17 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
   const Mat2 s = symmetric(v.stress);
   std::array<Product, 3> products;
   std::size_t count = 0;
-  if (a.energy_share != 0 || !a.adjoint) products[count++] = {-0.5 * a.energy_share, s, s};
-  if (a.adjoint) products[count++] = {1, s, symmetric(v.dual)};
-  if (a.measured) products[count++] = {-0.5 * a.measured_share, symmetric(v.measured), symmetric(v.measured)};
+  if (a.energy_share != 0 || !a.adjoint)
+    products[count++] = {-0.5 * mutant(FormulaPart::Energy) * a.energy_share, s, s};
+  if (a.adjoint) products[count++] = {mutant(FormulaPart::Dual), s, symmetric(v.dual)};
+  if (a.measured)
+    products[count++] = {-0.5 * mutant(FormulaPart::Measured) * a.measured_share, symmetric(v.measured),
+                         symmetric(v.measured)};
   Oriented t = oriented(p, v.material, std::span(products.data(), count));
   const bool loaded = removes_body(p) && a.model->scene.body;
   Vec2 body = Vec2::Zero();
   if (loaded) {
-    body = a.model->scene.body(v.x);
+    body = mutant(FormulaPart::BodyForce) * a.model->scene.body(v.x);
     t.value += body.dot(a.energy_share * v.u - v.p + a.measured_share * v.measured_u);
   }
   for (std::size_t i = 0; i < e.j.terms.size(); ++i) t.value += a.slope[i] * local(e.j.terms[i], p, v, s);
