@@ -53,7 +53,7 @@ struct Adapted {
 /// 32, those between the longest stretches.
 std::vector<Vec2> contact_ends(const Model& model, const Field& state);
 
-/// One solution on the mesh that `sizing` asks for, graded at the ends of contact [theory: C.14]: there the adjoint of
+/// One solution on the mesh that `sizing` asks for, graded at the ends of contact [theory: C.20]: there the adjoint of
 /// every J but an energy is singular as the state is at a tip, and T depends on where the end is. They are found on a
 /// coarse mesh (where that is much cheaper), graded, and the mesh is made anew where contact ends elsewhere after all.
 /// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh.

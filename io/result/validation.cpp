@@ -25,7 +25,7 @@ std::string sentence(const Validation& v) {
       std::isfinite(v.order) ? fmt::format("observed order {:.2f}", v.order) : "no observed order";
   if (v.verdict != Verdict::Holds && v.verdict != Verdict::Fails) {
     const std::string said = v.verdict == Verdict::Vanishes     ? " the expansion vanishes"
-                             : v.verdict == Verdict::OutOfRange ? " the radii are out of range"
+                             : v.verdict == Verdict::OutOfRange ? " out of range"
                                                                 : " nothing can be said";
     return out + said + (v.reason.empty() ? "." : ": " + v.reason + ".");
   }
@@ -44,6 +44,7 @@ std::string sentence(const Validation& v) {
   if (expansion && std::isfinite(gap))
     out += v.coefficient == 0 ? fmt::format(", intercept {}", six(v.intercept))
                               : fmt::format(", intercept within {:.2g} % of T", 100 * gap / std::abs(v.coefficient));
+  if (std::isfinite(v.bar)) out += "; " + v.reason;
   return out + ".";
 }
 

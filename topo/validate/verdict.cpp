@@ -310,7 +310,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
 }
 
 void conclude(Validation& v, double area, bool clamped) {
-  constexpr double of_formula = 5e-3, of_mesh = 0.03, safety = 1.5;
+  constexpr double of_formula = 5e-3, of_mesh = 0.05, safety = 1.5;
   DrawnChange& d = v.drawn;
   d.intercept = d.difference / (clamped ? 1 : area) - d.rest;
   const double here = clamped ? d.predicted : v.coefficient, size = std::abs(d.intercept);
