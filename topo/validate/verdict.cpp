@@ -13,8 +13,9 @@ namespace kerf {
 
 namespace {
 
-// D = T + c2 eps^2 + c3 eps^2 ln eps. What the radii leave open lies between `low` and `high`: two radii with either
-// term (ln of eps over the distance to the next feature), three with both, four in the mean of squares.
+// D = T + c2 eps^2 + c3 eps^2 ln eps. What the radii leave open lies between `low` and `high`: of four
+// radii three in a row with both terms and all in the mean of squares; of fewer the fits with either term (ln of eps over
+// the distance to the next feature) and with both.
 struct Fit {
   double intercept = nan, c2 = nan, c3 = nan;
   double low = infinity, high = -infinity;
@@ -59,9 +60,13 @@ Fit fit(std::span<const Sample> s, double length) {
     f.intercept = c[0], f.c2 = c[1], f.c3 = c[2];
   };
   if (s.size() >= 3) take(s.last(3), Terms::Both);
+  if (s.size() >= 4) {
+    take(s.last(4).first(3), Terms::Both);
+    take(s.last(4), Terms::Both);
+    return f;
+  }
   take(s.last(2), Terms::Logarithm);
-  take(s.last(std::min<std::size_t>(s.size(), 3)), Terms::Square);
-  if (s.size() >= 4) take(s.last(4), Terms::Both);
+  take(s, Terms::Square);
   return f;
 }
 
