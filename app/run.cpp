@@ -28,6 +28,10 @@ double peak_memory_mb() {
 Body body_of(const Case& c) {
   return {c.shape, c.sizing, c.scene, c.element};
 }
+/// The same with the mesh graded as that of the solution.
+Body body_of(const Case& c, const Adapted& adapted) {
+  return {c.shape, adapted.sizing, c.scene, c.element};
+}
 
 Adaptation adaptation(const Case& c, int threads) {
   Adaptation how{.contact = c.contact, .saddle_point = c.backend == Backend::Umfpack, .threads = threads};
@@ -122,11 +126,13 @@ void describe_mesh(const Mesh& mesh, Result& r) {
 
 Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   const Body body = body_of(c);
-  const Adaptation how = adaptation(c, journal.options.threads);
+  Adaptation how = adaptation(c, journal.options.threads);
   if (!c.adapt) {
-    Mesh mesh = mesh_body(body, journal);
-    describe_mesh(mesh, r);
-    return solve_once(body, std::move(mesh), how, journal);
+    how.meshed = [&](const Mesh& mesh) {
+      describe_mesh(mesh, r);
+      journal.begin("assemble, factorize and solve");
+    };
+    return solve_once(body, how, journal);
   }
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
@@ -166,7 +172,8 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   const MapTask task = map_task(c);
   Mapped map = map_body(task, analysis, solved.data, c.shape);
   r.map = map.result;
-  note(bound_map(task, analysis, body_of(c), map));
+  note(limits_of_map(task, solved.adapted.model));
+  note(bound_map(task, analysis, body_of(c, solved.adapted), map));
   r.map = map.result;
   journal.seconds.map = journal.lap();
   write_map(task, map, solved.adapted.model, solved.data, journal);
@@ -248,7 +255,9 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   }
   try {
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map, journal, r);
-    if (jobs.validate) r.validate = validate_expansion(body_of(out->c), out->c.functional, *out->c.validate, journal);
+    if (jobs.validate)
+      r.validate =
+          validate_expansion(body_of(out->c, out->solved.adapted), out->c.functional, *out->c.validate, journal);
     if (jobs.optimize) {
       Case design = optimize_design(given, journal, r);
       if (out) {

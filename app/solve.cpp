@@ -21,25 +21,25 @@ bool may_touch(const Scene& scene) {
 
 }  // namespace
 
-Mesh mesh_body(const Body& body, Journal& journal) {
-  journal.begin("mesh");
-  Mesh mesh = triangulate(body.shape, body.sizing);
-  journal.seconds.mesh += journal.lap();
-  return mesh;
+namespace {
+
+void add_seconds(const Adapted& adapted, Seconds& seconds) {
+  for (const Round& round : adapted.rounds) {
+    seconds.mesh += round.mesh;
+    seconds.assemble += round.assemble;
+    seconds.factor += round.factor;
+    seconds.solve += round.solve - round.contact + round.estimate;
+    seconds.contact += round.contact;
+  }
 }
 
-Adapted solve_once(const Body& body, Mesh mesh, const Adaptation& how, Journal& journal) {
-  Seconds& seconds = journal.seconds;
-  journal.begin("assemble and factorize");
-  Model model = prepare(std::move(mesh), body.element, body.scene, how.threads);
-  seconds.assemble += model.seconds.assemble;
-  seconds.factor += model.seconds.factor;
-  journal.begin("solve");
-  State state = how.saddle_point ? solve_saddle_point(model) : solve(model, how.contact);
-  Indicator indicator = error_indicator(model, state);
-  seconds.solve += journal.lap() - state.seconds.contact;
-  seconds.contact += state.seconds.contact;
-  return {std::move(model), std::move(state), std::move(indicator), {}, {}};
+}  // namespace
+
+Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal) {
+  journal.begin("mesh");
+  Adapted adapted = solve_graded(body.shape, body.sizing, body.element, body.scene, how);
+  add_seconds(adapted, journal.seconds);
+  return adapted;
 }
 
 Adapted solve_refined(const Body& body, Adaptation how, Journal& journal) {
@@ -51,14 +51,7 @@ Adapted solve_refined(const Body& body, Adaptation how, Journal& journal) {
     return true;
   };
   Adapted adapted = solve_adaptively(body.shape, body.sizing, body.element, body.scene, how);
-  Seconds& seconds = journal.seconds;
-  for (const Round& round : adapted.rounds) {
-    seconds.mesh += round.mesh;
-    seconds.assemble += round.assemble;
-    seconds.factor += round.factor;
-    seconds.solve += round.solve - round.contact + round.estimate;
-    seconds.contact += round.contact;
-  }
+  add_seconds(adapted, journal.seconds);
   return adapted;
 }
 

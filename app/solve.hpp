@@ -14,9 +14,8 @@ struct Body {
   const Element& element;
 };
 
-Mesh mesh_body(const Body& body, Journal& journal);
-/// On this mesh; `how.error` and what belongs to it are not asked.
-Adapted solve_once(const Body& body, Mesh mesh, const Adaptation& how, Journal& journal);
+/// Graded at the ends of contact; `how.error` and what belongs to it are not asked.
+Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);
 Adapted solve_refined(const Body& body, Adaptation how, Journal& journal);
 
 AdaptResult adapt_result(const Adapted& adapted);

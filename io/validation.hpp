@@ -5,14 +5,11 @@
 
 namespace kerf {
 
-/// As in result.json: "holds" | "fails" | "out of range".
-std::string word(Verdict verdict);
-
 /// One sentence to quote: the expansion with its numbers, or what is wrong with it. ASCII unless the reason is not.
 std::string sentence(const Validation& validation);
 
 /// validate.csv: point (counted from 1),x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,
-/// verdict,reason.
+/// on_mesh,bar,independent,verdict,reason.
 void write_validation_csv(const std::filesystem::path& path, const ValidationResult& result);
 
 }  // namespace kerf

@@ -161,6 +161,11 @@ struct Finder {
     }
   }
 
+  // A background knows nothing of them either.
+  void ask_at_ends_of_contact() {
+    for (const Vec2& x : sizing.ends) sources.push_back({x, x, end_size(sizing.size), 0});
+  }
+
   void ask_at_reentrant_corners() {
     std::vector<bool> reentrant = reentrant_corners(drawing);
     for (const Strand& s : drawing.strands)
@@ -195,6 +200,7 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   find.ask_at_crowded_tips();
   find.ask_at_regions();
   find.ask_at_reentrant_corners();
+  find.ask_at_ends_of_contact();
   add_gaps(shape, drawing, sizing.size, sizing.across, find.sources);
   return std::move(find.sources);
 }

@@ -38,6 +38,7 @@ struct Adaptation {
   bool saddle_point = false;  // solve_saddle_point instead of solve
   int threads = 1;
   std::function<bool(const Round&)> go_on = {};  // asked after each round
+  std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
 };
 
 struct Adapted {
@@ -45,8 +46,21 @@ struct Adapted {
   State state;
   Indicator indicator;
   std::vector<Round> rounds;
-  std::string stopped;  // why, in words; begins with "reached" when the error is
+  std::string stopped = {};  // why, in words; begins with "reached" when the error is
+  Sizing sizing = {};        // what was asked for, with the ends of contact that its mesh is graded at
 };
+
+/// Where contact on a crack ends (closed to open) and where faces that stick begin to slip, along all cracks; at most
+/// 32, those between the longest stretches.
+std::vector<Vec2> contact_ends(const Model& model, const Field& state);
+
+/// One solution on the mesh that `sizing` asks for, graded at the ends of contact [theory: C.20]: there the adjoint of
+/// every J but an energy is singular as the state is at a tip, and T depends on where the end is. They are found on a
+/// coarse mesh (where that is much cheaper), graded, and the mesh is made anew where contact ends elsewhere after all.
+/// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh.
+/// Uses `contact`, `saddle_point`, `threads` of the adaptation. Throws as triangulate and prepare do.
+Adapted solve_graded(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
+                     const Adaptation& how);
 
 /// From the mesh that `sizing` asks for, which stays the coarsest allowed. Throws as triangulate and prepare do, and
 /// Error(Usage) for an element without an error indicator.

@@ -4,6 +4,8 @@
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
 
+#include <string_view>
+
 namespace kerf {
 
 struct ValidationRow {
@@ -15,7 +17,30 @@ struct ValidationRow {
   bool same_contact = true;  // the contact set is that of the unperturbed body
 };
 
-enum class Verdict { Holds, Fails, OutOfRange };
+/// Holds: the coefficient is that of the series of differences on its mesh, and of a change drawn on another, better mesh
+/// with contact free to change. Fails: the series says another number. Vanishes: neither sees anything at this point.
+/// OutOfRange: the radii are too large, too few, or contact moves with them. NothingSaid: parts of the formula cancel,
+/// rounding or the mesh leaves too much, J is infinite.
+enum class Verdict { Holds, Fails, Vanishes, OutOfRange, NothingSaid };
+/// As in result.json: "holds" | "fails" | "vanishes" | "out of range" | "nothing can be said".
+std::string_view word(Verdict verdict);
+
+/// What one part of the formula gives to T: trace and deviator of the stresses (of shapes with a direction also what the
+/// two give together; of a crack its normal and tangential tractions), displacement under a body force, local (the
+/// change of the density itself).
+struct Mode {
+  std::string_view name;
+  double value = 0;
+};
+
+/// One radius drawn on a mesh of its own, of one degree more, the contact free.
+struct DrawnChange {
+  double radius = nan, difference = nan;
+  double rest = nan;         // what the series says beyond T at that radius (of a clamped hole beyond the prediction)
+  double predicted = nan;    // of a clamped hole, by the series' mesh
+  double coefficient = nan;  // T of the formula on the drawn mesh; of a clamped hole the prediction
+  double intercept = nan;    // the difference less what the series says beyond T: T of the body
+};
 
 struct Validation {
   Vec2 at = Vec2::Zero();
@@ -25,20 +50,26 @@ struct Validation {
   double intercept = 0;    // of the least squares fit D = T + c2 eps^2 + c3 eps^2 ln eps, D = difference / f(eps)
   double c2 = 0, c3 = 0;   // of that fit: the series to order eps^4
   double plateau = 0;      // relative error of D that the mesh leaves
+  double on_mesh = nan;    // the map's value on the mesh of the body alone (of a clamped hole at the drawn radius)
+  double bar = nan;        // the largest distance from it to what other meshes say, 1.5 times
+  DrawnChange drawn = {};  // where the series allows a verdict
+  std::vector<Mode> modes = {};
   Verdict verdict = Verdict::OutOfRange;
   std::string reason;  // in words
   std::vector<ValidationRow> rows;
 };
 
 struct ValidationRequest {
-  std::vector<Vec2> points;
+  std::vector<Vec2> points;   // none: two that see every mode, far from features
   std::vector<double> radii;  // decreasing
   Perturbation perturbation;
   int threads = 1;
 };
 
 /// One mesh with a ball around every point, factorized once; each radius costs a solve inside its ball and on the
-/// ball's boundary together with the cracks' contact rows.
+/// ball's boundary together with the cracks' contact rows. Where the series agrees with T, one radius is solved again as a
+/// body with a change drawn into it, on another mesh with one degree more (5 to 8 times the work of the state). All
+/// meshes are graded at the ends of contact.
 std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
                                  const ValidationRequest& request);
 

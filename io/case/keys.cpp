@@ -331,10 +331,11 @@ constexpr Key rows[] = {
     {"validate", Table, {}, "The expansion against changes of finite size."},
     {"validate.points",
      Points,
-     {.required = true},
+     {},
      "Where. The perturbation is that of [map], the mesh that of mesh.size. Not for peers, bdms-c and other elements "
      "with unknowns at vertices.",
-     "[[0.5, 0.8]]"},
+     "[[0.5, 0.8]]",
+     "two that see every part of the formula, far from features"},
     {"validate.radii",
      Numbers | Table,
      {.range = positive, .required = true},

@@ -95,12 +95,12 @@ void read_map(const Value& document, Case& c) {
   if (validate) {
     allow_only(*validate);
     c.validate.emplace();
-    const Value at = need(*validate, "points");
-    for (const Value& item : items(at, 1)) {
-      c.validate->points.push_back(point(item));
-      if (std::count(c.validate->points.begin(), c.validate->points.end(), c.validate->points.back()) > 1)
-        fail(item.node->position, item.name + " appears twice");
-    }
+    if (const auto at = find(*validate, "points"))
+      for (const Value& item : items(*at, 1)) {
+        c.validate->points.push_back(point(item));
+        if (std::count(c.validate->points.begin(), c.validate->points.end(), c.validate->points.back()) > 1)
+          fail(item.node->position, item.name + " appears twice");
+      }
     c.validate->radii = read_radii(need(*validate, "radii"), c);
     c.validate->perturbation = c.map_request.perturbation;
     default_radius = c.validate->radii.back();

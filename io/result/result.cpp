@@ -140,7 +140,8 @@ Json map_section(const MapResult& map) {
 Json validate_section(const ValidationResult& validation) {
   Json points = Json::array();
   for (const Validation& v : validation.points) {
-    Json rows = Json::array();
+    Json rows = Json::array(), modes = Json::object();
+    for (const Mode& m : v.modes) modes[std::string(m.name)] = number(m.value);
     for (const ValidationRow& row : v.rows)
       rows.push_back({{"radius", number(row.radius)},
                       {"J", number(row.J)},
@@ -152,13 +153,21 @@ Json validate_section(const ValidationResult& validation) {
     points.push_back({{"at", place(v.at)},
                       {"coefficient", number(v.coefficient)},
                       {"order", number(v.order)},
-                      {"verdict", word(v.verdict)},
+                      {"verdict", std::string(word(v.verdict))},
                       {"rows", std::move(rows)},
                       {"reason", v.reason},
                       {"intercept", number(v.intercept)},
                       {"plateau", number(v.plateau)},
                       {"c2", number(v.c2)},
-                      {"c3", number(v.c3)}});
+                      {"c3", number(v.c3)},
+                      {"on_mesh", number(v.on_mesh)},
+                      {"bar", number(v.bar)},
+                      {"independent",
+                       {{"radius", number(v.drawn.radius)},
+                        {"difference", number(v.drawn.difference)},
+                        {"formula", number(v.drawn.coefficient)},
+                        {"intercept", number(v.drawn.intercept)}}},
+                      {"modes", std::move(modes)}});
   }
   return points;
 }

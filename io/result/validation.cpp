@@ -18,17 +18,17 @@ std::string summand(double value, const char* power) {
 
 }  // namespace
 
-std::string word(Verdict verdict) {
-  return verdict == Verdict::Holds ? "holds" : verdict == Verdict::Fails ? "fails" : "out of range";
-}
-
 std::string sentence(const Validation& v) {
   std::string out = "At " + place(v.at);
   const bool expansion = std::isfinite(v.coefficient);  // not of a clamped hole
   const std::string order =
       std::isfinite(v.order) ? fmt::format("observed order {:.2f}", v.order) : "no observed order";
-  if (v.verdict == Verdict::OutOfRange)
-    return out + " nothing can be said" + (v.reason.empty() ? "." : ": " + v.reason + ".");
+  if (v.verdict != Verdict::Holds && v.verdict != Verdict::Fails) {
+    const std::string said = v.verdict == Verdict::Vanishes     ? " the expansion vanishes"
+                             : v.verdict == Verdict::OutOfRange ? " out of range"
+                                                                : " nothing can be said";
+    return out + said + (v.reason.empty() ? "." : ": " + v.reason + ".");
+  }
   const char* verdict = v.verdict == Verdict::Holds ? "holds" : "fails";
   out += fmt::format(" the {} {}: ", expansion ? "expansion" : "renormalized prediction", verdict);
   if (v.verdict == Verdict::Fails) {
@@ -44,23 +44,27 @@ std::string sentence(const Validation& v) {
   if (expansion && std::isfinite(gap))
     out += v.coefficient == 0 ? fmt::format(", intercept {}", six(v.intercept))
                               : fmt::format(", intercept within {:.2g} % of T", 100 * gap / std::abs(v.coefficient));
+  if (std::isfinite(v.bar)) out += "; " + v.reason;
   return out + ".";
 }
 
 void write_validation_csv(const std::filesystem::path& path, const ValidationResult& result) {
   fmt::memory_buffer out;
   const auto text = [&out](std::string_view piece) { out.append(piece.data(), piece.data() + piece.size()); };
-  text("point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,verdict,reason\n");
+  text(
+      "point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,on_mesh,bar,"
+      "independent,verdict,reason\n");
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const Validation& v = result.points[i];
     for (const ValidationRow& row : v.rows) {
       text(fmt::format("{},", i + 1));
-      for (const double value : {v.at.x(), v.at.y(), row.radius, row.J, row.J - row.difference, row.difference,
-                                 row.predicted, row.remainder, row.order, v.coefficient, v.intercept}) {
+      for (const double value :
+           {v.at.x(), v.at.y(), row.radius, row.J, row.J - row.difference, row.difference, row.predicted, row.remainder,
+            row.order, v.coefficient, v.intercept, v.on_mesh, v.bar, v.drawn.intercept}) {
         append_cell(out, value);
         out.push_back(',');
       }
-      text(word(v.verdict) + "," + csv_text(clean_text(v.reason)) + "\n");
+      text(std::string(word(v.verdict)) + "," + csv_text(clean_text(v.reason)) + "\n");
     }
   }
   write_file(path, {out.data(), out.size()});

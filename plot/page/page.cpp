@@ -250,7 +250,7 @@ std::string validation_section(const ValidationResult& validation, const std::st
     out += fmt::format("<p class=\"note{}\">{}</p>\n", v.verdict == Verdict::Fails ? " bad" : "",
                        escape_html(sentence(v)));
     if (rows.size() < most_rows)
-      rows.push_back({at(v.at), word(v.verdict), pretty(v.coefficient), pretty(v.intercept), pretty(v.order),
+      rows.push_back({at(v.at), std::string(word(v.verdict)), pretty(v.coefficient), pretty(v.intercept), pretty(v.order),
                       pretty(v.plateau), pretty(v.c2), pretty(v.c3)});
   }
   out += table({"point", "expansion", "T", "intercept", "order", "plateau", "c<sub>2</sub>", "c<sub>3</sub>"}, rows);

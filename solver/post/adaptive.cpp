@@ -1,4 +1,5 @@
 #include "kerf/adaptive.hpp"
+#include "kerf/recover.hpp"
 
 #include "geometry/adapt.hpp"
 
@@ -56,25 +57,161 @@ Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted,
   return mesh;
 }
 
+State solved(const Model& model, const Adaptation& how) {
+  return how.saddle_point ? solve_saddle_point(model) : solve(model, how.contact);
+}
+
+bool may_touch(const Model& m, Index crack) {
+  return m.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
+}
+
+// Between two neighboring points of a crack of which one is open, slips or sticks and the other does something else.
+struct End {
+  Vec2 at;
+  double gap;  // between the points
+  double run;  // the shorter of the stretches that meet
+};
+
+void add_ends(const Model& m, const Field& s, Index crack, std::vector<End>& ends) {
+  const bool friction = has_friction(m.scene.laws[crack]);
+  const std::vector<CrackPoint> points = crack_profile(m, s, crack);
+  const auto does = [&](std::size_t i) {
+    return (points[i].status == CrackPoint::Status::Closed ? 1 : 0) + (friction && points[i].jump_t == 0 ? 2 : 0);
+  };
+  // A single point between two that agree is what the mesh does not resolve.
+  const auto alone = [&](std::size_t i) {
+    return i > 0 && i + 1 < points.size() && does(i - 1) == does(i + 1) && does(i) != does(i - 1);
+  };
+  const std::size_t none_before = ends.size();
+  double begin = 0;
+  std::size_t before = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (alone(i)) continue;
+    if (does(i) != does(before)) {
+      const double at = 0.5 * (points[before].s + points[i].s);
+      if (ends.size() > none_before) ends.back().run = std::min(ends.back().run, at - begin);
+      ends.push_back({0.5 * (points[before].at + points[i].at), points[i].s - points[before].s, at - begin});
+      begin = at;
+    }
+    before = i;
+  }
+  if (ends.size() > none_before) ends.back().run = std::min(ends.back().run, points.back().s - begin);
+}
+
+std::vector<End> ends_of(const Model& m, const Field& s) {
+  std::vector<End> ends;
+  for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c)
+    if (may_touch(m, c)) add_ends(m, s, c, ends);
+  constexpr std::size_t most = 32;
+  std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.run > b.run; });
+  if (ends.size() > most) ends.resize(most);
+  return ends;
+}
+
+std::vector<Vec2> places_of(const std::vector<End>& ends) {
+  std::vector<Vec2> at;
+  for (const End& e : ends) at.push_back(e.at);
+  return at;
+}
+
+// The solutions of one body on meshes that are graded better and better.
+class Grading {
+ public:
+  Grading(const Shape& shape, const Element& e, const Scene& scene, const Adaptation& how)
+      : shape_(shape), element_(e), scene_(scene), how_(how) {}
+
+  bool has_contact() const {
+    return std::any_of(scene_.laws.begin(), scene_.laws.end(),
+                       [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
+  }
+
+  /// Until the ends lie in the fine part of their mesh, or `most` solutions. `told`: of each mesh.
+  Adapted solve(Sizing sizing, int most, bool told) {
+    if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
+    while (true) {
+      Adapted a = once(sizing, told);
+      if (!has_contact() || --most == 0) return a;
+      const std::vector<End> ends = ends_of(a.model, a.state);
+      constexpr double fine = 3;  // times the size that is asked for
+      if (std::all_of(ends.begin(), ends.end(), [&](const End& e) { return e.gap <= fine * end_size(sizing.size); }))
+        return a;
+      sizing.ends = places_of(ends);
+    }
+  }
+
+  /// The ends of contact on a mesh so coarse that it costs little beside the one that is asked for.
+  std::vector<Vec2> guess(const Sizing& wanted) {
+    constexpr double coarse = 24, cheaper = 2;
+    Sizing sizing = wanted;
+    sizing.size = extent(shape_) / coarse;
+    const double size = wanted.size > 0 ? wanted.size : extent(shape_) / 40;
+    if (!has_contact() || sizing.size < cheaper * size) return {};
+    const Adapted a = solve(sizing, 4, false);
+    return contact_ends(a.model, a.state);
+  }
+
+  std::vector<Round> rounds;
+
+ private:
+  Adapted once(const Sizing& sizing, bool told) {
+    Stopwatch watch;
+    Mesh mesh = triangulate(shape_, sizing);
+    if (told && how_.meshed) how_.meshed(mesh);
+    Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
+    Model model = prepare(std::move(mesh), element_, scene_, how_.threads);
+    round.assemble = model.seconds.assemble;
+    round.factor = model.seconds.factor;
+    watch.lap();
+    State state = solved(model, how_);
+    round.solve = watch.lap();
+    round.contact = state.seconds.contact;
+    rounds.push_back(round);
+    return {.model = std::move(model), .state = std::move(state), .sizing = sizing};
+  }
+
+  const Shape& shape_;
+  const Element& element_;
+  const Scene& scene_;
+  const Adaptation& how_;
+};
+
 }  // namespace
 
-Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
+std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
+  return places_of(ends_of(model, state));
+}
+
+Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e, const Scene& scene,
+                     const Adaptation& how) {
+  Grading grading(shape, e, scene, how);
+  Sizing sizing = wanted;
+  if (sizing.ends.empty()) sizing.ends = grading.guess(sizing);
+  Adapted a = grading.solve(std::move(sizing), 3, true);
+  a.indicator = error_indicator(a.model, a.state);
+  a.rounds = std::move(grading.rounds);
+  return a;
+}
+
+Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element& e, const Scene& scene,
                          const Adaptation& wanted) {
   require(e, can_estimate_error);
   constexpr std::size_t most_rounds = 40;
   Stopwatch watch;
+  Sizing sizing = given;
+  if (!(sizing.size > 0)) sizing.size = extent(shape) / 40;
   Mesh mesh = triangulate(shape, sizing);
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;
   double best = infinity;
   int without_gain = 0;
   while (true) {
+    if (wanted.meshed) wanted.meshed(mesh);
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
     Model model = prepare(std::move(mesh), e, scene, wanted.threads);
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
-    State state = wanted.saddle_point ? solve_saddle_point(model) : solve(model, wanted.contact);
+    State state = solved(model, wanted);
     round.solve = watch.lap();
     round.contact = state.seconds.contact;
     Indicator indicator = error_indicator(model, state);
@@ -98,7 +235,9 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element
     else if (wanted.go_on && !wanted.go_on(round))
       stopped = "stopped on request";
     if (!stopped.empty())
-      return {std::move(model), std::move(state), std::move(indicator), std::move(rounds), std::move(stopped)};
+      return {std::move(model),  std::move(state),   std::move(indicator),
+              std::move(rounds), std::move(stopped), std::move(sizing)};
+    sizing.ends = contact_ends(model, state);
     mesh = refined(shape, sizing, wanted, model, indicator);
   }
 }

@@ -17,7 +17,7 @@ TEST(Validation, SentencesToQuote) {
   EXPECT_EQ(sentence(v[1]),
             "At (-0.4, 0.6) the expansion fails: the remainder falls with order 2, not 4; T = -1.234, intercept "
             "-1.23437, observed order 2.00.");
-  EXPECT_EQ(sentence(v[2]), "At (3, 0) nothing can be said: the point lies outside the body.");
+  EXPECT_EQ(sentence(v[2]), "At (3, 0) out of range: the point lies outside the body.");
 }
 
 TEST(Validation, SentencesWithoutWhatIsNotKnown) {
@@ -30,7 +30,11 @@ TEST(Validation, SentencesWithoutWhatIsNotKnown) {
   v.order = 1.9;
   EXPECT_EQ(sentence(v), "At (0, 0) the renormalized prediction holds: observed order 1.90.");
   v.verdict = Verdict::OutOfRange;
+  EXPECT_EQ(sentence(v), "At (0, 0) out of range.");
+  v.verdict = Verdict::NothingSaid;
   EXPECT_EQ(sentence(v), "At (0, 0) nothing can be said.");
+  v.verdict = Verdict::Vanishes;
+  EXPECT_EQ(sentence(v), "At (0, 0) the expansion vanishes.");
 }
 
 TEST(Validation, CsvHasARowPerPointAndRadius) {
@@ -40,15 +44,17 @@ TEST(Validation, CsvHasARowPerPointAndRadius) {
   std::vector<std::string> all;
   for (std::string line; std::getline(lines, line);) all.push_back(line);
   ASSERT_EQ(all.size(), 7u);
-  EXPECT_EQ(all[0], "point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,verdict,reason");
+  EXPECT_EQ(all[0],
+            "point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,on_mesh,bar,independent,"
+            "verdict,reason");
   EXPECT_EQ(all[1].substr(0, 14), "1,0.5,0.8,0.2,");
   std::vector<double> first;
   std::istringstream cells(all[1]);
   for (std::string cell; std::getline(cells, cell, ',') && first.size() < 9;) first.push_back(std::stod(cell));
   EXPECT_NEAR(first[5], -10, 1e-14);
   EXPECT_NEAR(first[6] - first[7] - first[8], 0, 1e-15);
-  EXPECT_EQ(all[1].substr(all[1].find(",4,")), ",4,-1.234,-1.2343702,holds,orders 4.01 and 4.03");
-  EXPECT_EQ(all[3].substr(all[3].find(",,")), ",,-1.234,-1.2343702,holds,orders 4.01 and 4.03");
+  EXPECT_EQ(all[1].substr(all[1].find(",4,")), ",4,-1.234,-1.2343702,,,,holds,orders 4.01 and 4.03");
+  EXPECT_EQ(all[3].substr(all[3].find(",,")), ",,-1.234,-1.2343702,,,,holds,orders 4.01 and 4.03");
   EXPECT_EQ(all[4].substr(0, 3), "2,-");
   EXPECT_NE(all[6].find(",fails,\"the remainder falls with order 2, not 4\""), std::string::npos);
 }

@@ -1,5 +1,6 @@
 #include "topo/formulas/clamped_hole.hpp"
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/mutation.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -27,7 +28,11 @@ Mat2 kelvin_stress(const Material& m, const Vec2& r, int j) {
 }
 
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
-  return flexibility(m) * (0.5 - kolosov(m) * std::log(eps)) * Mat2::Identity() + hreg;
+  return flexibility(m) *
+             (0.5 * mutant(FormulaPart::ClampedHalf) -
+              mutant(FormulaPart::ClampedLogarithm) * kolosov(m) * std::log(eps)) *
+             Mat2::Identity() +
+         mutant(FormulaPart::ClampedRegular) * hreg;
 }
 
 bool admits_clamp(const Mat2& m) {
@@ -41,7 +46,7 @@ Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& 
     throw Error(Fault::Numerics,
                 "clamped hole: its radius " + std::to_string(eps) +
                     " is too large for the expansion, choose one well below the distance to the sides");
-  return a.inverse() * u0;
+  return mutant(FormulaPart::ClampedForce) * a.inverse() * u0;
 }
 
 namespace {

@@ -1,5 +1,6 @@
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/mutation.hpp"
 
 #include <cmath>
 
@@ -15,7 +16,9 @@ Vec2 on_cut(const PlaneParts& s, double angle) {
 
 double crack_part(const Material& m, double angle, const Mat2& s, const Mat2& t, bool open) {
   const Vec2 a = on_cut(split(s), angle), b = on_cut(split(t), angle);
-  return 2 / plane_modulus(m) * (a.y() * b.y() + (open ? a.x() * b.x() : 0));
+  return 2 / plane_modulus(m) *
+         (mutant(FormulaPart::CrackTangential) * a.y() * b.y() +
+          (open ? mutant(FormulaPart::CrackNormal) * a.x() * b.x() : 0));
 }
 
 }  // namespace

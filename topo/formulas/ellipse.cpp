@@ -1,5 +1,6 @@
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/mutation.hpp"
 
 #include <fmt/core.h>
 
@@ -12,8 +13,10 @@ double ellipse_form(const Material& m, double aspect, double angle, const Mat2& 
     throw Error(Fault::Usage, "elliptic hole: the aspect is " + std::to_string(aspect) + ", it must be at least 1");
   const Mat2 a = symmetric_part(s), b = symmetric_part(t);
   const Vec2 longer(std::cos(angle), std::sin(angle)), shorter(-longer.y(), longer.x());
-  return (2 * a.cwiseProduct(b).sum() - a.trace() * b.trace() + 2 * aspect * (a * shorter).dot(b * shorter) +
-          2 / aspect * (a * longer).dot(b * longer)) /
+  return (2 * mutant(FormulaPart::EllipseProduct) * a.cwiseProduct(b).sum() -
+          mutant(FormulaPart::EllipseTrace) * a.trace() * b.trace() +
+          2 * mutant(FormulaPart::EllipseShorter) * aspect * (a * shorter).dot(b * shorter) +
+          2 / aspect * mutant(FormulaPart::EllipseLonger) * (a * longer).dot(b * longer)) /
          plane_modulus(m);
 }
 

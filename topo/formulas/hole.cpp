@@ -1,11 +1,14 @@
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/mutation.hpp"
 #include "topo/formulas/parts.hpp"
 
 namespace kerf {
 
 double hole_form(const Material& m, const Mat2& s, const Mat2& t) {
   const Mat2 a = symmetric_part(s), b = symmetric_part(t);
-  return (4 * a.cwiseProduct(b).sum() - a.trace() * b.trace()) / plane_modulus(m);
+  return (4 * mutant(FormulaPart::HoleProduct) * a.cwiseProduct(b).sum() -
+          mutant(FormulaPart::HoleTrace) * a.trace() * b.trace()) /
+         plane_modulus(m);
 }
 
 double hole_energy(const Material& m, const Mat2& s, const Vec2& body, const Vec2& u) {

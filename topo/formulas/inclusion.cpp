@@ -1,4 +1,5 @@
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/mutation.hpp"
 #include "topo/formulas/parts.hpp"
 
 namespace kerf {
@@ -21,7 +22,8 @@ double inclusion_form(const Material& matrix, const Material& inside, const Mat2
   const double hydrostatic = contrast * (1 + 4 * mu * c);
   const double deviatoric = (r > 1 ? (1 - 1 / r) / ((1 - beta) / r + beta) : (r - 1) / (1 + beta * (r - 1))) / (2 * mu);
   const PlaneParts a = split(s), b = split(t);
-  return -4 * hydrostatic * a.mean * b.mean - 2 * deviatoric * (a.x * b.x + a.y * b.y);
+  return -4 * mutant(FormulaPart::InclusionTrace) * hydrostatic * a.mean * b.mean -
+         2 * mutant(FormulaPart::InclusionDeviator) * deviatoric * (a.x * b.x + a.y * b.y);
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #include "topo/formulas/von_mises.hpp"
 
 #include "solver/quadrature.hpp"
+#include "topo/formulas/mutation.hpp"
 #include "topo/formulas/parts.hpp"
 
 #include <algorithm>
@@ -212,8 +213,11 @@ double local_term(const PowerTable& table, const Mat2& s, double weight) {
   const Mat2 deviator = 0.5 * (s + s.transpose()) - mean * Mat2::Identity();
   const Mat2 in = table.inside.hydrostatic * mean * Mat2::Identity() + table.inside.deviatoric * deviator;
   const Mat2 change = in - mean * Mat2::Identity() - deviator;
-  return weight * (power(table.inner, table.p, in) - power(table.outer, table.p, s) -
-                   power_derivative(table.outer, table.p, s).cwiseProduct(change).sum() + exterior(table, s));
+  return weight *
+         (mutant(FormulaPart::PowerInside) * power(table.inner, table.p, in) -
+          mutant(FormulaPart::PowerOutside) * power(table.outer, table.p, s) -
+          mutant(FormulaPart::PowerSlope) * power_derivative(table.outer, table.p, s).cwiseProduct(change).sum() +
+          mutant(FormulaPart::PowerExterior) * exterior(table, s));
 }
 
 }  // namespace kerf

@@ -27,13 +27,20 @@ Vec2 displacement_at(const Model& m, const Field& s, Index t, const Vec2& x, boo
   return recovered ? Vec2(recovered_displacement(m, s, t, x).col(0)) : Vec2(evaluate(m, s, t, x).displacement.col(0));
 }
 
-Oriented expand_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x, std::vector<bool>& closed) {
+PointValues values_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x) {
   PointValues v = point_values(
-      e, [&](const FieldOf& of) { return recovered_at(of.model, of.field, f.corners, f.recovered[of.number], {t, x}); },
+      e,
+      [&](const FieldOf& of) {
+        return recovered_at(of.model, of.field, f.corners, f.recovered[of.number], {t, x});
+      },
       [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
   v.x = x;
   v.material = material_of(e.a.model->mesh, e.a.model->scene, t);
-  return expand(e, v, closed);
+  return v;
+}
+
+Oriented expand_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x, std::vector<bool>& closed) {
+  return expand(e, values_at(e, f, t, x), closed);
 }
 
 }  // namespace kerf

@@ -12,7 +12,10 @@ struct MapFields {
   std::vector<RecoveredStress> recovered;  // per FieldOf::number; empty where there is no such field
 };
 
-/// T at a point x of triangle t; `closed` as in expand.
+/// Of all fields at a point x of triangle t.
+PointValues values_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x);
+
+/// T there; `closed` as in expand.
 Oriented expand_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x, std::vector<bool>& closed);
 
 /// u* of recover.hpp, or the element's own.

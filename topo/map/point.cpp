@@ -1,6 +1,7 @@
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
 #include "topo/formulas/axes.hpp"
+#include "topo/formulas/mutation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@ double local(const Term& term, const Perturbation& p, const PointValues& v, cons
   if (!term.density) return 0;
   const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
   if (term.local) return term.local(p, at);
-  return removes_body(p) ? -term.density(at).value : 0;
+  return removes_body(p) ? -mutant(FormulaPart::LocalDensity) * term.density(at).value : 0;
 }
 
 // The part of T that may depend on a direction.
@@ -91,14 +92,17 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
   const Mat2 s = symmetric(v.stress);
   std::array<Product, 3> products;
   std::size_t count = 0;
-  if (a.energy_share != 0 || !a.adjoint) products[count++] = {-0.5 * a.energy_share, s, s};
-  if (a.adjoint) products[count++] = {1, s, symmetric(v.dual)};
-  if (a.measured) products[count++] = {-0.5 * a.measured_share, symmetric(v.measured), symmetric(v.measured)};
+  if (a.energy_share != 0 || !a.adjoint)
+    products[count++] = {-0.5 * mutant(FormulaPart::Energy) * a.energy_share, s, s};
+  if (a.adjoint) products[count++] = {mutant(FormulaPart::Dual), s, symmetric(v.dual)};
+  if (a.measured)
+    products[count++] = {-0.5 * mutant(FormulaPart::Measured) * a.measured_share, symmetric(v.measured),
+                         symmetric(v.measured)};
   Oriented t = best_direction(e, v, std::span(products.data(), count));
   const bool loaded = removes_body(p) && a.model->scene.body;
   Vec2 body = Vec2::Zero();
   if (loaded) {
-    body = a.model->scene.body(v.x);
+    body = mutant(FormulaPart::BodyForce) * a.model->scene.body(v.x);
     t.value += body.dot((a.energy_share - a.work_share) * v.u - v.p + a.measured_share * v.measured_u);
   }
   if (a.biactive) {

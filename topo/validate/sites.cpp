@@ -1,9 +1,12 @@
 #include "topo/validate/sites.hpp"
 
+#include "geometry/ball.hpp"
 #include "geometry/plane.hpp"
 #include "topo/formulas/kind.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
+
 #include <cmath>
 
 namespace kerf {
@@ -59,6 +62,15 @@ std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, co
       batch->push_back(s);
   }
   return batches;
+}
+
+Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
+  Shape outside = shape;
+  outside.labels.emplace_back("balls of the validation");
+  const Index label = static_cast<Index>(outside.labels.size()) - 1;
+  for (const Site& s : sites)
+    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, sides}, label));
+  return outside;
 }
 
 }  // namespace kerf

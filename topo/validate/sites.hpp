@@ -17,4 +17,7 @@ struct Site {
 /// Sites in batches whose balls keep apart.
 std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request);
 
+/// The shape with a ball_hole of `sides` sides around every site; their label is the last one.
+Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides);
+
 }  // namespace kerf

@@ -1,20 +1,25 @@
 #include "kerf/validate.hpp"
 
+#include "geometry/plane.hpp"
+#include "kerf/adaptive.hpp"
 #include "topo/analysis.hpp"
+#include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
+#include "topo/map/mask.hpp"
 #include "topo/map/point.hpp"
+#include "topo/validate/center.hpp"
+#include "topo/validate/chosen.hpp"
 #include "topo/validate/condense.hpp"
 #include "topo/validate/differences.hpp"
+#include "topo/validate/drawn.hpp"
 #include "topo/validate/sites.hpp"
 #include "topo/validate/verdict.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <optional>
 
 namespace kerf {
 
@@ -26,85 +31,11 @@ double plateau_of(const Element& e, const Perturbation& p) {
   const double round = e.order == 1 ? 4e-3 : 3e-4;
   return round * aspect(p);
 }
-// The part of a ball that the fields at its center are fitted in.
-constexpr double inner_part = 0.5;
-
-// Stress and displacement of a state at the center of a ball: polynomials of degree 4 in the mean of squares over its
-// inner half, which keep the order of the element and average its noise.
-class Center {
- public:
-  Center(const Model& m, Index first, Index end, const Vec2& at, double radius) : m_(m), at_(at), last_(end - 1) {
-    for (Index t = first; t < end; ++t)
-      if ((centroid(m.mesh, t) - at).norm() < radius) use_.push_back(t);
-    constexpr int degree = 4, count = 15;
-    const Eigen::Index rows = static_cast<Eigen::Index>(use_.size());
-    Eigen::MatrixXd a(rows, count);
-    weight_.resize(rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const Vec2 x = (centroid(m.mesh, use_[static_cast<std::size_t>(i)]) - at) / radius;
-      weight_[i] = std::sqrt(area(m.mesh, use_[static_cast<std::size_t>(i)]));
-      int column = 0;
-      for (int n = 0; n <= degree; ++n)
-        for (int k = 0; k <= n; ++k) a(i, column++) = weight_[i] * std::pow(x.x(), n - k) * std::pow(x.y(), k);
-    }
-    fit_.compute(a);
-  }
-  // T and what |T| could be (size_of).
-  std::pair<double, double> coefficient(const Expansion& e) const {
-    PointValues v = point_values(
-        e, [&](const FieldOf& of) { return stress(of.field); },
-        [&](const FieldOf& of, bool recovered) { return displacement(of.field, recovered); });
-    v.x = at_;
-    v.material = material_of(m_.mesh, m_.scene, last_);
-    std::vector<bool> closed = no_row_closed(e.a);
-    return {expand(e, v, closed).value, size_of(e, v)};
-  }
-
- private:
-  Eigen::Vector3d stress(const Field& s) const {
-    Eigen::Matrix<double, Eigen::Dynamic, 3> v(weight_.size(), 3);
-    for (Eigen::Index i = 0; i < v.rows(); ++i) {
-      const Index t = use_[static_cast<std::size_t>(i)];
-      v.row(i) =
-          weight_[i] *
-          components(stress_at(m_.inner->kernel, triangle(m_, t), s.interior.col(t), centroid(m_.mesh, t))).transpose();
-    }
-    return fit_.solve(v).row(0).transpose();
-  }
-  Vec2 displacement(const Field& s, bool recovered) const {
-    Eigen::Matrix<double, Eigen::Dynamic, 2> v(weight_.size(), 2);
-    for (Eigen::Index i = 0; i < v.rows(); ++i) {
-      const Index t = use_[static_cast<std::size_t>(i)];
-      const Vec2 x = centroid(m_.mesh, t);
-      v.row(i) = weight_[i] * (recovered ? Vec2(recovered_displacement(m_, s, t, x).col(0))
-                                         : Vec2(evaluate(m_, s, t, x).displacement.col(0)))
-                                  .transpose();
-    }
-    return fit_.solve(v).row(0).transpose();
-  }
-
-  const Model& m_;
-  Vec2 at_;
-  Index last_;  // triangle of the ball
-  std::vector<Index> use_;
-  Eigen::VectorXd weight_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit_;
-};
-
 // The body with balls around sites, each with the contours of its radii; the mesh outside them is that of a user.
 struct Batch {
   Filled filled;
   std::vector<BallMesh> balls;
 };
-
-Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
-  Shape outside = shape;
-  outside.labels.emplace_back("balls of the validation");
-  const Index label = static_cast<Index>(outside.labels.size()) - 1;
-  for (const Site& s : sites)
-    outside.holes.push_back(ball_hole(fmt::format("ball {}", s.number + 1), {s.at, s.ball, sides}, label));
-  return outside;
-}
 
 std::vector<Index> interface_edges(const Filled& f) {
   std::vector<Index> edges;
@@ -156,19 +87,55 @@ void no_radius_fits(const Site& s, Validation& v) {
                         : "the point lies outside the body";
 }
 
+// J of stresses to a power from 4 on is infinite where a crack that may move has a tip under its weight.
+std::optional<std::string> infinite(const Functional& j, const Shape& shape, const Scene& scene) {
+  constexpr double integrable = 4;
+  for (const Term& term : j.terms) {
+    if (!(term.stress_power >= integrable)) continue;
+    for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+      if (scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
+      const std::vector<Vec2> points =
+          shape.cracks[c].arc ? points_on(*shape.cracks[c].arc, 2) : shape.cracks[c].points;
+      for (const Vec2& tip : {points.front(), points.back()}) {
+        const FieldPoint at{.x = tip, .stress = Vec2(1, -1).asDiagonal(), .material = scene.material};
+        if (term.density(at).value > 0)
+          return fmt::format(
+              "the stress to the power {:g} is not integrable at the tips of crack \"{}\": {} is "
+              "infinite; give it a weight that vanishes there",
+              term.stress_power, shape.cracks[c].name, term.kind);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 class Validating {
  public:
   Validating(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
              const ValidationRequest& request)
       : shape_(meshing.shape),
-        sizing_(meshing.sizing),
         element_(e),
         scene_(scene),
         j_(j),
-        r_(checked(request, extent(meshing.shape))) {}
+        r_(checked(request, extent(meshing.shape))),
+        own_(solve_graded(meshing.shape, meshing.sizing, e, scene, {.threads = request.threads})),
+        sizing_(own_.sizing),
+        analysis_(analyze(j, own_.model, own_.state)) {
+    if (!certified(own_.state)) throw Error(Fault::Numerics, "the body of the validation could not be solved");
+    require_supports(j_, own_.model);
+    if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
+  }
 
   std::vector<Validation> run() {
     for (const Vec2& at : r_.points) results_.push_back(blank(at, r_.radii));
+    if (const auto words = infinite(j_, shape_, scene_)) {
+      for (Validation& v : results_) {
+        v.coefficient = v.order = v.intercept = v.c2 = v.c3 = nan;
+        v.verdict = Verdict::NothingSaid;
+        v.reason = *words;
+      }
+      return std::move(results_);
+    }
     find_angles();
     for (const std::vector<Site>& batch : place(shape_, j_, r_)) {
       std::vector<Site> usable;
@@ -182,19 +149,56 @@ class Validating {
         for (const Site& s : usable) validate_slit(s);
       else
         validate_batch(usable);
+      draw(usable);
     }
     return std::move(results_);
   }
 
  private:
-  // What orients a perturbation must be known before it is meshed: from a mesh without balls.
+  // What orients a perturbation must be known before it is meshed: from the mesh without balls.
   void find_angles() {
     angle_.assign(r_.points.size(), 0);
-    if (!is_directed(r_.perturbation)) return;
-    const Model m = prepare(triangulate(shape_, sizing_), element_, scene_, r_.threads);
-    const State s = solve(m);
-    const std::vector<MapPoint> map = map_at(analyze(j_, m, s), j_, {.perturbation = r_.perturbation}, r_.points);
-    for (std::size_t i = 0; i < angle_.size(); ++i) angle_[i] = map[i].angle;
+    if (!has_series(r_.perturbation)) return;
+    const std::vector<MapPoint> map = map_at(analysis_, j_, {.perturbation = r_.perturbation}, r_.points);
+    for (std::size_t i = 0; i < angle_.size(); ++i) {
+      angle_[i] = map[i].angle;
+      results_[i].on_mesh = map[i].value;
+    }
+  }
+
+  // Where the series holds: one radius again, on another mesh.
+  void draw(const std::vector<Site>& sites) {
+    std::vector<Change> changes;
+    for (const Site& s : sites)
+      if (const Validation& v = results_[s.number]; v.verdict == Verdict::Holds)
+        changes.push_back({s, v.drawn.radius, angle_[s.number]});
+    if (changes.empty()) return;
+    std::vector<Drawn> drawn;
+    try {
+      drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation}, changes);
+    } catch (const Error& e) {
+      for (const Change& c : changes) {
+        results_[c.site.number].verdict = Verdict::NothingSaid;
+        results_[c.site.number].reason = fmt::format("the change could not be solved on another mesh: {}", e.what());
+      }
+      return;
+    }
+    for (std::size_t i = 0; i < changes.size(); ++i) compare(changes[i], drawn[i]);
+  }
+
+  void compare(const Change& c, const Drawn& d) {
+    Validation& v = results_[c.site.number];
+    const bool clamped = !has_series(r_.perturbation);
+    if (clamped) v.on_mesh = clamped_at(analysis_, j_, c.radius, std::span(&c.site.at, 1))[0];
+    v.drawn.difference = d.J - d.J0;
+    v.drawn.coefficient = d.coefficient;
+    conclude(v, d.area, clamped);
+    constexpr double apart = 0.05;
+    const bool stress = std::any_of(j_.terms.begin(), j_.terms.end(), [](const Term& t) { return t.uses_stress; });
+    if (!stress || std::abs(d.J0 - analysis_.value) <= apart * std::abs(d.J0)) return;
+    v.verdict = Verdict::NothingSaid;
+    v.reason = fmt::format("J itself is {:.4g} on one mesh and {:.4g} on a better one: it may be infinite",
+                           analysis_.value, d.J0);
   }
 
   Batch mesh_batch(const std::vector<Site>& sites) const {
@@ -210,7 +214,6 @@ class Validating {
     const Filled& f = batch.filled;
     const Preparation how{.interface_edges = interface_edges(f)};
     const Model model = prepare(f.mesh, element_, scene_, r_.threads, how);
-    require_supports(j_, model);
     const State state = solve(model);
     if (!certified(state))
       throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
@@ -222,12 +225,20 @@ class Validating {
       Validation& v = results_[site.number];
       v.coefficient = nan;
       if (has_series(r_.perturbation))
-        std::tie(v.coefficient, v.size) =
-            Center(model, f.first_triangle[s], f.first_triangle[s + 1], site.at, inner_part * site.ball)
-                .coefficient({a, j_, r_.perturbation});
+        read_center(a, {f.first_triangle[s], f.first_triangle[s + 1], site.at, site.ball}, v);
       v.plateau = plateau_of(element_, r_.perturbation);
       judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], differences[s], v), site.clear);
     }
+  }
+
+  void read_center(const Analysis& a, const BallIn& ball, Validation& v) const {
+    Center::Value found = Center(*a.model, ball).value({a, j_, r_.perturbation});
+    v.coefficient = found.coefficient;
+    v.modes = std::move(found.modes);
+    v.size = found.size;
+    double parts = 0;
+    for (const Mode& m : v.modes) parts += std::abs(m.value);
+    v.size = std::max(v.size, parts);
   }
 
   // Returns f(eps) of the rows, with the exact areas of the polygons.
@@ -259,7 +270,7 @@ class Validating {
       scales[row] = scale(r_.perturbation, v.rows[row].radius);
     }
     for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
-    v.plateau = 2e-3;
+    v.plateau = 5e-4;
     judge(v, r_.perturbation, scales, site.clear);
   }
 
@@ -278,20 +289,20 @@ class Validating {
     const Model whole = prepared(CrackLaw::Kind::Bonded), broken = prepared(CrackLaw::Kind::Unilateral);
     const Field before = solved(whole), after = solved(broken);
     const Analysis a = analyze(j_, whole, before);
-    std::tie(v.coefficient, v.size) =
-        Center(whole, f.first_triangle[0], f.first_triangle[1], site.at, inner_part * site.ball)
-            .coefficient({a, j_, r_.perturbation});
+    read_center(a, {f.first_triangle[0], f.first_triangle[1], site.at, site.ball}, v);
     to.J = analyze(j_, broken, after, true).value;
     to.difference = to.J - a.value;
     to.same_contact = true;
   }
 
   const Shape& shape_;
-  const Sizing& sizing_;
   const Element& element_;
   const Scene& scene_;
   const Functional& j_;
-  const ValidationRequest r_;
+  ValidationRequest r_;
+  const Adapted own_;  // the body on the mesh of the case
+  const Sizing sizing_;
+  const Analysis analysis_;
   std::vector<double> angle_;  // per point
   std::vector<Validation> results_;
 };

@@ -7,42 +7,67 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 
 namespace {
 
+// D = T + c2 eps^2 + c3 eps^2 ln eps. What the radii leave open lies between `low` and `high`: of four
+// radii three in a row with both terms and all in the mean of squares; of fewer the fits with either term (ln of eps over
+// the distance to the next feature) and with both.
 struct Fit {
   double intercept = nan, c2 = nan, c3 = nan;
+  double low = infinity, high = -infinity;
+  double spread() const {
+    return 0.5 * (high - low);
+  }
 };
 
-// D = T + c2 eps^2 + c3 eps^2 ln eps in the mean of squares over the smallest radii; without the logarithm below four.
-Fit fit(const std::vector<ValidationRow>& rows, const std::vector<double>& scale) {
-  std::vector<std::size_t> use;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (std::isfinite(rows[i].difference) && rows[i].same_contact) use.push_back(i);
-  if (use.size() < 2) {  // rather a fit across a change of contact than none
-    use.clear();
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (std::isfinite(rows[i].difference)) use.push_back(i);
-  }
-  if (use.size() < 2) return {};
-  if (use.size() > 4) use.erase(use.begin(), use.end() - 4);
-  const Eigen::Index n = static_cast<Eigen::Index>(use.size()), unknowns = n >= 4 ? 3 : 2;
-  const double largest = rows[use.front()].radius;
+struct Sample {
+  double radius, quotient;
+};
+
+enum class Terms { Square, Logarithm, Both };
+
+Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length) {
+  const bool square = terms != Terms::Logarithm, logarithm = terms != Terms::Square;
+  const Eigen::Index n = static_cast<Eigen::Index>(s.size()), unknowns = 1 + (square ? 1 : 0) + (logarithm ? 1 : 0);
+  const double per = s.front().radius * s.front().radius;
   Eigen::MatrixXd a(n, unknowns);
   Eigen::VectorXd b(n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double x = rows[use[static_cast<std::size_t>(k)]].radius / largest;
+    const double eps = s[static_cast<std::size_t>(k)].radius, x = eps * eps / per;
     a(k, 0) = 1;
-    a(k, 1) = x * x;
-    if (unknowns == 3) a(k, 2) = x * x * std::log(x);
-    b[k] = rows[use[static_cast<std::size_t>(k)]].difference / scale[use[static_cast<std::size_t>(k)]];
+    Eigen::Index column = 1;
+    if (square) a(k, column++) = x;
+    if (logarithm) a(k, column) = x * std::log(eps / length);
+    b[k] = s[static_cast<std::size_t>(k)].quotient;
   }
   const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
-  const double square = largest * largest, log_share = unknowns == 3 ? c[2] / square : 0;
-  // x^2 ln x = eps^2/largest^2 (ln eps - ln largest)
-  return {c[0], c[1] / square - log_share * std::log(largest), log_share};
+  // eps^2 ln (eps/length) = eps^2 ln eps - eps^2 ln length
+  const double c3 = logarithm ? c[unknowns - 1] / per : 0;
+  return {c[0], (square ? c[1] / per : 0) - c3 * std::log(length), c3};
+}
+
+Fit fit(std::span<const Sample> s, double length) {
+  Fit f;
+  if (s.size() < 2) return f;
+  const auto take = [&](std::span<const Sample> part, Terms terms) {
+    const Eigen::Vector3d c = solve_fit(part, terms, length);
+    f.low = std::min(f.low, c[0]);
+    f.high = std::max(f.high, c[0]);
+    f.intercept = c[0], f.c2 = c[1], f.c3 = c[2];
+  };
+  if (s.size() >= 3) take(s.last(3), Terms::Both);
+  if (s.size() >= 4) {
+    take(s.last(4).first(3), Terms::Both);
+    take(s.last(4), Terms::Both);
+    return f;
+  }
+  take(s.last(2), Terms::Logarithm);
+  take(s, Terms::Square);
+  return f;
 }
 
 double median(std::vector<double> v) {
@@ -56,26 +81,37 @@ struct Finding {
   std::string reason;
 };
 
-// The rows of one validation, and what they show.
+// The rows of one validation, and what they show. All in multiples of the prediction where there is no series.
 class Series {
  public:
-  Series(Validation& v, const Perturbation& p, double clear)
-      : v_(v), rows_(v.rows), has_series_(has_series(p)), reach_(reach(p)), clear_(clear) {
-    for (ValidationRow& r : rows_) r.remainder = r.difference - r.predicted;
+  Series(Validation& v, const Perturbation& p, const std::vector<double>& scale, double clear)
+      : v_(v),
+        rows_(v.rows),
+        has_series_(has_series(p)),
+        T_(has_series_ ? v.coefficient : 1),
+        allowed_(std::max(1e-3, 3 * v.plateau)),
+        reach_(reach(p)),
+        clear_(clear),
+        could_be_(v.size) {
+    if (row(p).becomes == Becomes::Slit) {  // the pressure on closed faces is no part of T
+      could_be_ = 0;
+      for (const Mode& m : v.modes) could_be_ += std::abs(m.value);
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      rows_[i].remainder = rows_[i].difference - rows_[i].predicted;
+      scale_.push_back(has_series_ ? scale[i] : rows_[i].predicted);
+    }
     for (std::size_t i = 0; i < rows_.size(); ++i)
       rows_[i].order = i + 1 < rows_.size() ? std::log(std::abs(rows_[i].remainder / rows_[i + 1].remainder)) /
                                                   std::log(rows_[i].radius / rows_[i + 1].radius)
                                             : nan;
     count();
-  }
-
-  void summarize(const std::vector<double>& scale) {
+    fit_ = fit(samples(), clear_);
     v_.order = median(orders_);
     if (!has_series_) return;
-    const Fit f = fit(rows_, scale);
-    v_.intercept = f.intercept;
-    v_.c2 = f.c2;
-    v_.c3 = f.c3;
+    v_.intercept = fit_.intercept;
+    v_.c2 = fit_.c2;
+    v_.c3 = fit_.c3;
   }
 
   Finding finding() const {
@@ -84,104 +120,224 @@ class Series {
               fmt::format("fewer than two radii fit: the nearest boundary, crack or other feature is {:.3g} away; use "
                           "radii below {:.3g}",
                           clear_, 0.25 * clear_)};
-    return has_series_ ? of_series() : of_clamped();
+    if (vanishes())
+      return {Verdict::Vanishes,
+              fmt::format("coefficient and differences are below {:.1g} of what stresses of this size could give",
+                          allowed_)};
+    const double error = std::abs(fit_.intercept - T_);
+    const bool agrees = error <= allowed_ * std::abs(T_), narrow = fit_.spread() <= allowed_ * std::abs(T_);
+    if (agrees && narrow && (slope() || settled() || fits_four())) return {Verdict::Holds, how_it_holds()};
+    if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
+    if (rounding_rules())
+      return {Verdict::NothingSaid, "the differences of the smallest radii are rounding; use larger radii"};
+    if (has_series_ && error <= allowed_ * could_be_ && std::abs(T_) < 0.1 * could_be_)
+      return {Verdict::NothingSaid,
+              fmt::format("the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; "
+                          "try a point beside",
+                          std::abs(T_) / could_be_)};
+    if (excluded()) return {Verdict::Fails, how_it_fails(error)};
+    return {Verdict::OutOfRange,
+            fmt::format("these radii leave the limit between {:.5g} and {:.5g} of the {} {:.5g}; use four, and smaller "
+                        "ones",
+                        fit_.low, fit_.high, has_series_ ? "coefficient" : "prediction", T_)};
+  }
+
+  // The largest radius at which the series is within a tenth of its limit: there contact may still move.
+  std::size_t row_to_draw() const {
+    constexpr double near = 0.1;
+    std::size_t best = last_;
+    for (std::size_t i = rows_.size(); i-- > 0;)
+      if (computed(i) && std::abs(quotient(i) - fit_.intercept) <= near * std::abs(T_)) best = i;
+    return best;
+  }
+  double rest(std::size_t i) const {
+    return (quotient(i) - fit_.intercept) * (has_series_ ? 1 : rows_[i].predicted);
   }
 
  private:
+  bool computed(std::size_t i) const {
+    return std::isfinite(rows_[i].remainder);
+  }
+  double quotient(std::size_t i) const {
+    return rows_[i].difference / scale_[i];
+  }
   double relative(std::size_t i) const {
-    return std::abs(rows_[i].remainder / rows_[i].predicted);
+    return std::abs(quotient(i) / T_ - 1);
+  }
+
+  // Contact that moves with the change is part of it: where its ends are resolved, the series is as smooth.
+  std::vector<Sample> samples() const {
+    std::vector<Sample> s;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      if (computed(i)) s.push_back({rows_[i].radius, quotient(i)});
+    return s;
   }
 
   void count() {
+    std::size_t before = rows_.size();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const ValidationRow& r = rows_[i];
-      if (!std::isfinite(r.remainder)) continue;
-      last_ = i;
-      ++computed_;
+      if (!computed(i)) continue;
       moved_ = moved_ || !r.same_contact;
-      if (r.same_contact) ++comparable_;
-      if (relative(i) < 3 * v_.plateau) ++settled_;
-      if (std::isfinite(r.order) && r.same_contact && relative(i + 1) > v_.plateau) orders_.push_back(r.order);
+      same_ = r.same_contact;
+      settled_ = relative(i) < 3 * v_.plateau ? settled_ + 1 : 0;
+      if (before < rows_.size() && std::isfinite(rows_[before].order) && relative(i) > v_.plateau)
+        orders_.push_back(rows_[before].order);
+      before = last_ = i;
+      ++computed_;
     }
     // The last pairs above the plateau are the most asymptotic ones.
     if (orders_.size() > 3) orders_.erase(orders_.begin(), orders_.end() - 3);
   }
 
   // The remainder of the series falls like eps^4 ln eps, that of a clamped hole like eps^2 ln eps.
-  Finding of_series() const {
-    if (!(std::abs(v_.coefficient) > 0))
-      return {Verdict::OutOfRange, "the coefficient vanishes here: the leading term says nothing"};
-    const bool slope = v_.order > 3.3 && v_.order < 4.7;
-    const double error = std::abs(v_.intercept / v_.coefficient - 1), allowed = std::max(2e-3, 3 * v_.plateau);
-    if (error <= allowed && (slope || settled_ >= 1)) return holds(slope);
-    if (std::abs(v_.intercept - v_.coefficient) <= allowed * v_.size)
-      return {Verdict::OutOfRange,
-              fmt::format(
-                  "the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; try a "
-                  "point beside",
-                  std::abs(v_.coefficient) / v_.size)};
-    if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
-    if (slope && error < relative(last_))
-      return {Verdict::OutOfRange,
-              fmt::format("the remainder falls like eps^{:.2f}, but these radii do not tell eps^4 ln eps from an error "
-                          "of the coefficient; use four, and smaller ones",
-                          v_.order)};
-    if (const auto words = still_falling()) return {Verdict::OutOfRange, *words};
-    return {Verdict::Fails, fmt::format("the intercept {:.6g} of the series differs from the coefficient {:.6g} by "
-                                        "{:.2g}, observed order {:.2f}",
-                                        v_.intercept, v_.coefficient, error, v_.order)};
+  bool slope() const {
+    return has_series_ ? v_.order > 3.3 && v_.order < 4.7 : v_.order > 1.7 && v_.order < 2.6;
+  }
+  // Two radii in a row, the smallest ones: one alone is where a wrong coefficient crosses the series.
+  bool settled() const {
+    return settled_ >= 2;
+  }
+  // Remainders that change sign have no slope; four radii on one curve with the right limit say as much.
+  bool fits_four() const {
+    return computed_ >= 4 && fit_.spread() <= 0.5 * allowed_ * std::abs(T_);
   }
 
-  Finding of_clamped() const {
-    const bool slope = v_.order > 1.7 && v_.order < 2.6;
-    if (relative(last_) <= 0.02 && (slope || settled_ >= 1)) return holds(slope);
-    if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
-    if (const auto words = still_falling()) return {Verdict::OutOfRange, *words};
-    return {Verdict::Fails, fmt::format("the prediction is off by {:.2g} at the smallest radius, observed order {:.2f}",
-                                        relative(last_), v_.order)};
+  bool vanishes() const {
+    if (!has_series_) return false;
+    double largest = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      if (computed(i)) largest = std::max(largest, std::abs(quotient(i)));
+    return std::abs(T_) <= allowed_ * v_.size && std::abs(fit_.intercept) <= allowed_ * v_.size &&
+           largest <= std::max(10 * allowed_ * v_.size, infinitesimal);
   }
 
-  Finding holds(bool slope) const {
-    std::string words = slope ? fmt::format("the remainder falls like eps^{:.2f}", v_.order)
-                              : "the remainder has fallen to what the mesh leaves";
+  // T lies outside of all that the radii leave open, by more than the mesh explains, and farther than that is wide.
+  bool excluded() const {
+    const double outside = std::max({fit_.low - T_, T_ - fit_.high, 0.0});
+    return outside > allowed_ * std::abs(T_) + fit_.spread();
+  }
+
+  // The quotients move apart instead of together.
+  bool rounding_rules() const {
+    std::vector<Sample> s = samples();
+    if (s.size() < 3) return false;
+    const double last = std::abs(s[s.size() - 1].quotient - s[s.size() - 2].quotient),
+                 before = std::abs(s[s.size() - 2].quotient - s[s.size() - 3].quotient);
+    return last > allowed_ * std::abs(T_) && last > 2 * before;
+  }
+
+  std::string how_it_holds() const {
+    std::string words = slope()     ? fmt::format("the remainder falls like eps^{:.2f}", v_.order)
+                        : settled() ? "the remainder has fallen to what the mesh leaves"
+                                    : "four radii and more lie on one curve to the coefficient";
     if (moved_) words += "; the contact set changes at the larger radii";
-    return {Verdict::Holds, words};
+    return words;
+  }
+  std::string how_it_fails(double error) const {
+    return has_series_ ? fmt::format(
+                             "the intercept {:.6g} of the series differs from the coefficient {:.6g} by {:.2g}, "
+                             "observed order {:.2f}",
+                             fit_.intercept, T_, error / std::abs(T_), v_.order)
+                       : fmt::format("the differences tend to {:.5g} of the prediction, observed order {:.2f}",
+                                     fit_.intercept, v_.order);
   }
 
   std::optional<std::string> beyond_contact_and_features() const {
     if (reach_ * rows_[last_].radius > 0.25 * clear_)
       return fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear_,
                          0.25 * clear_);
-    if (!moved_ || (comparable_ >= 2 && rows_[last_].same_contact)) return std::nullopt;
-    return rows_[last_].same_contact ? "the contact set changes at all radii but the smallest; use smaller radii"
-                                     : "the contact set changes even at the smallest radius; use smaller radii";
+    if (moved_)
+      return same_ ? "the contact set changes at larger radii; use more and smaller ones"
+                   : "the contact set changes even at the smallest radius; use smaller radii, or a smaller mesh.size";
+    if (relative(last_) > 0.05 && last_ > 0 && relative(last_) < 0.6 * relative(last_ - 1))
+      return fmt::format(
+          "the radii are too large for the series: the remainder is still {:.2g} of the prediction and "
+          "falling; use smaller radii",
+          relative(last_));
+    return std::nullopt;
   }
 
-  std::optional<std::string> still_falling() const {
-    if (!(relative(last_) > 0.05 && relative(last_) < 0.6 * relative(last_ > 0 ? last_ - 1 : 0))) return std::nullopt;
-    return fmt::format(
-        "the radii are too large for the series: the remainder is still {:.2g} of the prediction and "
-        "falling; use smaller radii",
-        relative(last_));
-  }
+  static constexpr double infinitesimal = 1e-300;
 
   Validation& v_;
   std::vector<ValidationRow>& rows_;
+  std::vector<double> scale_;  // what a difference is divided by
   bool has_series_;
-  double reach_, clear_;                                                // reach: of a radius
-  std::size_t computed_ = 0, settled_ = 0, comparable_ = 0, last_ = 0;  // comparable: of the unperturbed contact set
-  bool moved_ = false;                                                  // some contact set
+  double T_, allowed_;
+  double reach_, clear_;  // reach: of a radius
+  double could_be_;       // |T| where nothing cancels
+  std::size_t computed_ = 0, settled_ = 0, last_ = 0;
+  bool moved_ = false, same_ = true;  // some contact set; that of the smallest radius
   std::vector<double> orders_;
+  Fit fit_;
 };
+
+// Parts of the formula that an error of 1 % in would pass.
+std::string unseen(const Validation& v) {
+  constexpr double seen = 0.2;
+  std::string words;
+  for (const Mode& m : v.modes)
+    if (std::abs(m.value) < seen * std::abs(v.coefficient))
+      words += fmt::format("{}{} ({:.1f} % of T)", words.empty() ? "" : ", ", m.name,
+                           100 * std::abs(m.value / v.coefficient));
+  return words.empty() ? words : "; hardly seen here: " + words;
+}
 
 }  // namespace
 
+std::string_view word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::Holds:
+      return "holds";
+    case Verdict::Fails:
+      return "fails";
+    case Verdict::Vanishes:
+      return "vanishes";
+    case Verdict::OutOfRange:
+      return "out of range";
+    case Verdict::NothingSaid:
+      break;
+  }
+  return "nothing can be said";
+}
+
 void judge(Validation& v, const Perturbation& p, const std::vector<double>& scale, double clear) {
-  Series series(v, p, clear);
-  series.summarize(scale);
+  const Series series(v, p, scale, clear);
   Finding found = series.finding();
   v.verdict = found.verdict;
   v.reason = std::move(found.reason);
+  if (v.verdict != Verdict::Holds) return;
+  const std::size_t row = series.row_to_draw();
+  v.drawn.radius = v.rows[row].radius;
+  v.drawn.rest = series.rest(row);
+  if (!has_series(p)) v.drawn.predicted = v.rows[row].predicted;
+}
+
+void conclude(Validation& v, double area, bool clamped) {
+  constexpr double of_formula = 5e-3, of_mesh = 0.05, safety = 1.5;
+  DrawnChange& d = v.drawn;
+  d.intercept = d.difference / (clamped ? 1 : area) - d.rest;
+  const double here = clamped ? d.predicted : v.coefficient, size = std::abs(d.intercept);
+  v.bar = safety * std::max({std::abs(v.on_mesh - d.intercept), std::abs(v.on_mesh - d.coefficient),
+                             std::abs(v.on_mesh - here)});
+  if (!(std::abs(d.coefficient - d.intercept) <= std::max(of_formula, 3 * v.plateau) * size)) {
+    v.verdict = Verdict::NothingSaid;
+    v.reason = fmt::format(
+        "a change of radius {:.3g} drawn on another mesh says {:.5g}, the formula there {:.5g}, here {:.5g}; use a "
+        "smaller mesh.size",
+        d.radius, d.intercept, d.coefficient, here);
+  } else if (!(v.bar <= of_mesh * size)) {
+    v.verdict = Verdict::NothingSaid;
+    v.reason = fmt::format(
+        "the value depends on the mesh: {:.5g} on that of the case, {:.5g} by a change of radius {:.3g} drawn on a "
+        "better one; use a smaller mesh.size",
+        v.on_mesh, d.intercept, d.radius);
+  } else {
+    v.reason += fmt::format("; a change of radius {:.3g} drawn on another mesh says {:.5g}, the map {:.5g} +- {:.2g}",
+                            d.radius, d.intercept, v.on_mesh, v.bar);
+  }
+  if (!clamped && v.verdict == Verdict::Holds) v.reason += unseen(v);
 }
 
 }  // namespace kerf

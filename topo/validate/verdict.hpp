@@ -1,12 +1,18 @@
 #pragma once
-// What a series of finite radii says about an expansion.
+// What a series of finite radii says about an expansion, and what a change drawn on another mesh adds.
 
 #include "kerf/validate.hpp"
 
 namespace kerf {
 
-/// Orders, fit and verdict from rows with J and difference filled in (NaN: not computed). `clear` is the distance to
-/// the next feature. [theory: V.7, V.8]
+/// Orders, fit and the verdict of the series alone, from rows with J, difference and predicted filled in (NaN: not
+/// computed), `coefficient`, `size`, `plateau` and `modes`. `scale` per row: f(eps); `clear` is the distance to the
+/// next feature. Where the verdict is Holds, `drawn.radius` is the radius to draw and `drawn.rest` what the series says
+/// beyond T there. [theory: V.7, V.8]
 void judge(Validation& v, const Perturbation& p, const std::vector<double>& scale, double clear);
+
+/// The verdict with `on_mesh` and `drawn` filled in but for its intercept; `area` of what was drawn, `clamped`: no
+/// series. [theory: V.9]
+void conclude(Validation& v, double area, bool clamped);
 
 }  // namespace kerf

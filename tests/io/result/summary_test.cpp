@@ -53,7 +53,7 @@ TEST(Summary, FullRun) {
                            "holds at 1 of 3 points",
                            "At (0.5, 0.8) the expansion holds: J(eps) - J(0) = pi eps^2 (-1.234",
                            "At (-0.4, 0.6) the expansion fails: the remainder falls with order 2, not 4",
-                           "At (3, 0) nothing can be said: the point lies outside the body.",
+                           "At (3, 0) out of range: the point lies outside the body.",
                            "at (9, 9)  no value",
                            "total 0.280 s",
                            "contact 0.050",

@@ -1,0 +1,148 @@
+#include "topo/validate/drawn.hpp"
+
+#include "geometry/part.hpp"
+#include "solver/error_bars.hpp"
+#include "solver/recover_stress.hpp"
+#include "topo/map/green.hpp"
+#include "topo/validate/center.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int sides = 48;  // other than those of the series; of a slit twice as many
+
+const Element& better(const Element& e) {
+  return can_be_bettered(e) && can_validate(better_element(e)) ? better_element(e) : e;
+}
+
+State solved(const Model& m) {
+  State s = solve(m);
+  if (!certified(s)) throw Error(Fault::Numerics, "the body with the drawn change could not be solved");
+  return s;
+}
+
+class Drawer {
+ public:
+  Drawer(const Sketch& sketch, const std::vector<Change>& changes)
+      : sketch_(sketch), changes_(changes), element_(better(sketch.own.element)) {
+    const Corners corners = split_for_stress(sketch.own.mesh);
+    const Mesh& mesh = sketch.own.mesh;
+    background_ = {&mesh, better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners))};
+  }
+
+  std::vector<Drawn> all() {
+    if (row(sketch_.p).becomes == Becomes::Slit) {
+      std::vector<Drawn> found;
+      for (const Change& c : changes_) found.push_back(slit(c));
+      return found;
+    }
+    return in_balls();
+  }
+
+ private:
+  Mesh outside(const std::vector<Site>& sites, int n) const {
+    return triangulate(with_balls(sketch_.shape, sites, n), sketch_.sizing, background_);
+  }
+  // A ball other than that of the series, with room for the change.
+  Site around(const Change& c) const {
+    Site s = c.site;
+    s.ball = std::min(0.85 * s.clear, 1.7 * reach(sketch_.p) * c.radius);
+    return s;
+  }
+  Model prepared(Mesh mesh, Scene scene) const {
+    return prepare(std::move(mesh), element_, std::move(scene), sketch_.own.threads);
+  }
+
+  std::vector<Drawn> in_balls() {
+    std::vector<Site> sites;
+    std::vector<BallMesh> balls;
+    for (const Change& c : changes_) {
+      sites.push_back(around(c));
+      balls.push_back(ball_mesh({c.site.at, sites.back().ball, sides}, {c.radius}, aspect(sketch_.p), c.angle));
+    }
+    const Filled filled = fill(outside(sites, sides), balls);
+    const Model model = prepared(filled.mesh, sketch_.own.scene);
+    const State state = solved(model);
+    const Analysis a = analyze(sketch_.j, model, state);
+    std::vector<Drawn> found;
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      const BallIn ball{filled.first_triangle[i], filled.first_triangle[i + 1], sites[i].at, sites[i].ball};
+      Drawn d{.J0 = a.value, .J = nan, .area = balls[i].enclosed_area[1], .coefficient = formula(a, ball, changes_[i])};
+      std::vector<bool> disc(filled.mesh.triangles.size(), false);
+      for (Index t = ball.first; t < ball.end; ++t)
+        disc[t] = balls[i].shell[static_cast<std::size_t>(t - ball.first)] >= 1;
+      const Model changed = with_change(filled.mesh, disc);
+      const State after = solved(changed);
+      d.J = analyze(sketch_.j, changed, after, true).value;
+      found.push_back(d);
+    }
+    return found;
+  }
+
+  double formula(const Analysis& a, const BallIn& ball, const Change& c) const {
+    if (!has_series(sketch_.p)) return clamped_at(a, sketch_.j, c.radius, std::span(&ball.at, 1))[0];
+    const Perturbation p = turned(c);
+    return Center(*a.model, ball).value({a, sketch_.j, p}).coefficient;
+  }
+  Perturbation turned(const Change& c) const {
+    Perturbation p = sketch_.p;
+    if (is_directed(p)) p.angle = c.angle;
+    return p;
+  }
+
+  // The body with the disc taken out, held at its rim, or made of another material.
+  Model with_change(const Mesh& whole, const std::vector<bool>& disc) const {
+    Scene scene = sketch_.own.scene;
+    if (row(sketch_.p).becomes == Becomes::Material) {
+      Mesh mesh = whole;
+      if (mesh.region.empty()) mesh.region.assign(mesh.triangles.size(), none);
+      for (std::size_t t = 0; t < disc.size(); ++t)
+        if (disc[t]) mesh.region[t] = static_cast<Index>(scene.regions.size());
+      scene.regions.push_back(sketch_.p.inclusion);
+      return prepared(std::move(mesh), std::move(scene));
+    }
+    std::vector<bool> keep = disc;
+    keep.flip();
+    Part rest = part(whole, keep);
+    if (row(sketch_.p).becomes == Becomes::Clamp) {
+      const Index rim = static_cast<Index>(sketch_.shape.labels.size());
+      for (std::size_t e = 0; e < rest.mesh.edges.size(); ++e)
+        if (rest.mesh.label[e] == none && (rest.mesh.sides[e][0] == none || rest.mesh.sides[e][1] == none))
+          rest.mesh.label[e] = rim;
+      scene.supports.push_back({.label = rim, .value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+    }
+    return prepared(std::move(rest.mesh), std::move(scene));
+  }
+
+  Drawn slit(const Change& c) {
+    const Site site = around(c);
+    const Filled f = fill(outside({site}, 2 * sides), {slit_mesh({site.at, site.ball, 2 * sides}, c.radius, c.angle)});
+    const auto model = [&](CrackLaw::Kind kind) {
+      Scene scene = sketch_.own.scene;
+      scene.laws.push_back({.kind = kind});
+      return prepared(f.mesh, std::move(scene));
+    };
+    const Model whole = model(CrackLaw::Kind::Bonded), broken = model(CrackLaw::Kind::Unilateral);
+    const State before = solved(whole), after = solved(broken);
+    const Analysis a = analyze(sketch_.j, whole, before);
+    const BallIn ball{f.first_triangle[0], f.first_triangle[1], site.at, site.ball};
+    return {a.value, analyze(sketch_.j, broken, after, true).value, scale(sketch_.p, c.radius), formula(a, ball, c)};
+  }
+
+  const Sketch& sketch_;
+  const std::vector<Change>& changes_;
+  const Element& element_;
+  Background background_;
+};
+
+}  // namespace
+
+std::vector<Drawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes) {
+  return Drawer(sketch, changes).all();
+}
+
+}  // namespace kerf
