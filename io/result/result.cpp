@@ -55,6 +55,7 @@ Json state_section(const StateResult& state) {
               {"unknowns", state.unknowns},
               {"condensed_unknowns", state.condensed_unknowns},
               {"residual", number(state.residual)},
+              {"work_error", number(state.work_error)},
               {"energy", number(state.energy)},
               {"compliance", number(state.compliance)},
               {"area", number(state.area)},
