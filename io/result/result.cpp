@@ -55,13 +55,13 @@ Json state_section(const StateResult& state) {
               {"unknowns", state.unknowns},
               {"condensed_unknowns", state.condensed_unknowns},
               {"residual", number(state.residual)},
-              {"work_error", number(state.work_error)},
               {"energy", number(state.energy)},
               {"compliance", number(state.compliance)},
               {"area", number(state.area)},
               {"estimated_error", number(state.estimated_error)},
               {"energy_bounds", std::move(bounds)}};
   out["degree"] = state.degree;
+  out["work_error"] = number(state.work_error);
   if (!state.notes.empty()) out["notes"] = state.notes;
   return out;
 }

@@ -135,8 +135,8 @@ double energy_of(const Tangent& of, const PenaltyIterate& s) {
   const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
   energy += 2 * s.x.dot(moved);
   const std::vector<double>& prescribed = of.loads.prescribed;
-  for (const Index t : beside_prescribed(m, Eigen::Map<const Eigen::VectorXd>(
-                                                prescribed.data(), static_cast<Eigen::Index>(prescribed.size())))) {
+  for (const Index t : beside_prescribed(
+           m, Eigen::Map<const Eigen::VectorXd>(prescribed.data(), static_cast<Eigen::Index>(prescribed.size())))) {
     const SkeletonMatrix K =
         condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0}).K;
     const Seen view = seen(m.mesh, m.inner->skeleton, t);
@@ -320,9 +320,9 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Strained s = strained(m, values, t);
-      adjoint.interior.col(t) = interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                              loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, s.rest,
-                                              penalty_of(m, solution, t));
+      adjoint.interior.col(t) =
+          interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                        loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, s.rest, penalty_of(m, solution, t));
       add_motion(m, t, s.motion, adjoint.interior.col(t));
     }
   });
@@ -366,7 +366,8 @@ TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector
                         {.F = on_rows(m, less_prescribed(m, load, prescribed)),
                          .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
                          .prescribed = prescribed},
-                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows), on_rows(m, load)};
+                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows),
+                        on_rows(m, load)};
   TangentField field;
   const PenaltyIterate solution = solve_tangent(tangent, impl_->uniform, enough, impl_->refining, field);
   const Twofold values = on_skeleton(m, solution, prescribed);

@@ -140,9 +140,10 @@ std::string lost_digits(const State& state) {
   const Certificate& c = state.certificate;
   const double worst = std::max(c.kkt, c.work);
   if (worst <= few_digits) return {};
-  return fmt::format("rounding: equilibrium and contact hold to {:.1g} of the load, and the work of the loads is twice "
-                     "the strain energy to {:.1g}; about {:.0f} digits of the results are left",
-                     c.kkt, c.work, std::max(0.0, std::floor(-std::log10(worst))));
+  return fmt::format(
+      "rounding: equilibrium and contact hold to {:.1g} of the load, and the work of the loads is twice "
+      "the strain energy to {:.1g}; about {:.0f} digits of the results are left",
+      c.kkt, c.work, std::max(0.0, std::floor(-std::log10(worst))));
 }
 
 Triangle triangle(const Model& model, Index t) {

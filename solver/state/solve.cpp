@@ -108,8 +108,8 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     s.x = std::move(correction);
 }
 
-// What drives the body: loads per skeleton unknown, and the largest of them and of the forces that it takes to prescribe
-// what is not 0.
+// What drives the body: loads per skeleton unknown, and the largest of them and of the forces that it takes to
+// prescribe what is not 0.
 struct Drive {
   Eigen::VectorXd loads;
   double largest = 0;
@@ -201,29 +201,41 @@ struct Settling {
   }
 };
 
+// Before the user is told.
+bool loses_digits(const State& state) {
+  return !(defect(state.certificate) <= 0.5 * few_digits);
+}
+
 // Slender bodies: the same rounds with products that do not lose what the rounding of K loses. Keeps the better state.
-void refine(const Condensation& condensed, const Drive& drive, UniformPressure& uniform, PenaltyIterate& solution,
+// What drives a body by prescribed motions is known only when it is solved, so that there may be another time.
+void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform, PenaltyIterate& solution,
             State& state) {
   const Model& m = condensed.m;
   const Refinement refinement(condensed);
+  const bool penalized = m.inner->system.penalty > 0;
   Loads loads = loads_of(m);
   loads.F = on_rows(m, drive.loads);
-  PenaltyIterate start = solution;
-  start.low.setZero(start.x.size());
-  const auto certified_by_triangles = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
-    const Eigen::VectorXd rest = -refinement.rest(F, loads.prescribed, s);
-    certify(condensed, {rest, drive.largest}, s);
-  };
-  const bool penalized = m.inner->system.penalty > 0;
-  const PenaltySteps steps{Settling{condensed, refinement, drive.largest, state}, certified_by_triangles,
-                           penalized ? 40 : 3, penalized ? 1e-16 : 1e-12};
-  PenaltyIterate refined = iterate(condensed, loads, std::move(start), uniform, steps);
-  const double before = defect(state.certificate);
-  judge(condensed, refined, state);
-  if (defect(state.certificate) < before)
+  constexpr int most = 3;
+  for (int time = 0; time < most && loses_digits(state); ++time) {
+    PenaltyIterate start = solution;
+    if (start.low.size() == 0) start.low.setZero(start.x.size());
+    const auto by_triangles = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+      const Eigen::VectorXd rest = -refinement.rest(F, loads.prescribed, s);
+      certify(condensed, {rest, drive.largest}, s);
+    };
+    const PenaltySteps steps{Settling{condensed, refinement, drive.largest, state}, by_triangles, penalized ? 40 : 3,
+                             penalized ? 1e-16 : 1e-12};
+    PenaltyIterate refined = iterate(condensed, loads, std::move(start), uniform, steps);
+    const double before = defect(state.certificate);
+    drive = judge(condensed, refined, state);
+    const double after = defect(state.certificate);
+    if (!(after < before)) {
+      judge(condensed, solution, state);
+      return;
+    }
     solution = std::move(refined);
-  else
-    judge(condensed, solution, state);
+    if (after > 0.1 * before) return;
+  }
 }
 
 }  // namespace
@@ -235,8 +247,7 @@ void remove_motions(const Model& m, Field& s) {
     motion.translation *= -share[i];
     motion.rotation *= -share[i];
     s.skeleton.head(m.inner->skeleton.base) += trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion);
-    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
-      add_motion(m, t, motion, s.interior.col(t));
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) add_motion(m, t, motion, s.interior.col(t));
   }
 }
 
@@ -309,11 +320,10 @@ State solve(const Model& m, ContactMethod method) {
   const PenaltySteps steps{solve, assembled, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12};
   const double before = state.seconds.contact;
   PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);
-  const Drive drive = judge(condensed, solution, state);
-  // A digit before the user is told. Traces that no triangle sees answer nothing: K is singular there.
-  const bool rounded = !(defect(state.certificate) <= 0.1 * few_digits);
-  if (rounded && m.inner->ordering.size > 0 && m.inner->skeleton.unseen.empty())
-    refine(condensed, drive, uniform, solution, state);
+  Drive drive = judge(condensed, solution, state);
+  // Traces that no triangle sees answer nothing: K is singular there.
+  if (loses_digits(state) && m.inner->ordering.size > 0 && m.inner->skeleton.unseen.empty())
+    refine(condensed, std::move(drive), uniform, solution, state);
   if (uniform.level_open)
     has_free_pressure(m.mesh, m.scene, m.inner->skeleton);  // an opening crack would have fixed it
   state.linear_solves += uniform.solves;

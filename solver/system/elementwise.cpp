@@ -41,8 +41,8 @@ Twice along(const RigidMotion& motion, const Twice& dx, const Twice& dy, const V
   return u * direction.x() + v * direction.y();
 }
 
-// visit(first unknown, frame, from, to, s) for every pair of unknowns that are displacements at the point from + s (to -
-// from). Edges go in their own direction, so that both sides of an edge agree on its points to the last bit.
+// visit(first unknown, frame, from, to, s) for every pair of unknowns that are displacements at the point from + s (to
+// - from). Edges go in their own direction, so that both sides of an edge agree on its points to the last bit.
 template <class Visit>
 void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
   const int points = points_per_edge(k.element);
@@ -51,8 +51,7 @@ void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
     for (int g = 0; g < points; ++g) visit(2 * (points * e + g), frame_at(t, e, g), a, b, k.trace.s[g]);
   }
   if (k.element.at_vertices == AtVertices::Displacement)
-    for (int v = 0; v < 3; ++v)
-      visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0);
+    for (int v = 0; v < 3; ++v) visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0);
 }
 
 // Traces of the translations and of the rotation by 1/h about the center.
@@ -172,7 +171,7 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
   });
   Balance b{scattered(m, forces), m.inner->system.tractions};
   if (loaded) b.loads += scattered(m, given);
-  constexpr double rounding = 100 * std::numeric_limits<double>::epsilon();
+  constexpr double rounding = 1000 * std::numeric_limits<double>::epsilon();
   b.energy = sums.row(0).sum();
   b.noise = rounding * rounding * sums.row(1).sum();
   return b;
@@ -184,9 +183,9 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
   lower_.resize(n * (n + 1) / 2, triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const SkeletonMatrix K = condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
-                                        {.a = m.inner->system.penalty})
-                                   .K;
+      const SkeletonMatrix K =
+          condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {.a = m.inner->system.penalty})
+              .K;
       double* to = lower_.col(t).data();
       for (int j = 0; j < n; ++j)
         for (int i = j; i < n; ++i) *to++ = K(i, j);
