@@ -130,10 +130,10 @@ PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, Penal
 // x'K x of the whole field, the prescribed values included, by the triangles beside those.
 double energy_of(const Tangent& of, const PenaltyIterate& s) {
   const Model& m = of.condensed.m;
-  const Eigen::VectorXd rows = multiply(m.inner->system.K, s.x);
-  double energy = s.x.dot(rows);
   const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
-  energy += 2 * s.x.dot(moved);
+  const Eigen::VectorXd forces =                        // without a penalty K x = F on the rows that move
+      m.inner->system.penalty > 0 ? multiply(m.inner->system.K, s.x) : Eigen::VectorXd(of.loads.F + s.force);
+  double energy = s.x.dot(forces + 2 * moved);
   const std::vector<double>& prescribed = of.loads.prescribed;
   for (const Index t : beside_prescribed(
            m, Eigen::Map<const Eigen::VectorXd>(prescribed.data(), static_cast<Eigen::Index>(prescribed.size())))) {
@@ -181,7 +181,7 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
     best = iterate(of.condensed, of.loads, start, uniform, {solve, judge, most, enough});
   else if (m.inner->system.penalty > 0)
     best.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  if (m.inner->skeleton.unseen.empty() && growth(m, best.x, energy_of(of, best)) > most_growth)
+  if (rows > 0 && m.inner->skeleton.unseen.empty() && growth(m, best.x, energy_of(of, best)) > most_growth)
     best = refine_tangent(of, uniform, std::move(best), refining, result);
   result.residual = best.certificate.kkt;
   result.skeleton = on_skeleton(m, best.x, &of.loads.prescribed);

@@ -134,8 +134,9 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   Eigen::VectorXd missed = rest - s.force;
-  for (Index i = 0, row = m.inner->ordering.size - m.inner->ordering.contact_rows; row < m.inner->ordering.size; ++i)
-    if (const Index here = row++; s.motion[i] == Motion::Held) missed[here] = 0;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
+    if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
   const Eigen::VectorXd half = m.inner->factor.forward(missed);
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                size = std::abs(balance.energy) + balance.noise;

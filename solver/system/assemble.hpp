@@ -15,7 +15,7 @@ struct System {
   Eigen::MatrixXd force;  // force moments, a column per triangle; no columns without a body force
   Eigen::VectorXd F;
   Eigen::VectorXd tractions;  // their loads, per skeleton unknown
-  Eigen::MatrixXd traces;  // with a penalty, per triangle Condensed::trace, own, by_theta
+  Eigen::MatrixXd traces;     // with a penalty, per triangle Condensed::trace, own, by_theta
 };
 
 /// What a system is assembled from.

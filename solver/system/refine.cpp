@@ -45,9 +45,10 @@ class Frozen {
 }  // namespace
 
 double growth(const Model& m, const Eigen::VectorXd& x, double energy) {
-  if (x.size() == 0) return 0;
-  const double size = x.cwiseAbs().dot(multiply_absolute(m.inner->system.K, x));
-  return size > 0 ? std::numeric_limits<double>::epsilon() * size / std::abs(energy) : 0;
+  const LowerTriangle& k = m.inner->system.K;
+  double size = 0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) size += std::abs(k.values[k.start[i]]) * x[i] * x[i];
+  return size > 0 ? 4 * std::numeric_limits<double>::epsilon() * size / std::abs(energy) : 0;
 }
 
 Eigen::VectorXd Refinement::rest(const Eigen::VectorXd& F, const std::vector<double>& prescribed,

@@ -6,10 +6,10 @@
 
 namespace kerf {
 
-/// eps |x|'|K||x| / x'K x: at most this share of the energy is lost to the rounding of K, in slender bodies a tenth of
-/// it. `energy` = x'K x.
+/// The share of the energy x'K x that the rounding of K may take, as 4 eps sum K_ii x_i^2 / x'K x; a tenth of it in
+/// slender bodies [theory: E.17].
 double growth(const Model& m, const Eigen::VectorXd& x, double energy);
-inline constexpr double most_growth = 1e-8;
+inline constexpr double most_growth = 5e-8;
 
 class Refinement {
  public:
