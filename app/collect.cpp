@@ -36,7 +36,9 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   r.compliance = work_of_loads(model, state);
   r.area = area(model);
   if (std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
+  r.work_error = state.certificate.work;
   r.notes = model.notes;
+  if (const std::string note = lost_digits(state); !note.empty()) r.notes.push_back(note);
   if (std::isfinite(bounds.lower) && std::isfinite(bounds.upper)) r.energy_bounds = {bounds.lower, bounds.upper};
   if (!bounds.note.empty()) r.notes.push_back(bounds.note);
   return r;

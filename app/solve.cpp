@@ -88,11 +88,14 @@ void write_state(const Adapted& adapted, const PlotData& data, const std::vector
 }
 
 std::string failure(const Model& model, const State& state) {
-  std::string reason = !state.converged ? "the contact set did not settle"
-                                        : fmt::format("the {} hold only to {:.2g} of the load",
-                                                      may_touch(model.scene) ? "conditions of equilibrium and contact"
-                                                                             : "equations of equilibrium",
-                                                      state.certificate.kkt);
+  const Certificate& c = state.certificate;
+  std::string reason =
+      !state.converged ? "the contact set did not settle"
+      : c.kkt > no_digits
+          ? fmt::format("the {} hold only to {:.2g} of the load",
+                        may_touch(model.scene) ? "conditions of equilibrium and contact" : "equations of equilibrium",
+                        c.kkt)
+          : fmt::format("the work of the loads is twice the strain energy only to {:.2g}", c.work);
   if (!model.inner->skeleton.unseen.empty())
     reason +=
         "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "

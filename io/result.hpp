@@ -66,7 +66,7 @@ struct StateResult {
   std::string element;
   int degree = 1;
   Index unknowns = 0, condensed_unknowns = 0;
-  double residual = 0, energy = 0, compliance = 0, area = 0;
+  double residual = 0, work_error = 0, energy = 0, compliance = 0, area = 0;
   std::optional<double> estimated_error;               // absent: null
   std::optional<std::array<double, 2>> energy_bounds;  // absent: null
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")

@@ -8,11 +8,15 @@ namespace kerf {
 /// How the contact on cracks is solved: the small dual problem, elimination of the constraint, projected iteration.
 enum class ContactMethod { DualQp, ActiveSet, Uzawa };
 
+/// Measured triangle by triangle, free of the rounding of the matrix that was factorized [theory: E.20, E.21].
 struct Certificate {
-  double residual = 0;  // |K x - F| on the unknowns that no contact holds, over |F| (maximum norms)
+  double residual = 0;  // |K x - F| on the unknowns that no contact holds, over the largest load (maximum norms)
   double kkt = 0;       // the largest of residual and Contact::kkt, relative
-  double rounding = 0;  // eps |K| |x| / |F|: no residual in double precision can be expected to be smaller
+  double work = 0;      // |2 strain energy - work of loads, supports and friction|, relative: the error of the work
 };
+
+/// From here on a state has lost digits that the user must be told; from here on it is none.
+inline constexpr double few_digits = 1e-8, no_digits = 1e-4;
 
 struct StateSeconds {
   double solve = 0, contact = 0;
@@ -34,8 +38,10 @@ struct State : Field {
 };
 State solve(const Model& model, ContactMethod method = ContactMethod::DualQp);
 
-/// The contact set settled and the certificate holds: kkt at most 1e-10, or not above what rounding allows.
+/// The contact set settled, and kkt and work are at most no_digits.
 bool certified(const State& state);
+/// Says how many digits are left, where kkt or work are above few_digits; else empty.
+std::string lost_digits(const State& state);
 
 /// Values of the interior fields at points of the triangle (2 x n, physical coordinates).
 struct Fields {

@@ -92,6 +92,14 @@ struct Elimination : Space<E> {
     }
   }
 
+  // Condensed::F. s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
+  SkeletonVector load(const Scaled& s, const ForceMoments& force) const {
+    SkeletonVector F = SkeletonVector::Zero(X);
+    if (force.size() > 0) F = -s.h * (Z.transpose().lazyProduct(given));
+    if constexpr (V > 0) F.template tail<V>() *= s.h;  // rotations do not scale with the triangle
+    return F;
+  }
+
   Condensed condensed(const Scaled& s, const ForceMoments& force, const Penalty& penalty) const {
     Rowwise<X, X> K;
     set_zero(K);
@@ -99,15 +107,12 @@ struct Elimination : Space<E> {
       for (int x = 0; x < X; ++x) add<X>(&K(x, 0), YC(i, x), &YC(i, 0));
     for (int b = 0; b < B; ++b)
       for (int x = 0; x < X; ++x) subtract<X>(&K(x, 0), Z(b, x), &Z(b, 0));
-    Condensed result{SkeletonMatrix(X, X), SkeletonVector::Zero(X), {}, 0, 0};
+    Condensed result{SkeletonMatrix(X, X), load(s, force), {}, 0, 0};
     for (int j = 0; j < X; ++j)
       for (int i = 0; i < X; ++i) result.K(i, j) = K(i, j);
-    // s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
-    if (force.size() > 0) result.F = -s.h * (Z.transpose().lazyProduct(given));
     if constexpr (V > 0) {  // rotations do not scale with the triangle
       result.K.template bottomRows<V>() *= s.h;
       result.K.template rightCols<V>() *= s.h;
-      result.F.template tail<V>() *= s.h;
     }
     if (penalty.a > 0) {
       result.trace = s.h * (YC.transpose().lazyProduct(YT) - Z.transpose().lazyProduct(ZT));

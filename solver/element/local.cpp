@@ -149,7 +149,12 @@ Condensed condense(const Kernel& k, const Triangle& t, const Material& material,
 
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty) {
-  return k.run->interior(k, t, material, force, m, penalty);
+  return k.run->interior(k, t, material, force, m, penalty, nullptr);
+}
+
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m, const Penalty& penalty, TraceForces& forces) {
+  return k.run->interior(k, t, material, force, m, penalty, &forces);
 }
 
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m) {

@@ -85,6 +85,15 @@ Condensed condense(const Kernel& k, const Triangle& t, const Material& material,
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty = {});
 
+/// What the triangle's boundary gives and takes: f = of_trace - given are the moments of s n.
+struct TraceForces {
+  SkeletonVector of_trace;  // K m, and theta trace with a penalty
+  SkeletonVector given;     // Condensed::F
+};
+/// `interior` with the forces that it finds on the way.
+Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
+                         const SkeletonVector& m, const Penalty& penalty, TraceForces& forces);
+
 /// The same for several traces without a body force (columns), one elimination.
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
 
@@ -122,7 +131,7 @@ Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& 
 struct Operations {
   Condensed (*condense)(const Kernel&, const Triangle&, const Material&, const ForceMoments&, const Penalty&);
   Eigen::VectorXd (*interior)(const Kernel&, const Triangle&, const Material&, const ForceMoments&,
-                              const SkeletonVector&, const Penalty&);
+                              const SkeletonVector&, const Penalty&, TraceForces*);
   Fields (*evaluate)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Points&);
   Eigen::Vector4d (*stress_at)(const Triangle&, const Eigen::Ref<const Eigen::VectorXd>&, const Vec2&);
   Eigen::VectorXd (*weigh)(const Triangle&, const Points&, const Fields&);

@@ -82,8 +82,13 @@ struct DisplacementTriangle {
     return result;
   }
 
-  static Eigen::VectorXd interior(const Kernel&, const Triangle& t, const Material& material, const ForceMoments&,
-                                  const SkeletonVector& m, const Penalty&) {
+  static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
+                                  const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
+                                  TraceForces* forces) {
+    if (forces) {
+      Condensed c = condense(k, t, material, force, penalty);
+      *forces = {c.K * m, std::move(c.F)};
+    }
     const Scaled s = scale(t);
     const Eigen::VectorXd u = both_components(basis(s)) * (turn(t) * m);
     const Eigen::VectorXd g = gradient() * u / s.h;

@@ -115,7 +115,12 @@ struct VertexStressTriangle {
   }
 
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
-                                  const ForceMoments& force, const SkeletonVector& m, const Penalty&) {
+                                  const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
+                                  TraceForces* forces) {
+    if (forces) {
+      Condensed c = condense(k, t, material, force, penalty);
+      *forces = {c.K * m, std::move(c.F)};
+    }
     const Scaled s = scale(t);
     const Split p = split(k, t, s, material, force);
     const Blocks b = blocks(p);

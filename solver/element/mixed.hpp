@@ -28,11 +28,18 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   }
 
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
-                                  const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty) {
+                                  const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
+                                  TraceForces* forces) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, force);
     const Elimination<E> e(a, material, penalty);
     const auto found = e.back(scaled(s, m), e.given, a.given, nullptr, penalty);
+    if (forces) {
+      forces->given = e.load(s, force);
+      forces->of_trace = s.h * a.Ct.transpose().lazyProduct(found.stress);
+      if constexpr (V > 0) forces->of_trace.template tail<V>() *= s.h;
+      forces->of_trace += forces->given;
+    }
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
   }
 

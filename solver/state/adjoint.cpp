@@ -5,7 +5,7 @@
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/solve.hpp"
-#include "solver/system/penalty.hpp"
+#include "solver/system/refine.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,13 +66,30 @@ Sensitivity balanced(const Model& m, Sensitivity dJ) {
   return dJ;
 }
 
+// Triangles beside an edge whose displacement is prescribed and not 0.
+std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& prescribed) {
+  std::vector<Index> beside;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
+    for (int k = 0; k < m.inner->skeleton.per_edge; ++k)
+      if (prescribed[edge_unknown(m.inner->skeleton, e) + k] != 0)
+        for (const Index t : m.mesh.sides[e])
+          if (t != none) beside.push_back(t);
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return beside;
+}
+
 // A linear problem on the tangent cone: K x = F on the rows that move, x = jump on those that are held.
 struct Tangent {
   const Condensation& condensed;
   const std::vector<bool>& held;
   Loads loads;  // as for a state
   Eigen::VectorXd jump;
+  Eigen::VectorXd alone;  // loads.F without what the prescribed values do
 };
+
+// Made when a slender body first needs it.
+using Refining = std::unique_ptr<const Refinement>;
 
 // The largest load, that of the given jumps included.
 double size_of_load(const Tangent& of) {
@@ -85,8 +102,54 @@ double size_of_load(const Tangent& of) {
   return std::max(scale, multiply(m.inner->system.K, given).cwiseAbs().maxCoeff());
 }
 
+// The solution again with products that do not lose what the rounding of K loses.
+PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, PenaltyIterate start, Refining& refining,
+                              TangentField& result) {
+  const Model& m = of.condensed.m;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  if (!refining) refining = std::make_unique<const Refinement>(of.condensed);
+  Loads loads = of.loads;
+  loads.F = of.alone;
+  const double scale = size_of_load(of);
+  const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    result.linear_solves += refining->solve(F, loads.prescribed, s);
+  };
+  const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    Eigen::VectorXd rest = refining->rest(F, loads.prescribed, s);
+    s.force = Eigen::VectorXd::Zero(rest.size());
+    for (Index i = leading; i < static_cast<Index>(rest.size()); ++i)
+      if (of.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
+    s.certificate.residual = rest.cwiseAbs().maxCoeff() / scale;
+    s.certificate.kkt = std::max(s.certificate.residual, s.penalty_error);
+  };
+  start.low.setZero(start.x.size());
+  const int most = m.inner->system.penalty > 0 ? 40 : 2;
+  return iterate(of.condensed, loads, std::move(start), uniform, {solve, judge, most, TangentSolver::to_rounding});
+}
+
+// x'K x of the whole field, the prescribed values included, by the triangles beside those.
+double energy_of(const Tangent& of, const PenaltyIterate& s) {
+  const Model& m = of.condensed.m;
+  const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
+  const Eigen::VectorXd forces =                        // without a penalty K x = F on the rows that move
+      m.inner->system.penalty > 0 ? multiply(m.inner->system.K, s.x) : Eigen::VectorXd(of.loads.F + s.force);
+  double energy = s.x.dot(forces + 2 * moved);
+  const std::vector<double>& prescribed = of.loads.prescribed;
+  for (const Index t : beside_prescribed(
+           m, Eigen::Map<const Eigen::VectorXd>(prescribed.data(), static_cast<Eigen::Index>(prescribed.size())))) {
+    const SkeletonMatrix K =
+        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0}).K;
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    SkeletonVector value(view.count);
+    for (int i = 0; i < view.count; ++i) value[i] = prescribed[view.base[i]];
+    energy += value.dot(K * value);
+  }
+  return energy;
+}
+
 // Stops at the relative residual `enough`, or where the iteration gains no more. Fills in all but forces and interior.
-PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double enough, TangentField& result) {
+PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double enough, Refining& refining,
+                             TangentField& result) {
   const Model& m = of.condensed.m;
   const Index rows = m.inner->ordering.size, contact_rows = m.inner->ordering.contact_rows,
               leading = rows - contact_rows;
@@ -118,17 +181,11 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
     best = iterate(of.condensed, of.loads, start, uniform, {solve, judge, most, enough});
   else if (m.inner->system.penalty > 0)
     best.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  if (rows > 0 && m.inner->skeleton.unseen.empty() && growth(m, best.x, energy_of(of, best)) > most_growth)
+    best = refine_tangent(of, uniform, std::move(best), refining, result);
   result.residual = best.certificate.kkt;
   result.skeleton = on_skeleton(m, best.x, &of.loads.prescribed);
   return best;
-}
-
-// The part of F on the free rows.
-Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton) {
-  Eigen::VectorXd rows(m.inner->ordering.size);
-  for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (const Index row = m.inner->ordering.row[u]; row != none) rows[row] = skeleton[u];
-  return rows;
 }
 
 // Loads of the dual problem: derivatives by the skeleton, and those by the interior condensed onto it.
@@ -175,19 +232,6 @@ Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const std::vec
 
 Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
   return {m.inner->system.penalty, m.inner->system.penalty > 0 ? s.theta[t] : 0};
-}
-
-// Triangles beside an edge whose displacement is prescribed and not 0.
-std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& prescribed) {
-  std::vector<Index> beside;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
-    for (int k = 0; k < m.inner->skeleton.per_edge; ++k)
-      if (prescribed[edge_unknown(m.inner->skeleton, e) + k] != 0)
-        for (const Index t : m.mesh.sides[e])
-          if (t != none) beside.push_back(t);
-  std::sort(beside.begin(), beside.end());
-  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-  return beside;
 }
 
 // `load` less what the prescribed values do.
@@ -262,19 +306,25 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::
   const Condensation condensed(m);
   UniformPressure uniform;
   TangentField adjoint;
-  const PenaltyIterate solution = solve_tangent({condensed, held, dual_loads(m, dJ), dual_jumps(m, dJ, held)}, uniform,
-                                                TangentSolver::to_rounding, adjoint);
+  Refining refining;
+  Loads loads = dual_loads(m, dJ);
+  const Eigen::VectorXd F = loads.F;
+  const PenaltyIterate solution = solve_tangent({condensed, held, std::move(loads), dual_jumps(m, dJ, held), F},
+                                                uniform, TangentSolver::to_rounding, refining, adjoint);
+  const Twofold values = on_skeleton(m, solution, std::vector<double>(m.inner->skeleton.total, 0));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   adjoint.force.setZero(m.inner->skeleton.total);
   adjoint.interior.resize(interior_count(m.element), triangles);
   const bool loaded = dJ.interior.size() > 0;
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.element));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t)
+    for (Index t = begin; t < end; ++t) {
+      const Strained s = strained(m, values, t);
       adjoint.interior.col(t) =
           interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                        loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing,
-                        trace_seen(m.mesh, m.inner->skeleton, adjoint.skeleton, t), penalty_of(m, solution, t));
+                        loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, s.rest, penalty_of(m, solution, t));
+      add_motion(m, t, s.motion, adjoint.interior.col(t));
+    }
   });
   return adjoint;
 }
@@ -297,6 +347,7 @@ struct TangentSolver::Impl {
   Condensation condensed;
   std::vector<bool> held;
   UniformPressure uniform = {};
+  Refining refining = {};
 };
 
 TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
@@ -315,15 +366,18 @@ TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector
                         {.F = on_rows(m, less_prescribed(m, load, prescribed)),
                          .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
                          .prescribed = prescribed},
-                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows)};
+                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows),
+                        on_rows(m, load)};
   TangentField field;
-  const PenaltyIterate solution = solve_tangent(tangent, impl_->uniform, enough, field);
+  const PenaltyIterate solution = solve_tangent(tangent, impl_->uniform, enough, impl_->refining, field);
+  const Twofold values = on_skeleton(m, solution, prescribed);
   field.force = on_skeleton(m, solution.force, nullptr);
   field.interior.setZero(interior_count(m.element), triangles);
   const auto fill = [&](Index t) {
-    field.interior.col(t) =
-        interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
-                 trace_seen(m.mesh, m.inner->skeleton, field.skeleton, t), penalty_of(m, solution, t));
+    const Strained s = strained(m, values, t);
+    field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, s.rest,
+                                     penalty_of(m, solution, t));
+    add_motion(m, t, s.motion, field.interior.col(t));
   };
   for (const Index t : only) fill(t);
   if (only.empty())

@@ -151,8 +151,17 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
 }
 
 bool certified(const State& state) {
-  const double allowed = std::max(1e-10, 20 * state.certificate.rounding);
-  return state.converged && state.certificate.kkt <= allowed && state.certificate.kkt < 1e-4;
+  return state.converged && state.certificate.kkt <= no_digits && state.certificate.work <= no_digits;
+}
+
+std::string lost_digits(const State& state) {
+  const Certificate& c = state.certificate;
+  const double worst = std::max(c.kkt, c.work);
+  if (worst <= few_digits) return {};
+  return fmt::format(
+      "rounding: equilibrium and contact hold to {:.1g} of the load, and the work of the loads is twice "
+      "the strain energy to {:.1g}; about {:.0f} digits of the results are left",
+      c.kkt, c.work, std::max(0.0, std::floor(-std::log10(worst))));
 }
 
 Triangle triangle(const Model& model, Index t) {

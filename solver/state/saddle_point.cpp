@@ -282,21 +282,41 @@ Certificate certify(const Solver& s, const Eigen::VectorXd& x, const std::vector
   for (Index u = 0; u < s.layout.size; ++u)
     if (s.row[u] != none) known[u] = 0;
   const Eigen::VectorXd right = s.saddle.load - multiply(s.saddle.matrix, known),
-                        rest = multiply(s.saddle.matrix, x) - s.saddle.load,
-                        size = multiply_absolute(s.saddle.matrix, x);
-  double load = std::numeric_limits<double>::min(), worst = 0, largest = 0;
+                        rest = multiply(s.saddle.matrix, x) - s.saddle.load;
+  double load = std::numeric_limits<double>::min(), worst = 0;
   for (Index u = 0; u < s.layout.size; ++u) {
     if (s.row[u] == none) continue;
     load = std::max(load, std::abs(right[u]));
     worst = std::max(worst, std::abs(rest[u]));
-    largest = std::max(largest, size[u]);
   }
   Certificate c;
   c.residual = worst / load;
-  c.rounding = std::numeric_limits<double>::epsilon() * largest / load;
   const double traction = x.head(s.layout.share.size()).cwiseProduct(s.layout.share).cwiseAbs().maxCoeff();
   c.kkt = std::max(c.residual, optimality(points, contact.jump, contact.force, traction));
   return c;
+}
+
+// |2 strain energy - work of loads, supports and friction|, relative [theory: E.21]: from the stresses alone.
+double work_defect(const Model& m, const Field& state) {
+  const Skeleton& s = m.inner->skeleton;
+  const Kernel& k = m.inner->kernel;
+  double work = work_of_loads(m, state) + state.force.dot(state.skeleton), given = 0;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    if (m.mesh.label[e] == none) continue;
+    const Index t = m.mesh.sides[e][0] == none ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
+    for (int i = 0; i < s.per_edge; ++i) {
+      const double value = s.prescribed[edge_unknown(s, e) + i];
+      if (value == 0) continue;
+      const auto& [a, b] = m.mesh.edges[e];
+      const Vec2 x = m.mesh.points[a] + k.trace.s[i / 2] * (m.mesh.points[b] - m.mesh.points[a]);
+      const Vec2 traction = tensor(stress_at(k, triangle(m, t), state.interior.col(t), x)) * outward_normal(m.mesh, e);
+      work += value * length(m.mesh, e) * k.trace.w[i / 2] * traction.dot(s.frame[e].col(i % 2));
+      given += m.scene.material.mu * value * value;
+    }
+  }
+  constexpr double rounding = 100 * std::numeric_limits<double>::epsilon();
+  const double energy = 2 * strain_energy(m, state), size = energy + rounding * given;
+  return size > 0 ? std::abs(energy - work) / size : 0;
 }
 
 // Base values of an edge are those of its left triangle, or the only one.
@@ -350,28 +370,6 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
   }
 }
 
-// Takes the rigid motions out that the supports leave free.
-void remove_motions(const Model& m, Field& state) {
-  const Eigen::VectorXd share = floating_shares(m, state);
-  const Element& e = m.element;
-  const int first = stress_count(e), rotation = first + displacement_count(e);
-  for (std::size_t k = 0; k < m.inner->floating.size(); ++k) {
-    const RigidMotion& motion = m.inner->floating[k];
-    const double part = share[static_cast<Eigen::Index>(k)];
-    state.skeleton.head(m.inner->skeleton.base) -= part * trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion);
-    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
-      auto c = state.interior.col(t);
-      c.segment<2>(first) -= part * motion.at(centroid(m.mesh, t));
-      if (e.displacement > 0) {  // the coefficients of xi = (x - centroid)/h
-        const double turn = part * motion.rotation * std::sqrt(2 * area(m.mesh, t));
-        c[first + 3] -= turn;
-        c[first + 4] += turn;
-      }
-      c[rotation] += part * motion.rotation;
-    }
-  }
-}
-
 }  // namespace
 
 State solve_saddle_point(const Model& m) {
@@ -405,6 +403,7 @@ State solve_saddle_point(const Model& m) {
   }
   recover(solver, x, state);
   if (!m.inner->floating.empty()) remove_motions(m, state);
+  state.certificate.work = work_defect(m, state);
   if (layout.mean != none) {
     const double strain = mean_stress(m, state) / m.scene.material.mu;
     check_volume(m, x[layout.mean] / m.scene.material.mu * area(m), strain);

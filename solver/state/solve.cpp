@@ -1,8 +1,9 @@
-#include "solver/system/penalty.hpp"
+#include "solver/system/refine.hpp"
 
 #include "solver/system.hpp"
 
 #include "solver/contact/law.hpp"
+#include "solver/element/spaces.hpp"
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -20,18 +21,23 @@ double size_of_load(const Model& m) {
   return std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
 }
 
+// What a state is judged by: `rest` = K x - F per row, `load` the largest force that drives the body.
+struct Judged {
+  const Eigen::VectorXd& rest;
+  double load = 0;
+};
+
 // The contact forces, |K x - F| on the rows that no contact holds, and how far jumps and forces are from the law.
-void certify(const Condensation& condensed, const Eigen::VectorXd& F, PenaltyIterate& s) {
+void certify(const Condensation& condensed, const Judged& by, PenaltyIterate& s) {
   const Model& m = condensed.m;
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
-  const Eigen::VectorXd rest = multiply(m.inner->system.K, s.x) - F;
-  const double load = size_of_load(m);
+  const double load = by.load;
   Certificate& c = s.certificate;
-  c.residual = leading > 0 ? rest.head(leading).cwiseAbs().maxCoeff() / load : 0;
+  c.residual = leading > 0 ? by.rest.head(leading).cwiseAbs().maxCoeff() / load : 0;
   s.force = Eigen::VectorXd::Zero(m.inner->ordering.size);
   double law = 0;
   if (contact_rows > 0) {
-    const Eigen::VectorXd force = rest.tail(contact_rows);
+    const Eigen::VectorXd force = by.rest.tail(contact_rows);
     const Admissible allowed = admissible(condensed.points, force);
     for (Index i = 0; i < contact_rows; ++i) {
       if (s.motion[i] == Motion::Held)
@@ -43,7 +49,7 @@ void certify(const Condensation& condensed, const Eigen::VectorXd& F, PenaltyIte
     }
     law = optimality(condensed.points, s.x.tail(contact_rows), force, load);
   }
-  c.kkt = std::max({c.residual, law, s.penalty_error});
+  c.kkt = s.x.allFinite() ? std::max({c.residual, law, s.penalty_error}) : infinity;
 }
 
 // Jumps and forces of the whole sparse system for `active_set`.
@@ -102,34 +108,149 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     s.x = std::move(correction);
 }
 
-// What no residual in double precision can be expected to be smaller than.
-double rounding_of(const Model& m, const Eigen::VectorXd& x) {
-  if (m.inner->ordering.size == 0) return 0;
-  return std::numeric_limits<double>::epsilon() * multiply_absolute(m.inner->system.K, x).maxCoeff() / size_of_load(m);
+// What drives the body: loads per skeleton unknown, and the largest of them and of the forces that it takes to
+// prescribe what is not 0.
+struct Drive {
+  Eigen::VectorXd loads;
+  double largest = 0;
+};
+
+// The state of an iterate, certified triangle by triangle: the residual, contact and friction by the exact forces, and
+// the work [theory: E.20, E.21].
+Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
+  const Model& m = condensed.m;
+  const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
+  const Twofold values = on_skeleton(m, s, prescribed);
+  Balance balance = recover_interior(m, values, s.theta, state);
+  const Eigen::VectorXd unmet = balance.forces - balance.loads, rest = on_rows(m, unmet);
+  double largest = std::max(balance.loads.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()),
+         work = balance.loads.dot(values.high);
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (prescribed[u] != 0) {
+      largest = std::max(largest, std::abs(unmet[u]));
+      work += prescribed[u] * unmet[u];
+    }
+  certify(condensed, {rest, largest}, s);
+  work += s.force.dot(s.x);
+  // The part of the rest that nothing answers, and the energy of the error that it stands for.
+  Eigen::VectorXd missed = rest - s.force;
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
+    if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
+  const Eigen::VectorXd half = m.inner->factor.forward(missed);
+  const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
+               size = std::abs(balance.energy) + balance.noise;
+  s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
+  state.certificate = s.certificate;
+  state.skeleton = values.high;
+  state.force = on_skeleton(m, s.force, nullptr);
+  return {std::move(balance.loads), largest};
 }
 
-void recover_interior(const Model& m, const PenaltyIterate& solution, State& state) {
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const double penalty = m.inner->system.penalty;
-  state.interior.resize(interior_count(m.element), triangles);
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t)
-      state.interior.col(t) =
-          interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.inner->system, t),
-                   trace_seen(m.mesh, m.inner->skeleton, state.skeleton, t),
-                   {.a = penalty, .theta = penalty > 0 ? solution.theta[t] : 0});
-  });
+// The larger of the two, as nothing when it is not a number.
+double defect(const Certificate& c) {
+  return std::isfinite(c.kkt) && std::isfinite(c.work) ? std::max(c.kkt, c.work) : infinity;
 }
 
-// Takes the rigid motions out that the supports leave free.
-void remove_motions(const Model& m, State& state) {
-  const Eigen::VectorXd share = floating_shares(m, state);
-  for (Index i = 0; i < static_cast<Index>(m.inner->floating.size()); ++i)
-    state.skeleton.head(m.inner->skeleton.base) -=
-        share[i] * trace(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating[i]);
+// Contact by the exact forces and the S of the factor, which is as far off as its matrix; then conjugate gradients with
+// the rows held that it holds; until the set stays. `largest`: Drive::largest.
+struct Settling {
+  const Condensation& condensed;
+  const Refinement& refinement;
+  double largest = 0;
+  State& state;
+
+  void operator()(const Eigen::VectorXd& F, PenaltyIterate& s) const {
+    const Model& m = condensed.m;
+    const Index contact_rows = m.inner->ordering.contact_rows;
+    const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
+    if (contact_rows == 0) {
+      state.linear_solves += refinement.solve(F, prescribed, s);
+      return;
+    }
+    constexpr int most = 10;
+    constexpr double enough = 1e-12;
+    double last = infinity;
+    for (int sweep = 0; sweep < most; ++sweep) {
+      const Eigen::VectorXd rest = refinement.rest(F, prescribed, s), jump = s.x.tail(contact_rows);
+      const double law = optimality(condensed.points, jump, -rest.tail(contact_rows), largest);
+      if (sweep > 0 && (law <= enough || (sweep > 1 && law > 0.5 * last))) break;
+      last = law;
+      state.linear_solves += refinement.solve(exchange(F, rest, jump, s), prescribed, s);
+    }
+  }
+
+ private:
+  // The next set of motions, and F with the forces of the rows that move.
+  Eigen::VectorXd exchange(const Eigen::VectorXd& F, const Eigen::VectorXd& rest, const Eigen::VectorXd& jump,
+                           PenaltyIterate& s) const {
+    const Eigen::VectorXd y = condensed.m.inner->factor.forward(rest);
+    const Contact contact = dual_qp(condensed.S, condensed.load(y) + condensed.S * jump, condensed.points, s.motion);
+    ++state.linear_solves;
+    state.contact_iterations += contact.iterations;
+    state.converged = contact.converged;
+    s.motion = contact.motion;
+    s.x += condensed.complete(y, contact.jump - jump);
+    Eigen::VectorXd driven = F;
+    for (Index i = 0, row = condensed.m.inner->ordering.size - condensed.m.inner->ordering.contact_rows;
+         i < static_cast<Index>(jump.size()); ++i, ++row)
+      if (s.motion[i] == Motion::Held)
+        s.x[row] = s.low[row] = 0;
+      else
+        driven[row] += contact.force[i];
+    return driven;
+  }
+};
+
+// Before the user is told.
+bool loses_digits(const State& state) {
+  return !(defect(state.certificate) <= 0.5 * few_digits);
+}
+
+// Slender bodies: the same rounds with products that do not lose what the rounding of K loses. Keeps the better state.
+// What drives a body by prescribed motions is known only when it is solved, so that there may be another time.
+void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform, PenaltyIterate& solution,
+            State& state) {
+  const Model& m = condensed.m;
+  const Refinement refinement(condensed);
+  const bool penalized = m.inner->system.penalty > 0;
+  Loads loads = loads_of(m);
+  loads.F = on_rows(m, drive.loads);
+  constexpr int most = 3;
+  for (int time = 0; time < most && loses_digits(state); ++time) {
+    PenaltyIterate start = solution;
+    if (start.low.size() == 0) start.low.setZero(start.x.size());
+    const auto by_triangles = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+      const Eigen::VectorXd rest = -refinement.rest(F, loads.prescribed, s);
+      certify(condensed, {rest, drive.largest}, s);
+    };
+    const PenaltySteps steps{Settling{condensed, refinement, drive.largest, state}, by_triangles, penalized ? 40 : 3,
+                             penalized ? 1e-16 : 1e-12};
+    PenaltyIterate refined = iterate(condensed, loads, std::move(start), uniform, steps);
+    const double before = defect(state.certificate);
+    drive = judge(condensed, refined, state);
+    const double after = defect(state.certificate);
+    if (!(after < before)) {
+      judge(condensed, solution, state);
+      return;
+    }
+    solution = std::move(refined);
+    if (after > 0.1 * before) return;
+  }
 }
 
 }  // namespace
+
+void remove_motions(const Model& m, Field& s) {
+  const Eigen::VectorXd share = floating_shares(m, s);
+  for (Index i = 0; i < static_cast<Index>(m.inner->floating.size()); ++i) {
+    RigidMotion motion = m.inner->floating[i];
+    motion.translation *= -share[i];
+    motion.rotation *= -share[i];
+    s.skeleton.head(m.inner->skeleton.base) += trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion);
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) add_motion(m, t, motion, s.interior.col(t));
+  }
+}
 
 Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
   const Index n = static_cast<Index>(m.inner->floating.size());
@@ -192,24 +313,22 @@ State solve(const Model& m, ContactMethod method) {
   const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     solve_contact(condensed, method, F, s, state);
   };
-  const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) { certify(condensed, F, s); };
+  const auto assembled = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
+    const Eigen::VectorXd rest = multiply(m.inner->system.K, s.x) - F;
+    certify(condensed, {rest, size_of_load(m)}, s);
+  };
   const bool penalized = m.inner->system.penalty > 0;
-  const PenaltySteps steps{solve, judge, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12};
+  const PenaltySteps steps{solve, assembled, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12};
   const double before = state.seconds.contact;
-  const PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);
+  PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);
+  Drive drive = judge(condensed, solution, state);
+  // Traces that no triangle sees answer nothing: K is singular there.
+  if (loses_digits(state) && m.inner->ordering.size > 0 && m.inner->skeleton.unseen.empty())
+    refine(condensed, std::move(drive), uniform, solution, state);
   if (uniform.level_open)
     has_free_pressure(m.mesh, m.scene, m.inner->skeleton);  // an opening crack would have fixed it
-
   state.linear_solves += uniform.solves;
-  state.certificate = solution.certificate;
-  state.certificate.rounding = rounding_of(m, solution.x);
-  state.skeleton = on_skeleton(m, solution.x, &m.inner->skeleton.prescribed);
-  state.force = on_skeleton(m, solution.force, nullptr);
-  recover_interior(m, solution, state);
-  if (!m.inner->floating.empty()) {
-    remove_motions(m, state);
-    recover_interior(m, solution, state);
-  }
+  if (!m.inner->floating.empty()) remove_motions(m, state);
   state.seconds.solve = watch.lap() - (state.seconds.contact - before);
   return state;
 }

@@ -8,6 +8,9 @@ namespace kerf {
 /// The points of all cracks in contact, by their rows counted from the first row in contact.
 std::vector<ContactPoint> contact_points(const Model& m);
 
+/// Takes the rigid motions out that the supports leave free.
+void remove_motions(const Model& m, Field& field);
+
 /// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond quadrature
 /// and the rounding of displacements and of the strains that other loads cause.
 void check_volume(const Model& m, double change, double largest_strain);

@@ -154,9 +154,9 @@ System assemble(const Assembly& from) {
     condense_then_scatter(from, a);
   else
     condense_and_scatter(from, a);
-  const Eigen::VectorXd loads = traction_loads(from.mesh, from.kernel, from.skeleton, from.scene);
+  a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.scene);
   for (Index u = 0; u < from.skeleton.total; ++u)
-    if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += loads[u];
+    if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += a.tractions[u];
   return a;
 }
 

@@ -14,7 +14,8 @@ struct System {
   LowerTriangle K;
   Eigen::MatrixXd force;  // force moments, a column per triangle; no columns without a body force
   Eigen::VectorXd F;
-  Eigen::MatrixXd traces;  // with a penalty, per triangle Condensed::trace, own, by_theta
+  Eigen::VectorXd tractions;  // their loads, per skeleton unknown
+  Eigen::MatrixXd traces;     // with a penalty, per triangle Condensed::trace, own, by_theta
 };
 
 /// What a system is assembled from.

@@ -28,17 +28,32 @@ Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const s
   return all;
 }
 
+Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton) {
+  Eigen::VectorXd rows(m.inner->ordering.size);
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (const Index row = m.inner->ordering.row[u]; row != none) rows[row] = skeleton[u];
+  return rows;
+}
+
+Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere) {
+  Twofold all{on_skeleton(m, s.x, &elsewhere), {}};
+  if (s.low.size() > 0) all.low = on_skeleton(m, s.low, nullptr);
+  return all;
+}
+
 // An enclosed body does not feel a uniform theta, so that its error must be watched here: relative to the terms that it
 // is the sum of.
 void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
   const Eigen::VectorXd before = s.theta;
   Eigen::VectorXd size(s.theta.size());
-  const Eigen::VectorXd skeleton = on_skeleton(m, s.x, &loads.prescribed);
+  const Twofold skeleton = on_skeleton(m, s, loads.prescribed);
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
   parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto column = m.inner->system.traces.col(t);
-      const SkeletonVector seen_here = trace_seen(m.mesh, m.inner->skeleton, skeleton, t);
+      const SkeletonVector seen_here = skeleton.low.size() > 0
+                                           ? strained(m, skeleton, t).rest
+                                           : trace_seen(m.mesh, m.inner->skeleton, skeleton.high, t);
       const double mean =
           column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] + s.theta[t] * column[count + 1];
       size[t] =
@@ -139,7 +154,7 @@ PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, Penalt
                        const PenaltySteps& steps) {
   const Model& m = condensed.m;
   const bool penalized = m.inner->system.penalty > 0, any_rows = m.inner->ordering.size > 0;
-  if (penalized) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  if (penalized && next.theta.size() == 0) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
   PenaltyIterate best = next;
   Eigen::VectorXd F = loads.F;
   int without_gain = 0;

@@ -3,6 +3,7 @@
 // share.
 
 #include "solver/state/solve.hpp"
+#include "solver/system/elementwise.hpp"
 
 #include <functional>
 
@@ -11,6 +12,7 @@ namespace kerf {
 /// What one round of the penalty iteration gives.
 struct PenaltyIterate {
   Eigen::VectorXd x, force;    // per row; forces of contact, 0 on the other rows
+  Eigen::VectorXd low;         // of x in twice the precision, or nothing: then products run triangle by triangle
   std::vector<Motion> motion;  // per row in contact
   Eigen::VectorXd theta;       // per triangle, with a penalty
   double penalty_error = 0;    // what this round still changed in theta, relative
@@ -27,6 +29,12 @@ Loads loads_of(const Model& m);
 
 /// All skeleton unknowns from the free ones; the others as given, or 0.
 Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere);
+
+/// The part on the free rows.
+Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton);
+
+/// All skeleton unknowns of an iterate.
+Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere);
 
 /// theta = a mean(tr s) of the present solution.
 void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);

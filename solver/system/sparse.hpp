@@ -17,7 +17,4 @@ struct LowerTriangle {
 /// The whole symmetric matrix times x.
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x);
 
-/// |A| |x|, entry by entry in absolute value.
-Eigen::VectorXd multiply_absolute(const LowerTriangle& a, const Eigen::VectorXd& x);
-
 }  // namespace kerf

@@ -1,0 +1,221 @@
+#include "solver/system/elementwise.hpp"
+
+#include "solver/parallel.hpp"
+
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// A number in twice the precision [Dekker 1971].
+struct Twice {
+  double high = 0, low = 0;
+};
+
+Twice sum(double a, double b) {
+  const double s = a + b, part = s - a;
+  return {s, (a - (s - part)) + (b - part)};
+}
+Twice operator+(const Twice& a, const Twice& b) {
+  const Twice s = sum(a.high, b.high);
+  const double low = s.low + (a.low + b.low), high = s.high + low;
+  return {high, low - (high - s.high)};
+}
+Twice operator*(const Twice& a, double b) {
+  const double p = a.high * b, low = std::fma(a.high, b, -p) + a.low * b, high = p + low;
+  return {high, low - (high - p)};
+}
+
+// from + s (to - from) - center
+Twice offset(double from, double to, double s, double center) {
+  return sum(to, -from) * s + sum(from, -center);
+}
+
+// The displacement of a motion at an offset, along a direction.
+Twice along(const RigidMotion& motion, const Twice& dx, const Twice& dy, const Vec2& direction) {
+  const Twice u = dy * -motion.rotation + Twice{motion.translation.x(), 0},
+              v = dx * motion.rotation + Twice{motion.translation.y(), 0};
+  return u * direction.x() + v * direction.y();
+}
+
+// visit(first unknown, frame, from, to, s) for every pair of unknowns that are displacements at the point from + s (to
+// - from). Edges go in their own direction, so that both sides of an edge agree on its points to the last bit.
+template <class Visit>
+void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
+  const int points = points_per_edge(k.element);
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 &a = t.x[(e + (t.forward[e] ? 1 : 2)) % 3], &b = t.x[(e + (t.forward[e] ? 2 : 1)) % 3];
+    for (int g = 0; g < points; ++g) visit(2 * (points * e + g), frame_at(t, e, g), a, b, k.trace.s[g]);
+  }
+  if (k.element.at_vertices == AtVertices::Displacement)
+    for (int v = 0; v < 3; ++v) visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0);
+}
+
+// Traces of the translations and of the rotation by 1/h about the center.
+void span_motions(const Kernel& k, const Triangle& t, const Vec2& center, double h, Strained& s) {
+  s.span.setZero(skeleton_count(k.element), 3);
+  for_each_point(k, t, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at) {
+    const Vec2 d = (a + at * (b - a) - center) / h;
+    for (int c = 0; c < 2; ++c) s.span.row(first + c) << frame(0, c), frame(1, c), cross(d, frame.col(c));
+  });
+  if (k.element.at_vertices == AtVertices::Rotation) s.span.bottomRightCorner<3, 1>().setConstant(-1 / h);
+  s.inverse = Eigen::Matrix3d(s.span.transpose() * s.span).inverse();
+}
+
+struct Traced {
+  std::array<Twice, max_skeleton> of;
+  SkeletonVector high;
+};
+
+Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
+  const Seen view = seen(m.mesh, m.inner->skeleton, t);
+  const auto at = [&](Index u) -> Twice { return {values.high[u], values.low.size() > 0 ? values.low[u] : 0}; };
+  Traced trace;
+  trace.high.resize(view.count);
+  for (int i = 0; i < view.count; ++i) {
+    trace.of[i] = at(view.base[i]);
+    if (view.jump[i] != none) trace.of[i] = trace.of[i] + at(view.jump[i]);
+    trace.high[i] = trace.of[i].high;
+  }
+  return trace;
+}
+
+// What the local problems give back is added in the order of the triangles, whatever the number of threads.
+Eigen::VectorXd scattered(const Model& m, const Eigen::MatrixXd& local) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(m.inner->skeleton.total);
+  for (Index t = 0; t < static_cast<Index>(local.cols()); ++t) {
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    for (int i = 0; i < view.count; ++i) {
+      all[view.base[i]] += local(i, t);
+      if (view.jump[i] != none) all[view.jump[i]] += local(i, t);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+void add(Twofold& x, double share, const Eigen::VectorXd& y) {
+  if (x.low.size() == 0) x.low.setZero(x.high.size());
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    const Twice next = Twice{x.high[i], x.low[i]} + Twice{share * y[i], 0};
+    x.high[i] = next.high;
+    x.low[i] = next.low;
+  }
+}
+
+// The nearest rigid motion is found in double precision and subtracted in twice that; of what is left, small, the
+// share of the motions is taken out in double precision.
+Strained strained(const Model& m, const Twofold& values, Index t) {
+  const Kernel& k = m.inner->kernel;
+  const Triangle shape = triangle(m, t);
+  const Traced trace = trace_exactly(m, values, t);
+  const Vec2 center = centroid(shape);
+  const double h = std::sqrt(2 * area(shape));
+  Strained s;
+  span_motions(k, shape, center, h, s);
+  const Eigen::Vector3d most = s.inverse * (s.span.transpose() * trace.high);
+  s.motion = {center, most.head<2>(), most[2] / h};
+  s.rest = trace.high;
+  for_each_point(k, shape, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at) {
+    const Twice dx = offset(a.x(), b.x(), at, center.x()), dy = offset(a.y(), b.y(), at, center.y());
+    for (int c = 0; c < 2; ++c)
+      s.rest[first + c] = (trace.of[first + c] + along(s.motion, dx, dy, frame.col(c)) * -1).high;
+  });
+  if (k.element.at_vertices == AtVertices::Rotation)
+    for (Eigen::Index i = s.rest.size() - 3; i < s.rest.size(); ++i)
+      s.rest[i] = (trace.of[i] + Twice{s.motion.rotation, 0}).high;
+  const Eigen::Vector3d little = s.inverse * (s.span.transpose() * s.rest);
+  s.rest -= s.span * little;
+  s.motion.translation += little.head<2>();
+  s.motion.rotation += little[2] / h;
+  return s;
+}
+
+void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<Eigen::VectorXd> interior) {
+  const Element& e = m.element;
+  const int first = stress_count(e), rotation = first + displacement_count(e);
+  interior.segment<2>(first) += motion.at(centroid(m.mesh, t));
+  if (e.displacement > 0) {  // the coefficients of xi = (x - centroid)/h
+    const double turn = motion.rotation * std::sqrt(2 * area(m.mesh, t));
+    interior[first + 3] += turn;
+    interior[first + 4] -= turn;
+  }
+  interior[rotation] -= motion.rotation;
+}
+
+Balance recover_interior(const Model& m, const Twofold& values, const Eigen::VectorXd& theta, Field& field) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  const bool loaded = m.inner->system.force.cols() > 0;
+  const double penalty = m.inner->system.penalty;
+  const int count = skeleton_count(m.element);
+  Eigen::MatrixXd forces(count, triangles), given(count, loaded ? triangles : 0);
+  Eigen::MatrixXd sums(2, triangles);
+  field.interior.resize(interior_count(m.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Strained s = strained(m, values, t);
+      const Material& material = material_of(m.mesh, m.scene, t);
+      TraceForces f;
+      field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material, force_of(m.inner->system, t), s.rest,
+                                       {.a = penalty, .theta = penalty > 0 ? theta[t] : 0}, f);
+      add_motion(m, t, s.motion, field.interior.col(t));
+      forces.col(t) = s.without_motions(f.of_trace);
+      if (loaded) given.col(t) = f.given;
+      const double size = material.mu * trace_seen(m.mesh, m.inner->skeleton, values.high, t).squaredNorm();
+      sums.col(t) << s.rest.dot(f.of_trace), size;
+    }
+  });
+  Balance b{scattered(m, forces), m.inner->system.tractions};
+  if (loaded) b.loads += scattered(m, given);
+  constexpr double rounding = 1000 * std::numeric_limits<double>::epsilon();
+  b.energy = sums.row(0).sum();
+  b.noise = rounding * rounding * sums.row(1).sum();
+  return b;
+}
+
+Elementwise::Elementwise(const Model& m) : m_(m) {
+  const int n = skeleton_count(m.element);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  lower_.resize(n * (n + 1) / 2, triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const SkeletonMatrix K =
+          condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {.a = m.inner->system.penalty})
+              .K;
+      double* to = lower_.col(t).data();
+      for (int j = 0; j < n; ++j)
+        for (int i = j; i < n; ++i) *to++ = K(i, j);
+    }
+  });
+}
+
+Elementwise::Product Elementwise::operator()(const Twofold& values) const {
+  const int n = skeleton_count(m_.element);
+  const Index triangles = static_cast<Index>(m_.mesh.triangles.size());
+  Eigen::MatrixXd forces(n, triangles);
+  Eigen::VectorXd energy(triangles);
+  parallel_for(triangles, m_.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Strained s = strained(m_, values, t);
+      SkeletonVector f = SkeletonVector::Zero(n);
+      const double* entry = lower_.col(t).data();
+      for (int j = 0; j < n; ++j) {
+        double sum = *entry++ * s.rest[j];
+        for (int i = j + 1; i < n; ++i, ++entry) {
+          f[i] += *entry * s.rest[j];
+          sum += *entry * s.rest[i];
+        }
+        f[j] += sum;
+      }
+      energy[t] = s.rest.dot(f);
+      forces.col(t) = s.without_motions(f);
+    }
+  });
+  return {scattered(m_, forces), energy.sum()};
+}
+
+}  // namespace kerf
