@@ -178,8 +178,14 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
 /// From the middles of the triangles. The degree is that of the element's stresses; no more than two, which is a good
 /// part of any smooth state. Fields beside curved faces are turned from the chord to the curve: only a pressure does
 /// not mind.
-PolynomialState smooth_part(const Model& model, const Field& state, const Disc& disc,
-                            std::span<const Index> triangles) {
+PolynomialState smooth_part(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles,
+                            std::span<const CrackPoint> profile) {
+  if (disc.tip.curved) {
+    double sum = 0, size = 0;
+    for (const CrackPoint& p : profile)
+      if ((p.at - disc.tip.at).norm() < disc.ring.front().outer) sum += p.length * p.sigma_n, size += p.length;
+    return uniform_pressure(disc.material, size > 0 ? sum / size : 0);
+  }
   std::vector<StateSample> samples;
   for (const Index t : triangles) {
     const Vec2 x = centroid(model.mesh, t), at = disc.tip.frame.transpose() * (x - disc.tip.at);
@@ -188,7 +194,6 @@ PolynomialState smooth_part(const Model& model, const Field& state, const Disc& 
     const Fields f = evaluate(model, state, t, x);
     samples.push_back({at, in_frame(disc, f.stress.col(0), 0).stress, f.rotation[0] - disc.rotation, weight});
   }
-  if (disc.tip.curved) return fit_pressure(disc.material, samples);
   const Vec2 force =
       model.scene.body ? Vec2(disc.tip.frame.transpose() * model.scene.body(disc.tip.at)) : Vec2(Vec2::Zero());
   return fit_state(disc.material, std::clamp(model.element.degree, 1, 2), force, samples);
@@ -416,7 +421,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
     return result;
   }
   disc.rotation = mean_rotation(model, state, disc, c.triangles);
-  disc.smooth = smooth_part(model, state, disc, c.triangles);
+  disc.smooth = smooth_part(model, state, disc, c.triangles, profile);
   const std::vector<Face> behind = faces(model, tip, profile);
   Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(disc, behind);
   if (tip.curved)

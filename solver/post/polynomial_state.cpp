@@ -53,23 +53,6 @@ std::complex<double> place(const Vec2& x, double scale) {
   return {x.x() / scale, x.y() / scale};
 }
 
-/// With the first `count` coefficients.
-PolynomialState fit(PolynomialState state, Eigen::Index count, const std::vector<StateSample>& samples) {
-  double far = 0;
-  for (const StateSample& s : samples) far = std::max(far, s.x.norm());
-  state.scale = far > 0 ? far : 1;
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  for (const StateSample& s : samples) {
-    const Eigen::MatrixXd b = basis(state.material, state.degree, place(s.x, state.scale)).leftCols(count);
-    const Values value(s.stress(0, 0), s.stress(1, 1), s.stress(0, 1), 2 * state.material.mu * s.rotation);
-    normal += s.weight * b.transpose() * b;
-    right += s.weight * b.transpose() * (value - of_force(state.material, state.force, s.x));
-  }
-  state.coefficients = normal.completeOrthogonalDecomposition().solve(right);
-  return state;
-}
-
 }  // namespace
 
 LocalState PolynomialState::at(const Vec2& x) const {
@@ -83,11 +66,25 @@ double PolynomialState::t_stress() const {
 
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
                           const std::vector<StateSample>& samples) {
-  return fit({.material = material, .degree = degree, .force = force, .coefficients = {}}, 4 * (degree + 1), samples);
+  PolynomialState state{.material = material, .degree = degree, .force = force, .coefficients = {}};
+  const Eigen::Index n = 4 * (degree + 1);
+  double far = 0;
+  for (const StateSample& s : samples) far = std::max(far, s.x.norm());
+  state.scale = far > 0 ? far : 1;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  for (const StateSample& s : samples) {
+    const Eigen::Matrix4Xd b = basis(material, degree, place(s.x, state.scale));
+    const Values value(s.stress(0, 0), s.stress(1, 1), s.stress(0, 1), 2 * material.mu * s.rotation);
+    normal += s.weight * b.transpose() * b;
+    right += s.weight * b.transpose() * (value - of_force(material, force, s.x));
+  }
+  state.coefficients = normal.completeOrthogonalDecomposition().solve(right);
+  return state;
 }
 
-PolynomialState fit_pressure(const Material& material, const std::vector<StateSample>& samples) {
-  return fit({.material = material, .degree = 0, .coefficients = {}}, 2, samples);
+PolynomialState uniform_pressure(const Material& material, double stress) {
+  return {.material = material, .coefficients = Eigen::VectorXd::Constant(1, stress / 2)};
 }
 
 }  // namespace kerf

@@ -37,7 +37,7 @@ struct StateSample {
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
                           const std::vector<StateSample>& samples);
 
-/// The nearest uniform pressure and rotation: what looks the same from every direction.
-PolynomialState fit_pressure(const Material& material, const std::vector<StateSample>& samples);
+/// s_11 = s_22 = stress: what looks the same from every direction.
+PolynomialState uniform_pressure(const Material& material, double stress);
 
 }  // namespace kerf
