@@ -196,7 +196,7 @@ const std::vector<Change>& changes() {
   static const std::vector<Change> all = {{"hole", {Kind::Hole}},
                                           {"clamped_hole", {Kind::ClampedHole}},
                                           {"inclusion", {Kind::Inclusion, plane_strain(4, 0.15)}},
-                                          {"ellipse", {Kind::Ellipse, {}, 2, 0.5}},
+                                          {"ellipse", {Kind::Ellipse, {}, 2, 1.2}},
                                           {"crack", {Kind::Crack, {}, 1, 0.4}}};
   return all;
 }
