@@ -126,12 +126,16 @@ double target(const std::vector<Spot>& spots, const Vec2& x) {
 
 // Sizes that do not depend on what is drawn: the meshes of all bodies agree far from it.
 Mesh graded(const Body& plain, const Shape& drawn, const std::vector<Spot>& spots) {
-  const Sizing sizing{.size = 0.13, .grading = 0.3};
-  Mesh mesh = triangulate(plain.shape, sizing);
+  const bool cracked = drawn.cracks.size() > plain.shape.cracks.size();  // filled or not, its lines are there
+  const Shape& first = cracked ? drawn : plain.shape;
+  double least = 1e-3;
+  for (const Spot& s : spots) least = std::min(least, s.size);
+  const Sizing sizing{.size = 0.13, .crack_tip_size = least, .grading = 0.3};
+  Mesh mesh = triangulate(first, sizing);
   for (int round = 0; round < 3; ++round) {
     std::vector<double> size;
     for (const Vec2& x : mesh.points) size.push_back(target(spots, x));
-    mesh = triangulate(round < 2 ? plain.shape : drawn, sizing, Background{&mesh, size});
+    mesh = triangulate(round < 2 ? first : drawn, sizing, Background{&mesh, size});
   }
   return mesh;
 }
@@ -159,7 +163,7 @@ Solved solved(const Load& load, const Body& b, double near) {
   std::vector<Spot> spots = {{from, 1e-3}, {tip, 1e-3}, {tip, 0.04, 0.25}, {place(), near}};
   for (const Side& s : b.shape.outline.sides) spots.push_back({s.start, 0.03});
   for (std::size_t c = 1; c < b.shape.cracks.size(); ++c)
-    for (const Vec2& x : b.shape.cracks[c].points) spots.push_back({x, 0.01 * near});
+    for (const Vec2& x : b.shape.cracks[c].points) spots.push_back({x, 1e-4 * near});
   Solved s = solved(load, b, spots);
   if (!load.contact) return s;
   const std::vector<Spot> ends = ends_of_contact(s);
@@ -192,7 +196,7 @@ const std::vector<Change>& changes() {
   static const std::vector<Change> all = {{"hole", {Kind::Hole}},
                                           {"clamped_hole", {Kind::ClampedHole}},
                                           {"inclusion", {Kind::Inclusion, plane_strain(4, 0.15)}},
-                                          {"ellipse", {Kind::Ellipse, {}, 2, 0.5}},
+                                          {"ellipse", {Kind::Ellipse, {}, 2, 1.2}},
                                           {"crack", {Kind::Crack, {}, 1, 0.4}}};
   return all;
 }
