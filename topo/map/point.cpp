@@ -1,6 +1,6 @@
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
-#include "topo/formulas/mutation.hpp"
+#include "topo/mutation.hpp"
 
 #include <algorithm>
 #include <cmath>
