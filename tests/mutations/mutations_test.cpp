@@ -2,7 +2,7 @@
 // itself. A program of its own, whose formulas are built with KERF_MUTATIONS.
 
 #include "tests/topo/validation.hpp"
-#include "topo/formulas/mutation.hpp"
+#include "topo/mutation.hpp"
 
 #include <gtest/gtest.h>
 

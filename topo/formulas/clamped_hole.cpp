@@ -1,6 +1,6 @@
 #include "topo/formulas/clamped_hole.hpp"
 #include "topo/formulas/kind.hpp"
-#include "topo/formulas/mutation.hpp"
+#include "topo/mutation.hpp"
 
 #include <Eigen/LU>
 #include <cmath>

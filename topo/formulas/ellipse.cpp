@@ -1,6 +1,6 @@
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
-#include "topo/formulas/mutation.hpp"
+#include "topo/mutation.hpp"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 #include "topo/formulas/kind.hpp"
-#include "topo/formulas/mutation.hpp"
 #include "topo/formulas/parts.hpp"
+#include "topo/mutation.hpp"
 
 namespace kerf {
 

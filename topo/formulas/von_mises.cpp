@@ -1,8 +1,8 @@
 #include "topo/formulas/von_mises.hpp"
 
 #include "solver/quadrature.hpp"
-#include "topo/formulas/mutation.hpp"
 #include "topo/formulas/parts.hpp"
+#include "topo/mutation.hpp"
 
 #include <algorithm>
 #include <cmath>

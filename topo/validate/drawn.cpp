@@ -34,9 +34,9 @@ class Drawer {
     background_ = {&mesh, better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners))};
   }
 
-  std::vector<Drawn> all() {
+  std::vector<Redrawn> all() {
     if (row(sketch_.p).becomes == Becomes::Slit) {
-      std::vector<Drawn> found;
+      std::vector<Redrawn> found;
       for (const Change& c : changes_) found.push_back(slit(c));
       return found;
     }
@@ -57,7 +57,7 @@ class Drawer {
     return prepare(std::move(mesh), element_, std::move(scene), sketch_.own.threads);
   }
 
-  std::vector<Drawn> in_balls() {
+  std::vector<Redrawn> in_balls() {
     std::vector<Site> sites;
     std::vector<BallMesh> balls;
     for (const Change& c : changes_) {
@@ -68,10 +68,11 @@ class Drawer {
     const Model model = prepared(filled.mesh, sketch_.own.scene);
     const State state = solved(model);
     const Analysis a = analyze(sketch_.j, model, state);
-    std::vector<Drawn> found;
+    std::vector<Redrawn> found;
     for (std::size_t i = 0; i < changes_.size(); ++i) {
       const BallIn ball{filled.first_triangle[i], filled.first_triangle[i + 1], sites[i].at, sites[i].ball};
-      Drawn d{.J0 = a.value, .J = nan, .area = balls[i].enclosed_area[1], .coefficient = formula(a, ball, changes_[i])};
+      Redrawn d{
+          .J0 = a.value, .J = nan, .area = balls[i].enclosed_area[1], .coefficient = formula(a, ball, changes_[i])};
       std::vector<bool> disc(filled.mesh.triangles.size(), false);
       for (Index t = ball.first; t < ball.end; ++t)
         disc[t] = balls[i].shell[static_cast<std::size_t>(t - ball.first)] >= 1;
@@ -118,7 +119,7 @@ class Drawer {
     return prepared(std::move(rest.mesh), std::move(scene));
   }
 
-  Drawn slit(const Change& c) {
+  Redrawn slit(const Change& c) {
     const Site site = around(c);
     const Filled f = fill(outside({site}, 2 * sides), {slit_mesh({site.at, site.ball, 2 * sides}, c.radius, c.angle)});
     const auto model = [&](CrackLaw::Kind kind) {
@@ -141,7 +142,7 @@ class Drawer {
 
 }  // namespace
 
-std::vector<Drawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes) {
+std::vector<Redrawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes) {
   return Drawer(sketch, changes).all();
 }
 

@@ -22,13 +22,13 @@ struct Sketch {
   const Perturbation& p;
 };
 
-struct Drawn {
+struct Redrawn {
   double J0, J, area;  // without and with the change; of the polygon (of a crack pi eps^2)
   double coefficient;  // T by the formula on this mesh; of a clamped hole the predicted difference
 };
 
 /// For sites whose balls keep apart. Throws Error as triangulate and prepare do, and Error(Numerics) where a body
 /// cannot be solved.
-std::vector<Drawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes);
+std::vector<Redrawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes);
 
 }  // namespace kerf

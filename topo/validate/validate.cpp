@@ -173,7 +173,7 @@ class Validating {
       if (const Validation& v = results_[s.number]; v.verdict == Verdict::Holds)
         changes.push_back({s, v.drawn.radius, angle_[s.number]});
     if (changes.empty()) return;
-    std::vector<Drawn> drawn;
+    std::vector<Redrawn> drawn;
     try {
       drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation}, changes);
     } catch (const Error& e) {
@@ -186,7 +186,7 @@ class Validating {
     for (std::size_t i = 0; i < changes.size(); ++i) compare(changes[i], drawn[i]);
   }
 
-  void compare(const Change& c, const Drawn& d) {
+  void compare(const Change& c, const Redrawn& d) {
     Validation& v = results_[c.site.number];
     const bool clamped = !has_series(r_.perturbation);
     if (clamped) v.on_mesh = clamped_at(analysis_, j_, c.radius, std::span(&c.site.at, 1))[0];
