@@ -53,6 +53,13 @@ struct CrackResult {
   std::vector<CrackRow> rows;  // to crack_<name>.csv and .vtp, not to result.json
 };
 
+/// A force and its moment about the origin, of what acts on a label (none named: the body force, a balance).
+struct ResultantResult {
+  std::string on;
+  Vec2 force = Vec2::Zero();
+  double moment = 0;
+};
+
 struct StateResult {
   std::string element;
   int degree = 1;
@@ -61,6 +68,8 @@ struct StateResult {
   std::optional<double> estimated_error;               // absent: null
   std::optional<std::array<double, 2>> energy_bounds;  // absent: null
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
+  std::vector<ResultantResult> loads, reactions;       // per label
+  std::optional<ResultantResult> body, balance;        // of the body force; the sum of all
 };
 
 struct AdaptResult {

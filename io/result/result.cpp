@@ -48,6 +48,23 @@ Json mesh_section(const Result& result) {
   return section;
 }
 
+Json resultant(const ResultantResult& r) {
+  Json out = Json::object();
+  if (!r.on.empty()) out["on"] = r.on;
+  out["force"] = place(r.force);
+  out["moment"] = number(r.moment);
+  return out;
+}
+
+Json resultants(const StateResult& state) {
+  Json out = {{"loads", Json::array()}, {"reactions", Json::array()}};
+  for (const ResultantResult& r : state.loads) out["loads"].push_back(resultant(r));
+  for (const ResultantResult& r : state.reactions) out["reactions"].push_back(resultant(r));
+  if (state.body) out["body"] = resultant(*state.body);
+  out["balance"] = resultant(*state.balance);
+  return out;
+}
+
 Json state_section(const StateResult& state) {
   Json bounds = nullptr;
   if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
@@ -62,6 +79,7 @@ Json state_section(const StateResult& state) {
               {"energy_bounds", std::move(bounds)}};
   out["degree"] = state.degree;
   if (!state.notes.empty()) out["notes"] = state.notes;
+  if (state.balance) out["resultants"] = resultants(state);
   return out;
 }
 
