@@ -16,8 +16,7 @@ struct Body {
 };
 
 /// Data that the rules of the solver do not resolve: what, where, in words.
-std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
-                                       const Shape& shape);
+std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data, const Shape& shape);
 
 Mesh mesh_body(const Body& body, Journal& journal);
 /// On this mesh; `how.error` and what belongs to it are not asked.

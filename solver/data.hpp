@@ -17,9 +17,10 @@ inline constexpr int data_points = 8;  // Gauss points per edge that carry bound
 /// those of f. Where f is smooth, P takes its values at the points.
 struct EdgeValues {
   Eigen::Matrix<double, 2, data_points> at = Eigen::Matrix<double, 2, data_points>::Zero();  // at gauss(data_points)
-  Vec2 rest = Vec2::Zero();   // at least the mean of (f - P)^2
-  Vec2 error = Vec2::Zero();  // at least the error of the mean of f w, |w| <= 1
-  Vec2 rough = Vec2::Zero();  // the mean of (d(f - P)/ds)^2, estimated; infinite where f jumps
+  Vec2 rest = Vec2::Zero();       // at least the mean of (f - P)^2
+  Vec2 primitive = Vec2::Zero();  // at least the mean of the square of the primitive of f - P by s, 0 at both ends
+  Vec2 error = Vec2::Zero();      // at least the error of the mean of f w, |w| <= 1
+  Vec2 rough = Vec2::Zero();      // the mean of (d(f - P)/ds)^2, estimated; infinite where f jumps
   Resolution how = Resolution::Proved;
   double worst = 0.5;  // where s has the largest share of the error
   bool jumps = false;
@@ -38,7 +39,9 @@ struct TriangleValues {
   double error = 0;   // at least the error of the mean of f.w, |w| <= 1
   Resolution how = Resolution::Proved;
 };
-TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule);
+/// Errors far below `size` are left: the largest of f on the body, or 0.
+TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
+                               double size = 0);
 
 /// What one support or traction prescribes, per edge of its label.
 struct LoadedEdges {
@@ -64,8 +67,8 @@ const std::vector<Index>& labeled(const SceneData& data, Index label);
 struct UnseenData {
   Index label = none;  // none: the body force
   Vec2 at;
-  const char* what;         // "the traction"
-  const char* how;          // "is not resolved"
+  const char* what;          // "the traction"
+  const char* how;           // "is not resolved"
   bool stops_bounds = true;  // and with them every claim on the error
 };
 std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data);

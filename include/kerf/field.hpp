@@ -32,7 +32,7 @@ struct Power {
 
 /// What is proved of the two components of a field on a piece from <= s <= to of a segment.
 struct OnPiece {
-  std::array<Interval, 2> value{};                     // holds every value
+  std::array<Interval, 2> value{};                      // holds every value
   std::array<double, 2> eighth = {infinity, infinity};  // at least |d^8 f/ds^8|/8!; infinite where that is not known
   /// Within it lies a break that splits the piece; as narrow as the numbers allow, so that both sides can be known.
   std::optional<Interval> cut;
@@ -62,7 +62,7 @@ class DataField {
   template <typename Callable>
   requires(!std::same_as<std::remove_cvref_t<Callable>, DataField> &&
            std::constructible_from<std::function<Vec2(Place...)>, Callable>)
-  DataField(Callable&& value, std::shared_ptr<const Enclosure> known = nullptr)
+      DataField(Callable&& value, std::shared_ptr<const Enclosure> known = nullptr)
       : value_(std::forward<Callable>(value)), known_(std::move(known)) {}
   Vec2 operator()(Place... place) const {
     return value_(place...);

@@ -86,10 +86,8 @@ void add_support(const Conditions& on_label, Index label, std::vector<Support>& 
 
 void add_load(const Conditions& on_label, Index label, const std::string& name, std::vector<Traction>& tractions) {
   BoundaryField load;
-  if (const auto* traction = get(on_label, "traction"))
-    load = vector_field(traction->value[0], traction->value[1]);
-  if (const auto* pressure = get(on_label, "pressure"))
-    load = pressure_field(pressure->value[0]);
+  if (const auto* traction = get(on_label, "traction")) load = vector_field(traction->value[0], traction->value[1]);
+  if (const auto* pressure = get(on_label, "pressure")) load = pressure_field(pressure->value[0]);
   if (load) tractions.push_back({label, free_part(on_label, load, name)});
 }
 

@@ -25,8 +25,8 @@ Formula nothing();
 /// Fields of formulas, with what is proved of them.
 BoundaryField vector_field(const Formula& first, const Formula& second);
 VectorField body_field(const Formula& first, const Formula& second);
-BoundaryField pressure_field(const Formula& pressure);            // -p n
-BoundaryField without_normal_part(const BoundaryField& field);    // t - (t.n) n
+BoundaryField pressure_field(const Formula& pressure);          // -p n
+BoundaryField without_normal_part(const BoundaryField& field);  // t - (t.n) n
 BoundaryField without_component(const BoundaryField& field, int component);
 
 /// Labels by what the file calls them: "top", "hole:h1", and "h1" for a hole when no side has that name.

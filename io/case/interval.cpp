@@ -26,8 +26,8 @@ Interval cosine(const Interval& a) {
   // Extrema lie at multiples of pi; these are known to a few units in the last place.
   constexpr double margin = 1e-7;
   const double first = std::ceil(a.low / pi - margin), last = std::floor(a.high / pi + margin);
-  Interval c = widened(std::min(std::cos(a.low), std::cos(a.high)), std::max(std::cos(a.low), std::cos(a.high)),
-                       library_ulps);
+  Interval c =
+      widened(std::min(std::cos(a.low), std::cos(a.high)), std::max(std::cos(a.low), std::cos(a.high)), library_ulps);
   for (double k = first; k <= last; ++k) c = hull(c, exactly(std::fmod(k, 2) == 0 ? 1 : -1));
   return {std::max(c.low, -1.0), std::min(c.high, 1.0)};
 }
@@ -37,8 +37,8 @@ Interval sine(const Interval& a) {
   if (!(magnitude(a) < most) || width(a) >= 2 * pi) return {-1, 1};
   constexpr double margin = 1e-7;
   const double first = std::ceil(a.low / pi - 0.5 - margin), last = std::floor(a.high / pi - 0.5 + margin);
-  Interval s = widened(std::min(std::sin(a.low), std::sin(a.high)), std::max(std::sin(a.low), std::sin(a.high)),
-                       library_ulps);
+  Interval s =
+      widened(std::min(std::sin(a.low), std::sin(a.high)), std::max(std::sin(a.low), std::sin(a.high)), library_ulps);
   for (double k = first; k <= last; ++k) s = hull(s, exactly(std::fmod(k, 2) == 0 ? 1 : -1));
   return {std::max(s.low, -1.0), std::min(s.high, 1.0)};
 }

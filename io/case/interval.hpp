@@ -81,7 +81,8 @@ inline Interval operator/(const Interval& a, const Interval& b) {
   if (b.low <= 0 && b.high >= 0) {
     if (is(b, 0) || (b.low < 0 && b.high > 0)) return whole_line;
     // The divisor touches 0 from one side.
-    if (a.low > 0) return b.low == 0 ? Interval{below(a.low / b.high), infinity} : Interval{-infinity, above(a.low / b.low)};
+    if (a.low > 0)
+      return b.low == 0 ? Interval{below(a.low / b.high), infinity} : Interval{-infinity, above(a.low / b.low)};
     if (a.high < 0) return -(-a / b);
     return whole_line;
   }

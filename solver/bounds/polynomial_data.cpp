@@ -130,8 +130,11 @@ std::vector<EdgeData> edge_data(const Model& m) {
       // Of the components along the frame, at most.
       for (int k = 0; k < 2; ++k) {
         const Vec2 share = frame.col(k).cwiseAbs();
-        d.unseen[k] += share.x() == 0 ? 0 : share.x() * std::sqrt(given.rest.x());
-        d.unseen[k] += share.y() == 0 ? 0 : share.y() * std::sqrt(given.rest.y());
+        for (int c = 0; c < 2; ++c) {
+          if (share[c] == 0) continue;
+          d.unseen[k] += share[c] * std::sqrt(given.rest[c]);
+          d.primitive[k] += share[c] * std::sqrt(given.primitive[c]);
+        }
         d.moved[k] += share.dot(given.error);
       }
       note_open(d, given);
@@ -147,8 +150,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
       if (d.held[k])
         d.unbalanced.row(k).setZero();
       else
-        d.left_out += length(m.mesh, d.edge) *
-                      (rest.row(k).cwiseAbs2().dot(sample.w.transpose()) + d.unseen[k] * d.unseen[k]);
+        d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
     }
   }
   return data;

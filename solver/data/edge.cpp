@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -47,6 +48,18 @@ const Eigen::Matrix<double, data_points, data_points>& differences() {
   return d;
 }
 
+// Values at the points -> integrals from 0 to them.
+const Eigen::Matrix<double, data_points, data_points>& integrals() {
+  static const Eigen::Matrix<double, data_points, data_points> d = [] {
+    Eigen::Matrix<double, data_points, data_points> m = decltype(m)::Zero();
+    const auto& [s, w] = rule();
+    for (int i = 0; i < data_points; ++i)
+      for (int q = 0; q < data_points; ++q) m.row(i) += s[i] * w[q] * trace_basis(rule(), s[i] * s[q]).transpose();
+    return m;
+  }();
+  return d;
+}
+
 // A polynomial of degree 7 differs on [-1, 1] from f by at most max|f^(8)|/8!/2^7: its values at Chebyshev's points.
 double approximation(double eighth, double length) {
   return eighth * std::pow(0.5 * length, 8) / 128;
@@ -55,7 +68,7 @@ double approximation(double eighth, double length) {
 struct Part {
   double from, to;
   OnPiece known = {};
-  Values at = Values::Zero();  // smooth parts only
+  Values at = Values::Zero();    // smooth parts only
   Vec2 distance = Vec2::Zero();  // from a polynomial of degree 7, at most; of the power's factor
   Vec2 error = Vec2::Zero();
   bool smooth = false, last = false;  // last: cannot be split
@@ -78,7 +91,9 @@ class Collected {
     for (int q = 0; q < data_points; ++q) v.at.col(q) = moment_ * legendres(rule().s[q]);
     double largest = -1;
     for (const Part& p : parts_) {
-      leave_out(p, v);
+      const Vec2 before = v.rest;
+      const Values left = leave_out(p, v);
+      follow_primitive(p, left, v.rest - before, v);
       v.error += p.error;
       if (!(p.total() <= largest)) largest = p.total(), v.worst = 0.5 * (p.from + p.to);
     }
@@ -118,11 +133,28 @@ class Collected {
     }
   }
 
-  // Adds the squares of f - P and of its derivative.
-  void leave_out(const Part& p, EdgeValues& v) const {
+  // The primitive of f - P goes on over a part, of which the values at the points are known, or the square.
+  void follow_primitive(const Part& p, const Values& left, const Vec2& square, EdgeValues& v) {
     const double h = p.length();
+    for (int d = 0; d < 2; ++d) {
+      margin_[d] += p.error[d];
+      if (!p.smooth) {
+        margin_[d] += std::sqrt(h * square[d]);
+        v.primitive[d] += h * std::pow(std::abs(primitive_[d]) + margin_[d], 2);
+        continue;
+      }
+      const Eigen::Matrix<double, data_points, 1> along =
+          h * integrals() * left.row(d).transpose() + primitive_[d] * Eigen::Matrix<double, data_points, 1>::Ones();
+      v.primitive[d] += h * std::pow(std::sqrt(along.cwiseAbs2().dot(rule().w)) + margin_[d], 2);
+      primitive_[d] += h * left.row(d).dot(rule().w.transpose());
+    }
+  }
+
+  // Adds the squares of f - P and of its derivative; f - P at the points where that is smooth.
+  Values leave_out(const Part& p, EdgeValues& v) const {
+    const double h = p.length();
+    Values rest = p.at;
     if (p.smooth) {
-      Values rest = p.at;
       for (int q = 0; q < data_points; ++q) rest.col(q) -= moment_ * legendres(p.from + h * rule().s[q]);
       const Values slope = rest * differences().transpose() / h;
       for (int d = 0; d < 2; ++d) {
@@ -145,6 +177,7 @@ class Collected {
       constexpr double step = 1e-9;
       if (jump > step * scale) v.jumps = true;
     }
+    return rest;
   }
   // (A - P + C d^p)^2.
   void leave_out_power(const Part& p, const Power& power, EdgeValues& v) const {
@@ -169,13 +202,13 @@ class Collected {
     integrate(e, [](const Vec2& rest, const Vec2& factor) -> Vec2 { return 2 * rest.cwiseProduct(factor); });
     integrate(2 * e, [](const Vec2&, const Vec2& factor) -> Vec2 { return factor.cwiseAbs2(); });
     for (int d = 0; d < 2; ++d)
-      v.rest[d] += std::pow(std::sqrt(std::max(0.0, square[d])) +
-                                2 * p.distance[d] * std::sqrt(std::pow(h, 1 + 2 * e) / (1 + 2 * e)),
-                            2);
+      v.rest[d] += std::pow(
+          std::sqrt(std::max(0.0, square[d])) + 2 * p.distance[d] * std::sqrt(std::pow(h, 1 + 2 * e) / (1 + 2 * e)), 2);
   }
 
-  const std::vector<Part>& parts_;
+  const std::vector<Part>& parts_;                                            // in their order along the edge
   Eigen::Matrix<double, 2, data_points> moment_ = decltype(moment_)::Zero();  // with the Legendre polynomials
+  Vec2 primitive_ = Vec2::Zero(), margin_ = Vec2::Zero();                     // so far, and its error
 };
 
 class EdgeIntegration {
@@ -204,16 +237,18 @@ class EdgeIntegration {
     for (int q = 0; q < data_points; ++q) v.col(q) = value(from + (to - from) * rule().s[q]);
     return v;
   }
-  EdgeValues collect() const {
+  EdgeValues collect() {
     EdgeValues v;
     if (parts_.size() == 1 && parts_[0].smooth) {
       v.at = parts_[0].at;
       v.error = parts_[0].error;
       v.rest = 4 * parts_[0].distance.cwiseAbs2();
+      v.primitive = v.rest;
       constexpr double inverse = 100;  // the derivative of a polynomial of degree 8 is at most 2 * 8^2 times as large
       v.rough = inverse * inverse * v.rest;
       return v;
     }
+    std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.from < b.from; });
     return Collected(parts_).result();
   }
 
@@ -358,7 +393,8 @@ EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char*
 double size_on(const BoundaryField& f, const EdgeLine& edge) {
   if (!f.known()) return 0;
   double size = 0;
-  for (const Interval& v : f.known()->along(edge, 0, 1).value) size = std::max({size, std::abs(v.low), std::abs(v.high)});
+  for (const Interval& v : f.known()->along(edge, 0, 1).value)
+    size = std::max({size, std::abs(v.low), std::abs(v.high)});
   return std::isfinite(size) ? size : 0;
 }
 

@@ -1,7 +1,9 @@
 #include "solver/data.hpp"
 
-#include "geometry/topology.hpp"
 #include "solver/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -10,6 +12,19 @@ namespace {
 bool is_polynomial(const VectorField& f) {
   constexpr int exact = 4;  // that the rules integrate against the displacements of every element
   return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
+}
+
+// The largest value that is known of a body force, where that is finite; else 0.
+double size_over(const VectorField& f, const Mesh& mesh) {
+  if (!f.known()) return 0;
+  Interval x{infinity, -infinity}, y = x;
+  for (const Vec2& p : mesh.points) {
+    x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
+    y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
+  }
+  double size = 0;
+  for (const Interval& v : f.known()->over(x, y)) size = std::max({size, std::abs(v.low), std::abs(v.high)});
+  return std::isfinite(size) ? size : 0;
 }
 
 // The worst edge of one condition, if the rules leave any open.
@@ -86,10 +101,11 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   SceneData data = boundary_data(mesh, scene);
   if (!scene.body || is_polynomial(scene.body)) return data;
   data.body.resize(mesh.triangles.size());
+  const double size = size_over(scene.body, mesh);
   parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
-      data.body[t] = triangle_values(scene.body, {mesh.points[a], mesh.points[b], mesh.points[c]}, rule);
+      data.body[t] = triangle_values(scene.body, {mesh.points[a], mesh.points[b], mesh.points[c]}, rule, size);
     }
   });
   return data;

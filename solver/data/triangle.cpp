@@ -12,6 +12,7 @@ namespace kerf {
 namespace {
 
 constexpr int kept_degree = 4;
+constexpr double narrow = 1e-9;  // of the largest value
 
 using Vertices = std::array<Vec2, 3>;
 
@@ -33,7 +34,7 @@ std::array<Vertices, 4> quarters(const Vertices& c) {
 
 struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
-  Points value;     // at the points of the rule; one column, the middle of the range, where only that is known
+  Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
   std::array<Interval, 2> range{};
   double area = 0, error = 0;  // shares of the triangle
   bool settled = false, smooth = true;
@@ -41,8 +42,8 @@ struct Cell {
 
 class TriangleIntegration {
  public:
-  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule)
-      : f_(f), corners_(corners), rule_(rule) {}
+  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size)
+      : f_(f), corners_(corners), rule_(rule), size_(size) {}
 
   TriangleValues run() {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
@@ -76,6 +77,14 @@ class TriangleIntegration {
     return v;
   }
 
+  static const TriangleRule& coarse_rule() {
+    static const TriangleRule rule = triangle_rule(5);
+    return rule;
+  }
+  const TriangleRule& rule_of(const Cell& c) const {
+    return c.value.cols() == rule_.w.size() ? rule_ : coarse_rule();
+  }
+
   Cell cell(const Vertices& c) {
     Cell made{.corners = c, .area = 2 * area_of(c)};
     f_.known() ? enclose(made) : sample(made);
@@ -84,14 +93,9 @@ class TriangleIntegration {
     return made;
   }
 
-  // The mean by a rule of degree 5 and by the given one.
-  double disagreement(const Cell& c, const Points& other, const TriangleRule& rule) const {
-    return (c.value * rule_.w - other * rule.w).cwiseAbs().sum();
-  }
-
   // Known: settled where the range is narrow, or two rules agree and the range is not far beyond the samples.
-  void enclose(Cell& c) {
-    static const TriangleRule check = triangle_rule(5);
+  void enclose(Cell& c) const {
+    const TriangleRule& check = coarse_rule();
     Interval x{infinity, -infinity}, y = x;
     for (const Vec2& l : c.corners) {
       const Vec2 p = place(l);
@@ -104,33 +108,30 @@ class TriangleIntegration {
       width += r.high - r.low;
       size = std::max({size, std::abs(r.low), std::abs(r.high)});
     }
-    constexpr double narrow = 1e-9, agree = 1e-6, beyond = 8;
+    constexpr double agree = 1e-6, beyond = 8;
     if (!std::isfinite(width)) {
       c.smooth = false;
       c.value = Points::Zero(2, 1);
       c.error = infinity;
       return;
     }
-    c.value = values(rule_, c.corners);
     c.error = c.area * width;
-    if (width <= narrow * size) {
-      c.settled = true;
-      return;
-    }
-    const Points other = values(check, c.corners);
-    double samples = 0;
-    for (int d = 0; d < 2; ++d)
-      samples += std::max(c.value.row(d).maxCoeff(), other.row(d).maxCoeff()) -
-                 std::min(c.value.row(d).minCoeff(), other.row(d).minCoeff());
-    const double difference = disagreement(c, other, check);
-    if (difference <= agree * size && width <= beyond * samples) {
+    c.settled = width <= narrow * std::max(size, size_);
+    c.value = values(check, c.corners);
+    const Points coarse = c.value;
+    const double samples = (coarse.rowwise().maxCoeff() - coarse.rowwise().minCoeff()).sum();
+    // The first cell's values are wanted at the points of the rule in any case.
+    if (cells_.empty() || (!c.settled && width <= beyond * samples)) c.value = values(rule_, c.corners);
+    if (c.settled || width > beyond * samples) return;
+    const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
+    if (difference <= std::max(agree * size, narrow * size_)) {
       c.settled = true;
       c.error = c.area * difference;
     }
   }
 
   // A black box: settled where a finer look gives the same mean.
-  void sample(Cell& c) {
+  void sample(Cell& c) const {
     static const TriangleRule check = triangle_rule(4);
     c.value = values(rule_, c.corners);
     Vec2 finer = Vec2::Zero();
@@ -147,8 +148,8 @@ class TriangleIntegration {
   }
 
   void refine() {
-    constexpr int most = 400;  // looks at a cell
-    constexpr double small = 1e-7, finest = 1e-12;
+    constexpr int most = 400;                       // looks at a cell
+    constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
     while (evaluations_ < most) {
       std::size_t worst = cells_.size();
       double open = 0;
@@ -157,7 +158,7 @@ class TriangleIntegration {
         open += cells_[i].error;
         if (worst == cells_.size() || cells_[i].error > cells_[worst].error) worst = i;
       }
-      if (worst == cells_.size() || open <= small * scale_) return;
+      if (worst == cells_.size() || open <= std::max(small * scale_, narrow * size_)) return;
       const Vertices c = cells_[worst].corners;
       const auto four = quarters(c);
       cells_[worst] = cell(four[0]);
@@ -171,7 +172,8 @@ class TriangleIntegration {
     Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(basis.rows(), 2);
     for (const Cell& c : cells_)
       if (c.smooth)
-        moment += c.area * monomials(kept_degree, places(rule_, c.corners)) * rule_.w.asDiagonal() * c.value.transpose();
+        moment += c.area * monomials(kept_degree, places(rule_of(c), c.corners)) * rule_of(c).w.asDiagonal() *
+                  c.value.transpose();
     const Eigen::MatrixXd coefficients = mass.llt().solve(moment);
     result.whole = false;
     result.at = (basis.transpose() * coefficients).transpose();
@@ -183,10 +185,11 @@ class TriangleIntegration {
         open = true;
         continue;
       }
-      const Points seen = (monomials(kept_degree, places(rule_, c.corners)).transpose() * coefficients).transpose();
+      const Points seen =
+          (monomials(kept_degree, places(rule_of(c), c.corners)).transpose() * coefficients).transpose();
       const Points rest = c.value - seen;
       if (c.settled || !f_.known()) {
-        result.rest += c.area * rest.colwise().squaredNorm().dot(rule_.w.transpose());
+        result.rest += c.area * rest.colwise().squaredNorm().dot(rule_of(c).w.transpose());
         continue;
       }
       for (int d = 0; d < 2; ++d)
@@ -200,6 +203,7 @@ class TriangleIntegration {
   const VectorField& f_;
   const Vertices& corners_;
   const TriangleRule& rule_;
+  double size_;
   std::vector<Cell> cells_;
   int evaluations_ = 0;
   double scale_ = 0;
@@ -214,8 +218,9 @@ Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, con
   return (monomials(kept_degree, l).transpose() * coefficients).transpose();
 }
 
-TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule) {
-  return TriangleIntegration(f, corners, rule).run();
+TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
+                               double size) {
+  return TriangleIntegration(f, corners, rule, size).run();
 }
 
 }  // namespace kerf

@@ -16,7 +16,8 @@ namespace kerf {
 
 namespace {
 
-constexpr int edge_points = 5;  // exact for the square of a stress of degree 4
+constexpr int edge_points = 5;   // exact for the square of a stress of degree 4
+constexpr double fading = 3;     // of [theory: B.10]
 constexpr double large = 1e100;  // instead of infinity, so that sums and orders stay
 
 // D tau at the Gauss points of the three edges, in each edge's own direction.
@@ -147,7 +148,12 @@ double unseen_traction(const Model& m, const EdgeValues& v) {
     for (int q = 0; q < data_points; ++q) moment += rule.w[q] * legendre(k, rule.s[q]) * v.at.col(q);
     square += moment.squaredNorm();
   }
-  return square + std::min(v.rest.sum(), large);
+  // Of rapid changes the stress feels the primitive as well: between the norms of both.
+  for (int d = 0; d < 2; ++d) {
+    const double primitive = std::sqrt(std::min(v.primitive[d], large) * std::min(v.rest[d], large));
+    square += std::min({v.rest[d], fading * primitive, large});
+  }
+  return square;
 }
 
 // Per edge of the mesh its place in a list of those with data, and these.

@@ -52,8 +52,8 @@ class Holding {
   Eigen::VectorXd nodal_forces() const {
     Eigen::VectorXd force = -loads_;
     for (Index t = 0; t < static_cast<Index>(m_.mesh.triangles.size()); ++t) {
-      const Condensed c = condense(m_.inner->kernel, triangle(m_, t), material_of(m_.mesh, m_.scene, t),
-                                   force_of(m_.inner->system, t));
+      const Condensed c =
+          condense(m_.inner->kernel, triangle(m_, t), material_of(m_.mesh, m_.scene, t), force_of(m_.inner->system, t));
       const SkeletonVector own = c.K * trace_seen(m_.mesh, m_.inner->skeleton, s_.skeleton, t) - c.F;
       const Seen view = seen(m_.mesh, m_.inner->skeleton, t);
       for (int i = 0; i < view.count; ++i) force[view.base[i]] += own[i];

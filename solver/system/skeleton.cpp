@@ -87,7 +87,8 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Sk
         Vec2 moment = Vec2::Zero();
         if (is_mixed(k.element))  // the basis is orthogonal: its mass on the edge is diag(w)
           for (int q = 0; q < data_points; ++q)
-            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] * loading.data.supports[i].values[j].at.col(q);
+            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] *
+                      loading.data.supports[i].values[j].at.col(q);
         else
           moment = value_at(k.trace.s[g]);
         for (int d = 0; d < 2; ++d)

@@ -125,9 +125,9 @@ TEST_F(Loads, BodyForces) {
 // Loads and reactions by hand: a cantilever under gravity and a tip load.
 TEST_F(Loads, ReactionsBalanceTheLoads) {
   for (const std::string element : {"bdms", "peers", "p1", "p2"}) {
-    const nlohmann::json r = run_scene(scene({.conditions = on("right", R"(traction = ["y", 3])") +
-                                                            "[body]\nforce = [0, -1]\n[solver]\nelement = \"" +
-                                                            element + "\"\n"}));
+    const nlohmann::json r =
+        run_scene(scene({.conditions = on("right", R"(traction = ["y", 3])") +
+                                       "[body]\nforce = [0, -1]\n[solver]\nelement = \"" + element + "\"\n"}));
     const auto& all = r["state"]["resultants"];
     EXPECT_EQ(all["reactions"][0]["on"], "bottom");
     EXPECT_NEAR(all["reactions"][0]["force"][0].get<double>(), -0.5, 1e-9) << element;

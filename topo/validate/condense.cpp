@@ -29,7 +29,8 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   p.factor = Factor(K, 0, true, p.ordering.interface_rows);
   p.K = p.factor.interface_complement();
   p.K.diagonal().array() -= p.shift;
-  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() * p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
+  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() *
+           p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
   return p;
 }
 

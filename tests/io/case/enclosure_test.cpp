@@ -139,7 +139,9 @@ TEST_P(Integration, IsRightToTheProvedError) {
   const BoundaryField f = vector_field(formula_of(load.text), nothing());
   const EdgeRule rule = gauss(data_points);
   double total = 0, proved = 0, size = 0;
-  const auto edge = [](int k) { return EdgeLine{Vec2(2 - 0.2 * k, 1), Vec2(k == 9 ? 0 : 1.8 - 0.2 * k, 1), Vec2(0, 1)}; };
+  const auto edge = [](int k) {
+    return EdgeLine{Vec2(2 - 0.2 * k, 1), Vec2(k == 9 ? 0 : 1.8 - 0.2 * k, 1), Vec2(0, 1)};
+  };
   for (int k = 0; k < 10; ++k) size = std::max(size, size_on(f, edge(k)));
   for (int k = 0; k < 10; ++k) {
     const EdgeValues v = edge_values(f, edge(k), "load", size);
@@ -155,8 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
     Loads, Integration,
     testing::Values(Load{"abs(x-1.513)<0.005 ? -100 : 0", -1, 1e-11}, Load{"abs(x-1.513)<0.1 ? -100 : 0", -20, 1e-12},
                     Load{"abs(x-1.513)<0.05 ? -100 : 0", -10, 1e-12}, Load{"abs(x-1.513)<0.025 ? -100 : 0", -5, 1e-12},
-                    Load{"abs(x-1.513)<0.01 ? -100 : 0", -2, 1e-11},
-                    Load{"abs(x-1.513)<5e-10 ? -100 : 0", -1e-7, 1e-5},
+                    Load{"abs(x-1.513)<0.01 ? -100 : 0", -2, 1e-11}, Load{"abs(x-1.513)<5e-10 ? -100 : 0", -1e-7, 1e-5},
                     Load{"exp(-((x-1.513)/1e-3)^2)", 1e-3 * std::sqrt(pi), 1e-10},
                     Load{"exp(-((x-1.513)/1e-6)^2)", 1e-6 * std::sqrt(pi), 1e-9},
                     Load{"(2-x)^(-0.4)", std::pow(2, 0.6) / 0.6, 1e-10},
@@ -187,8 +188,7 @@ TEST(Integration, CostsNothingForPolynomials) {
   EXPECT_EQ(v.error[0], 0);
   EXPECT_EQ(v.rest[0], 0);
   const EdgeRule rule = gauss(data_points);
-  for (int q = 0; q < data_points; ++q)
-    EXPECT_EQ(v.at(0, q), f.value(edge.a + rule.s[q] * (edge.b - edge.a), edge.n));
+  for (int q = 0; q < data_points; ++q) EXPECT_EQ(v.at(0, q), f.value(edge.a + rule.s[q] * (edge.b - edge.a), edge.n));
 }
 
 // Pressures and loads on rollers keep what is known.
