@@ -83,7 +83,8 @@ struct Part {
 // P, and what it leaves out, from the parts of an edge.
 class Collected {
  public:
-  explicit Collected(const std::vector<Part>& parts) : parts_(parts) {
+  /// `size`: of the largest values.
+  Collected(const std::vector<Part>& parts, double size) : parts_(parts), size_(size) {
     for (const Part& p : parts) add(p);
   }
   EdgeValues result() {
@@ -139,7 +140,8 @@ class Collected {
     for (int d = 0; d < 2; ++d) {
       margin_[d] += p.error[d];
       if (!p.smooth) {
-        margin_[d] += std::sqrt(h * square[d]);
+        // Of an infinite square the integral of |f - P|, from the largest factor at a few points.
+        margin_[d] += square[d] < infinity || !p.known.power ? std::sqrt(h * square[d]) : integral_at_power(p, d);
         v.primitive[d] += h * std::pow(std::abs(primitive_[d]) + margin_[d], 2);
         continue;
       }
@@ -148,6 +150,19 @@ class Collected {
       v.primitive[d] += h * std::pow(std::sqrt(along.cwiseAbs2().dot(rule().w)) + margin_[d], 2);
       primitive_[d] += h * left.row(d).dot(rule().w.transpose());
     }
+  }
+
+  double integral_at_power(const Part& p, int d) const {
+    const Power& power = *p.known.power;
+    const double h = p.length();
+    double regular = 0, factor = 0;
+    for (int q = 0; q < data_points; ++q) {
+      const double s = p.from + h * rule().s[q];
+      const auto [a, b] = power.parts(s);
+      regular = std::max(regular, std::abs(a[d] - moment_.row(d).dot(legendres(s))));
+      factor = std::max(factor, std::abs(b[d]));
+    }
+    return 2 * (h * regular + factor * std::pow(h, 1 + power.exponent) / (1 + power.exponent));
   }
 
   // Adds the squares of f - P and of its derivative; f - P at the points where that is smooth.
@@ -166,16 +181,15 @@ class Collected {
       leave_out_power(p, *p.known.power, v);
     } else {
       const Vec2 here = moment_ * legendres(0.5 * (p.from + p.to));
-      double scale = 0, jump = 0;
+      double jump = 0;
       for (int d = 0; d < 2; ++d) {
         const auto& [low, high] = p.known.value[d];
         v.rest[d] += h * std::pow(std::max(std::abs(low - here[d]), std::abs(high - here[d])), 2);
         v.rough[d] += (high - low) * (high - low) / h;
-        scale = std::max({scale, std::abs(low), std::abs(high)});
         jump = std::max(jump, high - low);
       }
       constexpr double step = 1e-9;
-      if (jump > step * scale) v.jumps = true;
+      if (jump > step * size_) v.jumps = true;
     }
     return rest;
   }
@@ -206,7 +220,8 @@ class Collected {
           std::sqrt(std::max(0.0, square[d])) + 2 * p.distance[d] * std::sqrt(std::pow(h, 1 + 2 * e) / (1 + 2 * e)), 2);
   }
 
-  const std::vector<Part>& parts_;                                            // in their order along the edge
+  const std::vector<Part>& parts_;  // in their order along the edge
+  double size_;
   Eigen::Matrix<double, 2, data_points> moment_ = decltype(moment_)::Zero();  // with the Legendre polynomials
   Vec2 primitive_ = Vec2::Zero(), margin_ = Vec2::Zero();                     // so far, and its error
 };
@@ -249,7 +264,7 @@ class EdgeIntegration {
       return v;
     }
     std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.from < b.from; });
-    return Collected(parts_).result();
+    return Collected(parts_, std::max(size_, scale_)).result();
   }
 
   // ---- with enclosures

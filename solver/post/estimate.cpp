@@ -18,6 +18,7 @@ namespace {
 
 constexpr int edge_points = 5;   // exact for the square of a stress of degree 4
 constexpr double fading = 3;     // of [theory: B.10]
+constexpr double steep = 1e4;    // the square of a derivative over that of the function, of a polynomial of degree 7
 constexpr double large = 1e100;  // instead of infinity, so that sums and orders stay
 
 // D tau at the Gauss points of the three edges, in each edge's own direction.
@@ -74,7 +75,9 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   };
   Interior result;
   const Points force = force_on(m, t, x);
-  if (!m.inner->data.body.empty()) result.square += h * h * std::min(m.inner->data.body[t].rest, large);
+  // The efficiency index measures residuals, not what no residual shows.
+  const double unseen = std::pow(m.element.efficiency, 2);
+  if (!m.inner->data.body.empty()) result.square += unseen * h * h * std::min(m.inner->data.body[t].rest, large);
   for (int row = 0; row < 2; ++row) {
     const Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
     result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
@@ -150,8 +153,8 @@ double unseen_traction(const Model& m, const EdgeValues& v) {
   }
   // Of rapid changes the stress feels the primitive as well: between the norms of both.
   for (int d = 0; d < 2; ++d) {
-    const double primitive = std::sqrt(std::min(v.primitive[d], large) * std::min(v.rest[d], large));
-    square += std::min({v.rest[d], fading * primitive, large});
+    const double primitive = std::min(v.primitive[d], large);
+    square += v.rest[d] < large ? std::min(v.rest[d], fading * std::sqrt(primitive * v.rest[d])) : steep * primitive;
   }
   return square;
 }
@@ -263,7 +266,7 @@ struct EdgeResiduals {
     }
     if (other == none && data.place[e] != none) {
       const Prescribed& given = data.edges[data.place[e]];
-      square += 4 * mu * mu * given.displacement + given.traction;
+      square += std::pow(m.element.efficiency, 2) * (4 * mu * mu * given.displacement + given.traction);
     }
   }
 };
