@@ -365,9 +365,11 @@ std::optional<ScalarOnPiece::Parts> part_at_power(const std::shared_ptr<const Sy
     if (!is(base.c[k], 0)) return std::nullopt;
   if (contains(base.c[1], 0)) return std::nullopt;
   const bool at_low_end = base.c[1].low > 0;
-  constexpr double rounding = 1e-12;
+  // Up to the digits of the place.
+  constexpr double rounding = 1e-12, digits = 1e-6;
   const Interval start = at_point(*syntax, edge, at_low_end ? from : to, n.of[0]);
-  if (magnitude(start) > rounding * magnitude(base.c[1]) * (to - from)) return std::nullopt;
+  const double reach = magnitude(base.c[1]) * (to - from);
+  if (magnitude(start) > (contains(start, 0) ? digits : rounding) * reach) return std::nullopt;
   const std::optional<Halves> halves = Parting(*syntax, values, node).root();
   if (!halves || !halves->b) return std::nullopt;
   const double exponent = middle(values.at(n.of[1]).c[0]), slope = std::pow(std::abs(middle(base.c[1])), exponent);

@@ -153,7 +153,8 @@ double unseen_traction(const Model& m, const EdgeValues& v) {
   }
   // Of rapid changes the stress feels the primitive as well: between the norms of both.
   for (int d = 0; d < 2; ++d) {
-    const double primitive = std::min(v.primitive[d], large);
+    const double values = v.at.row(d).squaredNorm() / data_points;
+    const double primitive = std::isfinite(v.primitive[d]) ? v.primitive[d] : values;
     square += v.rest[d] < large ? std::min(v.rest[d], fading * std::sqrt(primitive * v.rest[d])) : steep * primitive;
   }
   return square;
