@@ -98,6 +98,8 @@ class Collected {
       v.error += p.error;
       if (!(p.total() <= largest)) largest = p.total(), v.worst = 0.5 * (p.from + p.to);
     }
+    for (const Part& p : parts_)
+      if (!v.rest.allFinite() && p.known.power) v.worst = p.known.power->at_low_end ? p.from : p.to;
     return v;
   }
 
@@ -356,8 +358,10 @@ class EdgeIntegration {
     Part p{.from = from, .to = to, .smooth = true};
     p.at = values(from, to);
     p.distance = deviation(p, strata);
-    p.error = p.length() * p.distance;
     scale_ = std::max(scale_, p.at.cwiseAbs().maxCoeff());
+    // Gauss points square the relative error of interpolation where the data are smooth.
+    const double share = scale_ > 0 ? std::min(1.0, p.distance.maxCoeff() / scale_) : 0;
+    p.error = p.length() * share * p.distance;
     constexpr double finest = 0x1p-20;
     p.last = p.length() <= finest;
     parts_.push_back(p);
