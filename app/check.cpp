@@ -1,4 +1,6 @@
 #include "app/run.hpp"
+#include "app/solve.hpp"
+#include "solver/resultants.hpp"
 
 #include <fmt/format.h>
 
@@ -134,6 +136,28 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
   }
 }
 
+void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
+  const TriangleRule rule = triangle_rule(8);
+  const SceneData data = scene_data(mesh, c.scene, rule, 1);
+  const auto line = [&](const std::string& what, const Resultant& r) {
+    out.print("{:<20} force {}, moment {:.6g} about (0, 0)\n", what, at(r.force), r.moment + 0.0);
+  };
+  const std::vector<LabelResultant> tractions = traction_resultants(mesh, c.scene, data);
+  if (!tractions.empty() || c.scene.body) out.print("\nloads\n");
+  Resultant sum;
+  for (const LabelResultant& r : tractions) {
+    line(c.shape.labels[r.label], r.of);
+    sum.add(r.of);
+  }
+  if (c.scene.body) {
+    const Resultant body = body_resultant(mesh, c.scene, data, rule);
+    line("body", body);
+    sum.add(body);
+  }
+  if (tractions.size() + (c.scene.body ? 1 : 0) > 1) line("together", sum);
+  for (std::string& note : notes_on_data(mesh, c.scene, data, c.shape)) notes.push_back(std::move(note));
+}
+
 void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
   const std::vector<Index> found = locate(mesh, points);
   if (const auto lost = std::count(found.begin(), found.end(), none))
@@ -159,6 +183,7 @@ std::string check(const Case& c) {
   print_mesh(out, mesh);
   print_cracks(out, notes, c.shape, c.scene, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);
+  print_resultants(out, notes, c, mesh);
   for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
   if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
   if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);

@@ -3,6 +3,7 @@
 #include "app/draw.hpp"
 #include "app/files.hpp"
 #include "kerf/bounds.hpp"
+#include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/system.hpp"
 
@@ -20,6 +21,16 @@ bool may_touch(const Scene& scene) {
 }
 
 }  // namespace
+
+std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
+                                       const Shape& shape) {
+  std::vector<std::string> notes;
+  for (const UnseenData& u : unseen_data(mesh, scene, data))
+    notes.push_back(fmt::format("{}{} {} near ({:.6g}, {:.6g}): no error that is claimed can be trusted there", u.what,
+                                u.label == none ? "" : fmt::format(" on \"{}\"", shape.labels[u.label]), u.how,
+                                u.at.x(), u.at.y()));
+  return notes;
+}
 
 namespace {
 
@@ -61,12 +72,36 @@ AdaptResult adapt_result(const Adapted& adapted) {
   return r;
 }
 
+// Loads and reactions by label, and what they sum to.
+void add_resultants(const Model& model, const State& state, const Shape& shape, StateResult& out) {
+  Resultant sum;
+  const auto named = [&](const std::vector<LabelResultant>& all) {
+    std::vector<ResultantResult> result;
+    for (const LabelResultant& r : all) {
+      result.push_back({shape.labels[r.label], r.of.force, r.of.moment});
+      sum.add(r.of);
+    }
+    return result;
+  };
+  out.loads = named(traction_resultants(model.mesh, model.scene, model.inner->data));
+  out.reactions = named(reactions(model, state));
+  if (model.scene.body) {
+    const Resultant body = body_resultant(model.mesh, model.scene, model.inner->data, model.inner->kernel.load);
+    out.body = ResultantResult{"", body.force, body.moment};
+    sum.add(body);
+  }
+  out.balance = ResultantResult{"", sum.force, sum.moment};
+}
+
 StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactMethod method) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
   StateSection s{state_result(model, state, adapted.indicator, energy_bounds(model, state)),
                  crack_results(model, state, shape),
                  {}};
+  add_resultants(model, state, shape, s.state);
+  for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
+    s.state.notes.push_back(note);
   for (const CrackResult& crack : s.cracks)
     if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
       s.state.notes.push_back(

@@ -3,6 +3,7 @@
 
 #include "app/collect.hpp"
 #include "app/journal.hpp"
+#include "solver/data.hpp"
 
 namespace kerf {
 
@@ -13,6 +14,9 @@ struct Body {
   const Scene& scene;
   const Element& element;
 };
+
+/// Data that the rules of the solver do not resolve: what, where, in words.
+std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data, const Shape& shape);
 
 /// Graded at the ends of contact; `how.error` and what belongs to it are not asked.
 Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);

@@ -62,6 +62,13 @@ struct CrackResult {
   std::vector<CrackRow> rows;         // to crack_<name>.csv and .vtp, not to result.json
 };
 
+/// A force and its moment about the origin, of what acts on a label (none named: the body force, a balance).
+struct ResultantResult {
+  std::string on;
+  Vec2 force = Vec2::Zero();
+  double moment = 0;
+};
+
 struct StateResult {
   std::string element;
   int degree = 1;
@@ -71,6 +78,8 @@ struct StateResult {
   std::optional<std::array<double, 2>> energy_bounds;  // absent: null
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
   std::optional<Peak> von_mises = {}, displacement = {};
+  std::vector<ResultantResult> loads, reactions;       // per label
+  std::optional<ResultantResult> body, balance;        // of the body force; the sum of all
 };
 
 struct AdaptResult {

@@ -15,6 +15,7 @@ struct Inner {
   System system;
   Factor factor;                      // empty when not asked for
   std::vector<RigidMotion> floating;  // rigid motions that the supports leave free; the loads balance on them
+  SceneData data = {};                // of the scene on the mesh
 };
 
 Triangle triangle(const Model& model, Index t);

@@ -6,6 +6,7 @@
 #include "kerf/analysis.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/element.hpp"
+#include "kerf/field.hpp"
 #include "kerf/fracture.hpp"
 #include "kerf/functional.hpp"
 #include "kerf/map.hpp"

@@ -1,16 +1,13 @@
 #pragma once
 // What acts on the body: supports, loads, crack laws; and what it is made of.
 
+#include "kerf/field.hpp"
 #include "kerf/material.hpp"
 
 #include <functional>
 #include <vector>
 
 namespace kerf {
-
-/// Data on the boundary as a function of the point and the outward unit normal.
-using BoundaryField = std::function<Vec2(const Vec2& x, const Vec2& n)>;
-using VectorField = std::function<Vec2(const Vec2& x)>;
 
 /// Prescribed displacement on a label. The components are x, y, or normal, tangential when `normal_frame` is set; only
 /// the components with first/second set are prescribed, the others stay free (rollers).

@@ -51,11 +51,7 @@ void add(Conditions& on_label, const std::string& key, const Condition& conditio
 /// A load that acts where one component of the displacement is prescribed: only the free component does work, so the
 /// other is left out. A traction that is plainly not zero there is an error of the user's.
 BoundaryField free_part(const Conditions& on_label, const BoundaryField& load, const std::string& label) {
-  if (on_label.count("displacement_normal"))
-    return [load](const Vec2& x, const Vec2& n) {
-      const Vec2 t = load(x, n);
-      return Vec2(t - t.dot(n) * n);
-    };
+  if (on_label.count("displacement_normal")) return without_normal_part(load);
   for (const int d : {0, 1}) {
     const std::string key = d == 0 ? "displacement_x" : "displacement_y";
     const auto roller = on_label.find(key);
@@ -65,11 +61,7 @@ BoundaryField free_part(const Conditions& on_label, const BoundaryField& load, c
         fail(traction->second.position,
              fmt::format("label {}: component {} of the traction must be 0, because {} is prescribed there (at {})",
                          quote(label), d == 0 ? "x" : "y", key, to_string(roller->second.position)));
-    return [load, d](const Vec2& x, const Vec2& n) {
-      Vec2 t = load(x, n);
-      t[d] = 0;
-      return t;
-    };
+    return without_component(load, d);
   }
   return load;
 }
@@ -80,25 +72,22 @@ const Condition* get(const Conditions& on_label, const char* key) {
 }
 
 void add_support(const Conditions& on_label, Index label, std::vector<Support>& supports) {
-  const Expression zero = [](const Vec2&, const Vec2&) { return 0.0; };
   if (const auto* full = get(on_label, "displacement")) {
-    supports.push_back({label, false, true, true, vector_field(full->value[0].value, full->value[1].value)});
+    supports.push_back({label, false, true, true, vector_field(full->value[0], full->value[1])});
   } else if (const auto* normal = get(on_label, "displacement_normal")) {
-    supports.push_back({label, true, true, false, vector_field(normal->value[0].value, zero)});
+    supports.push_back({label, true, true, false, vector_field(normal->value[0], nothing())});
   } else {
     const auto *x = get(on_label, "displacement_x"), *y = get(on_label, "displacement_y");
     if (x || y)
       supports.push_back({label, false, x != nullptr, y != nullptr,
-                          vector_field(x ? x->value[0].value : zero, y ? y->value[0].value : zero)});
+                          vector_field(x ? x->value[0] : nothing(), y ? y->value[0] : nothing())});
   }
 }
 
 void add_load(const Conditions& on_label, Index label, const std::string& name, std::vector<Traction>& tractions) {
   BoundaryField load;
-  if (const auto* traction = get(on_label, "traction"))
-    load = vector_field(traction->value[0].value, traction->value[1].value);
-  if (const auto* pressure = get(on_label, "pressure"))
-    load = [p = pressure->value[0].value](const Vec2& x, const Vec2& n) { return Vec2(-p(x, n) * n); };
+  if (const auto* traction = get(on_label, "traction")) load = vector_field(traction->value[0], traction->value[1]);
+  if (const auto* pressure = get(on_label, "pressure")) load = pressure_field(pressure->value[0]);
   if (load) tractions.push_back({label, free_part(on_label, load, name)});
 }
 
@@ -134,9 +123,7 @@ void add_conditions(const std::vector<Value>& tables, const std::vector<std::str
 VectorField body_force(const Value& table, Definitions& definitions) {
   allow_only(table);
   const auto force = formulas(need(table, "force"), definitions, false);
-  return [fx = force[0].value, fy = force[1].value](const Vec2& x) {
-    return Vec2(fx(x, Vec2::Zero()), fy(x, Vec2::Zero()));
-  };
+  return body_field(force[0], force[1]);
 }
 
 }  // namespace

@@ -23,7 +23,11 @@ void mark_used(Definitions& definitions, std::vector<std::string> names) {
 }  // namespace
 
 Formula formula(const Value& field, Definitions& definitions, bool on_boundary) {
-  const auto fixed = [](double value) { return Formula{[value](const Vec2&, const Vec2&) { return value; }, value}; };
+  const auto fixed = [](double value) {
+    const auto syntax = std::make_shared<Syntax>();
+    syntax->nodes.push_back({.kind = SyntaxNode::Kind::Constant, .value = value});
+    return Formula{[value](const Vec2&, const Vec2&) { return value; }, value, syntax};
+  };
   if (field.node->kind == Node::Kind::Integer || field.node->kind == Node::Kind::Float) return fixed(number(field));
   if (field.node->kind != Node::Kind::String)
     fail(field.node->position, field.name + " must be a number or an expression in a string, \"1 + x\"");
@@ -41,7 +45,7 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
         throw Error(e.fault, where + e.what());
       }
     };
-    return {placed, std::nullopt};
+    return {placed, std::nullopt, syntax_of(field.node->text, definitions.context)};
   } catch (const Error& e) {
     throw Error(e.fault, where + e.what());
   }
@@ -50,10 +54,6 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
 std::array<Formula, 2> formulas(const Value& field, Definitions& definitions, bool on_boundary) {
   const std::vector<Value> xy = pair(field);
   return {formula(xy[0], definitions, on_boundary), formula(xy[1], definitions, on_boundary)};
-}
-
-BoundaryField vector_field(const Expression& first, const Expression& second) {
-  return [first, second](const Vec2& x, const Vec2& n) { return Vec2(first(x, n), second(x, n)); };
 }
 
 Index find_label(const Value& field, const Shape& shape) {

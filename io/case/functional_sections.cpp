@@ -87,7 +87,7 @@ struct Reader {
     if (const auto given = find(table, "weight")) weight = formula(*given, definitions).value;
     std::vector<Term> terms;
     for (const Index label : labels)
-      terms.push_back(boundary_tracking(label, vector_field(target[0].value, target[1].value), weight));
+      terms.push_back(boundary_tracking(label, vector_field(target[0], target[1]), weight));
     return terms;
   }
 
@@ -114,7 +114,7 @@ struct Reader {
           measured.node->position,
           measured.name + " must be a file with the columns x,y,u_x,u_y, two expressions [u_x, u_y], or \"synthetic\"");
     const auto u = formulas(measured, definitions);
-    return misfit(labels[0], vector_field(u[0].value, u[1].value));
+    return misfit(labels[0], vector_field(u[0], u[1]));
   }
 
   Term tip_term(const Value& table) const {
@@ -147,7 +147,7 @@ struct Reader {
     if (kind == "volume") return {volume()};
     if (kind == "displacement_tracking") {
       const auto target = formulas(need(table, "target"), definitions, false);
-      const BoundaryField field = vector_field(target[0].value, target[1].value);
+      const BoundaryField field = vector_field(target[0], target[1]);
       return {displacement_tracking([field](const Vec2& x) { return field(x, Vec2::Zero()); }, weight(table))};
     }
     if (kind == "boundary_tracking") return boundary_terms(table);

@@ -55,6 +55,23 @@ Json peak_section(const Peak& peak) {
   return out;
 }
 
+Json resultant(const ResultantResult& r) {
+  Json out = Json::object();
+  if (!r.on.empty()) out["on"] = r.on;
+  out["force"] = place(r.force);
+  out["moment"] = number(r.moment);
+  return out;
+}
+
+Json resultants(const StateResult& state) {
+  Json out = {{"loads", Json::array()}, {"reactions", Json::array()}};
+  for (const ResultantResult& r : state.loads) out["loads"].push_back(resultant(r));
+  for (const ResultantResult& r : state.reactions) out["reactions"].push_back(resultant(r));
+  if (state.body) out["body"] = resultant(*state.body);
+  out["balance"] = resultant(*state.balance);
+  return out;
+}
+
 Json state_section(const StateResult& state) {
   Json bounds = nullptr;
   if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
@@ -72,6 +89,7 @@ Json state_section(const StateResult& state) {
   if (state.von_mises) out["max_von_mises"] = peak_section(*state.von_mises);
   if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
   if (!state.notes.empty()) out["notes"] = state.notes;
+  if (state.balance) out["resultants"] = resultants(state);
   return out;
 }
 

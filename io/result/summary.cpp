@@ -93,6 +93,23 @@ std::vector<std::string> in_words(const std::string& name, const Peak& peak) {
   return items;
 }
 
+std::string force(const ResultantResult& r) {
+  return fmt::format("force ({}, {})", six(r.force.x()), six(r.force.y()));
+}
+
+void add_resultants(std::string& out, const StateResult& s) {
+  const auto line = [&](const std::string& heading, const std::string& what, const ResultantResult& r) {
+    std::vector<std::string> items{force(r), item("moment", r.moment)};
+    if (!what.empty()) items.insert(items.begin(), clean_text(what));
+    add(out, heading, items);
+  };
+  for (std::size_t i = 0; i < s.loads.size(); ++i) line(i == 0 ? "loads" : "", s.loads[i].on, s.loads[i]);
+  if (s.body) line(s.loads.empty() ? "loads" : "", "body", *s.body);
+  for (std::size_t i = 0; i < s.reactions.size(); ++i)
+    line(i == 0 ? "reactions" : "", s.reactions[i].on, s.reactions[i]);
+  if (s.balance) line("balance", "", *s.balance);
+}
+
 void add_crack(std::string& out, const CrackResult& crack) {
   add(out, "crack", {clean_text(crack.name), item("length", crack.length), item("max opening", crack.max_opening)});
   if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure));
@@ -225,6 +242,7 @@ std::string summary(const Result& result) {
     if (s.energy_bounds) {
       add(out, "", {fmt::format("energy in [{}, {}]", six((*s.energy_bounds)[0]), six((*s.energy_bounds)[1]))});
     }
+    add_resultants(out, s);
     for (const std::string& note : s.notes) add_sentence(out, "note", note);
   }
   if (result.contact) {

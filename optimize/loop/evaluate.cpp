@@ -7,16 +7,6 @@
 
 namespace kerf {
 
-namespace {
-
-VectorField sum(const VectorField& a, const VectorField& b) {
-  if (!a) return b;
-  if (!b) return a;
-  return [a, b](const Vec2& x) -> Vec2 { return a(x) + b(x); };
-}
-
-}  // namespace
-
 std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r) {
   if (r.load_cases.empty()) return {p.scene};
   std::vector<Scene> scenes;

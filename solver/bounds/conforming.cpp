@@ -332,7 +332,7 @@ double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, con
 
 // Prescribed components of an edge as linear + s (1 - s) p, p of degree 5 by moments, the ends given.
 struct Fit {
-  EdgeRule carrier = gauss(data_carriers), sample = gauss(data_samples);
+  EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
   Eigen::MatrixXd basis = traces(carrier, sample.s);
   Eigen::VectorXd bump = sample.s.cwiseProduct((1 - sample.s.array()).matrix());
   Eigen::LLT<Eigen::MatrixXd> mass{
@@ -421,7 +421,9 @@ void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>
       if (!d.held[k]) continue;
       const Fit::Result f = fit.fit(d.displacement.row(k), here(k, 0), here(k, degree));
       const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
-      result.mismatch += 2 * material_of(m.mesh, m.scene, d.triangle).mu * (f.square + ends);
+      // Rapid changes: at most the product of the norms of value and slope, as between L2 and H1.
+      const double rapid = d.rest[k] > 0 ? std::sqrt(d.rest[k] * d.rough[k]) : 0;
+      result.mismatch += 2 * material_of(m.mesh, m.scene, d.triangle).mu * (f.square + ends + rapid);
       for (int g = 0; g < data_carriers; ++g) {
         const double at = fit.carrier.s[g];
         const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;

@@ -44,17 +44,21 @@ Forces forces(const Model& m) {
   f.nodal.resize(2 * dim(f.degree), triangles);
   f.couple = Eigen::VectorXd::Zero(triangles);
   f.left_out.resize(triangles);
+  f.moved = Eigen::VectorXd::Zero(triangles);
   Eigen::VectorXd size(triangles), rest(triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Triangle shape = triangle(m, t);
       const Points x = rule_points(rule, shape);
-      Points value(2, x.cols());
-      for (Eigen::Index q = 0; q < x.cols(); ++q) value.col(q) = m.scene.body(x.col(q));
+      const Points value = body_force(m.inner->data, m.scene, t, x);
       const Points nodal = value * project.transpose(), seen = nodal * back.transpose();
       const Points unseen = seen - value * mean.transpose();  // by the element
       f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
-      const double square = area(shape) * (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
+      double square = area(shape) * (value - seen).colwise().squaredNorm().dot(rule.w.transpose());
+      if (!m.inner->data.body.empty()) {
+        square += area(shape) * m.inner->data.body[t].rest;
+        f.moved[t] = area(shape) * m.inner->data.body[t].error;
+      }
       f.left_out[t] = diameter(shape) / pi * std::sqrt(square);
       size[t] = value.cwiseAbs().maxCoeff();
       rest[t] = unseen.cwiseAbs().maxCoeff();
@@ -68,13 +72,22 @@ Forces forces(const Model& m) {
   return f;
 }
 
+namespace {
+
+void note_open(EdgeData& d, const EdgeValues& given) {
+  if (given.how == Resolution::Open) d.how = Resolution::Open;
+  if (given.how == Resolution::Sampled && d.how == Resolution::Proved) d.how = Resolution::Sampled;
+}
+
+}  // namespace
+
 std::vector<EdgeData> edge_data(const Model& m) {
-  const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_samples);
+  const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
   const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(m.inner->kernel.trace, sample.s),
                         trace_at_carrier = traces(m.inner->kernel.trace, carrier.s);
   std::vector<Index> place(m.mesh.edges.size(), none);
   std::vector<EdgeData> data;
-  std::vector<Eigen::Matrix<double, 2, data_samples>> load;
+  std::vector<Eigen::Matrix<double, 2, data_points>> load;
   const auto entry = [&](Index e) {
     if (place[e] == none) {
       place[e] = static_cast<Index>(data.size());
@@ -88,35 +101,51 @@ std::vector<EdgeData> edge_data(const Model& m) {
     }
     return place[e];
   };
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    if (m.mesh.label[e] == none) continue;
-    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-    const Vec2 n = outward_normal(m.mesh, e);
-    for (const Support& support : m.scene.supports) {
-      if (support.label != m.mesh.label[e]) continue;
+  const SceneData& scene = m.inner->data;
+  for (std::size_t i = 0; i < scene.supports.size(); ++i)
+    for (std::size_t j = 0; j < scene.supports[i].values.size(); ++j) {
+      const Support& support = m.scene.supports[i];
+      const Index e = labeled(scene, support.label)[j];
+      const EdgeLine line = edge_line(m.mesh, e);
+      const EdgeValues& given = scene.supports[i].values[j];
       EdgeData& d = data[entry(e)];
       for (int k = 0; k < 2; ++k) {
         if (!(k == 0 ? support.first : support.second)) continue;
         d.held[k] = true;
-        for (int q = 0; q < data_samples; ++q) d.displacement(k, q) = support.value(a + sample.s[q] * side, n)[k];
-        d.ends.row(k) << support.value(a, n)[k], support.value(a + side, n)[k];
+        d.displacement.row(k) = given.at.row(k);
+        d.ends.row(k) << support.value(line.a, line.n)[k], support.value(line.b, line.n)[k];
+        d.rest[k] = given.rest[k];
+        d.rough[k] = given.rough[k];
       }
+      d.jumps = d.jumps || given.jumps;
+      note_open(d, given);
     }
-    for (const Traction& traction : m.scene.tractions) {
-      if (traction.label != m.mesh.label[e]) continue;
-      auto& l = load[entry(e)];
-      for (int q = 0; q < data_samples; ++q)
-        l.col(q) += m.inner->skeleton.frame[e].transpose() * traction.value(a + sample.s[q] * side, n);
+  for (const LoadedEdges& traction : scene.tractions)
+    for (std::size_t j = 0; j < traction.values.size(); ++j) {
+      const Index e = labeled(scene, traction.label)[j];
+      EdgeData& d = data[entry(e)];
+      const EdgeValues& given = traction.values[j];
+      const Mat2& frame = m.inner->skeleton.frame[e];
+      load[place[e]] += frame.transpose() * given.at;
+      // Of the components along the frame, at most.
+      for (int k = 0; k < 2; ++k) {
+        const Vec2 share = frame.col(k).cwiseAbs();
+        for (int c = 0; c < 2; ++c) {
+          if (share[c] == 0) continue;
+          d.unseen[k] += share[c] * std::sqrt(given.rest[c]);
+          d.primitive[k] += share[c] * std::sqrt(given.primitive[c]);
+        }
+        d.moved[k] += share.dot(given.error);
+      }
+      note_open(d, given);
     }
-  }
   for (std::size_t i = 0; i < data.size(); ++i) {
     EdgeData& d = data[i];
-    const Eigen::Matrix<double, 2, data_samples> weighted = load[i] * sample.w.asDiagonal();
+    const Eigen::Matrix<double, 2, data_points> weighted = load[i] * sample.w.asDiagonal();
     d.load = weighted * basis.transpose() * carrier.w.cwiseInverse().asDiagonal();
     d.unbalanced =
         d.load - weighted * trace.transpose() * m.inner->kernel.trace.w.cwiseInverse().asDiagonal() * trace_at_carrier;
-    const Eigen::Matrix<double, 2, data_samples> rest = load[i] - d.load * basis;
+    const Eigen::Matrix<double, 2, data_points> rest = load[i] - d.load * basis;
     for (int k = 0; k < 2; ++k) {
       if (d.held[k])
         d.unbalanced.row(k).setZero();

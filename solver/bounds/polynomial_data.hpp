@@ -19,25 +19,32 @@ struct Forces {
   bool balanced = true;    // div s_h = -f already, so that no local correction is needed
   Eigen::VectorXd couple;  // per triangle, the mean asymmetry that its correction has; only with constant displacements
   Eigen::VectorXd left_out;  // per triangle h/pi |f - its polynomial|
+  Eigen::VectorXd moved;     // per triangle: at least the error of the integral of f.w, |w| <= 1
 };
 
 Forces forces(const Model& model);
 
-/// Points per edge that carry boundary data as polynomials, and that sample them.
-inline constexpr int data_carriers = 6, data_samples = 8;
+/// Points per edge that carry boundary data as polynomials.
+inline constexpr int data_carriers = 6;
 using EdgePolynomial = Eigen::Matrix<double, 2, data_carriers>;  // values at gauss(data_carriers)
 
 /// Data of one boundary edge that a support or a traction names, in the components of its frame.
 struct EdgeData {
   Index edge = none;
   Index triangle = none;
-  int side = 0;                                         // number of the edge in the triangle
-  std::array<bool, 2> held{false, false};               // prescribed components
-  Eigen::Matrix<double, 2, data_samples> displacement;  // prescribed values at gauss(data_samples), else 0
-  Mat2 ends = Mat2::Zero();                             // and at the two ends (columns)
-  EdgePolynomial load = EdgePolynomial::Zero();         // tractions, projected onto P5
-  EdgePolynomial unbalanced = EdgePolynomial::Zero();   // load minus its projection onto P_trace; 0 where held
-  double left_out = 0;                                  // integral of the square of what P5 does not see
+  int side = 0;                                        // number of the edge in the triangle
+  std::array<bool, 2> held{false, false};              // prescribed components
+  Eigen::Matrix<double, 2, data_points> displacement;  // prescribed values at gauss(data_points), else 0
+  Mat2 ends = Mat2::Zero();                            // and at the two ends (columns)
+  Vec2 rest = Vec2::Zero(), rough = Vec2::Zero();      // of them, as EdgeValues
+  bool jumps = false;                                  // the prescribed values do
+  EdgePolynomial load = EdgePolynomial::Zero();        // tractions, projected onto P5
+  EdgePolynomial unbalanced = EdgePolynomial::Zero();  // load minus its projection onto P_trace; 0 where held
+  double left_out = 0;                                 // integral of the square of what P5 does not see of degree 7
+  Vec2 unseen = Vec2::Zero();                          // root of the mean square of what degree 7 does not see
+  Vec2 primitive = Vec2::Zero();                       // the same of its primitive, by s
+  Vec2 moved = Vec2::Zero();                           // as EdgeValues::error
+  Resolution how = Resolution::Proved;
 };
 std::vector<EdgeData> edge_data(const Model& model);
 

@@ -111,12 +111,12 @@ Points rule_points(const TriangleRule& rule, const Triangle& t) {
   return x;
 }
 
-ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force) {
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force) {
   const Points x = rule_points(k.load, t);
   const Eigen::MatrixXd v = monomials(k.element.displacement, (x.colwise() - centroid(t)) / std::sqrt(2 * area(t)));
   ForceMoments moments = ForceMoments::Zero(displacement_count(k.element));
   for (Eigen::Index q = 0; q < x.cols(); ++q) {
-    const Vec2 at = x.col(q), value = force(at);
+    const Vec2 at = x.col(q), value = force.col(q);
     if (!value.allFinite())
       throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", at.x(), at.y()));
     for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += k.load.w[q] * v(b, q) * value;

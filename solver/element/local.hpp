@@ -54,8 +54,8 @@ Kernel kernel(const Element& e);
 /// edge.
 using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
 inline constexpr int cubic_trace_count = 12;
-/// The means alone.
-ForceMoments force_moments(const Kernel& k, const Triangle& t, const VectorField& force);
+/// The means alone, from the values of f at the points of Kernel::load.
+ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force);
 /// Orthonormal Legendre polynomial of degree k on [0, 1].
 double legendre(int k, double s);
 

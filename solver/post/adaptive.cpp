@@ -175,6 +175,13 @@ class Grading {
   const Adaptation& how_;
 };
 
+// The first of the data that no estimate on this mesh can have seen.
+std::string unseen_by_estimate(const Model& m) {
+  for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
+    return fmt::format("{} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
+  return {};
+}
+
 }  // namespace
 
 std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
@@ -222,7 +229,8 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
     without_gain = round.estimated_error < gain * best ? 0 : without_gain + 1;
     best = std::min(best, round.estimated_error);
     std::string stopped;
-    if (round.estimated_error <= wanted.error)
+    const std::string unseen = unseen_by_estimate(model);
+    if (round.estimated_error <= wanted.error && unseen.empty())
       stopped = fmt::format("reached the asked error {:.3g}", wanted.error);
     else if (round.triangles >= 0.9 * wanted.max_triangles)
       stopped = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
@@ -234,6 +242,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
                             round.estimated_error, wanted.error);
     else if (wanted.go_on && !wanted.go_on(round))
       stopped = "stopped on request";
+    if (!stopped.empty() && !unseen.empty()) stopped += "; " + unseen;
     if (!stopped.empty())
       return {std::move(model),  std::move(state),   std::move(indicator),
               std::move(rounds), std::move(stopped), std::move(sizing)};

@@ -17,7 +17,10 @@ namespace kerf {
 
 namespace {
 
-constexpr int edge_points = 5;  // exact for the square of a stress of degree 4
+constexpr int edge_points = 5;   // exact for the square of a stress of degree 4
+constexpr double fading = 3;     // of [theory: B.10]
+constexpr double steep = 1e4;    // the square of a derivative over that of the function, of a polynomial of degree 7
+constexpr double large = 1e100;  // instead of infinity, so that sums and orders stay
 
 // D tau at the Gauss points of the three edges, in each edge's own direction.
 using EdgeTraces = Eigen::Matrix<double, 2, 3 * edge_points>;
@@ -38,6 +41,17 @@ Derivatives derivatives(const TriangleRule& rule, int degree) {
   Derivatives d;
   for (int axis = 0; axis < 2; ++axis) d.along[axis] = v * derivative(degree, axis) * fit;
   return d;
+}
+
+// The body force at the points of Kernel::rule: of what the rules do not resolve, its polynomial.
+Points force_on(const Model& m, Index t, const Points& x) {
+  Points force = Points::Zero(2, x.cols());
+  if (!m.scene.body) return force;
+  const std::vector<TriangleValues>& stored = m.inner->data.body;
+  if (!stored.empty() && !stored[t].whole)
+    return polynomial_at(stored[t], m.inner->kernel.load, m.inner->kernel.rule.x);
+  for (Eigen::Index q = 0; q < x.cols(); ++q) force.col(q) = m.scene.body(x.col(q));
+  return force;
 }
 
 Interior interior_part(const Model& m, const Field& s, Index t, const Derivatives& d) {
@@ -61,13 +75,16 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
     return inverse(0, axis) * (d.along[0] * column) + inverse(1, axis) * (d.along[1] * column);
   };
   Interior result;
+  const Points force = force_on(m, t, x);
+  // The efficiency index measures residuals, not what no residual shows.
+  const double unseen = std::pow(m.element.efficiency, 2);
+  if (!m.inner->data.body.empty()) result.square += unseen * h * h * std::min(m.inner->data.body[t].rest, large);
   for (int row = 0; row < 2; ++row) {
     const Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
     result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
     if (m.scene.body) {
-      Eigen::VectorXd rest = derive(stress.col(2 * row), 0) + derive(stress.col(2 * row + 1), 1);
-      for (Eigen::Index q = 0; q < n; ++q) rest[q] += m.scene.body(x.col(q))[row];
-      result.square += h * h * rule.w.dot(rest.cwiseAbs2());
+      const Eigen::VectorXd rest = derive(stress.col(2 * row), 0) + derive(stress.col(2 * row + 1), 1);
+      result.square += h * h * rule.w.dot((rest + force.row(row).transpose()).cwiseAbs2());
     }
   }
   result.square += rule.w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
@@ -98,29 +115,77 @@ EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& 
   return traces;
 }
 
-// What supports prescribe on a boundary edge at parameter s, in the edge's frame: which components, and d_tau u_D by
-// central differences of the data.
+// The data of a boundary edge in its frame: which components are prescribed and d_tau u_D at the Gauss points, and what
+// the element does not see of the data: the squares of |e| d_tau (u_D - P) and of |e| (g - P), their means over the
+// edge.
 struct Prescribed {
   std::array<bool, 2> component{false, false};
-  Vec2 slope = Vec2::Zero();
+  Eigen::Matrix<double, 2, edge_points> slope = decltype(slope)::Zero();
+  double displacement = 0, traction = 0;
 };
 
-Prescribed prescribed(const Model& m, Index e, double s) {
-  const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-  const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-  const Vec2 n = outward_normal(m.mesh, e);
-  constexpr double step = 1e-3;
-  Prescribed p;
-  for (const Support& support : m.scene.supports) {
-    if (support.label != m.mesh.label[e]) continue;
-    const Vec2 after = support.value(a + (s + step) * side, n), before = support.value(a + (s - step) * side, n);
-    for (int d = 0; d < 2; ++d)
-      if (d == 0 ? support.first : support.second) {
-        p.component[d] = true;
-        p.slope[d] = (after[d] - before[d]) / (2 * step * side.norm());
-      }
+// d/ds at s of the polynomials that carry the data.
+Eigen::Matrix<double, data_points, 1> data_slope(double s) {
+  static const EdgeRule rule = gauss(data_points);
+  constexpr double step = 1e-4;  // central differences: exact to 1e-7 for polynomials of degree 7
+  return (trace_basis(rule, s + step) - trace_basis(rule, s - step)) / (2 * step);
+}
+
+void add_displacement(const Support& support, const EdgeValues& v, Prescribed& p) {
+  static const EdgeRule rule = gauss(edge_points);
+  for (int d = 0; d < 2; ++d) {
+    if (!(d == 0 ? support.first : support.second)) continue;
+    p.component[d] = true;
+    for (int g = 0; g < edge_points; ++g) p.slope(d, g) = v.at.row(d) * data_slope(rule.s[g]);
+    // A polynomial of degree 7 that jumps: its derivative is at most 2 * 7^2 times as large.
+    constexpr double most = 1e4;
+    p.displacement += std::min({v.rough[d], most * v.rest[d], large});
   }
-  return p;
+}
+
+// g less the trace functions: what no stress of the element takes on the edge.
+double unseen_traction(const Model& m, const EdgeValues& v) {
+  static const EdgeRule rule = gauss(data_points);
+  double square = 0;
+  for (int k = points_per_edge(m.element); k < data_points; ++k) {
+    Vec2 moment = Vec2::Zero();
+    for (int q = 0; q < data_points; ++q) moment += rule.w[q] * legendre(k, rule.s[q]) * v.at.col(q);
+    square += moment.squaredNorm();
+  }
+  // Of rapid changes the stress feels the primitive as well: between the norms of both.
+  for (int d = 0; d < 2; ++d) {
+    const double values = v.at.row(d).squaredNorm() / data_points;
+    const double primitive = std::isfinite(v.primitive[d]) ? v.primitive[d] : values;
+    square += v.rest[d] < large ? std::min(v.rest[d], fading * std::sqrt(primitive * v.rest[d])) : steep * primitive;
+  }
+  return square;
+}
+
+// Per edge of the mesh its place in a list of those with data, and these.
+struct EdgesWithData {
+  std::vector<Index> place;
+  std::vector<Prescribed> edges;
+};
+EdgesWithData edges_with_data(const Model& m) {
+  const SceneData& data = m.inner->data;
+  EdgesWithData all{std::vector<Index>(m.mesh.edges.size(), none), {}};
+  const auto entry = [&](Index e) -> Prescribed& {
+    if (all.place[e] == none) {
+      all.place[e] = static_cast<Index>(all.edges.size());
+      all.edges.emplace_back();
+    }
+    return all.edges[all.place[e]];
+  };
+  for (std::size_t i = 0; i < data.supports.size(); ++i)
+    for (std::size_t j = 0; j < data.supports[i].values.size(); ++j)
+      add_displacement(m.scene.supports[i], data.supports[i].values[j],
+                       entry(labeled(data, data.supports[i].label)[j]));
+  for (const LoadedEdges& t : data.tractions)
+    for (std::size_t j = 0; j < t.values.size(); ++j) {
+      const Index e = labeled(data, t.label)[j];
+      entry(e).traction += unseen_traction(m, t.values[j]) * std::pow(length(m.mesh, e), 2);
+    }
+  return all;
 }
 
 // d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much.
@@ -158,6 +223,7 @@ struct EdgeResiduals {
   const Field& s;
   const EdgeRule& rule;
   const std::vector<EdgeTraces>& traces;
+  const EdgesWithData& data;
 
   // Across edge i of triangle t to `other`, at the Gauss point g; on a crack in its frame.
   Vec2 across(Index t, int i, Index other, int g) const {
@@ -174,9 +240,10 @@ struct EdgeResiduals {
   // On the boundary, in the edge's frame.
   Vec2 on_boundary(Index t, int i, int g) const {
     const Index e = m.mesh.edges_of[t][i];
-    const Prescribed given = prescribed(m, e, rule.s[g]);
+    if (data.place[e] == none) return Vec2::Zero();
+    const Prescribed& given = data.edges[data.place[e]];
     const Vec2 trace = traces[t].col(edge_points * i + g);
-    Vec2 jump = m.inner->skeleton.frame[e].transpose() * trace - given.slope;
+    Vec2 jump = m.inner->skeleton.frame[e].transpose() * trace - given.slope.col(g) / length(m.mesh, e);
     for (int d = 0; d < 2; ++d)
       if (!given.component[d]) jump[d] = 0;
     return jump;
@@ -199,6 +266,10 @@ struct EdgeResiduals {
       }
       square += weight * scale * rule.w[g] * jump.squaredNorm();
     }
+    if (other == none && data.place[e] != none) {
+      const Prescribed& given = data.edges[data.place[e]];
+      square += std::pow(m.element.efficiency, 2) * (4 * mu * mu * given.displacement + given.traction);
+    }
   }
 };
 
@@ -219,7 +290,8 @@ Indicator error_indicator(const Model& m, const State& s) {
       traces[t] = edge_traces(m, s, t, rule);
     }
   });
-  const EdgeResiduals edges{m, s, rule, traces};
+  const EdgesWithData data = edges_with_data(m);
+  const EdgeResiduals edges{m, s, rule, traces, data};
   Indicator result{Eigen::VectorXd(triangles), 0};
   double total = 0, stress = 0;
   for (Index t = 0; t < triangles; ++t) {

@@ -17,16 +17,25 @@ namespace {
 
 // Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief).
 void balance(const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share, Scene& scene) {
-  scene.body = [body = scene.body, motions, share](const Vec2& x) {
-    Vec2 force = body ? body(x) : Vec2::Zero();
+  const auto force = [motions, share](const Vec2& x) {
+    Vec2 force = Vec2::Zero();
     for (Eigen::Index i = 0; i < share.size(); ++i) force -= share[i] * motions[i].at(x);
     return force;
   };
+  scene.body = sum(scene.body, linear_field(force));
 }
 
+// A scene whose body force may change, and its data.
+struct Loaded {
+  Scene& scene;
+  SceneData data;
+  int threads;
+};
+
 // Supports must hold every piece that the cracks leave, but loads in equilibrium hold a whole body by themselves.
-std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Scene& scene,
+std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Loaded& loaded,
                                         std::vector<std::string>& notes) {
+  Scene& scene = loaded.scene;
   std::vector<bool> cut(mesh.edges.size(), false);
   for (std::size_t e = 0; e < cut.size(); ++e)
     cut[e] = mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
@@ -54,7 +63,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   for (std::size_t i = 0; i < motions.size(); ++i) {
     // Polygons for arcs and quadrature of the data leave balanced loads slightly unbalanced.
     constexpr double balanced = 1e-3;
-    const Work w = work_on(mesh, k, s, scene, motions[i]);
+    const Work w = work_on(mesh, k, s, {scene, loaded.data}, motions[i]);
     if (w.relative > balanced)
       throw Error(Fault::Numerics,
                   fmt::format("the supports leave the body free to make {}, and the loads do not balance on it (net "
@@ -72,6 +81,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   constexpr double exact = 1e-12;
   if (worst > exact) {
     balance(motions, shares(mesh, k, s, motions, work), scene);
+    loaded.data = scene_data(mesh, scene, k.load, loaded.threads);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
   }
@@ -122,9 +132,10 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
       throw std::invalid_argument("prepare: one material per region is needed");
   Stopwatch watch;
   const Kernel k = kernel(e);
-  Skeleton skeleton = number(mesh, k, scene);
+  Loaded loaded{scene, scene_data(mesh, scene, k.load, threads), threads};
+  Skeleton skeleton = number(mesh, k, {scene, loaded.data});
   std::vector<std::string> notes;
-  std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, scene, notes);
+  std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, loaded, notes);
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
   Ordering ordering = order(mesh, skeleton, how.interface_edges);
@@ -133,7 +144,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   check_contact(mesh, scene, ordering.contact_rows);
   ModelSeconds seconds;
   const double numbering = watch.lap();
-  System system = assemble({mesh, k, skeleton, scene, ordering, threads, how.plain});
+  System system = assemble({mesh, k, skeleton, scene, loaded.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
   Factor factor = !how.factorize ? Factor(LowerTriangle{}, 0)
                   : !skeleton.unseen.empty()
@@ -147,7 +158,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
           .threads = threads,
           .seconds = seconds,
           .inner = std::make_shared<Inner>(Inner{k, std::move(skeleton), std::move(ordering), std::move(system),
-                                                 std::move(factor), std::move(floating)})};
+                                                 std::move(factor), std::move(floating), std::move(loaded.data)})};
 }
 
 bool certified(const State& state) {
@@ -192,7 +203,7 @@ double strain_energy(const Model& m, const Field& s) {
 }
 
 double work_of_loads(const Model& m, const Field& s) {
-  double work = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.scene).dot(s.skeleton);
+  double work = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data).dot(s.skeleton);
   const int first = stress_count(m.element), count = displacement_count(m.element);
   for (Index t = 0; t < static_cast<Index>(m.inner->system.force.cols()); ++t)
     work += area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));

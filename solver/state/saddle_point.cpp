@@ -189,7 +189,7 @@ Given given_tractions(const Model& m, const Layout& layout) {
   const Skeleton& s = m.inner->skeleton;
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
           std::vector<Index>(m.inner->ordering.contact_rows)};
-  const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.scene);
+  const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.inner->data);
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
     for (int i = 0; i < s.per_edge; ++i) {

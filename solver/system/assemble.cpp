@@ -32,24 +32,24 @@ double penalty_for(const Element& e, const Scene& scene) {
   return std::max(small / stiffest, floor / softest);
 }
 
-// See ForceMoments.
-Eigen::Matrix<double, cubic_trace_count, 1> cubic_traces(const Mesh& mesh, const Scene& scene, Index t) {
-  static const EdgeRule rule = gauss(8);
-  Eigen::Matrix<double, cubic_trace_count, 1> coefficients = Eigen::Matrix<double, cubic_trace_count, 1>::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const Index e = mesh.edges_of[t][i];
-    for (const Support& support : scene.supports) {
-      if (mesh.label[e] != support.label) continue;
-      const Vec2& a = mesh.points[mesh.edges[e][0]];
-      const Vec2 side = mesh.points[mesh.edges[e][1]] - a;
+// See ForceMoments; per edge of the mesh, a column.
+Eigen::Matrix4Xd cubic_traces(const Assembly& from) {
+  const Mesh& mesh = from.mesh;
+  const EdgeRule rule = gauss(data_points);
+  Eigen::Matrix4Xd coefficients = Eigen::Matrix4Xd::Zero(4, static_cast<Eigen::Index>(mesh.edges.size()));
+  for (std::size_t i = 0; i < from.scene.supports.size(); ++i) {
+    const Support& support = from.scene.supports[i];
+    const std::vector<Index>& edges = labeled(from.data, support.label);
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      const Index e = edges[j];
       const Vec2 n = outward_normal(mesh, e);
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        Vec2 value = support.value(a + rule.s[q] * side, n);
+        Vec2 value = from.data.supports[i].values[j].at.col(q);
         if (!support.first) value[0] = 0;
         if (!support.second) value[1] = 0;
         if (support.normal_frame) value = value[0] * n + value[1] * Vec2(-n.y(), n.x());
         for (int k = 2; k < 4; ++k)
-          coefficients.segment<2>(4 * i + 2 * (k - 2)) += rule.w[q] * legendre(k, rule.s[q]) * value;
+          coefficients.col(e).segment<2>(2 * (k - 2)) += rule.w[q] * legendre(k, rule.s[q]) * value;
       }
     }
   }
@@ -64,8 +64,9 @@ bool has_cubic_traces(const Assembly& from) {
 Condensed condense_triangle(const Assembly& from, Index t, System& a) {
   const Triangle shape = triangle(from.mesh, from.skeleton, t);
   const int moments = displacement_count(from.kernel.element);
-  if (from.scene.body) a.force.col(t).head(moments) = force_moments(from.kernel, shape, from.scene.body);
-  if (has_cubic_traces(from)) a.force.col(t).tail<cubic_trace_count>() = cubic_traces(from.mesh, from.scene, t);
+  if (from.scene.body)
+    a.force.col(t).head(moments) =
+        force_moments(from.kernel, shape, body_force(from.data, from.scene, t, rule_points(from.kernel.load, shape)));
   Condensed c = condense(from.kernel, shape, material_of(from.mesh, from.scene, t), force_of(a, t), {.a = a.penalty});
   if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
   return c;
@@ -148,13 +149,19 @@ System assemble(const Assembly& from) {
   if (a.penalty > 0) a.traces.resize(skeleton_count(e) + 2, triangles);
   if (from.scene.body || has_cubic_traces(from))
     a.force.setZero(displacement_count(e) + (has_cubic_traces(from) ? cubic_trace_count : 0), triangles);
+  if (has_cubic_traces(from)) {
+    const Eigen::Matrix4Xd cubic = cubic_traces(from);
+    for (Index t = 0; t < static_cast<Index>(triangles); ++t)
+      for (int i = 0; i < 3; ++i)
+        a.force.col(t).segment<4>(displacement_count(e) + 4 * i) = cubic.col(from.mesh.edges_of[t][i]);
+  }
   a.K = pattern(from.ordering);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   if (from.skeleton.per_vertex > 0)
     condense_then_scatter(from, a);
   else
     condense_and_scatter(from, a);
-  a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.scene);
+  a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.data);
   for (Index u = 0; u < from.skeleton.total; ++u)
     if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += a.tractions[u];
   return a;

@@ -24,6 +24,7 @@ struct Assembly {
   const Kernel& kernel;
   const Skeleton& skeleton;
   const Scene& scene;
+  const SceneData& data;
   const Ordering& ordering;
   int threads = 1;
   bool plain = false;  // no penalty, whatever the compliances

@@ -119,16 +119,16 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   return value;
 }
 
-Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion) {
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion) {
   const Eigen::ArrayXd terms =
-      traction_loads(mesh, k, s, scene).head(s.base).array() * trace(mesh, k, s, motion).array();
+      traction_loads(mesh, k, s, loading.data).head(s.base).array() * trace(mesh, k, s, motion).array();
   double work = terms.sum(), size = terms.abs().sum();
-  if (scene.body)
+  if (loading.scene.body)
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
       const Triangle shape = triangle(mesh, s, t);
-      const Points x = rule_points(k.load, shape);
+      const Points x = rule_points(k.load, shape), force = body_force(loading.data, loading.scene, t, x);
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const double term = area(shape) * k.load.w[q] * scene.body(x.col(q)).dot(motion.at(x.col(q)));
+        const double term = area(shape) * k.load.w[q] * force.col(q).dot(motion.at(x.col(q)));
         work += term;
         size += std::abs(term);
       }

@@ -31,7 +31,7 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
 struct Work {
   double value = 0, relative = 0;
 };
-Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const RigidMotion& motion);
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion);
 
 /// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion.
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions);

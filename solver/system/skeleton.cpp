@@ -11,8 +11,6 @@ namespace kerf {
 
 namespace {
 
-constexpr int data_points = 8;  // Gauss points per edge for boundary data
-
 Mat2 edge_frame(const Mesh& mesh, Index e) {
   Mat2 f;
   f << normal(mesh, e), tangent(mesh, e);
@@ -66,12 +64,14 @@ void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   }
 }
 
-void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Skeleton& s) {
   const int points = points_per_edge(k.element);
   const EdgeRule rule = gauss(data_points);
-  for (const Support& support : scene.supports)
-    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-      if (mesh.label[e] != support.label) continue;
+  for (std::size_t i = 0; i < loading.scene.supports.size(); ++i) {
+    const Support& support = loading.scene.supports[i];
+    const std::vector<Index>& edges = labeled(loading.data, support.label);
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      const Index e = edges[j];
       const Vec2& a = mesh.points[mesh.edges[e][0]];
       const Vec2& b = mesh.points[mesh.edges[e][1]];
       const Vec2 n = outward_normal(mesh, e);
@@ -87,7 +87,8 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
         Vec2 moment = Vec2::Zero();
         if (is_mixed(k.element))  // the basis is orthogonal: its mass on the edge is diag(w)
           for (int q = 0; q < data_points; ++q)
-            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] * value_at(rule.s[q]);
+            moment += rule.w[q] * trace_basis(k.trace, rule.s[q])[g] / k.trace.w[g] *
+                      loading.data.supports[i].values[j].at.col(q);
         else
           moment = value_at(k.trace.s[g]);
         for (int d = 0; d < 2; ++d)
@@ -98,6 +99,7 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
           }
       }
     }
+  }
 }
 
 /// The corner of boundary edge e at its end.
@@ -269,7 +271,8 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
   return true;
 }
 
-Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading) {
+  const Scene& scene = loading.scene;
   check_element(mesh, k.element, scene);
   Skeleton s;
   s.per_edge = per_edge(k.element);
@@ -311,7 +314,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene) {
       s.frictional[unknown] = rough && i % 2 == 1;
     }
   }
-  support_edges(mesh, k, scene, s);
+  support_edges(mesh, k, loading, s);
   if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
   if (k.element.at_vertices == AtVertices::Stress) {
     if (has_free_pressure(mesh, scene, s)) need(k.element, can_be_enclosed);
@@ -366,21 +369,15 @@ SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::Vect
   return trace;
 }
 
-Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene) {
+Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
   const EdgeRule rule = gauss(data_points);
-  for (const Traction& traction : scene.tractions)
-    for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-      if (mesh.label[e] != traction.label) continue;
-      const Vec2& a = mesh.points[mesh.edges[e][0]];
-      const Vec2& b = mesh.points[mesh.edges[e][1]];
-      const Vec2 n = outward_normal(mesh, e);
+  for (const LoadedEdges& traction : data.tractions)
+    for (std::size_t j = 0; j < traction.values.size(); ++j) {
+      const Index e = labeled(data, traction.label)[j];
       const double l = length(mesh, e);
       for (int q = 0; q < data_points; ++q) {
-        const Vec2 x = a + rule.s[q] * (b - a);
-        const Vec2 value = traction.value(x, n);
-        check_finite(value, x, "traction");
-        const Vec2 moment = l * rule.w[q] * value;
+        const Vec2 moment = l * rule.w[q] * traction.values[j].at.col(q);
         const auto add = [&](Index unknown, double share, const Mat2& frame) {
           for (int d = 0; d < 2; ++d) load[unknown + d] += share * frame.col(d).dot(moment);
         };

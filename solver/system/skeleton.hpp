@@ -2,6 +2,7 @@
 // Global numbering of the edge displacements and of the crack jumps. Cracks enter the mathematics here and only here.
 
 #include "kerf/mesh.hpp"
+#include "solver/data.hpp"
 #include "solver/element/local.hpp"
 
 namespace kerf {
@@ -33,9 +34,15 @@ const Mat2& frame_at(const Skeleton& s, Index edge, int point);
 Index edge_unknown(const Skeleton& s, Index edge);
 Index corner_unknown(const Skeleton& s, Index corner);
 
-/// Supports are projected onto the edge spaces in L2 (8 Gauss points per edge), interpolated in displacement elements.
+/// A scene and its data on the mesh.
+struct Loading {
+  const Scene& scene;
+  const SceneData& data;
+};
+
+/// Supports are projected onto the edge spaces in L2, interpolated in displacement elements.
 /// Throws Error(Numerics) for a scene that the element cannot do.
-Skeleton number(const Mesh& mesh, const Kernel& k, const Scene& scene);
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading);
 
 /// A uniform pressure strains nothing in an incompressible body: whether no edge has a given normal traction, so that
 /// its level is free. Throws Error(Numerics) when contact forces would depend on it.
@@ -57,6 +64,6 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t);
 SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t);
 
 /// Loads of the tractions: their moments against the basis of each labeled edge, per unknown.
-Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene);
+Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data);
 
 }  // namespace kerf

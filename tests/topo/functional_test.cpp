@@ -87,7 +87,7 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
   {  // the load
     const double expected = slope(value, &Load::load);
     const double derivative =
-        a.adjoint->skeleton.dot(traction_loads(model.mesh, model.inner->kernel, model.inner->skeleton, model.scene)) /
+        a.adjoint->skeleton.dot(traction_loads(model.mesh, model.inner->kernel, model.inner->skeleton, model.inner->data)) /
             setup.load +
         slope(frozen, &Load::load);
     EXPECT_NEAR(derivative, expected, 1e-6 * std::max(std::abs(expected), 0.01 * scale));

@@ -22,18 +22,15 @@ Sensitivity scaled(double factor, Sensitivity s) {
 
 // Work of the tractions that the measured displacements replace, on them.
 double work_on_measured(const Model& m, const Support& measured) {
-  const EdgeRule rule = gauss(8);
+  const EdgeRule rule = gauss(data_points);
   double work = 0;
-  for (const Traction& traction : m.scene.tractions) {
+  for (const LoadedEdges& traction : m.inner->data.tractions) {
     if (traction.label != measured.label) continue;
-    for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-      if (m.mesh.label[e] != traction.label) continue;
-      const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-      const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a, n = outward_normal(m.mesh, e);
-      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        const Vec2 x = a + rule.s[q] * side;
-        work += side.norm() * rule.w[q] * traction.value(x, n).dot(measured.value(x, n));
-      }
+    const std::vector<Index>& edges = labeled(m.inner->data, traction.label);
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      const EdgeValues u = edge_values(measured.value, edge_line(m.mesh, edges[j]), "measured displacement");
+      for (int q = 0; q < data_points; ++q)
+        work += length(m.mesh, edges[j]) * rule.w[q] * traction.values[j].at.col(q).dot(u.at.col(q));
     }
   }
   return work;

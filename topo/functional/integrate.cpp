@@ -204,7 +204,7 @@ Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
   Sensitivity d;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   if (term.work) {
-    d.skeleton = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.scene);
+    d.skeleton = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data);
     if (m.inner->system.force.cols() > 0) {
       const int first = stress_count(m.element), count = displacement_count(m.element);
       d.interior.setZero(interior_count(m.element), triangles);

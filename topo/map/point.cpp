@@ -1,11 +1,7 @@
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
-<<<<<<< HEAD
 #include "topo/formulas/axes.hpp"
-#include "topo/formulas/mutation.hpp"
-=======
 #include "topo/mutation.hpp"
->>>>>>> h_verdict
 
 #include <algorithm>
 #include <cmath>

@@ -194,7 +194,7 @@ void add_supports(const Loaded& body, const Parts& p, bool first, Points& gradie
   Eigen::MatrixXd basis(points, rule.s.size());  // times the rule's weights, over the trace's
   for (Eigen::Index q = 0; q < rule.s.size(); ++q)
     basis.col(q) = rule.w[q] * trace_basis(m.inner->kernel.trace, rule.s[q]).cwiseQuotient(m.inner->kernel.trace.w);
-  const Eigen::VectorXd loads = traction_loads(mesh, m.inner->kernel, m.inner->skeleton, m.scene);
+  const Eigen::VectorXd loads = traction_loads(mesh, m.inner->kernel, m.inner->skeleton, m.inner->data);
   const bool dual = first && p.dual;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     std::vector<const Support*> here;

@@ -14,12 +14,13 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   inside.supports.clear();
   inside.tractions.clear();
   if (!body) inside.body = {};
-  p.skeleton = number(p.part.mesh, k, inside);
+  const SceneData data = scene_data(p.part.mesh, inside, k.load, 1);
+  p.skeleton = number(p.part.mesh, k, {inside, data});
   std::vector<Index> of_whole(piece.whole.edges.size(), none), edges;
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
   for (const Index e : piece.kept) edges.push_back(of_whole[e]);
   p.ordering = order(p.part.mesh, p.skeleton, edges);
-  p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.ordering, 1, true});
+  p.system = assemble({p.part.mesh, k, p.skeleton, inside, data, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
   LowerTriangle& K = p.system.K;
   const Index first = K.size - p.ordering.interface_rows;
@@ -28,7 +29,8 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   p.factor = Factor(K, 0, true, p.ordering.interface_rows);
   p.K = p.factor.interface_complement();
   p.K.diagonal().array() -= p.shift;
-  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() * p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
+  p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() *
+           p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
   return p;
 }
 

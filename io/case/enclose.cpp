@@ -1,0 +1,411 @@
+#include "io/case/functions.hpp"
+#include "io/case/syntax.hpp"
+
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+using Kind = SyntaxNode::Kind;
+
+/// Values of the variables.
+struct Variables {
+  std::array<Taylor, 4> of;
+  int order;
+};
+
+Variables on_box(const Interval& x, const Interval& y) {
+  Variables v{.order = 0};
+  v.of[0].c[0] = x;
+  v.of[1].c[0] = y;
+  v.of[2].c[0] = v.of[3].c[0] = whole_line;
+  return v;
+}
+
+Variables on_piece(const EdgeLine& edge, double from, double to, int order) {
+  Variables v{.order = order};
+  const TaylorArithmetic with(order);
+  for (int d = 0; d < 2; ++d) {
+    const double step = edge.b[d] - edge.a[d];
+    const Interval side = step == 0 ? exactly(0) : widened(step, step);
+    v.of[d] = with.constant(exactly(edge.a[d]) + Interval{from, to} * side);
+    if (order > 0) v.of[d].c[1] = side;
+    v.of[2 + d] = with.constant(exactly(edge.n[d]));
+  }
+  return v;
+}
+
+/// Whether a number is not 0.
+enum class Truth { No, Yes, Open };
+Truth truth(const Interval& a) {
+  if (is(a, 0)) return Truth::No;
+  return contains(a, 0) ? Truth::Open : Truth::Yes;
+}
+
+/// Why something is not smooth: a node that may be `level` there.
+struct Undecided {
+  int node;
+  double level;
+};
+
+/// A tree on one piece or box. Every node is evaluated at most once, and only where it is needed.
+class Evaluation {
+ public:
+  Evaluation(const Syntax& syntax, const Variables& variables)
+      : syntax_(syntax),
+        variables_(variables),
+        with_(variables.order),
+        value_(syntax.nodes.size()),
+        known_(syntax.nodes.size(), false) {}
+  /// On a piece, with its two ends for functions that are monotone there.
+  Evaluation(const Syntax& syntax, const Variables& variables, Evaluation& low, Evaluation& high)
+      : Evaluation(syntax, variables) {
+    ends_ = {&low, &high};
+  }
+
+  const Taylor& root() {
+    return at(static_cast<int>(syntax_.nodes.size()) - 1);
+  }
+  const Taylor& at(int node) {
+    if (!known_[node]) {
+      value_[node] = evaluate(node);
+      known_[node] = true;
+    }
+    return value_[node];
+  }
+  /// As `at`, the range sharpened by the values at the ends where the node is monotone.
+  const Taylor& sharp(int node) {
+    at(node);
+    Taylor& t = value_[node];
+    if (variables_.order > 0 && ends_[0] && is_monotone(t))
+      t.c[0] = common(t.c[0], hull(ends_[0]->at(node).c[0], ends_[1]->at(node).c[0]));
+    return t;
+  }
+  bool is_monotone(const Taylor& t) const {
+    return t.c[1].low >= 0 || t.c[1].high <= 0;
+  }
+
+  std::vector<Undecided> undecided;
+  std::vector<int> singular;  // power nodes whose base touches 0
+  const TaylorArithmetic& arithmetic() const {
+    return with_;
+  }
+
+ private:
+  Taylor evaluate(int node) {
+    const SyntaxNode& n = syntax_.nodes[node];
+    const auto of = [&](int k) -> const Taylor& { return at(n.of[k]); };
+    switch (n.kind) {
+      case Kind::Constant:
+        return with_.constant(exactly(n.value));
+      case Kind::Variable:
+        return variables_.of[n.argument];
+      case Kind::Negate:
+        return with_.negate(of(0));
+      case Kind::Add:
+        return with_.add(of(0), of(1));
+      case Kind::Subtract:
+        return with_.subtract(of(0), of(1));
+      case Kind::Multiply:
+        return n.of[0] == n.of[1] ? with_.square(of(0)) : with_.multiply(of(0), of(1));
+      case Kind::Divide:
+        return with_.divide(of(0), sharp(n.of[1]));
+      case Kind::Power:
+        return power(node, n);
+      case Kind::And:
+      case Kind::Or:
+        return connective(n);
+      case Kind::Choice:
+        return choice(n);
+      case Kind::Call:
+        return call(n);
+      default:
+        return comparison(n);
+    }
+  }
+
+  Taylor power(int node, const SyntaxNode& n) {
+    const Taylor exponent = at(n.of[1]);
+    const double p = exponent.c[0].low;
+    if (!is(exponent.c[0], p) || !is_constant(exponent))
+      return with_.exponential(with_.multiply(exponent, with_.logarithm(sharp(n.of[0]))));
+    constexpr double most = 64;
+    if (p == std::floor(p) && std::abs(p) <= most) {
+      const Taylor& base = p < 0 ? sharp(n.of[0]) : at(n.of[0]);
+      return with_.power(base, static_cast<int>(p));
+    }
+    const Taylor& base = sharp(n.of[0]);
+    // From a place where the base vanishes on, up to rounding: derivatives say nothing.
+    constexpr double vanishing = 1e-10;
+    if (base.c[0].low > vanishing * base.c[0].high) return with_.power(base, p);
+    singular.push_back(node);
+    return with_.range(kerf::power(base.c[0], p));
+  }
+  bool is_constant(const Taylor& t) const {
+    for (int k = 1; k <= variables_.order; ++k)
+      if (!is(t.c[k], 0)) return false;
+    return true;
+  }
+
+  Taylor open(int node, double level, const Interval& range) {
+    undecided.push_back({node, level});
+    return with_.range(range);
+  }
+
+  Taylor comparison(const SyntaxNode& n) {
+    const Interval g = sharp(n.of[0]).c[0];
+    std::optional<bool> known;
+    switch (n.kind) {
+      case Kind::Less:
+        if (g.high < 0 || g.low >= 0) known = g.high < 0;
+        break;
+      case Kind::LessEqual:
+        if (g.high <= 0 || g.low > 0) known = g.high <= 0;
+        break;
+      case Kind::Greater:
+        if (g.low > 0 || g.high <= 0) known = g.low > 0;
+        break;
+      case Kind::GreaterEqual:
+        if (g.low >= 0 || g.high < 0) known = g.low >= 0;
+        break;
+      default:
+        if (is(g, 0) || !contains(g, 0)) known = is(g, 0) == (n.kind == Kind::Equal);
+    }
+    if (known) return with_.constant(exactly(*known ? 1 : 0));
+    return open(n.of[0], 0, {0, 1});
+  }
+
+  Taylor connective(const SyntaxNode& n) {
+    const Truth settles = n.kind == Kind::And ? Truth::No : Truth::Yes;
+    const Truth first = truth(at(n.of[0]).c[0]);
+    const Taylor settled = with_.constant(exactly(settles == Truth::Yes ? 1 : 0)),
+                 otherwise = with_.constant(exactly(settles == Truth::Yes ? 0 : 1));
+    if (first == settles) return settled;
+    const Truth second = truth(at(n.of[1]).c[0]);
+    if (second == settles) return settled;
+    return first == Truth::Open || second == Truth::Open ? with_.range({0, 1}) : otherwise;
+  }
+
+  Taylor choice(const SyntaxNode& n) {
+    const Truth condition = truth(at(n.of[0]).c[0]);
+    if (condition != Truth::Open) return at(n.of[condition == Truth::Yes ? 1 : 2]);
+    const Interval yes = at(n.of[1]).c[0], no = at(n.of[2]).c[0];
+    return with_.range(hull(yes, no));
+  }
+
+  Taylor call(const SyntaxNode& n) {
+    const Breaking kind = breaking(n.argument);
+    if (kind == Breaking::No) {
+      std::vector<Taylor> arguments;
+      for (const int k : n.of) arguments.push_back(sharp(k));
+      return kerf::evaluate(n.argument, arguments, with_);
+    }
+    const int test = n.of.back();
+    const Taylor g = sharp(test);
+    const Interval& c = g.c[0];
+    switch (kind) {
+      case Breaking::Abs:
+        if (c.low >= 0) return g;
+        if (c.high <= 0) return with_.negate(g);
+        return open(test, 0, absolute(c));
+      case Breaking::Sign:
+        if (c.low > 0 || c.high < 0) return with_.constant(exactly(c.low > 0 ? 1 : -1));
+        if (is(c, 0)) return with_.constant(exactly(0));
+        return open(test, 0, {c.low < 0 ? -1.0 : 0.0, c.high > 0 ? 1.0 : 0.0});
+      case Breaking::Rint: {
+        if (!is_bounded(c)) return with_.range(whole_line);
+        const double low = std::rint(c.low), high = std::rint(c.high);
+        if (low == high) return with_.constant(exactly(low));
+        return open(test, low + 0.5, {low, high});
+      }
+      default: {  // min and max
+        const bool least = kind == Breaking::Min;
+        if (c.high <= 0) return at(n.of[least ? 0 : 1]);
+        if (c.low >= 0) return at(n.of[least ? 1 : 0]);
+        const Interval a = at(n.of[0]).c[0], b = at(n.of[1]).c[0];
+        return open(test, 0,
+                    least ? Interval{std::min(a.low, b.low), std::min(a.high, b.high)}
+                          : Interval{std::max(a.low, b.low), std::max(a.high, b.high)});
+      }
+    }
+  }
+
+  const Syntax& syntax_;
+  const Variables& variables_;
+  TaylorArithmetic with_;
+  std::array<Evaluation*, 2> ends_{};
+  std::vector<Taylor> value_;
+  std::vector<bool> known_;
+};
+
+/// The range of one node at a point of an edge.
+Interval at_point(const Syntax& syntax, const EdgeLine& edge, double s, int node) {
+  const Variables here = on_piece(edge, s, s, 0);
+  return Evaluation(syntax, here).at(node).c[0];
+}
+
+/// Where a monotone node passes its level: it is on one side of it up to `low` and on the other from `high` on.
+std::optional<Interval> passage(const Syntax& syntax, const EdgeLine& edge, double from, double to,
+                                const Undecided& what) {
+  const auto side = [&](double s) {
+    const Interval v = at_point(syntax, edge, s, what.node);
+    return v.low > what.level ? 1 : v.high < what.level ? -1 : 0;
+  };
+  const int before = side(from), after = side(to);
+  if (before == after) return std::nullopt;
+  constexpr double finest = 0x1p-53;
+  // The last place of a run of `sign` that begins at `inside`, towards `outside`.
+  const auto reach = [&](double inside, double outside, int sign) {
+    while (std::abs(outside - inside) > finest) {
+      const double mid = 0.5 * (inside + outside);
+      if (mid == inside || mid == outside) break;
+      (side(mid) == sign ? inside : outside) = mid;
+    }
+    return inside;
+  };
+  const Interval cut{before == 0 ? from : reach(from, to, before), after == 0 ? to : reach(to, from, after)};
+  if (cut.low == from && cut.high == to) return std::nullopt;
+  return cut;
+}
+
+/// f = a + b P for the values P of one node.
+struct Halves {
+  Taylor a;
+  std::optional<Taylor> b;
+};
+
+/// Takes the tree apart along that node; nothing where f is not of this form.
+class Parting {
+ public:
+  Parting(const Syntax& syntax, Evaluation& values, int node) : syntax_(syntax), values_(values), node_(node) {
+    needs_.assign(syntax.nodes.size(), false);
+    needs_[node] = true;
+    for (std::size_t k = static_cast<std::size_t>(node) + 1; k < needs_.size(); ++k)
+      for (const int of : syntax.nodes[k].of) needs_[k] = needs_[k] || needs_[of];
+    done_.resize(syntax.nodes.size());
+  }
+  std::optional<Halves> root() {
+    return of(static_cast<int>(syntax_.nodes.size()) - 1);
+  }
+
+ private:
+  std::optional<Halves> of(int k) {
+    if (!needs_[k]) return Halves{values_.at(k), std::nullopt};
+    const TaylorArithmetic& with = values_.arithmetic();
+    if (k == node_) return Halves{with.constant(exactly(0)), with.constant(exactly(1))};
+    if (!done_[k]) done_[k] = combine(syntax_.nodes[k]);
+    return *done_[k];
+  }
+  std::optional<Halves> combine(const SyntaxNode& n) {
+    const TaylorArithmetic& with = values_.arithmetic();
+    if (n.kind == Kind::Choice) {
+      if (needs_[n.of[0]]) return std::nullopt;
+      const Truth condition = truth(values_.at(n.of[0]).c[0]);
+      if (condition == Truth::Open) return std::nullopt;
+      return of(n.of[condition == Truth::Yes ? 1 : 2]);
+    }
+    std::vector<Halves> parts;
+    for (const int k : n.of) {
+      const std::optional<Halves> part = of(k);
+      if (!part) return std::nullopt;
+      parts.push_back(*part);
+    }
+    const auto both = [&](auto&& operation) {
+      Halves h{operation(parts[0].a), std::nullopt};
+      if (parts[0].b) h.b = operation(*parts[0].b);
+      return h;
+    };
+    switch (n.kind) {
+      case Kind::Negate:
+        return both([&](const Taylor& t) { return with.negate(t); });
+      case Kind::Add:
+        return added(parts[0], parts[1]);
+      case Kind::Subtract: {
+        Halves minus{with.negate(parts[1].a), std::nullopt};
+        if (parts[1].b) minus.b = with.negate(*parts[1].b);
+        return added(parts[0], minus);
+      }
+      case Kind::Multiply:
+        if (parts[0].b && parts[1].b) return std::nullopt;
+        if (parts[1].b) std::swap(parts[0], parts[1]);
+        return both([&](const Taylor& t) { return with.multiply(t, parts[1].a); });
+      case Kind::Divide:
+        if (parts[1].b) return std::nullopt;
+        return both([&](const Taylor& t) { return with.divide(t, parts[1].a); });
+      default:
+        return std::nullopt;
+    }
+  }
+  Halves added(const Halves& p, const Halves& q) const {
+    const TaylorArithmetic& with = values_.arithmetic();
+    Halves h{with.add(p.a, q.a), p.b ? p.b : q.b};
+    if (p.b && q.b) h.b = with.add(*p.b, *q.b);
+    return h;
+  }
+
+  const Syntax& syntax_;
+  Evaluation& values_;
+  int node_;
+  std::vector<bool> needs_;
+  std::vector<std::optional<std::optional<Halves>>> done_;
+};
+
+double eighth_of(const Taylor& t) {
+  const double bound = magnitude(t.c[taylor_order]);
+  return std::isnan(bound) ? infinity : bound;
+}
+
+/// The expression next to the place where the base of one power vanishes linearly.
+std::optional<ScalarOnPiece::Parts> part_at_power(const std::shared_ptr<const Syntax>& syntax, const EdgeLine& edge,
+                                                  double from, double to, int node, Evaluation& values) {
+  const SyntaxNode& n = syntax->nodes[node];
+  const Taylor base = values.at(n.of[0]);
+  for (int k = 2; k <= taylor_order; ++k)
+    if (!is(base.c[k], 0)) return std::nullopt;
+  if (contains(base.c[1], 0)) return std::nullopt;
+  const bool at_low_end = base.c[1].low > 0;
+  // Up to the digits of the place.
+  constexpr double rounding = 1e-12, digits = 1e-6;
+  const Interval start = at_point(*syntax, edge, at_low_end ? from : to, n.of[0]);
+  const double reach = magnitude(base.c[1]) * (to - from);
+  if (magnitude(start) > (contains(start, 0) ? digits : rounding) * reach) return std::nullopt;
+  const std::optional<Halves> halves = Parting(*syntax, values, node).root();
+  if (!halves || !halves->b) return std::nullopt;
+  const double exponent = middle(values.at(n.of[1]).c[0]), slope = std::pow(std::abs(middle(base.c[1])), exponent);
+  return ScalarOnPiece::Parts{at_low_end, exponent, eighth_of(halves->a), slope * eighth_of(*halves->b),
+                              [syntax, edge, node, slope](double s) -> std::pair<double, double> {
+                                const Variables here = on_piece(edge, s, s, 0);
+                                Evaluation point(*syntax, here);
+                                const std::optional<Halves> h = Parting(*syntax, point, node).root();
+                                if (!h || !h->b) return {nan, nan};
+                                return {middle(h->a.c[0]), slope * middle(h->b->c[0])};
+                              }};
+}
+
+}  // namespace
+
+ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLine& edge, double from, double to) {
+  const Variables at_low = on_piece(edge, from, from, 0), at_high = on_piece(edge, to, to, 0),
+                  here = on_piece(edge, from, to, taylor_order);
+  Evaluation low(*syntax, at_low), high(*syntax, at_high), values(*syntax, here, low, high);
+  const Taylor f = values.root();
+  ScalarOnPiece piece{f.c[0], eighth_of(f), std::nullopt, std::nullopt};
+  if (std::isfinite(piece.eighth)) return piece;
+  for (const Undecided& what : values.undecided) {
+    const Taylor& g = values.at(what.node);
+    if (contains(g.c[1], 0)) continue;
+    piece.cut = passage(*syntax, edge, from, to, what);
+    if (piece.cut) return piece;
+  }
+  if (values.undecided.empty() && values.singular.size() == 1)
+    piece.power = part_at_power(syntax, edge, from, to, values.singular[0], values);
+  return piece;
+}
+
+Interval enclose(const Syntax& syntax, const Interval& x, const Interval& y) {
+  const Variables here = on_box(x, y);
+  return Evaluation(syntax, here).root().c[0];
+}
+
+}  // namespace kerf

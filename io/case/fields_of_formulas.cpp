@@ -1,0 +1,159 @@
+#include "io/case/formula.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Two formulas. Fields without a meaning on boundaries know no normal.
+class OfFormulas final : public Enclosure {
+ public:
+  OfFormulas(std::shared_ptr<const Syntax> first, std::shared_ptr<const Syntax> second)
+      : parts_{std::move(first), std::move(second)} {}
+
+  OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    OnPiece piece;
+    std::array<std::optional<ScalarOnPiece::Parts>, 2> power;
+    for (std::size_t d = 0; d < 2; ++d) {
+      const ScalarOnPiece one = enclose(parts_[d], edge, from, to);
+      piece.value[d] = one.value;
+      piece.eighth[d] = one.eighth;
+      if (one.cut && !piece.cut) piece.cut = one.cut;
+      power[d] = one.power;
+    }
+    for (std::size_t d = 0; d < 2 && !piece.power; ++d)
+      if (power[d]) piece.power = together(power, piece, d);
+    return piece;
+  }
+  std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
+    return {enclose(*parts_[0], x, y), enclose(*parts_[1], x, y)};
+  }
+  int degree() const override {
+    const int first = degree_of(*parts_[0]), second = degree_of(*parts_[1]);
+    return first < 0 || second < 0 ? -1 : std::max(first, second);
+  }
+
+ private:
+  /// Component d has a power; the other one has the same, or is smooth.
+  std::optional<Power> together(const std::array<std::optional<ScalarOnPiece::Parts>, 2>& power, const OnPiece& piece,
+                                std::size_t d) const {
+    const std::size_t other = 1 - d;
+    Power p{.at_low_end = power[d]->at_low_end, .exponent = power[d]->exponent};
+    p.regular_eighth[d] = power[d]->regular_eighth;
+    p.factor_eighth[d] = power[d]->factor_eighth;
+    std::function<std::pair<double, double>(double)> beside;
+    if (power[other]) {
+      if (power[other]->at_low_end != p.at_low_end || power[other]->exponent != p.exponent) return std::nullopt;
+      p.regular_eighth[other] = power[other]->regular_eighth;
+      p.factor_eighth[other] = power[other]->factor_eighth;
+      beside = power[other]->at;
+    } else if (is(piece.value[other], middle(piece.value[other]))) {
+      beside = [value = middle(piece.value[other])](double) { return std::pair(value, 0.0); };
+    } else {
+      return std::nullopt;
+    }
+    p.parts = [own = power[d]->at, beside, d](double s) {
+      const auto a = own(s), b = beside(s);
+      return d == 0 ? std::pair(Vec2(a.first, b.first), Vec2(a.second, b.second))
+                    : std::pair(Vec2(b.first, a.first), Vec2(b.second, a.second));
+    };
+    return p;
+  }
+
+  std::array<std::shared_ptr<const Syntax>, 2> parts_;
+};
+
+/// M(n) times a field.
+class Mapped final : public Enclosure {
+ public:
+  Mapped(std::shared_ptr<const Enclosure> field, std::function<Mat2(const Vec2&)> map)
+      : field_(std::move(field)), map_(std::move(map)) {}
+
+  OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    const Mat2 m = map_(edge.n);
+    const OnPiece before = field_->along(edge, from, to);
+    OnPiece piece = before;
+    piece.value = times(m, before.value);
+    piece.eighth = times(m, before.eighth);
+    if (before.power) {
+      piece.power->regular_eighth = times(m, before.power->regular_eighth);
+      piece.power->factor_eighth = times(m, before.power->factor_eighth);
+      piece.power->parts = [m, parts = before.power->parts](double s) {
+        const auto p = parts(s);
+        return std::pair(Vec2(m * p.first), Vec2(m * p.second));
+      };
+    }
+    return piece;
+  }
+  std::array<Interval, 2> over(const Interval&, const Interval&) const override {
+    return {whole_line, whole_line};
+  }
+  int degree() const override {
+    return field_->degree();
+  }
+
+ private:
+  static std::array<Interval, 2> times(const Mat2& m, const std::array<Interval, 2>& v) {
+    std::array<Interval, 2> out;
+    for (int d = 0; d < 2; ++d) out[d] = exactly(m(d, 0)) * v[0] + exactly(m(d, 1)) * v[1];
+    return out;
+  }
+  static std::array<double, 2> times(const Mat2& m, const std::array<double, 2>& bound) {
+    std::array<double, 2> out{0, 0};
+    for (int d = 0; d < 2; ++d)
+      for (int k = 0; k < 2; ++k)
+        if (m(d, k) != 0) out[d] = above(out[d] + above(std::abs(m(d, k)) * bound[k]));
+    return out;
+  }
+
+  std::shared_ptr<const Enclosure> field_;
+  std::function<Mat2(const Vec2&)> map_;
+};
+
+std::shared_ptr<const Enclosure> known(const Formula& first, const Formula& second) {
+  if (!first.syntax || !second.syntax) return nullptr;
+  return std::make_shared<OfFormulas>(first.syntax, second.syntax);
+}
+
+BoundaryField mapped(const BoundaryField& field, const std::function<Mat2(const Vec2&)>& map) {
+  return BoundaryField([field, map](const Vec2& x, const Vec2& n) { return Vec2(map(n) * field(x, n)); },
+                       field.known() ? std::make_shared<Mapped>(field.known(), map) : nullptr);
+}
+
+}  // namespace
+
+Formula nothing() {
+  const auto syntax = std::make_shared<Syntax>();
+  syntax->nodes.push_back({.kind = SyntaxNode::Kind::Constant});
+  return {[](const Vec2&, const Vec2&) { return 0.0; }, 0.0, syntax};
+}
+
+BoundaryField vector_field(const Formula& first, const Formula& second) {
+  return BoundaryField([first = first.value, second = second.value](
+                           const Vec2& x, const Vec2& n) { return Vec2(first(x, n), second(x, n)); },
+                       known(first, second));
+}
+
+VectorField body_field(const Formula& first, const Formula& second) {
+  return VectorField([first = first.value, second = second.value](
+                         const Vec2& x) { return Vec2(first(x, Vec2::Zero()), second(x, Vec2::Zero())); },
+                     known(first, second));
+}
+
+BoundaryField pressure_field(const Formula& pressure) {
+  return mapped(vector_field(pressure, nothing()),
+                [](const Vec2& n) { return Mat2((Mat2() << -n.x(), 0, -n.y(), 0).finished()); });
+}
+
+BoundaryField without_normal_part(const BoundaryField& field) {
+  return mapped(field, [](const Vec2& n) { return Mat2(Mat2::Identity() - n * n.transpose()); });
+}
+
+BoundaryField without_component(const BoundaryField& field, int component) {
+  return mapped(field, [component](const Vec2&) {
+    Mat2 m = Mat2::Identity();
+    m(component, component) = 0;
+    return m;
+  });
+}
+
+}  // namespace kerf

@@ -1,0 +1,84 @@
+#pragma once
+// The data of a scene as the rules of the solver see them: integrated adaptively, with what is proved of the error
+// [theory: D.1].
+
+#include "kerf/mesh.hpp"
+#include "kerf/scene.hpp"
+#include "solver/quadrature.hpp"
+
+namespace kerf {
+
+/// Proved: by enclosures. Sampled: black boxes, at stratified points. Open: neither settles it.
+enum class Resolution { Proved, Sampled, Open };
+
+inline constexpr int data_points = 8;  // Gauss points per edge that carry boundary data
+
+/// Two components of data f on an edge as a polynomial P of degree 7: its moments with polynomials of degree 7 are
+/// those of f. Where f is smooth, P takes its values at the points.
+struct EdgeValues {
+  Eigen::Matrix<double, 2, data_points> at = Eigen::Matrix<double, 2, data_points>::Zero();  // at gauss(data_points)
+  Vec2 rest = Vec2::Zero();       // at least the mean of (f - P)^2
+  Vec2 primitive = Vec2::Zero();  // at least the mean of the square of the primitive of f - P by s, 0 at both ends
+  Vec2 error = Vec2::Zero();      // at least the error of the mean of f w, |w| <= 1
+  Vec2 rough = Vec2::Zero();      // the mean of (d(f - P)/ds)^2, estimated; infinite where f jumps
+  Resolution how = Resolution::Proved;
+  double worst = 0.5;  // where s has the largest share of the error
+  bool jumps = false;
+};
+/// Errors below `size` times rounding are left: the largest of f on all edges, or 0. Throws Error(Numerics), naming
+/// `what` and the place, where the data are not finite.
+EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size = 0);
+/// The largest value that is known of f on the edge, where that is finite; else 0.
+double size_on(const BoundaryField& f, const EdgeLine& edge);
+
+/// Data f on a triangle at the points of a rule of degree 8 or more.
+struct TriangleValues {
+  Points at;
+  bool whole = true;  // the values of f; else of its projection onto P4
+  double rest = 0;    // at least the mean of |f - values|^2 beyond what the points show
+  double error = 0;   // at least the error of the mean of f.w, |w| <= 1
+  Resolution how = Resolution::Proved;
+};
+/// Errors far below `size` are left: the largest of f on the body, or 0.
+TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
+                               double size = 0);
+
+/// What one support or traction prescribes, per edge of its label.
+struct LoadedEdges {
+  Index label;
+  std::vector<EdgeValues> values;
+};
+
+/// All data of a scene on a mesh, once.
+struct SceneData {
+  std::vector<std::vector<Index>> edges;  // per label, increasing
+  std::vector<LoadedEdges> supports, tractions;
+  std::vector<TriangleValues> body;  // per triangle, where the body force is not a polynomial of low degree
+};
+SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
+
+/// Only the tractions and the supports.
+SceneData boundary_data(const Mesh& mesh, const Scene& scene);
+
+/// The edges of a label, none of them for a label without.
+const std::vector<Index>& labeled(const SceneData& data, Index label);
+
+/// Data that the rules do not resolve: the worst place of each condition.
+struct UnseenData {
+  Index label = none;  // none: the body force
+  Vec2 at;
+  const char* what;          // "the traction"
+  const char* how;           // "is not resolved"
+  bool stops_bounds = true;  // and with them every claim on the error
+};
+std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data);
+
+EdgeLine edge_line(const Mesh& mesh, Index e);
+
+/// P at further points of the triangle, in barycentric coordinates (l1, l2), where the values are not all of f.
+Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, const Points& l);
+
+/// The body force at the points of the rule on a triangle: x are these.
+Points body_force(const SceneData& data, const Scene& scene, Index t, const Points& x);
+
+}  // namespace kerf

@@ -1,0 +1,92 @@
+#include "kerf/field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace kerf {
+
+namespace {
+
+Interval plus(const Interval& a, const Interval& b) {
+  const auto outwards = [](double v, double towards) { return std::nextafter(v, towards); };
+  const double low = a.low + b.low, high = a.high + b.high;
+  if (std::isnan(low) || std::isnan(high)) return {};
+  return {outwards(low, -infinity), outwards(high, infinity)};
+}
+
+class Sum final : public Enclosure {
+ public:
+  Sum(std::shared_ptr<const Enclosure> a, std::shared_ptr<const Enclosure> b) : a_(std::move(a)), b_(std::move(b)) {}
+
+  OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    const OnPiece a = a_->along(edge, from, to), b = b_->along(edge, from, to);
+    OnPiece both;
+    for (std::size_t d = 0; d < 2; ++d) {
+      both.value[d] = plus(a.value[d], b.value[d]);
+      both.eighth[d] = std::nextafter(a.eighth[d] + b.eighth[d], infinity);
+    }
+    both.cut = a.cut ? a.cut : b.cut;
+    return both;
+  }
+  std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
+    const auto a = a_->over(x, y), b = b_->over(x, y);
+    return {plus(a[0], b[0]), plus(a[1], b[1])};
+  }
+  int degree() const override {
+    return a_->degree() < 0 || b_->degree() < 0 ? -1 : std::max(a_->degree(), b_->degree());
+  }
+
+ private:
+  std::shared_ptr<const Enclosure> a_, b_;
+};
+
+// Extreme at the ends of a piece and the corners of a box.
+class Linear final : public Enclosure {
+ public:
+  explicit Linear(std::function<Vec2(const Vec2&)> f) : f_(std::move(f)) {}
+
+  OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    const Vec2 side = edge.b - edge.a;
+    return {.value = around({edge.a + from * side, edge.a + to * side}), .eighth = {0, 0}};
+  }
+  std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
+    return around({Vec2(x.low, y.low), Vec2(x.high, y.low), Vec2(x.low, y.high), Vec2(x.high, y.high)});
+  }
+  int degree() const override {
+    return 1;
+  }
+
+ private:
+  std::array<Interval, 2> around(const std::vector<Vec2>& points) const {
+    Vec2 low = Vec2::Constant(infinity), high = -low;
+    double size = 0;
+    for (const Vec2& x : points) {
+      const Vec2 v = f_(x);
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+      size = std::max(size, v.cwiseAbs().maxCoeff());
+    }
+    constexpr double rounding = 1e-13;
+    const double margin = rounding * size;
+    return {Interval{low.x() - margin, high.x() + margin}, Interval{low.y() - margin, high.y() + margin}};
+  }
+
+  std::function<Vec2(const Vec2&)> f_;
+};
+
+}  // namespace
+
+VectorField linear_field(std::function<Vec2(const Vec2& x)> f) {
+  const auto known = std::make_shared<Linear>(f);
+  return VectorField(std::move(f), known);
+}
+
+VectorField sum(const VectorField& a, const VectorField& b) {
+  if (!a) return b;
+  if (!b) return a;
+  return VectorField([a, b](const Vec2& x) -> Vec2 { return a(x) + b(x); },
+                     a.known() && b.known() ? std::make_shared<Sum>(a.known(), b.known()) : nullptr);
+}
+
+}  // namespace kerf

@@ -1,0 +1,121 @@
+#include "solver/data.hpp"
+
+#include "solver/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+bool is_polynomial(const VectorField& f) {
+  constexpr int exact = 4;  // that the rules integrate against the displacements of every element
+  return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
+}
+
+// The largest value that is known of a body force, where that is finite; else 0.
+double size_over(const VectorField& f, const Mesh& mesh) {
+  if (!f.known()) return 0;
+  Interval x{infinity, -infinity}, y = x;
+  for (const Vec2& p : mesh.points) {
+    x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
+    y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
+  }
+  double size = 0;
+  for (const Interval& v : f.known()->over(x, y)) size = std::max({size, std::abs(v.low), std::abs(v.high)});
+  return std::isfinite(size) ? size : 0;
+}
+
+// The worst edge of one condition, if the rules leave any open.
+void add_unseen(const Mesh& mesh, const SceneData& data, const LoadedEdges& of, bool prescribed,
+                std::vector<UnseenData>& all) {
+  const char* what = prescribed ? "the prescribed displacement" : "the traction";
+  std::optional<UnseenData> found;
+  double worst = -1;
+  for (std::size_t j = 0; j < of.values.size(); ++j) {
+    const EdgeValues& v = of.values[j];
+    const bool open = v.how == Resolution::Open, jumps = prescribed && v.jumps, infinite = !v.rest.allFinite();
+    if (!open && !jumps && !infinite) continue;
+    const double size = open ? infinity : v.rest.sum();
+    if (size <= worst) continue;
+    worst = size;
+    const EdgeLine line = edge_line(mesh, labeled(data, of.label)[j]);
+    found = UnseenData{of.label, line.a + v.worst * (line.b - line.a), what,
+                       open    ? "is not resolved"
+                       : jumps ? "jumps, which no displacement of finite energy does,"
+                               : "has a square that is not integrable"};
+  }
+  if (found) all.push_back(*found);
+}
+
+}  // namespace
+
+std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data) {
+  std::vector<UnseenData> all;
+  for (const LoadedEdges& s : data.supports) add_unseen(mesh, data, s, true, all);
+  for (const LoadedEdges& t : data.tractions) add_unseen(mesh, data, t, false, all);
+  if (!scene.body) return all;
+  double worst = 0;
+  std::optional<UnseenData> found;
+  for (std::size_t t = 0; t < data.body.size(); ++t) {
+    const TriangleValues& v = data.body[t];
+    if (v.how != Resolution::Open || !(v.error > worst)) continue;
+    worst = v.error;
+    found = UnseenData{none, centroid(mesh, static_cast<Index>(t)), "the body force", "is not resolved"};
+  }
+  if (found) all.push_back(*found);
+  return all;
+}
+
+EdgeLine edge_line(const Mesh& mesh, Index e) {
+  return {mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]], outward_normal(mesh, e)};
+}
+
+const std::vector<Index>& labeled(const SceneData& data, Index label) {
+  static const std::vector<Index> nothing;
+  return label < 0 || label >= static_cast<Index>(data.edges.size()) ? nothing : data.edges[label];
+}
+
+SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
+  SceneData data;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const Index label = mesh.label[e];
+    if (label == none) continue;
+    if (label >= static_cast<Index>(data.edges.size())) data.edges.resize(static_cast<std::size_t>(label) + 1);
+    data.edges[label].push_back(e);
+  }
+  const auto values = [&](Index label, const BoundaryField& f, const char* what) {
+    LoadedEdges all{label, {}};
+    double size = 0;
+    for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line(mesh, e)));
+    for (const Index e : labeled(data, label)) all.values.push_back(edge_values(f, edge_line(mesh, e), what, size));
+    return all;
+  };
+  for (const Support& s : scene.supports) data.supports.push_back(values(s.label, s.value, "prescribed displacement"));
+  for (const Traction& t : scene.tractions) data.tractions.push_back(values(t.label, t.value, "traction"));
+  return data;
+}
+
+SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
+  SceneData data = boundary_data(mesh, scene);
+  if (!scene.body || is_polynomial(scene.body)) return data;
+  data.body.resize(mesh.triangles.size());
+  const double size = size_over(scene.body, mesh);
+  parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      data.body[t] = triangle_values(scene.body, {mesh.points[a], mesh.points[b], mesh.points[c]}, rule, size);
+    }
+  });
+  return data;
+}
+
+Points body_force(const SceneData& data, const Scene& scene, Index t, const Points& x) {
+  if (!data.body.empty()) return data.body[t].at;
+  Points value(2, x.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q) value.col(q) = scene.body(x.col(q));
+  return value;
+}
+
+}  // namespace kerf

@@ -1,0 +1,226 @@
+#include "solver/data.hpp"
+
+#include "solver/polynomial.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr int kept_degree = 4;
+constexpr double narrow = 1e-9;  // of the largest value
+
+using Vertices = std::array<Vec2, 3>;
+
+double area_of(const Vertices& c) {
+  return 0.5 * cross(c[1] - c[0], c[2] - c[0]);
+}
+
+Points places(const TriangleRule& rule, const Vertices& c) {
+  Points x(2, rule.w.size());
+  for (Eigen::Index q = 0; q < x.cols(); ++q)
+    x.col(q) = (1 - rule.x(0, q) - rule.x(1, q)) * c[0] + rule.x(0, q) * c[1] + rule.x(1, q) * c[2];
+  return x;
+}
+
+std::array<Vertices, 4> quarters(const Vertices& c) {
+  const Vec2 a = 0.5 * (c[1] + c[2]), b = 0.5 * (c[2] + c[0]), d = 0.5 * (c[0] + c[1]);
+  return {Vertices{c[0], d, b}, {d, c[1], a}, {b, a, c[2]}, {a, b, d}};
+}
+
+struct Cell {
+  Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
+  Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
+  std::array<Interval, 2> range{};
+  double area = 0, error = 0;  // shares of the triangle
+  bool settled = false, smooth = true;
+};
+
+class TriangleIntegration {
+ public:
+  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size)
+      : f_(f), corners_(corners), rule_(rule), size_(size) {}
+
+  TriangleValues run() {
+    static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
+    TriangleValues result;
+    cells_.push_back(cell(unit));
+    result.at = cells_[0].value;
+    if (cells_[0].settled) {
+      result.error = cells_[0].error;
+      result.how = f_.known() ? Resolution::Proved : Resolution::Sampled;
+      return result;
+    }
+    refine();
+    collect(result);
+    return result;
+  }
+
+ private:
+  Vec2 place(const Vec2& l) const {
+    return (1 - l.x() - l.y()) * corners_[0] + l.x() * corners_[1] + l.y() * corners_[2];
+  }
+  Vec2 value(const Vec2& l) const {
+    const Vec2 x = place(l), v = f_(x);
+    if (!v.allFinite())
+      throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", x.x(), x.y()));
+    return v;
+  }
+  Points values(const TriangleRule& rule, const Vertices& c) const {
+    const Points l = places(rule, c);
+    Points v(2, l.cols());
+    for (Eigen::Index q = 0; q < l.cols(); ++q) v.col(q) = value(l.col(q));
+    return v;
+  }
+
+  static const TriangleRule& coarse_rule() {
+    static const TriangleRule rule = triangle_rule(5);
+    return rule;
+  }
+  const TriangleRule& rule_of(const Cell& c) const {
+    return c.value.cols() == rule_.w.size() ? rule_ : coarse_rule();
+  }
+
+  Cell cell(const Vertices& c) {
+    Cell made{.corners = c, .area = 2 * area_of(c)};
+    f_.known() ? enclose(made) : sample(made);
+    ++evaluations_;
+    scale_ = std::max(scale_, made.smooth ? made.area * made.value.cwiseAbs().maxCoeff() : 0.0);
+    return made;
+  }
+
+  // Known: settled where the range is narrow, or two rules agree and the range is not far beyond the samples.
+  void enclose(Cell& c) const {
+    const TriangleRule& check = coarse_rule();
+    Interval x{infinity, -infinity}, y = x;
+    for (const Vec2& l : c.corners) {
+      const Vec2 p = place(l);
+      x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
+      y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
+    }
+    c.range = f_.known()->over(x, y);
+    double width = 0, size = 0;
+    for (const Interval& r : c.range) {
+      width += r.high - r.low;
+      size = std::max({size, std::abs(r.low), std::abs(r.high)});
+    }
+    constexpr double agree = 1e-6, beyond = 8;
+    if (!std::isfinite(width)) {
+      c.smooth = false;
+      c.value = Points::Zero(2, 1);
+      c.error = infinity;
+      return;
+    }
+    c.error = c.area * width;
+    c.settled = width <= narrow * std::max(size, size_);
+    c.value = values(check, c.corners);
+    const Points coarse = c.value;
+    const double samples = (coarse.rowwise().maxCoeff() - coarse.rowwise().minCoeff()).sum();
+    // The first cell's values are wanted at the points of the rule in any case.
+    if (cells_.empty() || (!c.settled && width <= beyond * samples)) c.value = values(rule_, c.corners);
+    if (c.settled || width > beyond * samples) return;
+    const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
+    if (difference <= std::max(agree * size, narrow * size_)) {
+      c.settled = true;
+      c.error = c.area * difference;
+    }
+  }
+
+  // A black box: settled where a finer look gives the same mean.
+  void sample(Cell& c) const {
+    static const TriangleRule check = triangle_rule(4);
+    c.value = values(rule_, c.corners);
+    Vec2 finer = Vec2::Zero();
+    double size = c.value.cwiseAbs().maxCoeff();
+    for (const Vertices& quarter : quarters(c.corners)) {
+      const Points v = values(check, quarter);
+      finer += 0.25 * v * check.w;
+      size = std::max(size, v.cwiseAbs().maxCoeff());
+    }
+    constexpr double agree = 1e-5;
+    const double difference = (c.value * rule_.w - finer).cwiseAbs().sum();
+    c.error = c.area * difference;
+    c.settled = difference <= agree * size;
+  }
+
+  void refine() {
+    constexpr int most = 400;                       // looks at a cell
+    constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
+    while (evaluations_ < most) {
+      std::size_t worst = cells_.size();
+      double open = 0;
+      for (std::size_t i = 0; i < cells_.size(); ++i) {
+        if (cells_[i].settled || cells_[i].area < finest) continue;
+        open += cells_[i].error;
+        if (worst == cells_.size() || cells_[i].error > cells_[worst].error) worst = i;
+      }
+      if (worst == cells_.size() || open <= std::max(small * scale_, narrow * size_)) return;
+      const Vertices c = cells_[worst].corners;
+      const auto four = quarters(c);
+      cells_[worst] = cell(four[0]);
+      for (std::size_t k = 1; k < 4; ++k) cells_.push_back(cell(four[k]));
+    }
+  }
+
+  void collect(TriangleValues& result) const {
+    const Eigen::MatrixXd basis = monomials(kept_degree, rule_.x);
+    const Eigen::MatrixXd mass = basis * rule_.w.asDiagonal() * basis.transpose();
+    Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(basis.rows(), 2);
+    for (const Cell& c : cells_)
+      if (c.smooth)
+        moment += c.area * monomials(kept_degree, places(rule_of(c), c.corners)) * rule_of(c).w.asDiagonal() *
+                  c.value.transpose();
+    const Eigen::MatrixXd coefficients = mass.llt().solve(moment);
+    result.whole = false;
+    result.at = (basis.transpose() * coefficients).transpose();
+    bool open = false;
+    for (const Cell& c : cells_) {
+      result.error += c.error;
+      if (!c.smooth) {
+        result.rest = infinity;
+        open = true;
+        continue;
+      }
+      const Points seen =
+          (monomials(kept_degree, places(rule_of(c), c.corners)).transpose() * coefficients).transpose();
+      const Points rest = c.value - seen;
+      if (c.settled || !f_.known()) {
+        result.rest += c.area * rest.colwise().squaredNorm().dot(rule_of(c).w.transpose());
+        continue;
+      }
+      for (int d = 0; d < 2; ++d)
+        result.rest += c.area * std::pow(std::max(std::abs(c.range[d].low - seen.row(d).minCoeff()),
+                                                  std::abs(c.range[d].high - seen.row(d).maxCoeff())),
+                                         2);
+    }
+    result.how = open ? Resolution::Open : f_.known() ? Resolution::Proved : Resolution::Sampled;
+  }
+
+  const VectorField& f_;
+  const Vertices& corners_;
+  const TriangleRule& rule_;
+  double size_;
+  std::vector<Cell> cells_;
+  int evaluations_ = 0;
+  double scale_ = 0;
+};
+
+}  // namespace
+
+Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, const Points& l) {
+  const Eigen::MatrixXd basis = monomials(kept_degree, rule.x), weighted = basis * rule.w.asDiagonal();
+  const Eigen::MatrixXd mass = weighted * basis.transpose();
+  const Eigen::MatrixXd coefficients = mass.llt().solve(weighted * values.at.transpose());
+  return (monomials(kept_degree, l).transpose() * coefficients).transpose();
+}
+
+TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
+                               double size) {
+  return TriangleIntegration(f, corners, rule, size).run();
+}
+
+}  // namespace kerf
