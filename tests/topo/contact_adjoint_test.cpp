@@ -42,7 +42,8 @@ struct Named {
 };
 class PartlyClosed : public testing::TestWithParam<Named> {};
 
-// Orders of every pair of radii with one contact set, above what the mesh leaves.
+// Orders of every pair of radii above what the mesh leaves. The mesh is so fine where contact ends that the end moves
+// with every radius, smoothly.
 TEST_P(PartlyClosed, TheRemainderIsOfOrderFour) {
   const Validation v = validated(partly_closed(), {"", {GetParam().term}}, at, {}, {0.08, 0.04, 0.02, 0.01, 0.005});
   SCOPED_TRACE(text(v));
@@ -54,7 +55,7 @@ TEST_P(PartlyClosed, TheRemainderIsOfOrderFour) {
   EXPECT_LT(v.order, 4.3);
   int pairs = 0;
   for (std::size_t i = 0; i + 1 < v.rows.size(); ++i) {
-    if (!v.rows[i].same_contact || std::abs(v.rows[i + 1].remainder / v.rows[i + 1].predicted) < 2e-3) continue;
+    if (std::abs(v.rows[i + 1].remainder / v.rows[i + 1].predicted) < 2e-3) continue;
     EXPECT_GT(v.rows[i].order, 3.7);
     EXPECT_LT(v.rows[i].order, 4.3);
     ++pairs;

@@ -14,8 +14,8 @@ namespace kerf {
 namespace {
 
 // D = T + c2 eps^2 + c3 eps^2 ln eps. What the radii leave open lies between `low` and `high`: of four
-// radii three in a row with both terms and all in the mean of squares; of fewer the fits with either term (ln of eps over
-// the distance to the next feature) and with both.
+// radii three in a row with both terms and all in the mean of squares; of fewer the fits with either term (ln of eps
+// over the distance to the next feature) and with both.
 struct Fit {
   double intercept = nan, c2 = nan, c3 = nan;
   double low = infinity, high = -infinity;
@@ -125,7 +125,7 @@ class Series {
               fmt::format("coefficient and differences are below {:.1g} of what stresses of this size could give",
                           allowed_)};
     const double error = std::abs(fit_.intercept - T_);
-    const bool agrees = error <= allowed_ * std::abs(T_), narrow = fit_.spread() <= allowed_ * std::abs(T_);
+    const bool agrees = outside() <= allowed_ * std::abs(T_), narrow = fit_.spread() <= 1.5 * allowed_ * std::abs(T_);
     if (agrees && narrow && (slope() || settled() || fits_four())) return {Verdict::Holds, how_it_holds()};
     if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
     if (rounding_rules())
@@ -214,8 +214,10 @@ class Series {
 
   // T lies outside of all that the radii leave open, by more than the mesh explains, and farther than that is wide.
   bool excluded() const {
-    const double outside = std::max({fit_.low - T_, T_ - fit_.high, 0.0});
-    return outside > allowed_ * std::abs(T_) + fit_.spread();
+    return outside() > allowed_ * std::abs(T_) + fit_.spread();
+  }
+  double outside() const {
+    return std::max({fit_.low - T_, T_ - fit_.high, 0.0});
   }
 
   // The quotients move apart instead of together.
@@ -231,7 +233,7 @@ class Series {
     std::string words = slope()     ? fmt::format("the remainder falls like eps^{:.2f}", v_.order)
                         : settled() ? "the remainder has fallen to what the mesh leaves"
                                     : "four radii and more lie on one curve to the coefficient";
-    if (moved_) words += "; the contact set changes at the larger radii";
+    if (moved_) words += same_ ? "; contact moves with the larger radii" : "; contact moves with every radius";
     return words;
   }
   std::string how_it_fails(double error) const {
