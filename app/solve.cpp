@@ -26,9 +26,10 @@ std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, con
                                        const Shape& shape) {
   std::vector<std::string> notes;
   for (const UnseenData& u : unseen_data(mesh, scene, data))
-    notes.push_back(fmt::format("{}{} {} near ({:.6g}, {:.6g}): no error that is claimed can be trusted there", u.what,
-                                u.label == none ? "" : fmt::format(" on \"{}\"", shape.labels[u.label]), u.how,
-                                u.at.x(), u.at.y()));
+    notes.push_back(fmt::format(
+        "{}{} {} near ({:.6g}, {:.6g}): {}", u.what,
+        u.label == none ? "" : fmt::format(" on \"{}\"", shape.labels[u.label]), u.how, u.at.x(), u.at.y(),
+        u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
   return notes;
 }
 

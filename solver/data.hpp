@@ -63,7 +63,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene);
 /// The edges of a label, none of them for a label without.
 const std::vector<Index>& labeled(const SceneData& data, Index label);
 
-/// Data that the rules do not resolve: the worst place of each condition.
+/// Data that the rules do not resolve, or that are black boxes: the worst place of each condition.
 struct UnseenData {
   Index label = none;  // none: the body force
   Vec2 at;

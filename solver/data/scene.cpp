@@ -36,15 +36,18 @@ void add_unseen(const Mesh& mesh, const SceneData& data, const LoadedEdges& of, 
   for (std::size_t j = 0; j < of.values.size(); ++j) {
     const EdgeValues& v = of.values[j];
     const bool open = v.how == Resolution::Open, jumps = prescribed && v.jumps, infinite = !v.rest.allFinite();
-    if (!open && !jumps && !infinite) continue;
-    const double size = open ? infinity : v.rest.sum();
+    const bool stops = open || jumps || infinite;
+    if (!stops && v.how != Resolution::Sampled) continue;
+    const double size = open ? infinity : stops ? std::max(1.0, v.rest.sum()) : 0;
     if (size <= worst) continue;
     worst = size;
     const EdgeLine line = edge_line(mesh, labeled(data, of.label)[j]);
     found = UnseenData{of.label, line.a + v.worst * (line.b - line.a), what,
                        open    ? "is not resolved"
                        : jumps ? "jumps, which no displacement of finite energy does,"
-                               : "has a square that is not integrable"};
+                       : stops ? "has a square that is not integrable"
+                               : "is known at sampled points only",
+                       stops};
   }
   if (found) all.push_back(*found);
 }

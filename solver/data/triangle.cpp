@@ -77,6 +77,10 @@ class TriangleIntegration {
     return v;
   }
 
+  // The better of two rules that agree: of twice the order or nearly.
+  static double better(double difference, double size) {
+    return size > 0 ? difference * difference / size : 0;
+  }
   static const TriangleRule& coarse_rule() {
     static const TriangleRule rule = triangle_rule(5);
     return rule;
@@ -126,7 +130,7 @@ class TriangleIntegration {
     const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
     if (difference <= std::max(agree * size, narrow * size_)) {
       c.settled = true;
-      c.error = c.area * difference;
+      c.error = c.area * better(difference, size);
     }
   }
 
@@ -143,8 +147,8 @@ class TriangleIntegration {
     }
     constexpr double agree = 1e-5;
     const double difference = (c.value * rule_.w - finer).cwiseAbs().sum();
-    c.error = c.area * difference;
     c.settled = difference <= agree * size;
+    c.error = c.area * (c.settled ? better(difference, size) : difference);
   }
 
   void refine() {

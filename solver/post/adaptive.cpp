@@ -178,7 +178,7 @@ class Grading {
 // The first of the data that no estimate on this mesh can have seen.
 std::string unseen_by_estimate(const Model& m) {
   for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
-    return fmt::format("{} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
+    if (u.stops_bounds) return fmt::format("{} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
   return {};
 }
 
