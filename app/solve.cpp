@@ -2,6 +2,7 @@
 
 #include "app/draw.hpp"
 #include "app/files.hpp"
+#include "geometry/curved.hpp"
 #include "kerf/bounds.hpp"
 #include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
@@ -100,6 +101,7 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
   StateSection s{state_result(model, state, adapted.indicator, energy_bounds(model, state)),
                  crack_results(model, state, shape),
                  {}};
+  s.state.of_polygon = !arcs_of(shape).empty();
   add_resultants(model, state, shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);

@@ -76,10 +76,11 @@ struct StateResult {
   double residual = 0, work_error = 0, energy = 0, compliance = 0, area = 0;
   std::optional<double> estimated_error;               // absent: null
   std::optional<std::array<double, 2>> energy_bounds;  // absent: null
+  bool of_polygon = false;                             // the bounds: chords stand for curved sides
   std::vector<std::string> notes;                      // what the user should know ("rigid motion fixed ...")
   std::optional<Peak> von_mises = {}, displacement = {};
-  std::vector<ResultantResult> loads, reactions;       // per label
-  std::optional<ResultantResult> body, balance;        // of the body force; the sum of all
+  std::vector<ResultantResult> loads, reactions;  // per label
+  std::optional<ResultantResult> body, balance;   // of the body force; the sum of all
 };
 
 struct AdaptResult {

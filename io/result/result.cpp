@@ -86,6 +86,7 @@ Json state_section(const StateResult& state) {
               {"energy_bounds", std::move(bounds)}};
   out["degree"] = state.degree;
   out["work_error"] = number(state.work_error);
+  if (state.energy_bounds) out["energy_bounds_of"] = state.of_polygon ? "polygon" : "body";
   if (state.von_mises) out["max_von_mises"] = peak_section(*state.von_mises);
   if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
   if (!state.notes.empty()) out["notes"] = state.notes;

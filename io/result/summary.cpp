@@ -149,8 +149,9 @@ void add_map(std::string& out, const MapResult& map) {
   for (std::size_t i = 0; i < std::min(map.points.size(), shown); ++i) {
     const MapPoint& p = map.points[i];
     if (!std::isfinite(p.value)) {
-      add(out, "", {at(p.at) + (p.masked ? "  no value: too near to something else for this radius"
-                                         : "  no value: outside the body, or on a crack")});
+      add(out, "",
+          {at(p.at) + (p.masked ? "  no value: too near to something else for this radius"
+                                : "  no value: outside the body, or on a crack")});
       continue;
     }
     std::string text = at(p.at) + "  " + six(p.value);
@@ -240,7 +241,9 @@ std::string summary(const Result& result) {
     if (s.displacement) add(out, "", in_words("max displacement", *s.displacement));
     if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
     if (s.energy_bounds) {
-      add(out, "", {fmt::format("energy in [{}, {}]", six((*s.energy_bounds)[0]), six((*s.energy_bounds)[1]))});
+      add(out, "",
+          {fmt::format("energy{} in [{}, {}]", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
+                       six((*s.energy_bounds)[1]))});
     }
     add_resultants(out, s);
     for (const std::string& note : s.notes) add_sentence(out, "note", note);

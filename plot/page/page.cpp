@@ -152,7 +152,7 @@ std::string mesh_and_state(const Result& result) {
     if (s.displacement) add_peak(facts, "largest displacement", *s.displacement);
     if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
     if (s.energy_bounds)
-      facts.add("energy between", pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
+      facts.add(s.of_polygon ? "energy of the polygon between" : "energy between", pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
     if (result.functional) {
       facts.add("functional " + result.functional->kind, pretty(result.functional->value));
       for (const auto& term : result.functional->terms)

@@ -2,6 +2,7 @@
 #include "kerf/recover.hpp"
 
 #include "geometry/adapt.hpp"
+#include "solver/post/chords.hpp"
 
 #include "solver/system.hpp"
 
@@ -195,6 +196,7 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   if (sizing.ends.empty()) sizing.ends = grading.guess(sizing);
   Adapted a = grading.solve(std::move(sizing), 3, true);
   a.indicator = error_indicator(a.model, a.state);
+  add_chords(shape, a.model, a.state, a.indicator);
   a.rounds = std::move(grading.rounds);
   return a;
 }
@@ -222,6 +224,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
     round.solve = watch.lap();
     round.contact = state.seconds.contact;
     Indicator indicator = error_indicator(model, state);
+    add_chords(shape, model, state, indicator);
     round.estimate = watch.lap();
     round.estimated_error = indicator.relative;
     rounds.push_back(round);

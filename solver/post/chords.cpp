@@ -1,0 +1,77 @@
+#include "solver/post/chords.hpp"
+
+#include "geometry/curved.hpp"
+#include "solver/system.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// The curvature of the arc at the foot of a point that the mesh has put near it.
+double curvature(const Arc& arc, const Vec2& x) {
+  const Vec2 y = arc.axes.inverse() * (x - arc.center);
+  const double t = std::atan2(y.y(), y.x());
+  const Vec2 first = arc.axes * Vec2(-std::sin(t), std::cos(t)), second = arc.axes * Vec2(-std::cos(t), -std::sin(t));
+  return std::abs(cross(first, second)) / std::pow(first.norm(), 3);
+}
+
+/// Whether the point lies on the arc, up to what keeps the area of a whole circle: less than the height of the chord.
+bool on_arc(const Arc& arc, const Vec2& x, double tolerance) {
+  const Vec2 y = arc.axes.inverse() * (x - arc.center);
+  const double radius = y.norm(), reach = arc.axes.colwise().norm().minCoeff();
+  if (std::abs(radius - 1) * reach > tolerance) return false;
+  const double sweep = arc.to - arc.from, slack = 1e-6;
+  const double t = std::atan2(y.y(), y.x());
+  const double along = sweep > 0 ? std::fmod(std::fmod(t - arc.from, 2 * pi) + 2 * pi, 2 * pi)
+                                 : std::fmod(std::fmod(arc.from - t, 2 * pi) + 2 * pi, 2 * pi);
+  return along <= std::abs(sweep) + slack || along >= 2 * pi - slack;
+}
+
+/// Of the arc that an edge is a chord of; 0 for none.
+double chord_curvature(const std::vector<Arc>& arcs, const Vec2& a, const Vec2& b) {
+  const double h = (b - a).norm();
+  for (const Arc& arc : arcs) {
+    const double k = curvature(arc, 0.5 * (a + b)), height = h * h * k / 4 + 1e-9 * h;
+    if (on_arc(arc, a, height) && on_arc(arc, b, height)) return k;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_chords(const Shape& shape, const Model& m, const State& s, Indicator& indicator) {
+  const std::vector<Arc> arcs = arcs_of(shape);
+  if (arcs.empty() || !std::isfinite(indicator.relative)) return;
+  constexpr double zeta_3 = 1.2020569031595942;
+  const auto triangles = static_cast<Index>(m.mesh.triangles.size());
+  const TriangleRule& rule = m.inner->kernel.rule;
+  Eigen::VectorXd lost = Eigen::VectorXd::Zero(triangles);
+  double stress = 0;
+  for (Index t = 0; t < triangles; ++t) {
+    const Triangle shape_of = triangle(m, t);
+    stress +=
+        area(shape_of) * rule.w.dot(evaluate(m, s, t, rule_points(rule, shape_of)).stress.colwise().squaredNorm());
+    for (const Index e : m.mesh.edges_of[static_cast<std::size_t>(t)]) {
+      const auto k = static_cast<std::size_t>(e);
+      if (m.mesh.label[k] == none && m.mesh.crack[k] == none && !is_interface(m.mesh, e)) continue;
+      const Vec2 &a = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][0])],
+                 &b = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][1])];
+      const double bend = chord_curvature(arcs, a, b), h = (b - a).norm();
+      if (!(bend > 0)) continue;
+      const double size = evaluate(m, s, t, 0.5 * (a + b)).stress.squaredNorm();
+      lost[t] += size * std::pow(h * h * bend, 2) * (zeta_3 / (2 * std::pow(pi, 3)) + h * bend / 144);
+    }
+  }
+  if (!(stress > 0)) return;
+  const double own = indicator.eta.squaredNorm(), error = indicator.relative * indicator.relative * stress;
+  const double squared_efficiency = error > 0 ? own / error : std::pow(m.element.efficiency, 2);
+  indicator.eta = (indicator.eta.array().square() + squared_efficiency * lost.array()).sqrt();
+  indicator.relative = std::sqrt((error + lost.sum()) / stress);
+}
+
+}  // namespace kerf
