@@ -54,9 +54,12 @@ void expect_holds(const Validation& v, const std::string& name) {
 
 class Incompressible : public testing::TestWithParam<double> {};
 TEST_P(Incompressible, EveryFunctionalHolds) {
-  for (const Named& n : terms())
-    expect_holds(validated(partly_closed(plane_strain(1, GetParam())), {"", {n.term}}, {0.15, 0.45}, {}, radii),
-                 n.name);
+  for (const Named& n : terms()) {
+    Body b = partly_closed(plane_strain(1, GetParam()));
+    // Here T of the opening is a 35th of its parts, and the end of contact is free to move.
+    if (std::string(n.name) == "crack_opening") b.sizing.size = 0.1;
+    expect_holds(validated(b, {"", {n.term}}, {0.15, 0.45}, {}, radii), n.name);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Poisson, Incompressible, testing::Values(0.3, 0.49, 0.4999999, 0.5),
                          [](const auto& info) { return "case" + std::to_string(info.index); });

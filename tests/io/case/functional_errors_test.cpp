@@ -156,7 +156,6 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Validations, WrongJob,
     testing::Values(
-        Wrong{"[validate]\nradii = [0.1]", "a.toml:17:1: missing key \"points\" in [validate]; add it"},
         Wrong{"[validate]\npoints = [[1, 0.2]]", "a.toml:17:1: missing key \"radii\" in [validate]; add it"},
         Wrong{"[validate]\npoints = []\nradii = [0.1]",
               "a.toml:18:10: points in [validate] must be a list of at least 1, not a list of 0"},

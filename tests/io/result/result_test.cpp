@@ -47,8 +47,8 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["map"]["min"]), (Keys{"at", "value"}));
   EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper", "masked", "angle_deg"}));
   ASSERT_EQ(j["validate"].size(), 3u);
-  EXPECT_EQ(keys(j["validate"][0]),
-            (Keys{"at", "coefficient", "order", "verdict", "rows", "reason", "intercept", "plateau", "c2", "c3"}));
+  EXPECT_EQ(keys(j["validate"][0]), (Keys{"at", "coefficient", "order", "verdict", "rows", "reason", "intercept",
+                                          "plateau", "c2", "c3", "on_mesh", "bar", "independent", "modes"}));
   EXPECT_EQ(keys(j["validate"][0]["rows"][0]),
             (Keys{"radius", "J", "difference", "predicted", "remainder", "order", "same_contact"}));
   EXPECT_EQ(keys(j["time_s"]),
