@@ -10,7 +10,7 @@ namespace kerf {
 ///   eta^2 = |as s|^2 + (2 mu)^2 (h^2 |curl D|^2 + sum_e w_e |e| |J_e|^2) + h^2 |f + div s|^2,  D = A s + Gamma(omega),
 /// h the longest edge, J_e the jump of D tau (w = 1/2; D tau - d_tau u_D on supported components, w = 1; nothing on
 /// free boundaries; on a crack less the slope of the discrete jump, its normal part where the faces touch, its
-/// tangential part where they stick).
+/// tangential part where they stick). What the element does not see of the data adds to it [theory: D.3].
 struct Indicator {
   Eigen::VectorXd eta;  // per triangle
   double relative = 0;  // sum over the body, divided by the efficiency index and by |s|: a relative L2 stress error

@@ -10,11 +10,11 @@ namespace kerf {
 /// displacement that takes the prescribed values, with [v].n >= 0 all along unilateral cracks. The data enter as
 /// polynomials (body force of degree trace + 1 per triangle, tractions of degree 5 and displacements of degree 7 per
 /// edge). What these leave out widens the bounds by at most `oscillation`: of forces by inequalities with known
-/// constants, of prescribed displacements by an estimate.
+/// constants, of prescribed displacements by an estimate. Not available where data are not resolved by any rule.
 struct EnergyBounds {
   double lower = 0, upper = 0;  // nan: not available
   double oscillation = 0;
-  bool guaranteed = false;  // up to rounding and quadrature of the data; estimates are below 1 % of upper - lower
+  bool guaranteed = false;  // up to rounding, black boxes as sampled; estimates are below 1 % of upper - lower
   std::string note;         // why not available, or not guaranteed
   // Rounding, of the equilibrated stress: the largest |s12 - s21| relative to its largest component; the work of what
   // its tractions lack in balance, of tension on cracks and of penetration, relative to the works that make up the

@@ -321,6 +321,7 @@ class EdgeIntegration {
     constexpr int most = 3000;
     constexpr double tolerance = 1e-10, negligible = 1e-3;
     enclose(0, 1, false);
+    if (!parts_[0].smooth) values(0, 1);  // refuses what has no value
     while (!contradicted_ && evaluations_ < most) {
       double whole = 0, open = 0, stays = 0, largest = -1;
       std::size_t worst = 0;

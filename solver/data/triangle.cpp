@@ -114,6 +114,7 @@ class TriangleIntegration {
     }
     constexpr double agree = 1e-6, beyond = 8;
     if (!std::isfinite(width)) {
+      if (cells_.empty()) values(rule_, c.corners);  // refuses what has no value
       c.smooth = false;
       c.value = Points::Zero(2, 1);
       c.error = infinity;

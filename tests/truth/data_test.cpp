@@ -100,6 +100,11 @@ TEST_F(Loads, PrescribedDisplacements) {
   const nlohmann::json step = moved({.conditions = on("top", R"(displacement_y = "x > 1.513 ? 0.1 : 0")")});
   EXPECT_TRUE(step["state"]["energy_bounds"].is_null());
   EXPECT_NE(step["state"]["notes"].dump().find("jumps"), std::string::npos);
+  const nlohmann::json refined = moved({.conditions = on("top", R"(displacement_y = "x > 1.513 ? 0.1 : 0")"),
+                                        .mesh = "size = 0.2\nadapt = { error = 10, max_triangles = 500 }"});
+  const std::string stopped = refined["mesh"]["adapt"]["stopped"];
+  EXPECT_NE(stopped.rfind("reached", 0), 0U) << stopped;
+  EXPECT_NE(stopped.find("jumps"), std::string::npos) << stopped;
 }
 
 // A disc and a strip of body force: the whole force arrives, and the bounds hold the energy of finer meshes.
@@ -117,6 +122,16 @@ TEST_F(Loads, BodyForces) {
     EXPECT_GE(coarse["state"]["energy_bounds"][1].get<double>(), fine["state"]["energy_bounds"][0].get<double>()) << f;
     expect_bounds(coarse, fine["state"]["energy"].get<double>(), fine["state"]["energy"].get<double>());
   }
+}
+
+TEST_F(Loads, AreCheckedBeforeTheSolve) {
+  const std::filesystem::path file = folder / "checked.toml";
+  std::ofstream(file) << scene(
+      {.conditions = on("top", R"(traction = [0, "abs(x-1.513)<0.005 ? -100 : 0"])") + on("right", "pressure = 2")});
+  const std::string text = check(read_case(file, {}));
+  EXPECT_NE(text.find("force (0, -1), moment -1.513 about (0, 0)"), std::string::npos) << text;
+  EXPECT_NE(text.find("force (-2, 0), moment 1 about (0, 0)"), std::string::npos) << text;
+  EXPECT_NE(text.find("force (-2, -1), moment -0.513 about (0, 0)"), std::string::npos) << text;
 }
 
 // Loads and reactions by hand: a cantilever under gravity and a tip load.
