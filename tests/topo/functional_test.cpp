@@ -86,10 +86,10 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
   };
   {  // the load
     const double expected = slope(value, &Load::load);
-    const double derivative =
-        a.adjoint->skeleton.dot(traction_loads(model.mesh, model.inner->kernel, model.inner->skeleton, model.inner->data)) /
-            setup.load +
-        slope(frozen, &Load::load);
+    const double derivative = a.adjoint->skeleton.dot(traction_loads(model.mesh, model.inner->kernel,
+                                                                     model.inner->skeleton, model.inner->data)) /
+                                  setup.load +
+                              slope(frozen, &Load::load);
     EXPECT_NEAR(derivative, expected, 1e-6 * std::max(std::abs(expected), 0.01 * scale));
   }
   if (setup.element != "arnold-winther-nc") {  // Young's modulus of the region; its rotation depends on it by itself
