@@ -27,6 +27,7 @@ using EdgeTraces = Eigen::Matrix<double, 2, 3 * edge_points>;
 
 struct Interior {
   double square = 0;  // the part of eta^2 that the triangle has by itself
+  double unseen = 0;  // of data: of the square of the error
   double stress = 0;  // |s|^2
 };
 
@@ -76,9 +77,7 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   };
   Interior result;
   const Points force = force_on(m, t, x);
-  // The efficiency index measures residuals, not what no residual shows.
-  const double unseen = std::pow(m.element.efficiency, 2);
-  if (!m.inner->data.body.empty()) result.square += unseen * h * h * std::min(m.inner->data.body[t].rest, large);
+  if (!m.inner->data.body.empty()) result.unseen = h * h * std::min(m.inner->data.body[t].rest, large);
   for (int row = 0; row < 2; ++row) {
     const Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
     result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
@@ -90,6 +89,7 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   result.square += rule.w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
   for (int c = 0; c < 4; ++c) result.stress += rule.w.dot(stress.col(c).cwiseAbs2());
   result.square *= area(shape);
+  result.unseen *= area(shape);
   result.stress *= area(shape);
   return result;
 }
@@ -249,8 +249,8 @@ struct EdgeResiduals {
     return jump;
   }
 
-  // Adds to `square` what edge i of triangle t has: |e| times an integral over it.
-  void add(Index t, int i, double& square) const {
+  // Adds what edge i of triangle t has: |e| times an integral over it.
+  void add(Index t, int i, Interior& to) const {
     const Index e = m.mesh.edges_of[t][i];
     const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
     // Between two materials most of the jump is the strain error of the softer one.
@@ -264,11 +264,11 @@ struct EdgeResiduals {
         if (!contact.touch) jump[0] = 0;
         if (!contact.stick) jump[1] = 0;
       }
-      square += weight * scale * rule.w[g] * jump.squaredNorm();
+      to.square += weight * scale * rule.w[g] * jump.squaredNorm();
     }
     if (other == none && data.place[e] != none) {
       const Prescribed& given = data.edges[data.place[e]];
-      square += std::pow(m.element.efficiency, 2) * (4 * mu * mu * given.displacement + given.traction);
+      to.unseen += 4 * mu * mu * given.displacement + given.traction;
     }
   }
 };
@@ -293,15 +293,18 @@ Indicator error_indicator(const Model& m, const State& s) {
   const EdgesWithData data = edges_with_data(m);
   const EdgeResiduals edges{m, s, rule, traces, data};
   Indicator result{Eigen::VectorXd(triangles), 0};
-  double total = 0, stress = 0;
+  Interior total;
   for (Index t = 0; t < triangles; ++t) {
-    double square = own[t].square;
-    for (int i = 0; i < 3; ++i) edges.add(t, i, square);
-    result.eta[t] = std::sqrt(square);
-    total += square;
-    stress += own[t].stress;
+    for (int i = 0; i < 3; ++i) edges.add(t, i, own[t]);
+    result.eta[t] = std::sqrt(own[t].square);
+    total.square += own[t].square;
+    total.unseen += own[t].unseen;
+    total.stress += own[t].stress;
   }
-  if (stress > 0) result.relative = std::sqrt(total / stress) / efficiency(m, s, result.eta);
+  // The efficiency index measures residuals, not what no residual shows.
+  const double index = std::pow(total.stress > 0 ? efficiency(m, s, result.eta) : m.element.efficiency, 2);
+  if (total.stress > 0) result.relative = std::sqrt((total.square / index + total.unseen) / total.stress);
+  for (Index t = 0; t < triangles; ++t) result.eta[t] = std::sqrt(own[t].square + index * own[t].unseen);
   return result;
 }
 
