@@ -1,6 +1,7 @@
 #include "kerf/model.hpp"
 
 #include "geometry/topology.hpp"
+#include "solver/system/corner_loads.hpp"
 #include "solver/system.hpp"
 
 #include "solver/parallel.hpp"
@@ -98,6 +99,18 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   return k;
 }
 
+/// Says where tractions are changed because no symmetric stress has them.
+void note_corner_loads(const Mesh& mesh, const Kernel& k, const Scene& scene, const Skeleton& s, const SceneData& data,
+                       std::vector<std::string>& notes) {
+  if (!has_unseen_traces(k.element)) return;
+  Eigen::VectorXd loads = traction_loads(mesh, k, s, data);
+  for (const CornerLoad& corner : fit_corner_loads(mesh, k, scene, s, loads))
+    notes.push_back(
+        fmt::format("the tractions at ({:.6g}, {:.6g}) are those of no symmetric stress: they differ by {:.3g} there. "
+                    "Element \"{}\" bears them only changed next to that corner, in the mean of squares",
+                    corner.at.x(), corner.at.y(), corner.misfit, k.element.name));
+}
+
 /// The small matrix of contact is dense. Throws Error(Numerics) that names where the many edges are.
 void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   constexpr Index most = 9000;  // half a minute and two gigabytes
@@ -135,6 +148,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   Loaded loaded{scene, scene_data(mesh, scene, k.load, threads), threads};
   Skeleton skeleton = number(mesh, k, {scene, loaded.data});
   std::vector<std::string> notes;
+  note_corner_loads(mesh, k, scene, skeleton, loaded.data, notes);
   std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, loaded, notes);
   if (!floating.empty())
     for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
@@ -203,7 +217,7 @@ double strain_energy(const Model& m, const Field& s) {
 }
 
 double work_of_loads(const Model& m, const Field& s) {
-  double work = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data).dot(s.skeleton);
+  double work = m.inner->system.tractions.dot(s.skeleton);
   const int first = stress_count(m.element), count = displacement_count(m.element);
   for (Index t = 0; t < static_cast<Index>(m.inner->system.force.cols()); ++t)
     work += area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));

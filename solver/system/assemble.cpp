@@ -1,4 +1,5 @@
 #include "solver/system/assemble.hpp"
+#include "solver/system/corner_loads.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/system/pattern.hpp"
@@ -162,6 +163,7 @@ System assemble(const Assembly& from) {
   else
     condense_and_scatter(from, a);
   a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.data);
+  if (has_unseen_traces(e)) fit_corner_loads(from.mesh, from.kernel, from.scene, from.skeleton, a.tractions);
   for (Index u = 0; u < from.skeleton.total; ++u)
     if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += a.tractions[u];
   return a;

@@ -18,7 +18,7 @@ constexpr double inner = 0.5, outer = 1, pressure = 0.01;
 // Lame's annulus under internal pressure, a quarter of it on rollers.
 const char* const annulus = R"(
 [domain]
-outline = [[0.5, 0], [1, 0], { arc_to = [0, 1], center = [0, 0] }, [0, 0.5], { arc_to = [0.5, 0], center = [0, 0] }]
+outline = [{ arc_to = [0.5, 0], center = [0, 0] }, [1, 0], { arc_to = [0, 1], center = [0, 0] }, [0, 0.5]]
 sides = ["bottom", "outside", "left", "inside"]
 [material]
 young = 1

@@ -101,7 +101,9 @@ TEST(Slender, EveryElementLosesNothing) {
     EXPECT_NEAR(energy / work, 1, 1e-9) << e.name << e.degree;
     EXPECT_LT(s.certificate.work, 1e-9) << e.name << e.degree;
     const bool bends = e.order >= 2;  // has the field in its space
-    if (bends) EXPECT_NEAR(work / 2400, 1, 1e-9) << e.name << e.degree;
+    if (bends) {
+      EXPECT_NEAR(work / 2400, 1, 1e-9) << e.name << e.degree;
+    }
   }
 }
 
@@ -206,7 +208,7 @@ TEST(Slender, Adjoints) {
 }
 
 TEST_F(Truth, ASlenderBeamAsUsersRunIt) {
-  const nlohmann::json r = run_scene(R"(
+  const nlohmann::json r = run_scene(R"case(
 [domain]
 outline = [[0, 0], [500, 0], [500, 1], [0, 1]]
 sides = ["bottom", "right", "top", "left"]
@@ -222,7 +224,7 @@ on = "right"
 traction = ["12*(y-0.5)", "0"]
 [mesh]
 size = 0.25
-)");
+)case");
   EXPECT_EQ(r["status"], "ok");
   EXPECT_NEAR(r["state"]["compliance"].get<double>() / 6000, 1, 1e-8);
   EXPECT_NEAR(r["state"]["energy"].get<double>() / -3000, 1, 1e-8);
