@@ -4,6 +4,7 @@
 #include "solver/recover_stress.hpp"
 #include "solver/system.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -19,7 +20,7 @@ struct Share {
 
 }  // namespace
 
-double efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta) {
+Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta) {
   const Corners corners = split_for_stress(m.mesh);
   const RecoveredStress better = recover_stress(m, state, corners, singular_corners(m, state, corners), m.scene.body);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -45,8 +46,10 @@ double efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta
   });
   double indicated = 0, square = 0, stress = 0;
   Index count = 0;
+  Efficiency result{m.element.efficiency, 0, std::vector<bool>(static_cast<std::size_t>(triangles))};
   for (Index t = 0; t < triangles; ++t) {
     const Share& share = shares[static_cast<std::size_t>(t)];
+    result.recovered[static_cast<std::size_t>(t)] = share.recovered;
     if (!share.recovered) continue;
     ++count;
     indicated += eta[t] * eta[t];
@@ -55,8 +58,13 @@ double efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta
   }
   constexpr Index few = 20;
   constexpr double exact = 1e-10;  // of the stress: what is left is rounding
-  if (count < few || !(square > exact * exact * stress) || !(indicated > 0)) return m.element.efficiency;
-  return std::sqrt(indicated / square);
+  // Where the recovered stress is hardly better than the other one, on coarse meshes, it says too much.
+  constexpr double doubt = 2, at_tips = 1.5;
+  if (count >= few && square > exact * exact * stress && indicated > 0)
+    result.regular =
+        std::clamp(std::sqrt(indicated / square), m.element.efficiency / doubt, m.element.efficiency * doubt);
+  result.singular = std::min(result.regular, m.element.efficiency / at_tips);
+  return result;
 }
 
 }  // namespace kerf

@@ -5,8 +5,15 @@
 
 namespace kerf {
 
-/// |eta| / |s* - s| over the triangles where the recovered stress s* is one [theory: R.6]; Element::efficiency where
-/// these are too few, or the stress is exact there. `eta`: per triangle.
-double efficiency(const Model& model, const State& state, const Eigen::VectorXd& eta);
+/// |eta| / |s* - s| over the triangles where the recovered stress s* is one [theory: R.6], within a factor 2 of
+/// Element::efficiency, and that where these are too few, or the stress is exact there. Elsewhere, at tips and corners,
+/// the indicator shows less of the error than in smooth parts: the smaller of this and two thirds of
+/// Element::efficiency.
+struct Efficiency {
+  double regular, singular;
+  std::vector<bool> recovered;  // per triangle: which of them
+};
+/// `eta`: per triangle.
+Efficiency efficiency(const Model& model, const State& state, const Eigen::VectorXd& eta);
 
 }  // namespace kerf

@@ -147,7 +147,9 @@ void add_displacement(const Support& support, const EdgeValues& v, Prescribed& p
 double unseen_traction(const Model& m, const EdgeValues& v) {
   static const EdgeRule rule = gauss(data_points);
   double square = 0;
-  for (int k = points_per_edge(m.element); k < data_points; ++k) {
+  // Stresses at vertices take the values at both ends as well: cubics.
+  const int seen = points_per_edge(m.element) + (m.element.at_vertices == AtVertices::Stress ? 2 : 0);
+  for (int k = seen; k < data_points; ++k) {
     Vec2 moment = Vec2::Zero();
     for (int q = 0; q < data_points; ++q) moment += rule.w[q] * legendre(k, rule.s[q]) * v.at.col(q);
     square += moment.squaredNorm();
@@ -301,10 +303,16 @@ Indicator error_indicator(const Model& m, const State& s) {
     total.unseen += own[t].unseen;
     total.stress += own[t].stress;
   }
-  // The efficiency index measures residuals, not what no residual shows.
-  const double index = std::pow(total.stress > 0 ? efficiency(m, s, result.eta) : m.element.efficiency, 2);
-  if (total.stress > 0) result.relative = std::sqrt((total.square / index + total.unseen) / total.stress);
-  for (Index t = 0; t < triangles; ++t) result.eta[t] = std::sqrt(own[t].square + index * own[t].unseen);
+  // An efficiency index measures residuals, not what no residual shows.
+  const Efficiency index = efficiency(m, s, result.eta);
+  double error = 0;
+  for (Index t = 0; t < triangles; ++t) {
+    const double square =
+        own[t].square / std::pow(index.recovered[t] ? index.regular : index.singular, 2) + own[t].unseen;
+    error += square;
+    result.eta[t] = index.regular * std::sqrt(square);
+  }
+  if (total.stress > 0) result.relative = std::sqrt(error / total.stress);
   return result;
 }
 

@@ -65,14 +65,15 @@ TEST(Adaptive, RemeshingTakesFewerRoundsThanBisection) {
   const Square s = cracked(f);
   const auto run = [&](Refinement refinement) {
     return solve_adaptively(s.shape, {.size = 0.5, .crack_tip_size = 0.5}, element("bdms"), s.scene,
-                            {.error = 1e-2, .refinement = refinement});
+                            {.error = 2.5e-3, .refinement = refinement});
   };
   const Adapted remeshed = run(Refinement::Remesh), bisected = run(Refinement::Bisect);
   EXPECT_EQ(bisected.stopped.rfind("reached", 0), 0u) << bisected.stopped;
-  EXPECT_LT(true_error(bisected, f), 2e-2);
+  EXPECT_LT(true_error(bisected, f), 5e-3);
   EXPECT_LT(2 * remeshed.rounds.size(), bisected.rounds.size());
+  // The ends of contact, graded for maps, take some hundred triangles.
   EXPECT_LT(static_cast<double>(remeshed.model.mesh.triangles.size()),
-            1.5 * static_cast<double>(bisected.model.mesh.triangles.size()));
+            1.5 * static_cast<double>(bisected.model.mesh.triangles.size()) + 500);
 }
 
 TEST(Adaptive, SaysWhyItStops) {

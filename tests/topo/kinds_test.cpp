@@ -81,10 +81,11 @@ struct Change {
 class Kinds : public testing::TestWithParam<Change> {};
 // A linear functional, the energy, and quadratic ones.
 TEST_P(Kinds, Hold) {
-  const Body b = partly_closed(plane_strain(1, 0.3));
   for (const Named& n : terms()) {
     const std::string name = n.name;
     if (name == "volume" || name == "crack_pressure") continue;
+    Body b = partly_closed(plane_strain(1, 0.3));
+    if (name == "crack_opening") b.sizing.size = 0.1;  // as above
     expect_holds(validated(b, {"", {n.term}}, {0.15, 0.45}, GetParam().p, radii), GetParam().name + (" " + name));
   }
 }
