@@ -4,6 +4,7 @@
 #include "geometry/mesh/mirror.hpp"
 #include "kerf/mesher.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -102,7 +103,7 @@ TEST(MirroredTips, KeepTheAngles) {
       const double turn = between(0, 2 * pi), length = std::pow(10, between(-2, -0.2));
       shape.cracks.push_back(
           c == 2 ? arc_crack("arc", x, length, turn, turn + between(-2, 2))
-                 : Crack{"c" + std::to_string(c), {x, x + length * Vec2(std::cos(turn), std::sin(turn))}});
+                 : Crack{fmt::format("c{}", c), {x, x + length * Vec2(std::cos(turn), std::sin(turn))}});
     }
     if (find_problem(shape)) continue;
     const Sizing sizing{.size = 0.2, .crack_tip_size = 0.2 * std::pow(10, between(-3, 0)), .mirrored_tips = true};

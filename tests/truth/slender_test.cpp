@@ -152,7 +152,9 @@ void expect_as_saddle_point(const Strip& strip, const Scene& scene, const char* 
   EXPECT_LT(other.certificate.work, 1e-9) << what;
   EXPECT_NEAR(strain_energy(m, s) / strain_energy(m, other), 1, 2e-9) << what;
   const double work = work_of_loads(m, other);
-  if (work != 0) EXPECT_NEAR(work_of_loads(m, s) / work, 1, 2e-9) << what;
+  if (work != 0) {
+    EXPECT_NEAR(work_of_loads(m, s) / work, 1, 2e-9) << what;
+  }
   EXPECT_LT((s.force - other.force).cwiseAbs().maxCoeff(), 1e-6 * (1e-3 + other.force.cwiseAbs().maxCoeff())) << what;
 }
 

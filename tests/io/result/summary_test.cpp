@@ -1,5 +1,6 @@
 #include "tests/support/sample.hpp"
 
+#include <fmt/core.h>
 #include <sstream>
 
 namespace kerf {
@@ -81,7 +82,7 @@ TEST(Summary, NothingOfWhatDidNotRunAndNoLongLines) {
     EXPECT_FALSE(has(bare, part)) << part;
   }
   r = test::full_result();
-  r.title = std::string(300, 'x') + " many words " + std::string(150, 'y');
+  r.title = fmt::format("{:x>300} many words {:y>150}", "", "");
   r.cracks[0].name = std::string(250, 'n');
   r.status = "not converged";
   r.reason =
