@@ -25,7 +25,7 @@ struct Picture {
   std::string value_label;                      // beside the color bar
   Scale scale = Scale::Linear;
   double clip = 0.005;  // share of the area whose values may lie beyond each end of the color bar
-  std::optional<std::array<double, 2>> range = {};  // values beyond it do not lengthen the color bar
+  std::optional<std::array<double, 2>> range = {};  // what lies beyond has the color of its end
   bool edges = false;                               // draw the edges of the triangles
   std::vector<std::vector<Vec2>> outlines;          // thin dark lines: boundary
   std::vector<std::vector<Vec2>> interfaces;        // thin colored lines: between materials

@@ -147,9 +147,9 @@ Limits limits(const Picture& picture) {
     if (!picture.values.col(t).allFinite() || !std::isfinite(area)) continue;
     for (int k = 0; k < 3; ++k) {
       const double value = picture.values(k, t);
+      if (picture.range && !(value >= (*picture.range)[0] && value <= (*picture.range)[1])) continue;
       least = std::min(least, value);
       most = std::max(most, value);
-      if (picture.range && !(value >= (*picture.range)[0] && value <= (*picture.range)[1])) continue;
       all.push_back({value, area});
       total += area;
     }
