@@ -114,18 +114,32 @@ ContactResultSummary contact_result(const State& state, ContactMethod method, co
 
 namespace {
 
-/// Smallest and largest of the values at corners that are left out for no reason stronger than `most`.
-std::optional<std::array<PlacedValue, 2>> extrema(const PlotData& data, const Eigen::VectorXd& values,
-                                                  std::span<const LeftOut> left_out, LeftOut most) {
-  std::optional<std::array<PlacedValue, 2>> e;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!std::isfinite(values[i]) || left_out[k] > most) continue;
-    const PlacedValue here{data.points[k], values[i]};
-    if (!e) e = {here, here};
-    if (here.value < (*e)[0].value) (*e)[0] = here;
-    if (here.value > (*e)[1].value) (*e)[1] = here;
+/// Smallest and largest of the finite values seen.
+struct Extrema {
+  PlacedValue min{Vec2::Zero(), nan}, max{Vec2::Zero(), nan};
+  void see(const Vec2& at, double value) {
+    if (!std::isfinite(value)) return;
+    if (!(value >= min.value)) min = {at, value};
+    if (!(value <= max.value)) max = {at, value};
   }
+};
+
+/// Of the values at corners that are left out for no stronger reason than is needed to have any.
+Extrema extrema(const PlotData& data, const Eigen::VectorXd& values, std::span<const LeftOut> left_out) {
+  Extrema e;
+  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular}) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (left_out[k] <= most) e.see(data.points[k], values[i]);
+    }
+    if (std::isfinite(e.min.value)) break;
+  }
+  return e;
+}
+
+Extrema extrema(const std::vector<MapPoint>& points) {
+  Extrema e;
+  for (const MapPoint& p : points) e.see(p.at, p.value);
   return e;
 }
 
@@ -143,37 +157,14 @@ bool is_everywhere(const FullMap& map) {
   return map.at_centroids.size() > 0;
 }
 
-namespace {
-
-std::optional<std::array<PlacedValue, 2>> extrema(const std::vector<MapPoint>& points) {
-  std::optional<std::array<PlacedValue, 2>> e;
-  for (const MapPoint& p : points) {
-    if (!std::isfinite(p.value)) continue;
-    const PlacedValue here{p.at, p.value};
-    if (!e) e = {here, here};
-    if (here.value < (*e)[0].value) (*e)[0] = here;
-    if (here.value > (*e)[1].value) (*e)[1] = here;
-  }
-  return e;
-}
-
-}  // namespace
-
 MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
                      std::span<const LeftOut> left_out) {
   const Model& model = *analysis.model;
-  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind)),
-              .min = {Vec2::Zero(), nan},
-              .max = {Vec2::Zero(), nan}};
+  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind))};
   if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
-  std::optional<std::array<PlacedValue, 2>> e;
-  if (!is_everywhere(map)) e = extrema(r.points);
-  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular})
-    if (!e) e = extrema(data, map.at_corners, left_out, most);
-  if (e) {
-    r.min = (*e)[0];
-    r.max = (*e)[1];
-  }
+  const Extrema e = is_everywhere(map) ? extrema(data, map.at_corners, left_out) : extrema(r.points);
+  r.min = e.min;
+  r.max = e.max;
   r.radius = task.request.radius;
   r.biactive_length = analysis.biactive_length;
   if (!is_everywhere(map)) return r;

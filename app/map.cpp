@@ -80,9 +80,8 @@ std::vector<std::string> limits_of_map(const MapTask& task, const Model& model) 
     return {};
   return {
       "a clamped hole changes the state at once, not in proportion to its area: the map keeps the contact on the "
-      "cracks "
-      "as it is without the hole, and was off by up to 17 % beside cracks whose contact changes; [validate] tells at a "
-      "point"};
+      "cracks as it is without the hole, and was off by up to 17 % beside cracks whose contact changes; [validate] "
+      "tells at a point"};
 }
 
 std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map) {

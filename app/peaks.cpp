@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -46,20 +45,16 @@ SingularZones singular_zones(const Model& model, double extent) {
 }
 
 std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& values, const SingularZones& zones) {
-  std::vector<Eigen::Index> order;
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    if (std::isfinite(values[i])) order.push_back(i);
-  if (order.empty()) return std::nullopt;
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return values[a] > values[b]; });
-  const auto placed = [&](Eigen::Index i) { return PlacedValue{points[static_cast<std::size_t>(i)], values[i]}; };
-  Peak p{.largest = placed(order.front())};
-  p.singular = zones.hold(p.largest.at);
-  if (!p.singular) return p;
-  for (const Eigen::Index i : order)
-    if (!zones.hold(points[static_cast<std::size_t>(i)])) {
-      p.regular = placed(i);
-      break;
-    }
+  PlacedValue largest{Vec2::Zero(), nan}, regular = largest;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) continue;
+    const PlacedValue here{points[static_cast<std::size_t>(i)], values[i]};
+    if (!(here.value <= largest.value)) largest = here;
+    if (!(here.value <= regular.value) && !zones.hold(here.at)) regular = here;
+  }
+  if (std::isnan(largest.value)) return std::nullopt;
+  Peak p{.largest = largest, .singular = zones.hold(largest.at)};
+  if (p.singular && !std::isnan(regular.value)) p.regular = regular;
   return p;
 }
 
