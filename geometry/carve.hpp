@@ -37,6 +37,7 @@ struct Carved {
   std::vector<Index> crack_of;     // per crack of the shape: the crack of the frame that it is or is a part of
   Index design_label = none;       // of what the zero line drew
   double area = 0;                 // of the shape
+  std::vector<char> inside;        // per vertex of the background: in the body, what was dropped and filled seen to
   std::vector<std::string> notes;  // what was dropped, filled, moved, each by name
 };
 

@@ -378,6 +378,7 @@ Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
     note_labels(block.frame, carved.shape, how, carved.notes);
     carved.design_label = Index(block.frame.labels.size());
     carved.area = area(carved.shape);
+    carved.inside = cut.signs.inside;
     for (const CrackPart& p : cut.cracks) carved.crack_of.push_back(p.crack);
     return result;
   }

@@ -108,6 +108,7 @@ struct Iteration {
   int holes = 0;
   Index triangles = 0;
   int state_solves = 0;            // so far, line searches included
+  bool accepted = true;            // false: a step that was refused; the design stayed
   std::string note;                // why the objective rose, what was nucleated, dropped, ...; empty mostly
   Eigen::VectorXd variables = {};  // NLopt methods
 };

@@ -22,7 +22,7 @@ OptimizeNames optimize_names(const OptimizeRequest& request) {
 }
 
 std::string history_header(const OptimizeNames& names) {
-  std::string out = "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves";
+  std::string out = "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted";
   for (const auto* more : {&names.bounds, &names.variables})
     for (const std::string& name : *more) out.append(",").append(csv_text(name));
   return out + ",note\n";
@@ -37,7 +37,8 @@ std::string history_line(const Iteration& row, const OptimizeNames& names) {
   };
   for (const double value : {row.objective, row.merit, row.volume_fraction, row.violation, row.step, row.optimality})
     add(value);
-  fmt::format_to(std::back_inserter(out), ",{},{},{}", row.holes, row.triangles, row.state_solves);
+  fmt::format_to(std::back_inserter(out), ",{},{},{},{}", row.holes, row.triangles, row.state_solves,
+                 row.accepted ? 1 : 0);
   // Rows without a value for everything (an iterate that could not be evaluated) keep their columns.
   for (std::size_t i = 0; i < names.bounds.size(); ++i) add(i < row.bounds.size() ? row.bounds[i] : std::nan(""));
   for (std::size_t i = 0; i < names.variables.size(); ++i) {

@@ -9,8 +9,6 @@ namespace kerf {
 
 namespace {
 
-constexpr double slow_waves = 4;  // shorter than this many lengths of smoothing they are short
-
 /// Half the thickness of the member that an edge bounds, along its normal: the distance falls again behind the middle.
 double half_thickness(const BackgroundMesh& background, const Eigen::VectorXd& distance, const Vec2& x,
                       const Vec2& normal, double most) {
@@ -81,93 +79,162 @@ void add(BoundaryRate& a, double factor, const BoundaryRate& b) {
 
 namespace {
 
-/// What the speed of an edge is made of, per edge.
+constexpr double slow_waves = 4;   // shorter than this many lengths of smoothing they are short
+constexpr double eager = 1.1;      // steps against those of the fully stressed design
+constexpr double softening = 0.1;  // of the root mean square of the gain: where gain and price vanish together
+constexpr int halvings = 40;
+
+double square_mean(const Eigen::VectorXd& v, const Eigen::VectorXd& length) {
+  return std::sqrt(v.cwiseAbs2().dot(length) / length.sum());
+}
+
+/// The edges, and what moving them would bring.
 struct Members {
-  Eigen::VectorXd gain;  // of J, per area taken away
-  Eigen::VectorXd half;  // thickness
-  Eigen::VectorXd root;  // of the gain, where it is one
-  Eigen::VectorXd calm;  // the same without short waves
-  double scale = 0;      // root mean square of the gain
+  const MovingDesign& of;
+  const StepLimits& limits;
+  Eigen::VectorXd half;     // thickness
+  std::vector<bool> rim;    // on the frame: cannot grow
+  std::vector<bool> solid;  // cannot shrink
+  Eigen::MatrixXd gain;     // edges x (J, bounded functionals): fall per area that grows
+  Eigen::MatrixXd calm;     // the same without short waves
+
+  Eigen::VectorXd total(const Eigen::MatrixXd& of_each, const Eigen::VectorXd& multiplier) const {
+    return of_each.col(0) + of_each.rightCols(of_each.cols() - 1) * multiplier;
+  }
 };
 
-Members members_of(const BackgroundMesh& background, const Eigen::VectorXd& distance, const BoundaryRate& rate,
-                   const SpeedLimits& limits) {
-  const Eigen::Index n = rate.density.size();
-  Members m{.gain = -rate.density, .half = Eigen::VectorXd(n), .calm = Eigen::VectorXd(n)};
-  const double slow = slow_waves * limits.smoothing, reach = std::max(slow, limits.min_feature);
-  for (Eigen::Index i = 0; i < n; ++i)
-    m.half[i] = half_thickness(background, distance, rate.middle[static_cast<std::size_t>(i)],
-                               rate.normal[static_cast<std::size_t>(i)], reach);
-  m.scale = std::sqrt(m.gain.cwiseAbs2().dot(rate.length) / rate.length.sum());
-  m.root = m.gain.cwiseMax(0).cwiseSqrt();
-  const Eigen::VectorXd calm_at = smooth_along(rate.curve, rate.length, slow, m.root);
-  for (Eigen::Index i = 0; i < n; ++i) {
+Eigen::VectorXd without_short_waves(const BoundaryRate& rate, double r, const Eigen::VectorXd& values) {
+  const Eigen::VectorXd at = smooth_along(rate.curve, rate.length, r, values);
+  Eigen::VectorXd calm(values.size());
+  for (Eigen::Index i = 0; i < calm.size(); ++i) {
     const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
-    m.calm[i] = 0.5 * (calm_at[a] + calm_at[b]);
+    calm[i] = 0.5 * (at[a] + at[b]);
+  }
+  return calm;
+}
+
+Members members_of(const MovingDesign& of, const StepLimits& limits) {
+  const BoundaryRate& rate = of.objective;
+  const Eigen::Index n = rate.density.size();
+  Members m{.of = of, .limits = limits, .half = Eigen::VectorXd(n), .rim = {}, .solid = {}, .gain = {}, .calm = {}};
+  const double slow = slow_waves * limits.smoothing, reach = std::max(slow, limits.min_feature);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    m.half[i] = half_thickness(of.background, of.distance, rate.middle[k], rate.normal[k], reach);
+    m.rim.push_back(rate.label[k] < of.free_label);
+    m.solid.push_back(of.background.frozen.size() > 0 &&
+                      value_at(of.background, of.background.frozen, rate.middle[k]) < 0.5 * of.background.size);
+  }
+  const auto functionals = static_cast<Eigen::Index>(1 + of.bounded.size());
+  m.gain.resize(n, functionals);
+  m.calm.resize(n, functionals);
+  for (Eigen::Index k = 0; k < functionals; ++k) {
+    m.gain.col(k) = -(k == 0 ? rate : of.bounded[static_cast<std::size_t>(k - 1)]).density;
+    m.calm.col(k) = without_short_waves(rate, slow, m.gain.col(k));
   }
   return m;
 }
 
-/// The speed of every edge at a price of area. Short waves of a thick member's boundary change the stress there far
-/// more than its thickness does: they may go as far as the smoothing, only long ones as far as the thickness.
-Eigen::VectorXd speed_at(double price, const Members& m, const SpeedLimits& limits) {
-  const double fast = limits.smoothing;
-  Eigen::VectorXd v(m.gain.size());
+/// How far every edge goes at a price of area.
+Eigen::VectorXd speed_at(double price, const Eigen::VectorXd& multiplier, const Members& m) {
+  const StepLimits& limits = m.limits;
+  const Eigen::VectorXd gain = m.total(m.gain, multiplier), calm = m.total(m.calm, multiplier);
+  const double soft = softening * square_mean(gain, m.of.objective.length) + 1e-300, fast = limits.smoothing;
+  const auto part = [&](double g) { return eager * (g - price) / (std::abs(g) + std::abs(price) + soft); };
+  Eigen::VectorXd v(gain.size());
   for (Eigen::Index i = 0; i < v.size(); ++i) {
-    if (price > 0)
-      v[i] = limits.share * (std::min(m.half[i], fast) * (m.root[i] / std::sqrt(price) - 1) +
-                             std::max(m.half[i] - fast, 0.0) * (m.calm[i] / std::sqrt(price) - 1));
-    else
-      v[i] = m.scale > 0 ? limits.most * (m.gain[i] - price) / m.scale : 0;
+    const auto k = static_cast<std::size_t>(i);
+    v[i] = limits.share * (std::min(m.half[i], fast) * part(gain[i]) + std::max(m.half[i] - fast, 0.0) * part(calm[i]));
     // A member that is too thin: what would it carry at the thickness wanted, for the same force?
     const double least = 0.5 * limits.min_feature;
     if (price > 0 && m.half[i] < least) {
-      constexpr double idle = 0.15;  // of the multiplier
-      const double thick = m.gain[i] * (m.half[i] / least) * (m.half[i] / least);
-      v[i] = thick > idle * price ? std::max(v[i], least - m.half[i]) : -limits.most;
+      constexpr double idle = 0.15;  // of the price
+      const double thick = gain[i] * (m.half[i] / least) * (m.half[i] / least);
+      v[i] = thick > idle * price ? std::max(v[i], least - m.half[i]) : -limits.radius;
     }
-    v[i] = std::clamp(v[i], -limits.most, limits.most);
+    v[i] = std::clamp(v[i], m.solid[k] ? 0 : -limits.radius, m.rim[k] ? 0 : limits.radius);
   }
   return v;
 }
 
-/// The price at which the area does not change; 0 where it always falls.
-double balancing_price(const Members& m, const BoundaryRate& rate, const SpeedLimits& limits) {
-  double price = 0;
-  if (!(m.gain.maxCoeff() > 0)) return price;
-  double low = 1e-12 * m.gain.maxCoeff(), high = m.gain.maxCoeff();
-  const auto grows = [&](double p) { return speed_at(p, m, limits).dot(rate.length) > 0; };
-  if (!grows(low)) return price;
-  for (int i = 0; i < 60; ++i) {
-    price = std::sqrt(low * high);
-    (grows(price) ? low : high) = price;
+/// Change of functional k by a motion. What falls with growing area falls as the reciprocal of a thickness.
+double change_of(Eigen::Index k, const Eigen::VectorXd& v, const Members& m) {
+  const Eigen::VectorXd& length = m.of.objective.length;
+  double change = 0;
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    const double g = m.gain(i, k), thicker = std::max(1 + v[i] / m.half[i], 0.3);
+    change -= length[i] * v[i] * (g > 0 ? g / thicker : g);
   }
-  return price;
+  return change;
 }
 
-/// Root mean square along what can move of (gain - price)/price without its short waves [theory: L.10]. What would grow
-/// out of the frame, and what would take from parts that stay solid, cannot move.
-double shape_residual(const SpeedOf& of, double price, double smoothing) {
-  const auto& [background, distance, rate, free_label] = of;
-  const Eigen::Index n = rate.density.size();
-  const double gain = std::sqrt(rate.density.cwiseAbs2().dot(rate.length) / rate.length.sum());
-  const double unit = price > 0 ? price : gain;  // without a price nothing but a vanishing gain is optimal
-  if (!(unit > 0)) return 0;
-  Eigen::VectorXd r(n);
-  std::vector<bool> blocked(static_cast<std::size_t>(n));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    r[i] = (-rate.density[i] - price) / unit;
-    const bool solid =
-        background.frozen.size() > 0 && value_at(background, background.frozen, rate.middle[k]) < 0.5 * background.size;
-    blocked[k] = r[i] > 0 ? rate.label[k] < free_label : solid;
-    if (blocked[k]) r[i] = 0;
+/// The least value from `low` on at which `fits`, which stays true from there on; where none below `most` does, that.
+template <typename Fits>
+double least_that(double low, double first, double most, const Fits& fits) {
+  if (fits(low)) return low;
+  double high = std::max(first, 1e-300);
+  while (high < most && !fits(low + high)) high *= 4;
+  if (high >= most) return low + most;
+  double below = high / 4 <= first ? 0 : high / 4;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (below + high);
+    (fits(low + middle) ? high : below) = middle;
   }
-  const Eigen::VectorXd smooth = smooth_along(rate.curve, rate.length, smoothing, r);
+  return low + high;
+}
+
+/// The least price at which the area keeps to its limit.
+double price_at(const Eigen::VectorXd& multiplier, const Members& m) {
+  const StepLimits& limits = m.limits;
+  if (!std::isfinite(limits.growth)) return limits.price;
+  const double largest = m.total(m.gain, multiplier).cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return limits.price;
+  return least_that(limits.price, 1e-9 * largest, 1e9 * largest, [&](double price) {
+    return speed_at(price, multiplier, m).dot(m.of.objective.length) <= limits.growth;
+  });
+}
+
+/// The least multipliers with which bounded functionals keep to their limits, one after the other until they stay.
+Eigen::VectorXd multipliers_of(const Members& m) {
+  constexpr int rounds = 6;
+  constexpr double most = 1e4;  // in units of the derivatives
+  const Eigen::Index n = m.gain.cols() - 1;
+  Eigen::VectorXd multiplier = Eigen::VectorXd::Zero(n);
+  const Eigen::VectorXd& length = m.of.objective.length;
+  const double of_objective = std::max(square_mean(m.gain.col(0), length), m.limits.price);
+  for (int round = 0; round < (n > 1 ? rounds : 1); ++round)
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double of_bound = square_mean(m.gain.col(k + 1), length);
+      if (!(of_bound > 0)) continue;
+      const double unit = of_objective > 0 ? of_objective / of_bound : 1;
+      multiplier[k] = least_that(0, 1e-6 * unit, most * unit, [&](double value) {
+        Eigen::VectorXd tried = multiplier;
+        tried[k] = value;
+        return change_of(k + 1, speed_at(price_at(tried, m), tried, m), m) <=
+               m.limits.room[static_cast<std::size_t>(k)];
+      });
+    }
+  return multiplier;
+}
+
+/// Root mean square along what can move of (gain - price)/price without its short waves [theory: L.10].
+double shape_residual(const Eigen::VectorXd& gain, double price, const Members& m) {
+  const BoundaryRate& rate = m.of.objective;
+  // Without a price nothing but a vanishing gain is optimal.
+  const double unit = price > 0 ? price : square_mean(gain, rate.length);
+  if (!(unit > 0)) return 0;
+  Eigen::VectorXd r = (gain.array() - price) / unit;
+  std::vector<bool> blocked;
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    blocked.push_back(r[i] > 0 ? m.rim[k] : m.solid[k]);
+    if (blocked.back()) r[i] = 0;
+  }
+  const Eigen::VectorXd smooth = smooth_along(rate.curve, rate.length, m.limits.smoothing, r);
   double sum = 0, length = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
     if (blocked[static_cast<std::size_t>(i)]) continue;
+    const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
     sum += rate.length[i] * (smooth[a] * smooth[a] + smooth[a] * smooth[b] + smooth[b] * smooth[b]) / 3;
     length += rate.length[i];
   }
@@ -176,20 +243,31 @@ double shape_residual(const SpeedOf& of, double price, double smoothing) {
 
 }  // namespace
 
-Speed boundary_speed(const SpeedOf& of, const SpeedLimits& limits, const ElasticProduct* elastic,
-                     std::optional<double> multiplier) {
-  const auto& [background, distance, rate, free_label] = of;
-  const Eigen::Index n = rate.density.size();
-  Speed s;
-  s.on_background = Eigen::VectorXd::Zero(distance.size());
-  if (n == 0) return s;
-  const Members m = members_of(background, distance, rate, limits);
-  s.multiplier = multiplier ? *multiplier : balancing_price(m, rate, limits);
-  s.on_curve = speed_at(s.multiplier, m, limits);
-  s.optimality = shape_residual(of, s.multiplier, limits.smoothing);
-  const Eigen::VectorXd moved = smooth_along(rate.curve, rate.length, limits.smoothing, s.on_curve);
-  s.on_background =
-      elastic ? elastic->extend(background, rate.curve, moved, distance) : extend(background, rate.curve.points, moved);
+BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, const ElasticProduct* elastic) {
+  const BoundaryRate& rate = of.objective;
+  BoundaryStep s{.price = limits.price, .multiplier = std::vector<double>(of.bounded.size(), 0), .bounded = {}};
+  s.bounded = s.multiplier;
+  s.on_background = Eigen::VectorXd::Zero(of.distance.size());
+  if (rate.density.size() == 0) return s;
+  const Members m = members_of(of, limits);
+  const Eigen::VectorXd multiplier = multipliers_of(m);
+  s.price = price_at(multiplier, m);
+  s.multiplier.assign(multiplier.begin(), multiplier.end());
+  s.residual = shape_residual(m.total(m.gain, multiplier), s.price, m);
+  const Eigen::VectorXd moved =
+      smooth_along(rate.curve, rate.length, limits.smoothing, speed_at(s.price, multiplier, m));
+  Eigen::VectorXd v(rate.density.size());
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    const auto& [a, b] = rate.curve.edges[static_cast<std::size_t>(i)];
+    const auto k = static_cast<std::size_t>(i);
+    v[i] = 0.5 * (moved[a] + moved[b]);
+    if (v[i] > 0 ? m.rim[k] : m.solid[k]) v[i] = 0;
+  }
+  s.objective = change_of(0, v, m);
+  s.area = v.dot(rate.length);
+  for (std::size_t k = 0; k < of.bounded.size(); ++k) s.bounded[k] = change_of(static_cast<Eigen::Index>(k) + 1, v, m);
+  s.on_background = elastic ? elastic->extend(of.background, rate.curve, moved, of.distance)
+                            : extend(of.background, rate.curve.points, moved);
   return s;
 }
 

@@ -58,6 +58,7 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
   e.bounds.assign(r.bounds.size(), -infinity);
   e.worst.assign(r.bounds.size(), 0);
+  e.by_case.resize(r.bounds.size());
   const std::vector<Scene> scenes = scenes_of(p, r);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     Model model = prepare(mesh, p.element, with_cracks(scenes[i], crack_of), p.threads);
@@ -70,11 +71,14 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   for (std::size_t i = 0; i < e.cases.size(); ++i) {
     const SolvedCase& c = e.cases[i];
     e.J += c.weight * analyze(e.objective, c.model, c.state, true).value;
-    for (std::size_t k = 0; k < e.bounded.size(); ++k)
-      if (const double value = analyze(e.bounded[k], c.model, c.state, true).value; value > e.bounds[k]) {
+    for (std::size_t k = 0; k < e.bounded.size(); ++k) {
+      const double value = analyze(e.bounded[k], c.model, c.state, true).value;
+      e.by_case[k].push_back(value);
+      if (value > e.bounds[k]) {
         e.bounds[k] = value;
         e.worst[k] = static_cast<Index>(i);
       }
+    }
   }
   e.seconds_solve = watch.lap();
   return e;
@@ -86,8 +90,8 @@ std::vector<WeightedAnalysis> analyze_objective(const Evaluated& e) {
   return all;
 }
 
-std::vector<WeightedAnalysis> analyze_bound(const Evaluated& e, std::size_t bound) {
-  const SolvedCase& c = e.cases[static_cast<std::size_t>(e.worst[bound])];
+std::vector<WeightedAnalysis> analyze_bound(const Evaluated& e, std::size_t bound, Index load_case) {
+  const SolvedCase& c = e.cases[static_cast<std::size_t>(load_case == none ? e.worst[bound] : load_case)];
   std::vector<WeightedAnalysis> all;
   all.push_back({&e.bounded[bound], analyze(e.bounded[bound], c.model, c.state), 1});
   return all;

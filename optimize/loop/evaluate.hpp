@@ -23,6 +23,7 @@ struct Evaluated {
   double J = 0;                   // sum of weight * J
   std::vector<double> bounds;     // the worst of the load cases
   std::vector<Index> worst;       // per bound, that case
+  std::vector<std::vector<double>> by_case;  // per bound and load case
   double area = 0;
   double seconds_mesh = 0, seconds_solve = 0;
 };
@@ -51,6 +52,7 @@ struct WeightedAnalysis {
   double weight = 1;
 };
 std::vector<WeightedAnalysis> analyze_objective(const Evaluated& e);
-std::vector<WeightedAnalysis> analyze_bound(const Evaluated& e, std::size_t bound);
+/// Of the worst load case, or of the one given.
+std::vector<WeightedAnalysis> analyze_bound(const Evaluated& e, std::size_t bound, Index load_case = none);
 
 }  // namespace kerf

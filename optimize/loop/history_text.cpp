@@ -31,7 +31,8 @@ void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {
     for (const double v :
          {static_cast<double>(r.number), r.objective, r.merit, r.volume_fraction, r.violation, r.step, r.optimality,
           static_cast<double>(r.holes), static_cast<double>(r.triangles), static_cast<double>(r.state_solves),
-          static_cast<double>(r.bounds.size()), static_cast<double>(r.variables.size())})
+          static_cast<double>(r.accepted), static_cast<double>(r.bounds.size()),
+          static_cast<double>(r.variables.size())})
       x.push_back(v);
     x.insert(x.end(), r.bounds.begin(), r.bounds.end());
     x.insert(x.end(), r.variables.begin(), r.variables.end());
@@ -46,7 +47,7 @@ std::vector<Iteration> read_rows(const Checkpoint& c) {
   const std::string& notes = c.texts.at("notes");
   std::vector<Iteration> rows;
   std::size_t from = 0;
-  for (Eigen::Index i = 0; i + 12 <= x.size();) {
+  for (Eigen::Index i = 0; i + 13 <= x.size();) {
     Iteration r{.number = static_cast<int>(x[i]),
                 .objective = x[i + 1],
                 .merit = x[i + 2],
@@ -56,9 +57,10 @@ std::vector<Iteration> read_rows(const Checkpoint& c) {
                 .optimality = x[i + 6],
                 .holes = static_cast<int>(x[i + 7]),
                 .triangles = static_cast<Index>(x[i + 8]),
-                .state_solves = static_cast<int>(x[i + 9])};
-    const Eigen::Index bounds = static_cast<Eigen::Index>(x[i + 10]), variables = static_cast<Eigen::Index>(x[i + 11]);
-    i += 12;
+                .state_solves = static_cast<int>(x[i + 9]),
+                .accepted = x[i + 10] != 0};
+    const Eigen::Index bounds = static_cast<Eigen::Index>(x[i + 11]), variables = static_cast<Eigen::Index>(x[i + 12]);
+    i += 13;
     r.bounds.assign(x.begin() + i, x.begin() + i + bounds);
     i += bounds;
     r.variables = x.segment(i, variables);

@@ -1,0 +1,528 @@
+#include "optimize/level_set/descent.hpp"
+
+#include "kerf/map.hpp"
+#include "optimize/ersatz.hpp"
+#include "optimize/level_set/fixed_point.hpp"
+#include "optimize/level_set/nucleate.hpp"
+#include "optimize/loop/finish.hpp"
+#include "optimize/loop/history_text.hpp"
+#include "solver/stress.hpp"
+#include "topo/map_at_centroids.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// Lengths relative to the mesh size, areas to that of the frame.
+constexpr double largest_radius = 1, smallest_radius = 0.05;
+constexpr double largest_turn = 0.5, smallest_turn = 0.015;  // of the fixed point
+constexpr double drop = 0.03;                                // of the area that is taken away in one step
+constexpr double redrawing = 2e-3;                           // what drawing and meshing anew changes of J
+constexpr double restoration = 0.05;                         // of a bound that one step makes up for
+constexpr double harder = 1.5;                               // violations of bounds weigh more than their multipliers
+constexpr double jump = 10;                                  // of J in one step while the area falls
+constexpr int patience = 4;                                  // steps without a better design
+constexpr std::size_t window = 6;  // steps over which a small change means that no more is to be had
+constexpr int exploring = 12;      // steps at the final area in which holes still appear by themselves
+constexpr double stride = 0.01;       // of the merit in one step, without which that time runs
+constexpr double pays = 0.7;       // T against the price where a hole is tried
+
+Eigen::VectorXd vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+/// Below it lies a third of the values: the price of area where no boundary tells one.
+double lower_third(const Eigen::VectorXd& values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
+  std::nth_element(sorted.begin(), at, sorted.end());
+  return *at;
+}
+
+Eigen::VectorXd from_nothing(const Ground& g, Eigen::VectorXd phi) {
+  return signed_distance(g.background, constrained(g.background, std::move(phi)));
+}
+
+}  // namespace
+
+Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& start) : g_(g), rules_(std::move(rules)) {
+  s_.radius = rules_.radius * g.size;
+  s_.turn = largest_turn;
+  s_.weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(g.r.bounds.size()));
+  if (rules_.tight.empty()) rules_.tight.assign(g.r.bounds.size(), 1);
+  begin(start);
+}
+
+Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
+    : g_(g), rules_(std::move(rules)), s_(std::move(progress)) {
+  if (rules_.tight.empty()) rules_.tight.assign(g.r.bounds.size(), 1);
+  const auto drawn = [&](const Eigen::VectorXd& phi) {
+    return phi.size() == 0 ? nullptr : draw(g_, phi, {}, rules_.coarse).design;
+  };
+  design_ = drawn(s_.phi);
+  best_ = drawn(s_.best.phi);
+  anchored_ = drawn(s_.anchor.phi);
+}
+
+void Descent::begin(const Eigen::VectorXd& start) {
+  Eigen::VectorXd phi = from_nothing(g_, start);
+  const double area = negative_area(g_.background.mesh, phi);
+  s_.allowed = g_.limited ? std::max(g_.target, area) : infinity;
+  // A start that has about the area wanted is shifted to it.
+  std::optional<double> wanted;
+  if (g_.limited && area > (1 - drop) * g_.target && area < (1 + 2 * drop) * g_.target) {
+    s_.allowed = g_.target;
+    wanted = g_.target;
+    phi = with_area(g_.background, phi, g_.target);
+  }
+  ++s_.solves;
+  DrawnLevelSet drawing = draw(g_, phi, g_.weak() ? std::nullopt : wanted, rules_.coarse);
+  s_.phi = std::move(drawing.phi);
+  s_.drawn = std::move(drawing.notes);
+  show(std::move(drawing.design), {});
+  keep_if_best();
+}
+
+bool Descent::settled() const {
+  return !g_.limited || s_.allowed <= g_.target;
+}
+
+Iterate Descent::iterate() const {
+  const SolvedCase& c = design_->cases.front();
+  return {s_.rows.back(), design_->shape, c.model, c.state};
+}
+
+/// (value - what this mesh may use of the bound) / |bound|.
+Eigen::VectorXd Descent::relative(const Eigen::VectorXd& bounds) const {
+  Eigen::VectorXd c(bounds.size());
+  for (Eigen::Index i = 0; i < c.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double most = g_.r.bounds[k].at_most;
+    c[i] = (bounds[i] - most * rules_.tight[k]) / std::max(std::abs(most), 1e-300);
+  }
+  return c;
+}
+
+/// J + price of area + weighted violations of the bounds [theory: L.12].
+double Descent::value(double J, double area, const Eigen::VectorXd& bounds) const {
+  double sum = J + g_.r.volume_penalty * area;
+  if (bounds.size() > 0) sum += s_.weight.dot(relative(bounds).cwiseMax(0));
+  return sum;
+}
+double Descent::value(const Evaluated& e) const {
+  return value(e.J, e.area, vector_of(e.bounds));
+}
+double Descent::value(const KeptDesign& k) const {
+  return k.phi.size() == 0 ? infinity : value(k.J, k.area, k.bounds);
+}
+
+double Descent::merit() const {
+  return value(*design_);
+}
+
+bool Descent::keeps_bounds(const Evaluated& e) const {
+  const Eigen::VectorXd c = relative(vector_of(e.bounds));
+  return violation_of(g_.r, e.bounds, e.area / g_.whole) < feasible_violation &&
+         (c.size() == 0 || c.maxCoeff() < feasible_violation);
+}
+
+double Descent::noise() const {
+  return redrawing * std::abs(merit());
+}
+
+Eigen::VectorXd Descent::derivative() const {
+  const Evaluated& e = *design_;
+  const Mesh& mesh = e.cases.front().model.mesh;
+  const Perturbation hole = g_.weak()
+                                ? Perturbation{.kind = Perturbation::Kind::Inclusion,
+                                               .inclusion = weak_material(g_.p.scene.material, g_.r.level_set.ersatz)}
+                                : Perturbation{};
+  const Perturbation filled{.kind = Perturbation::Kind::Inclusion, .inclusion = g_.p.scene.material};
+  const auto change = [&](Index t) -> const Perturbation& {
+    return g_.weak() && strong_share(region_of(mesh, t)) < 0.5 ? filled : hole;
+  };
+  Eigen::VectorXd T = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mesh.triangles.size()));
+  const auto add = [&](const std::vector<WeightedAnalysis>& all, double factor) {
+    for (const WeightedAnalysis& w : all) T += factor * w.weight * map_at_centroids(w.analysis, *w.functional, change);
+  };
+  add(analyze_objective(e), 1);
+  const Eigen::VectorXd c = relative(vector_of(e.bounds));
+  for (Eigen::Index k = 0; k < c.size(); ++k)
+    if (s_.weight[k] > 0 && c[k] > -0.05)
+      add(analyze_bound(e, static_cast<std::size_t>(k)),
+          s_.weight[k] / harder / std::max(std::abs(g_.r.bounds[static_cast<std::size_t>(k)].at_most), 1e-300));
+  if (g_.weak())
+    for (Index t = 0; t < T.size(); ++t)
+      if (strong_share(region_of(mesh, t)) < 0.5) T[t] = -T[t];
+  return T;
+}
+
+const Descent::Rates& Descent::rates() {
+  constexpr double far = 0.1;  // below the worst load case: does not count
+  if (rates_) return *rates_;
+  const Evaluated& e = *design_;
+  Rates r{.objective = boundary_rate(e, analyze_objective(e)), .bounded = {}, .of = {}};
+  r.objective.density.array() -= g_.price - g_.r.volume_penalty;
+  for (std::size_t k = 0; k < e.bounds.size(); ++k)
+    for (std::size_t i = 0; i < e.by_case[k].size(); ++i) {
+      const bool worst = static_cast<Index>(i) == e.worst[k];
+      if (!worst && e.by_case[k][i] < e.bounds[k] - far * std::abs(e.bounds[k])) continue;
+      r.bounded.push_back(boundary_rate(e, analyze_bound(e, k, static_cast<Index>(i))));
+      r.of.emplace_back(k, static_cast<Index>(i));
+    }
+  rates_ = std::move(r);
+  return *rates_;
+}
+
+StepLimits Descent::limits(double radius, double allowed) const {
+  const LevelSetRequest& how = g_.r.level_set;
+  StepLimits l{.radius = radius,
+               .share = std::min(radius / (largest_radius * g_.size), 1.0),
+               .smoothing = how.smoothing > 0 ? how.smoothing : g_.size,
+               .min_feature = how.min_feature,
+               .price = g_.price,
+               .growth = g_.limited ? allowed - design_->area : infinity,
+               .room = {}};
+  for (const auto& [k, load_case] : rates_->of) {
+    const double most = g_.r.bounds[k].at_most * rules_.tight[k],
+                 at = design_->by_case[k][static_cast<std::size_t>(load_case)];
+    l.room.push_back(std::max(most - at, -restoration * std::max(std::abs(g_.r.bounds[k].at_most), std::abs(at))));
+  }
+  return l;
+}
+
+BoundaryStep Descent::measure() const {
+  Descent at = *this;
+  const Rates& r = at.rates();
+  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
+  return constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
+                          at.limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity), nullptr);
+}
+
+void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
+  const LevelSetRequest& how = g_.r.level_set;
+  const bool enclosed = rates_->objective.curve.edges.empty();
+  const Eigen::VectorXd T = derivative();
+  const std::vector<Disc> discs = places_to_nucleate(
+      g_.background, distance, design_->cases.front().model.mesh, T,
+      {.multiplier = enclosed && g_.limited ? lower_third(T) : t.step.price - (g_.price - g_.r.volume_penalty),
+       .area = how.nucleate_fraction * g_.whole,
+       .least = std::max(1.5 * g_.background.size, 0.5 * how.min_feature),
+       .most = std::max(1.5 * g_.size, 0.5 * how.min_feature)});
+  if (discs.empty()) return;
+  t.notes.push_back(fmt::format("{} hole{} nucleated", discs.size(), discs.size() == 1 ? "" : "s"));
+  cut_discs(g_.background, discs, t.phi);
+  t.nucleated = true;
+}
+
+void Descent::move_boundary(Tried& t) {
+  const LevelSetRequest& how = g_.r.level_set;
+  const Rates& r = rates();
+  if (r.objective.curve.edges.empty() && how.nucleate_every == 0)
+    throw Error(Fault::Geometry, "no boundary is free to move; ask for optimize.nucleate or optimize.start");
+  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
+  t.step = constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
+                            limits(s_.radius, t.allowed), g_.elastic.get());
+  residual_ = t.step.residual;
+  t.phi = distance - t.step.on_background;
+  if (rules_.explore && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.settled < exploring)
+    nucleate(t, distance);
+  t.phi = constrained(g_.background, t.phi);
+  drop_islands(g_.background, g_.loaded, t.phi);
+}
+
+void Descent::turn(Tried& t) const {
+  const Eigen::VectorXd T = derivative();
+  const FixedPoint f = fixed_point(
+      g_.background, *g_.filter, {design_->cases.front().model.mesh, T}, s_.psi.size() > 0 ? s_.psi : s_.phi,
+      {s_.turn, g_.limited ? std::nullopt : std::optional(g_.r.volume_penalty), t.allowed});
+  t.step.price = f.multiplier;
+  t.step.residual = f.angle;
+  t.step.objective = nan;
+  t.psi = f.psi;
+  t.phi = f.psi;
+  drop_islands(g_.background, g_.loaded, t.phi);
+  if (g_.limited) t.phi = with_area(g_.background, t.phi, t.allowed);
+}
+
+Descent::Tried Descent::attempt() {
+  Tried t;
+  const double less = g_.turns() ? s_.turn / largest_turn : s_.radius / (largest_radius * g_.size);
+  t.allowed = g_.limited ? std::max(g_.target, s_.allowed - std::min(less, 1.0) * drop * g_.whole) : infinity;
+  try {
+    if (g_.turns()) {
+      turn(t);
+      residual_ = t.step.residual;
+    } else {
+      move_boundary(t);
+    }
+    std::optional<double> wanted;
+    // Where less material is better everywhere the area is not held.
+    const double area = negative_area(g_.background.mesh, t.phi);
+    if (g_.limited && (g_.turns() || t.step.price > g_.price || area > t.allowed)) wanted = t.allowed;
+    if (wanted && !g_.turns()) t.phi = with_area(g_.background, t.phi, *wanted);
+    ++s_.solves;
+    t.drawing = draw(g_, t.phi, g_.weak() ? std::nullopt : wanted, rules_.coarse);
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    t.failure = error.what();
+  }
+  return t;
+}
+
+/// Weights of violations follow the multipliers.
+void Descent::judge(Tried& t) {
+  if (!rates_) return;
+  Eigen::VectorXd now = Eigen::VectorXd::Zero(s_.weight.size());
+  for (std::size_t i = 0; i < t.step.multiplier.size(); ++i) {
+    const std::size_t k = rates_->of[i].first;
+    now[static_cast<Eigen::Index>(k)] += harder * t.step.multiplier[i] * std::abs(g_.r.bounds[k].at_most);
+  }
+  s_.weight = now.cwiseMax(0.9 * s_.weight);
+  s_.price = t.step.price;
+}
+
+void Descent::show(Design design, std::vector<std::string> notes) {
+  design_ = std::move(design);
+  rates_.reset();
+  s_.rows.push_back({.number = s_.iteration,
+                     .objective = design_->J,
+                     .merit = merit(),
+                     .volume_fraction = design_->area / g_.whole,
+                     .bounds = design_->bounds,
+                     .violation = violation_of(g_.r, design_->bounds, design_->area / g_.whole),
+                     .step = g_.turns() ? s_.turn : s_.radius,
+                     .optimality = residual_,
+                     .holes = static_cast<int>(design_->shape.holes.size()),
+                     .triangles = static_cast<Index>(design_->cases.front().model.mesh.triangles.size()),
+                     .state_solves = s_.solves,
+                     .note = join(notes)});
+}
+
+/// What rows before have said of carving already, and more than a few, says nothing new.
+std::vector<std::string> new_of(const std::vector<std::string>& notes, const std::vector<std::string>& before) {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> fresh;
+  for (const std::string& note : notes)
+    if (std::find(before.begin(), before.end(), note) == before.end()) fresh.push_back(note);
+  const std::size_t all = fresh.size();
+  if (all > most) {
+    fresh.resize(most);
+    fresh.push_back(fmt::format("{} more of the kind", all - most));
+  }
+  return fresh;
+}
+
+void Descent::take(Tried& t) {
+  const double before = merit();
+  std::vector<std::string> notes = t.notes;
+  for (std::string& note : new_of(t.drawing.notes, s_.drawn)) notes.push_back(std::move(note));
+  const double after = value(*t.drawing.design);
+  if (t.drawing.design->J > design_->J)
+    notes.push_back(!settled()       ? "J rises while the area falls"
+                    : after > before ? fmt::format("merit up by {:.2g} %, within what drawing anew may change",
+                                                   100 * (after - before) / std::abs(before))
+                                     : "J rises for the bounds");
+  adapt_radius(t, before, after);
+  s_.phi = std::move(t.drawing.phi);
+  if (g_.turns()) s_.psi = t.psi;
+  s_.drawn = std::move(t.drawing.notes);
+  s_.allowed = t.allowed;
+  if (settled() && !(rules_.explore && after < before - stride * std::abs(before))) ++s_.settled;
+  show(std::move(t.drawing.design), std::move(notes));
+  keep_if_best();
+}
+
+/// By what came of what was predicted, where that is more than noise.
+void Descent::adapt_radius(const Tried& t, double before, double after) {
+  constexpr double more = 1.4, less = 0.6, good = 0.6, bad = 0.1;
+  double factor = 1;
+  if (!settled() || t.nucleated || g_.turns()) {
+    factor = g_.turns() ? 1.2 : 1;
+  } else {
+    std::vector<double> bounds = design_->bounds;
+    for (std::size_t i = 0; i < t.step.bounded.size(); ++i)
+      if (const auto& [k, load_case] = rates_->of[i]; load_case == design_->worst[k]) bounds[k] += t.step.bounded[i];
+    const double predicted = value(design_->J + t.step.objective + (g_.price - g_.r.volume_penalty) * t.step.area,
+                                   design_->area + t.step.area, vector_of(bounds)) -
+                             before;
+    if (std::abs(predicted) > noise()) {
+      const double ratio = (after - before) / predicted;
+      factor = ratio > good ? more : ratio < bad ? less : 1;
+    }
+  }
+  s_.radius = std::min(factor * s_.radius, largest_radius * g_.size);
+  s_.turn = std::min(factor * s_.turn, largest_turn);
+}
+
+void Descent::keep_if_best() {
+  if (!settled()) return;
+  const double now = merit(), before = value(s_.best);
+  const bool good = keeps_bounds(*design_), good_before = best_ && keeps_bounds(*best_);
+  const bool better = s_.best.phi.size() == 0 || (good == good_before ? now < before : good);
+  if (better) {
+    s_.best = {s_.phi, design_->J, design_->area, vector_of(design_->bounds), s_.iteration};
+    best_ = design_;
+  }
+  s_.since = better ? 0 : s_.since + 1;
+  s_.track.push_back(value(s_.best));
+}
+
+void Descent::refuse(const Tried& t, double rise) {
+  const std::string why = t.drawing.design
+                              ? fmt::format("refused: merit would rise by {:.2g} %", 100 * rise / std::abs(merit()))
+                              : fmt::format("refused: {}", t.failure);
+  s_.radius *= 0.5;
+  s_.turn *= 0.5;
+  Iteration row = s_.rows.back();
+  row.number = s_.iteration;
+  row.accepted = false;
+  row.state_solves = s_.solves;
+  row.note = why;
+  row.step = 2 * (g_.turns() ? s_.turn : s_.radius);
+  row.objective = row.merit = nan;
+  if (t.drawing.design) {
+    const Evaluated& e = *t.drawing.design;
+    row.objective = e.J;
+    row.merit = value(e);
+    row.volume_fraction = e.area / g_.whole;
+    row.bounds = e.bounds;
+    row.violation = violation_of(g_.r, e.bounds, e.area / g_.whole);
+    row.holes = static_cast<int>(e.shape.holes.size());
+    row.triangles = static_cast<Index>(e.cases.front().model.mesh.triangles.size());
+  }
+  s_.rows.push_back(std::move(row));
+}
+
+void Descent::go_back(const KeptDesign& to, const std::string& why) {
+  s_.phi = to.phi;
+  if (g_.turns()) s_.psi = to.phi;
+  s_.since = 0;
+  if (s_.iteration >= rules_.iterations) return;  // the end shows it
+  ++s_.iteration;
+  show(&to == &s_.anchor ? anchored_ : best_, {fmt::format("back to iteration {}: {}", to.iteration, why)});
+}
+
+std::string Descent::reason_to_end() const {
+  if (!settled() || s_.best.phi.size() == 0 || (rules_.explore && s_.settled < exploring)) return {};
+  const std::size_t n = s_.track.size();
+  if (!g_.turns() && s_.settled > 2 && residual_ <= rules_.residual && keeps_bounds(*best_))
+    return fmt::format("shape residual {:.2g}", residual_);
+  if (n > window && s_.track[n - 1 - window] - s_.track.back() < redrawing * std::abs(s_.track.back()))
+    return fmt::format("the best merit fell by less than {:.1g} of it in {} steps", redrawing, window);
+  if (s_.radius < smallest_radius * g_.size || s_.turn < smallest_turn)
+    return fmt::format("no better design within a step of {:.2g}", 2 * (g_.turns() ? s_.turn : s_.radius));
+  return {};
+}
+
+/// Holes where T says that they pay, if there are such places: steps from there have to beat the design of now.
+bool Descent::try_nucleation() {
+  if (g_.turns() || g_.r.level_set.nucleate_every == 0 || s_.trials >= rules_.trials ||
+      s_.iteration >= rules_.iterations)
+    return false;
+  ++s_.trials;
+  rates();
+  Tried t;
+  t.step.price = pays * s_.price;
+  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
+  t.phi = distance;
+  nucleate(t, distance);
+  if (!t.nucleated) return false;
+  try {
+    t.phi = constrained(g_.background, t.phi);
+    std::optional<double> wanted;
+    if (g_.limited && s_.price > g_.price) t.phi = with_area(g_.background, t.phi, *(wanted = s_.allowed));
+    ++s_.iteration;
+    ++s_.solves;
+    DrawnLevelSet drawing = draw(g_, t.phi, wanted, rules_.coarse);
+    s_.anchor = s_.best;
+    anchored_ = best_;
+    s_.since = 0;
+    s_.radius = std::max(s_.radius, 0.5 * largest_radius * g_.size);
+    s_.phi = std::move(drawing.phi);
+    t.notes.front() += " on trial";
+    show(std::move(drawing.design), t.notes);
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    return false;
+  }
+  s_.track.clear();
+  return true;
+}
+
+/// Of a trial nucleation: whether it was worth it.
+void Descent::close_trial(bool worth) {
+  if (worth) {
+    --s_.trials;
+    s_.rows.back().note = join({s_.rows.back().note, "the trial has paid"});
+  } else {
+    s_.best = s_.anchor;
+    best_ = anchored_;
+    go_back(s_.anchor, "the trial did not pay");
+  }
+  s_.anchor = {};
+  anchored_ = nullptr;
+  s_.track.assign(1, value(s_.best));
+}
+
+void Descent::finish(const std::string& why) {
+  if (best_ && best_ != design_) {
+    // What the step from the best design said of it.
+    for (const Iteration& row : s_.rows)
+      if (row.number == s_.best.iteration + 1) residual_ = row.optimality;
+    s_.phi = s_.best.phi;
+    ++s_.iteration;
+    show(best_, {fmt::format("the best design, of iteration {}", s_.best.iteration)});
+    --s_.iteration;
+  }
+  s_.ended = why;
+}
+
+bool Descent::advance() {
+  constexpr int trial_steps = 8;
+  if (!s_.ended.empty()) return false;
+  if (s_.iteration >= rules_.iterations) {
+    if (s_.anchor.phi.size() > 0) close_trial(value(s_.best) < value(s_.anchor) - noise());
+    finish(fmt::format("the iterations asked for are done ({})", rules_.iterations));
+    return false;
+  }
+  ++s_.iteration;
+  const bool was_settled = settled();
+  const bool emerging = rules_.explore && s_.settled < exploring;
+  Tried t = attempt();
+  judge(t);
+  if (t.drawing.design) {
+    const double before = merit(), rise = value(*t.drawing.design) - before;
+    const bool falls = !was_settled || t.allowed < s_.allowed || t.nucleated || emerging;
+    if (falls ? rise > jump * std::abs(before) : !(rise <= noise()))
+      refuse(t, rise);
+    else
+      take(t);
+  } else {
+    refuse(t, nan);
+  }
+  const bool trying = s_.anchor.phi.size() > 0, appearing = rules_.explore && s_.settled < exploring;
+  if (!appearing && settled() && s_.since >= patience && !trying && s_.best.phi.size() > 0 && best_ != design_) {
+    s_.radius *= 0.5;
+    go_back(s_.best, fmt::format("no better design in {} steps", patience));
+  }
+  if (trying) {
+    const bool worth = value(s_.best) < value(s_.anchor) - noise();
+    if (worth || s_.since >= trial_steps || s_.radius < smallest_radius * g_.size) close_trial(worth);
+  }
+  const std::string why = settled() || s_.radius >= smallest_radius * g_.size
+                              ? reason_to_end()
+                              : fmt::format("no step can be made: {}", s_.rows.back().note);
+  if (why.empty() || s_.anchor.phi.size() > 0) return true;
+  if (best_ && best_ != design_) go_back(s_.best, why);
+  if (settled() && try_nucleation()) return true;
+  finish(why);
+  return false;
+}
+
+}  // namespace kerf

@@ -1,0 +1,134 @@
+#include "optimize/level_set/ground.hpp"
+
+#include "kerf/mesher.hpp"
+#include "optimize/ersatz.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace kerf {
+
+namespace {
+
+// Lengths relative to the mesh size.
+constexpr double fine = 0.5;         // the canvas against the mesh of the body
+constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
+constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
+
+Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
+  // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
+  Solid solid{.width = width};
+  for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, width / 3);
+  for (const Loop& loop : p.frame.regions) solid.loops.emplace_back(loop, width);
+  const auto stays = [&solid](Index label) {
+    if (label != none && std::find(solid.labels.begin(), solid.labels.end(), label) == solid.labels.end())
+      solid.labels.push_back(label);
+  };
+  for (const Scene& scene : scenes_of(p, r))
+    for (const Traction& t : scene.tractions) stays(t.label);
+  for (const Support& support : p.scene.supports) solid.held.push_back(support.label);
+  std::vector<const Functional*> all{&p.objective};
+  for (const FunctionalBound& b : r.bounds) all.push_back(&b.functional);
+  for (const Functional* j : all)
+    for (const Term& term : j->terms) {
+      stays(term.label);
+      if (term.measured) stays(term.measured->label);
+      if (term.feature_radius > 0) {
+        solid.discs.emplace_back(term.feature, term.feature_radius);
+        notes.push_back(fmt::format("the ring of {} around ({:.4g}, {:.4g}) stays solid", term.kind, term.feature.x(),
+                                    term.feature.y()));
+      }
+    }
+  return solid;
+}
+
+/// Of volume terms in J.
+double price_of_volume(const Problem& p, const OptimizeRequest& r) {
+  double price = 0, cases = r.load_cases.empty() ? 1 : 0;
+  for (const Term& term : p.objective.terms)
+    if (term.volume) price += term.factor;
+  for (const LoadCase& load : r.load_cases) cases += load.weight;
+  return cases * price;
+}
+
+Carving carving(const Ground& g, double coarse) {
+  const double edge = (g.weak() ? 1 : fine) * g.size;
+  Carving how{.spacing = coarse * g.size, .least_area = edge * edge, .keep = g.loaded, .holding = g.holding};
+  how.keep.insert(how.keep.end(), g.holding.begin(), g.holding.end());
+  return how;
+}
+
+/// What carving dropped or filled, out of the function: whole pieces, and what lies more than half an edge of the
+/// canvas on the wrong side. What it turned nearer to the zero line is a matter of smoothing.
+void settle(const BackgroundMesh& b, const std::vector<char>& inside, Eigen::VectorXd& phi) {
+  for (Eigen::Index v = 0; v < phi.size(); ++v)
+    if ((phi[v] < 0) != bool(inside[static_cast<std::size_t>(v)]) && std::abs(phi[v]) > 0.5 * b.size) phi[v] = -phi[v];
+}
+
+double length_of(const std::vector<ZeroPiece>& line) {
+  return std::accumulate(line.begin(), line.end(), 0.0,
+                         [](double sum, const ZeroPiece& z) { return sum + (z.a - z.b).norm(); });
+}
+
+}  // namespace
+
+Ground make_ground(const Problem& p, const OptimizeRequest& r) {
+  Ground g{.p = p, .r = r};
+  const LevelSetRequest& how = r.level_set;
+  const double of_volume = price_of_volume(p, r);
+  if (!r.volume_at_most && !(r.volume_penalty > 0) && !(of_volume > 0 && !r.bounds.empty()))
+    throw Error(
+        Fault::Usage,
+        "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
+        "[[optimize.bound]]");
+  require(p.element, can_optimize);
+  if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
+    throw Error(Fault::Usage,
+                "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
+  g.size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  g.price = of_volume + r.volume_penalty;
+  g.limited = r.volume_at_most && *r.volume_at_most < 1;
+  Sizing even = p.sizing;
+  even.across = 1;
+  even.size = (how.ersatz > 0 ? 1 : fine) * g.size;
+  even.crack_tip_size = even.size;
+  const Solid solid = solid_parts(p, r, strip * even.size, g.notes);
+  g.background = background_mesh(triangulate(p.frame, even), solid, how.mirror);
+  g.whole = g.background.lumped.sum();
+  g.target = r.volume_at_most.value_or(1) * g.whole;
+  g.loaded = solid.labels;
+  g.holding = solid.held;
+  const double smoothing = how.smoothing > 0 ? how.smoothing : g.size;
+  if (!g.turns() && how.product == LevelSetRequest::Product::Elasticity)
+    g.elastic = std::make_unique<ElasticProduct>(g.background, smoothing);
+  if (g.turns())
+    g.filter = std::make_unique<Helmholtz>(g.background, how.smoothing > 0 ? how.smoothing : 1.5 * g.background.size);
+  return g;
+}
+
+DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
+  if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
+  const Carving how = carving(g, coarse);
+  Carved carved = carve(g.p.frame, g.background.mesh, phi, how);
+  settle(g.background, carved.inside, phi);
+  constexpr int most = 8;
+  for (int i = 0; wanted && i < most && std::abs(carved.area - *wanted) > area_error * g.whole; ++i) {
+    const double length = length_of(zero_line(g.background.mesh, phi)), reach = 0.5 * g.background.size;
+    if (!(length > 0)) break;
+    phi.array() += std::clamp((carved.area - *wanted) / length, -reach, reach);
+    if (g.background.frozen.size() > 0) phi = phi.cwiseMin(g.background.frozen);
+    carved = carve(g.p.frame, g.background.mesh, phi, how);
+    settle(g.background, carved.inside, phi);
+  }
+  Problem fitted = g.p;  // one edge across thin members
+  fitted.sizing.size = coarse * g.size;
+  fitted.sizing.across = 1;
+  auto design =
+      std::make_shared<const Evaluated>(evaluate_design(fitted, g.r, std::move(carved.shape), carved.crack_of));
+  return {std::move(phi), std::move(carved.notes), std::move(design)};
+}
+
+}  // namespace kerf

@@ -1,0 +1,80 @@
+#include "optimize/level_set/progress.hpp"
+
+#include "optimize/loop/history_text.hpp"
+
+#include <tuple>
+
+namespace kerf {
+
+namespace {
+
+// Vectors by name; the scalars are the entries of one vector, in this order.
+constexpr std::array<std::pair<const char*, Eigen::VectorXd DescentState::*>, 3> vectors{
+    {{"phi", &DescentState::phi}, {"psi", &DescentState::psi}, {"weight", &DescentState::weight}}};
+constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> designs{
+    {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
+
+template <typename State>
+auto scalars(State& s) {
+  return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled);
+}
+template <typename Design>
+auto scalars_of(Design& d) {
+  return std::tie(d.J, d.area, d.iteration);
+}
+
+Eigen::VectorXd vector_of(const auto& tuple) {
+  return std::apply(
+      [](const auto&... x) {
+        Eigen::VectorXd v(static_cast<Eigen::Index>(sizeof...(x)));
+        Eigen::Index i = 0;
+        ((v[i++] = static_cast<double>(x)), ...);
+        return v;
+      },
+      tuple);
+}
+void read(const Eigen::VectorXd& v, const auto& tuple) {
+  Eigen::Index i = 0;
+  std::apply([&](auto&... x) { ((x = static_cast<std::remove_reference_t<decltype(x)>>(v[i++])), ...); }, tuple);
+}
+
+}  // namespace
+
+Checkpoint packed(const DescentState& s) {
+  Checkpoint c;
+  for (const auto& [name, member] : vectors) c.numbers[name] = s.*member;
+  for (const auto& [key, member] : designs) {
+    const KeptDesign& d = s.*member;
+    const std::string name = key;
+    c.numbers[name] = d.phi;
+    c.numbers[name + "_bounds"] = d.bounds;
+    c.numbers[name + "_scalars"] = vector_of(scalars_of(d));
+  }
+  c.numbers["track"] = Eigen::Map<const Eigen::VectorXd>(s.track.data(), static_cast<Eigen::Index>(s.track.size()));
+  c.numbers["scalars"] = vector_of(scalars(s));
+  c.texts["ended"] = s.ended;
+  c.texts["drawn"] = join(s.drawn, "\n");
+  write_rows(c, s.rows);
+  return c;
+}
+
+DescentState unpacked(const Checkpoint& c) {
+  DescentState s;
+  for (const auto& [name, member] : vectors) s.*member = c.numbers.at(name);
+  for (const auto& [key, member] : designs) {
+    KeptDesign& d = s.*member;
+    const std::string name = key;
+    d.phi = c.numbers.at(name);
+    d.bounds = c.numbers.at(name + "_bounds");
+    read(c.numbers.at(name + "_scalars"), scalars_of(d));
+  }
+  const Eigen::VectorXd& track = c.numbers.at("track");
+  s.track.assign(track.begin(), track.end());
+  read(c.numbers.at("scalars"), scalars(s));
+  s.ended = c.texts.at("ended");
+  s.drawn = split_lines(c.texts.at("drawn"));
+  s.rows = read_rows(c);
+  return s;
+}
+
+}  // namespace kerf

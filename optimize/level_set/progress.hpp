@@ -1,0 +1,41 @@
+#pragma once
+// All that an iteration of a level set leaves to the next one.
+
+#include "optimize/checkpoint.hpp"
+#include "optimize/loop/evaluate.hpp"
+
+namespace kerf {
+
+/// A design to come back to.
+struct KeptDesign {
+  Eigen::VectorXd phi;  // empty: none yet
+  double J = infinity, area = 0;
+  Eigen::VectorXd bounds;
+  int iteration = 0;
+};
+
+struct DescentState {
+  int iteration = 0, solves = 0;
+  double allowed = 0;              // area
+  double radius = 0;               // largest move of the boundary, a length
+  double turn = 0;                 // of the fixed point: share of the angle
+  Eigen::VectorXd phi;             // of the present design, as it was drawn
+  Eigen::VectorXd psi;             // of the fixed point: on the unit sphere of L2
+  double price = 0;                // of area
+  Eigen::VectorXd weight;          // of violations of the bounds in the merit, in units of J
+  KeptDesign best;                 // at the area wanted
+  KeptDesign anchor;               // what a trial nucleation has to beat; empty: no trial
+  int since = 0;                   // steps since the best, or of the trial
+  int trials = 0;                  // nucleations tried
+  int settled = 0;                 // iterations since the area is the one wanted
+  std::vector<double> track;       // merit of the best after every step at the final area
+  std::string ended;               // why the loop is over; empty while it is not
+  std::vector<std::string> drawn;  // what carving the present design said
+  std::vector<Iteration> rows;
+};
+
+/// Bit for bit.
+Checkpoint packed(const DescentState& s);
+DescentState unpacked(const Checkpoint& c);
+
+}  // namespace kerf

@@ -1,0 +1,20 @@
+#pragma once
+// What a level set begins with.
+
+#include "optimize/level_set/ground.hpp"
+
+namespace kerf {
+
+struct LevelSetStart {
+  std::string name;      // in messages
+  Eigen::VectorXd phi;   // on the canvas
+  bool explore = false;  // without the holes that it needs: they appear on the way
+};
+
+/// The full body, or with the holes asked for.
+LevelSetStart given_start(const Ground& g);
+
+/// The one to go on from. Throws Error(Usage | Geometry | Numerics).
+LevelSetStart best_start(const Ground& g);
+
+}  // namespace kerf
