@@ -28,6 +28,10 @@ class Factor {
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;
 
+  /// The factor of a definite matrix of the same pattern, in the memory and by the symbolic analysis of this one;
+  /// `lower` may be that of the constructor with other values. Throws as the constructor does.
+  void refactor(const LowerTriangle& lower);
+
   /// S onto the rows in contact; onto interface and contact rows together. Dense, read off the factor.
   Eigen::MatrixXd contact_complement() const;
   Eigen::MatrixXd interface_complement() const;

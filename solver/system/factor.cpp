@@ -100,6 +100,15 @@ struct Factor::Impl {
     if (factor) cholmod_free_factor(&factor, &session.c);
   }
 
+  void factorize(cholmod_sparse& a) {
+    const int done = cholmod_factorize(&a, factor, &session.c);
+    // cholmod_solve resets the status: it must be read here.
+    if (session.c.status == CHOLMOD_NOT_POSDEF)
+      throw Error(Fault::Numerics,
+                  fmt::format("the condensed matrix is not positive definite at column {} of {}", factor->minor, size));
+    if (!done || session.c.status != CHOLMOD_OK) out_of_memory();
+  }
+
   template <typename Dense>
   Dense apply(int system, const Dense& b) const {
     cholmod_dense in{};
@@ -167,15 +176,21 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
   if (!impl_->factor) out_of_memory();
   impl_->entries = c.lnz;
   impl_->flops = c.fl;
-  const int done = cholmod_factorize(&a, impl_->factor, &c);
-  // cholmod_solve resets the status: it must be read here.
-  if (c.status == CHOLMOD_NOT_POSDEF)
-    throw Error(Fault::Numerics, fmt::format("the condensed matrix is not positive definite at column {} of {}",
-                                             impl_->factor->minor, impl_->size));
-  if (!done || c.status != CHOLMOD_OK) out_of_memory();
+  impl_->factorize(a);
   if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
   impl_->interface_factor = impl_->last_block(contact_rows + interface_rows);
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
+}
+
+void Factor::refactor(const LowerTriangle& lower) {
+  if (impl_->lu || lower.size != impl_->size) throw std::invalid_argument("Factor: refactor with another pattern");
+  if (impl_->size == 0) return;
+  const Eigen::Index rows = impl_->interface_factor.rows(), contact = impl_->contact_factor.rows();
+  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
+                          const_cast<double*>(lower.values.data()), -1);
+  impl_->factorize(a);
+  impl_->interface_factor = impl_->last_block(static_cast<Index>(rows));
+  impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact, contact);
 }
 
 Factor::~Factor() = default;

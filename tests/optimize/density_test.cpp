@@ -1,0 +1,160 @@
+#include "optimize/density/density.hpp"
+
+#include "optimize/density/simp.hpp"
+#include "optimize/loop/evaluate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+BoundaryField constant(const Vec2& value) {
+  return [value](const Vec2&, const Vec2&) { return value; };
+}
+
+/// [0, 2] x [0, 1] in the unit given, clamped on the left, a force down on the middle of the right side.
+Problem cantilever(double unit = 1, double modulus = 1) {
+  Problem p;
+  p.frame.labels = {"free", "load", "left"};
+  p.frame.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 0.45}, {2, 0.55}, {2, 1}, {0, 1}}, 0);
+  for (Side& side : p.frame.outline.sides) side.start *= unit;
+  p.frame.outline.sides[2].label = 1;
+  p.frame.outline.sides[5].label = 2;
+  p.scene.material = plane_stress(modulus, 0.3);
+  p.scene.supports = {{.label = 2, .value = constant({0, 0})}};
+  p.scene.tractions = {{.label = 1, .value = constant({0, -10 * modulus})}};
+  p.sizing.size = 0.05 * unit;
+  p.objective = {"compliance", {compliance()}};
+  p.plane_strain = false;
+  return p;
+}
+
+OptimizeRequest at_most(double volume) {
+  OptimizeRequest r;
+  r.volume_at_most = volume;
+  return r;
+}
+
+double full_compliance(const Problem& p, double cells = 3200) {
+  const Lattice l = make_lattice(p, at_most(0.5), {.cells = cells});
+  const LatticePattern pattern = lattice_pattern(l);
+  LatticeStiffness stiffness(l, pattern);
+  Eigen::VectorXd full = Eigen::VectorXd::Zero(l.part.size());
+  for (const Index c : l.cells) full[c] = 1;
+  return l.compliance_unit * compliances(l, stiffness, {}, full).value[0];
+}
+
+double solved_compliance(const Problem& p) {
+  return evaluate_design(p, {}, p.frame, {}).J;
+}
+
+TEST(Density, LatticeOfAFullBodyHasItsCompliance) {
+  const Problem p = cantilever();
+  EXPECT_NEAR(full_compliance(p), solved_compliance(p), 0.01 * solved_compliance(p));
+}
+
+// Nothing of this body is parallel to the lattice: a bar turned by 30 degrees under a shear force at its end, of which
+// the roller holds the normal and a point-like piece the rest.
+TEST(Density, SlantedSidesHoldAndLoadAsTheyShould) {
+  const double turn = pi / 6;
+  const Mat2 rotation{{std::cos(turn), -std::sin(turn)}, {std::sin(turn), std::cos(turn)}};
+  Problem p;
+  p.frame.labels = {"free", "load", "roller", "pin"};
+  p.frame.outline = polygon("outline", {{0, 0}, {3, 0}, {3, 1}, {0, 1}, {0, 0.6}, {0, 0.4}}, 0);
+  const std::array<Index, 6> labels{0, 1, 0, 2, 3, 2};
+  for (std::size_t i = 0; i < 6; ++i) {
+    p.frame.outline.sides[i].start = rotation * p.frame.outline.sides[i].start;
+    p.frame.outline.sides[i].label = labels[i];
+  }
+  p.scene.material = plane_stress(1, 0.3);
+  p.scene.supports = {{.label = 2, .normal_frame = true, .second = false, .value = constant({0, 0})},
+                      {.label = 3, .value = constant({0, 0})}};
+  p.scene.tractions = {
+      {.label = 1, .value = [rotation](const Vec2&, const Vec2&) -> Vec2 { return rotation * Vec2(0, -1); }}};
+  p.sizing.size = 0.1;
+  p.objective = {"compliance", {compliance()}};
+  p.plane_strain = false;
+  EXPECT_NEAR(full_compliance(p), solved_compliance(p), 0.04 * solved_compliance(p));
+  // Beam theory, clamped: F^2 L^3 / (3 E I) + F^2 L / (k G A).
+  const double beam = 27 / (3.0 / 12) + 3 / (5.0 / 6 / 2.6);
+  EXPECT_NEAR(full_compliance(p), beam, 0.05 * beam);
+}
+
+TEST(Density, CellsAreSharedWithTheOutsideAsTheBodyIs) {
+  Problem p = cantilever();
+  p.frame.holes = {circle("hole", {0.7, 0.5}, 0.3, 0), ellipse("other", {1.5, 0.4}, {0.2, 0.1}, 0.5, 0)};
+  const Lattice l = make_lattice(p, at_most(0.5), {});
+  EXPECT_NEAR(l.part.sum() * l.cell * l.cell, area(p.frame), 1e-4);
+  const Index middle = static_cast<Index>(0.7 / l.cell) + l.columns * static_cast<Index>(0.5 / l.cell);
+  EXPECT_EQ(l.part[middle], 0);
+  for (const DensityDesign& d : density_designs(p, at_most(0.5))) EXPECT_NEAR(d.volume_fraction, 0.5, 1e-3);
+}
+
+TEST(Density, DerivativesAreThoseOfDifferences) {
+  Problem p = cantilever();
+  p.scene.body = [](const Vec2& x) { return Vec2(1, -3 * x.x()); };
+  const Lattice l = make_lattice(p, at_most(0.5), {.cells = 50});
+  const LatticePattern pattern = lattice_pattern(l);
+  LatticeStiffness stiffness(l, pattern);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
+  for (const Index c : l.cells) x[c] = 0.3 + 0.6 * std::abs(std::sin(c * 1.7));
+  const Compliances now = compliances(l, stiffness, {}, x);
+  for (const Index c : {3, 17, 40}) {
+    Eigen::VectorXd more = x, less = x;
+    more[c] += 1e-5, less[c] -= 1e-5;
+    const double difference =
+        (compliances(l, stiffness, {}, more).value[0] - compliances(l, stiffness, {}, less).value[0]) / 2e-5;
+    EXPECT_NEAR(now.by_density(c, 0), difference, 1e-6 * now.by_density.cwiseAbs().maxCoeff()) << c;
+  }
+}
+
+TEST(Density, DesignsAreGoodMeetTheVolumeAndLoseNoSymmetry) {
+  const std::vector<DensityDesign> designs = density_designs(cantilever(), at_most(0.4));
+  ASSERT_EQ(designs.size(), 2u);
+  EXPECT_LE(designs[0].compliance, designs[1].compliance);
+  EXPECT_LT(designs[0].compliance, 74);  // SIMP on 5000 cells: 72.8
+  EXPECT_GT(designs[0].compliance, 70);
+  for (const DensityDesign& d : designs) {
+    EXPECT_NEAR(d.volume_fraction, 0.4, 1e-3);
+    for (const double x : {0.31, 1.04, 1.77})
+      for (const double y : {0.07, 0.33, 0.46}) EXPECT_NEAR(density_at(d, {x, y}), density_at(d, {x, 1 - y}), 1e-3);
+  }
+}
+
+TEST(Density, AMirrorIsKept) {
+  Problem p = cantilever();
+  p.scene.tractions[0].value = constant({-5, -10});
+  OptimizeRequest r = at_most(0.4);
+  r.level_set.mirror = Mirror{{0, 0.5}, {1, 0}};
+  for (const DensityDesign& d : density_designs(p, r))
+    for (const double x : {0.31, 1.04, 1.77}) EXPECT_NEAR(density_at(d, {x, 0.13}), density_at(d, {x, 0.87}), 1e-6);
+}
+
+TEST(Density, UnitsAndThreadsChangeNothing) {
+  const OptimizeRequest r = at_most(0.4);
+  const std::vector<DensityDesign> m = density_designs(cantilever(), r);
+  Problem p = cantilever(1e3, 2.1e5);
+  p.threads = 2;
+  const std::vector<DensityDesign> mm = density_designs(p, r);
+  ASSERT_EQ(m.size(), mm.size());
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    EXPECT_EQ(m[i].density, mm[i].density);
+    EXPECT_NEAR(mm[i].compliance, 2.1e5 * 1e6 * m[i].compliance, 1e-9 * mm[i].compliance);
+  }
+}
+
+TEST(Density, SaysWhyThereIsNone) {
+  Problem p = cantilever();
+  EXPECT_FALSE(no_density_stage(p, at_most(0.4)));
+  p.scene.supports[0].second = false;
+  EXPECT_EQ(no_density_stage(p, at_most(0.4)), "the supports leave the body free to move");
+  p = cantilever();
+  p.scene.tractions.clear();
+  EXPECT_EQ(no_density_stage(p, at_most(0.4)), "there are no loads");
+  EXPECT_THROW(density_designs(p, at_most(0.4)), Error);
+}
+
+}  // namespace
+}  // namespace kerf
