@@ -199,6 +199,11 @@ Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi) {
           0.5 * (given[v] + image.weight.dot(Eigen::Vector3d(given[corner[0]], given[corner[1]], given[corner[2]])));
     }
   }
+  return clipped(b, std::move(phi));
+}
+
+Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi) {
+  if (b.hollow.size() > 0) phi = phi.cwiseMax(b.hollow);
   if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
   return phi;
 }
@@ -245,11 +250,7 @@ void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen:
 }
 
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
-  const auto shifted = [&](double c) {
-    Eigen::VectorXd s = phi.array() + c;
-    if (b.frozen.size() > 0) s = s.cwiseMin(b.frozen);
-    return s;
-  };
+  const auto shifted = [&](double c) { return clipped(b, (phi.array() + c).matrix()); };
   const double whole = b.lumped.sum(), enough = 1e-9 * whole;
   double low = -phi.maxCoeff() - b.size, high = -phi.minCoeff() + b.size;  // all material, none
   double at = 0, excess = negative_area(b.mesh, shifted(at)) - area;
@@ -276,7 +277,7 @@ void cut_discs(const BackgroundMesh& b, std::span<const Disc> discs, Eigen::Vect
   for (const Disc& disc : discs)
     for (Eigen::Index v = 0; v < phi.size(); ++v)
       phi[v] = std::max(phi[v], disc.radius - (b.mesh.points[static_cast<std::size_t>(v)] - disc.center).norm());
-  if (b.frozen.size() > 0) phi = phi.cwiseMin(b.frozen);
+  phi = clipped(b, std::move(phi));
 }
 
 Eigen::VectorXd extend(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {

@@ -14,6 +14,7 @@ struct BackgroundMesh {
   double size = 0;                   // edge length of the mesh
   Eigen::VectorXd lumped;            // per vertex: a third of the triangles around
   Eigen::VectorXd frozen;            // per vertex: signed distance to what stays solid, negative inside; or empty
+  Eigen::VectorXd hollow;            // per vertex: minus the distance to what stays void, positive inside; or empty
   std::vector<Index> start, around;  // neighbors of each vertex
   std::vector<Index> rim;            // edges of the frame's boundary that may recede: no supports, no loads
   struct Image {                     // of a vertex in the mirror, inside a triangle; none: there is no body
@@ -42,12 +43,15 @@ Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& 
 /// A function that is linear on triangles, at a point; where the point lies outside, continued from the nearest one.
 double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x);
 
-/// phi with what must stay solid made so, mirrored where asked.
+/// phi with what must stay solid or void made so, mirrored where asked.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi);
 
 /// Pieces of material that touch none of the labels turned into void, so that they do not count as area; without labels
 /// all but the largest piece.
 void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi);
+
+/// What must stay solid or void, over phi.
+Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi);
 
 /// phi + c, made solid where it must be, with |{phi < 0}| = area to 1e-9 of the frame where that is possible.
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area);

@@ -25,11 +25,12 @@ constexpr double drop = 0.03;                                // of the area that
 constexpr double redrawing = 2e-3;                           // what drawing and meshing anew changes of J
 constexpr double restoration = 0.05;                         // of a bound that one step makes up for
 constexpr double harder = 1.5;                               // violations of bounds weigh more than their multipliers
+constexpr double least_weight = 0.5;                         // of a violation, in units of J
 constexpr double jump = 10;                                  // of J in one step while the area falls
 constexpr int patience = 4;                                  // steps without a better design
 constexpr std::size_t window = 6;  // steps over which a small change means that no more is to be had
 constexpr int exploring = 12;      // steps at the final area in which holes still appear by themselves
-constexpr double stride = 0.01;       // of the merit in one step, without which that time runs
+constexpr double stride = 0.01;    // of the merit in one step, without which that time runs
 constexpr double pays = 0.7;       // T against the price where a hole is tried
 
 Eigen::VectorXd vector_of(const std::vector<double>& v) {
@@ -54,6 +55,7 @@ Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& sta
   s_.radius = rules_.radius * g.size;
   s_.turn = largest_turn;
   s_.weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(g.r.bounds.size()));
+  s_.faith = Eigen::VectorXd::Ones(s_.weight.size());
   if (rules_.tight.empty()) rules_.tight.assign(g.r.bounds.size(), 1);
   begin(start);
 }
@@ -191,7 +193,8 @@ StepLimits Descent::limits(double radius, double allowed) const {
   for (const auto& [k, load_case] : rates_->of) {
     const double most = g_.r.bounds[k].at_most * rules_.tight[k],
                  at = design_->by_case[k][static_cast<std::size_t>(load_case)];
-    l.room.push_back(std::max(most - at, -restoration * std::max(std::abs(g_.r.bounds[k].at_most), std::abs(at))));
+    const double room = std::max(most - at, -restoration * std::max(std::abs(g_.r.bounds[k].at_most), std::abs(at)));
+    l.room.push_back(room < 0 ? room / s_.faith[static_cast<Eigen::Index>(k)] : room);
   }
   return l;
 }
@@ -283,6 +286,10 @@ void Descent::judge(Tried& t) {
     const std::size_t k = rates_->of[i].first;
     now[static_cast<Eigen::Index>(k)] += harder * t.step.multiplier[i] * std::abs(g_.r.bounds[k].at_most);
   }
+  // What is violated weighs something even where no price is known.
+  const Eigen::VectorXd c = relative(vector_of(design_->bounds));
+  for (Eigen::Index k = 0; k < c.size(); ++k)
+    if (c[k] > 0) now[k] = std::max(now[k], least_weight * std::abs(design_->J));
   s_.weight = now.cwiseMax(0.9 * s_.weight);
   s_.price = t.step.price;
 }
@@ -347,7 +354,13 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
   } else {
     std::vector<double> bounds = design_->bounds;
     for (std::size_t i = 0; i < t.step.bounded.size(); ++i)
-      if (const auto& [k, load_case] = rates_->of[i]; load_case == design_->worst[k]) bounds[k] += t.step.bounded[i];
+      if (const auto& [k, load_case] = rates_->of[i]; load_case == design_->worst[k]) {
+        bounds[k] += t.step.bounded[i];
+        if (!(t.step.bounded[i] < -redrawing * std::abs(design_->bounds[k]))) continue;
+        double& faith = s_.faith[static_cast<Eigen::Index>(k)];
+        const double came = (t.drawing.design->bounds[k] - design_->bounds[k]) / t.step.bounded[i];
+        faith = std::clamp(0.5 * (faith + came), 0.1, 1.0);
+      }
     const double predicted = value(design_->J + t.step.objective + (g_.price - g_.r.volume_penalty) * t.step.area,
                                    design_->area + t.step.area, vector_of(bounds)) -
                              before;

@@ -1,5 +1,6 @@
 #include "optimize/level_set/ground.hpp"
 
+#include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
 #include "optimize/ersatz.hpp"
 
@@ -73,6 +74,53 @@ double length_of(const std::vector<ZeroPiece>& line) {
                          [](double sum, const ZeroPiece& z) { return sum + (z.a - z.b).norm(); });
 }
 
+bool bounds_stress(const Ground& g) {
+  const auto of_stress = [](const Functional& j) {
+    return std::ranges::any_of(j.terms, [](const Term& term) { return term.stress_power > 0; });
+  };
+  return of_stress(g.p.objective) ||
+         std::ranges::any_of(g.r.bounds, [&](const FunctionalBound& b) { return of_stress(b.functional); });
+}
+
+/// Corners of more than pi inside the body, between sides that bear nothing.
+std::vector<Vec2> reentrant_corners(const Ground& g) {
+  std::vector<Vec2> corners;
+  const auto free = [&](Index label) {
+    return std::ranges::find(g.loaded, label) == g.loaded.end() &&
+           std::ranges::find(g.holding, label) == g.holding.end();
+  };
+  const auto look = [&](const Loop& loop, double inside) {
+    const Polygon p = flatten(loop, 0.01 * g.size, extent({.outline = loop}) / 20);
+    const std::size_t n = p.points.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t before = (i + n - 1) % n;
+      const Vec2 a = p.points[i] - p.points[before], b = p.points[(i + 1) % n] - p.points[i];
+      if (inside * std::atan2(cross(a, b), a.dot(b)) < pi - reentrant_angle && free(p.label[before]) &&
+          free(p.label[i]))
+        corners.push_back(p.points[i]);
+    }
+  };
+  look(g.p.frame.outline, 1);
+  for (const Loop& hole : g.p.frame.holes) look(hole, -1);
+  return corners;
+}
+
+/// Sharp corners have no finite stress: where stress counts they stay notches that the mesh resolves.
+void hollow_corners(Ground& g) {
+  constexpr double radius = 2;  // mesh sizes
+  if (!bounds_stress(g)) return;
+  for (const Vec2& x : reentrant_corners(g)) {
+    Eigen::VectorXd& hollow = g.background.hollow;
+    if (hollow.size() == 0) hollow = Eigen::VectorXd::Constant(g.background.lumped.size(), -infinity);
+    for (Eigen::Index v = 0; v < hollow.size(); ++v)
+      hollow[v] =
+          std::max(hollow[v], radius * g.size - (g.background.mesh.points[static_cast<std::size_t>(v)] - x).norm());
+    g.notes.push_back(fmt::format(
+        "the corner at ({:.4g}, {:.4g}) stays cut out, by a radius of {:.3g}: a sharp one has no finite stress", x.x(),
+        x.y(), radius * g.size));
+  }
+}
+
 }  // namespace
 
 Ground make_ground(const Problem& p, const OptimizeRequest& r) {
@@ -101,6 +149,7 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   g.target = r.volume_at_most.value_or(1) * g.whole;
   g.loaded = solid.labels;
   g.holding = solid.held;
+  hollow_corners(g);
   const double smoothing = how.smoothing > 0 ? how.smoothing : g.size;
   if (!g.turns() && how.product == LevelSetRequest::Product::Elasticity)
     g.elastic = std::make_unique<ElasticProduct>(g.background, smoothing);
@@ -119,7 +168,7 @@ DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> w
     const double length = length_of(zero_line(g.background.mesh, phi)), reach = 0.5 * g.background.size;
     if (!(length > 0)) break;
     phi.array() += std::clamp((carved.area - *wanted) / length, -reach, reach);
-    if (g.background.frozen.size() > 0) phi = phi.cwiseMin(g.background.frozen);
+    phi = clipped(g.background, std::move(phi));
     carved = carve(g.p.frame, g.background.mesh, phi, how);
     settle(g.background, carved.inside, phi);
   }

@@ -9,8 +9,11 @@ namespace kerf {
 namespace {
 
 // Vectors by name; the scalars are the entries of one vector, in this order.
-constexpr std::array<std::pair<const char*, Eigen::VectorXd DescentState::*>, 3> vectors{
-    {{"phi", &DescentState::phi}, {"psi", &DescentState::psi}, {"weight", &DescentState::weight}}};
+constexpr std::array<std::pair<const char*, Eigen::VectorXd DescentState::*>, 4> vectors{
+    {{"phi", &DescentState::phi},
+     {"psi", &DescentState::psi},
+     {"weight", &DescentState::weight},
+     {"faith", &DescentState::faith}}};
 constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> designs{
     {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
 

@@ -23,6 +23,7 @@ struct DescentState {
   Eigen::VectorXd psi;             // of the fixed point: on the unit sphere of L2
   double price = 0;                // of area
   Eigen::VectorXd weight;          // of violations of the bounds in the merit, in units of J
+  Eigen::VectorXd faith;   // per bound: what came of falls that were predicted, 0.1 to 1
   KeptDesign best;                 // at the area wanted
   KeptDesign anchor;               // what a trial nucleation has to beat; empty: no trial
   int since = 0;                   // steps since the best, or of the trial

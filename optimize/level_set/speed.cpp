@@ -197,7 +197,7 @@ double price_at(const Eigen::VectorXd& multiplier, const Members& m) {
 /// The least multipliers with which bounded functionals keep to their limits, one after the other until they stay.
 Eigen::VectorXd multipliers_of(const Members& m) {
   constexpr int rounds = 6;
-  constexpr double most = 1e4;  // in units of the derivatives
+  constexpr double most = 30;  // in units of the derivatives
   const Eigen::Index n = m.gain.cols() - 1;
   Eigen::VectorXd multiplier = Eigen::VectorXd::Zero(n);
   const Eigen::VectorXd& length = m.of.objective.length;

@@ -1,9 +1,13 @@
 #include "optimize/level_set/starts.hpp"
 
+#include "geometry/plane.hpp"
+#include "optimize/density/density.hpp"
+#include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
 
-#include <cstdlib>
-#include <fstream>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
 
 namespace kerf {
 
@@ -19,28 +23,65 @@ LevelSetStart given_start(const Ground& g) {
   return start;
 }
 
-LevelSetStart best_start(const Ground& g) {
-  if (const char* file = std::getenv("KERF_START")) {
-    std::ifstream in(file);
-    std::string hash;
-    int ny, nx;
-    double x0, y0, h;
-    in >> hash >> ny >> nx >> x0 >> y0 >> h;
-    std::vector<double> v(static_cast<std::size_t>(nx * ny));
-    for (double& a : v) in >> a;
-    LevelSetStart s{"density", Eigen::VectorXd(static_cast<Eigen::Index>(g.background.mesh.points.size())), false};
-    for (std::size_t k = 0; k < g.background.mesh.points.size(); ++k) {
-      const Vec2 q = (g.background.mesh.points[k] - Vec2(x0, y0)) / h;
-      const int i = std::clamp(int(q.x()), 0, nx - 2), j = std::clamp(int(q.y()), 0, ny - 2);
-      const double a = q.x() - i, c = q.y() - j;
-      const auto at = [&](int ii, int jj) { return v[static_cast<std::size_t>(jj * nx + ii)]; };
-      s.phi[Eigen::Index(k)] = (1 - a) * (1 - c) * at(i, j) + a * (1 - c) * at(i + 1, j) + (1 - a) * c * at(i, j + 1) +
-                               a * c * at(i + 1, j + 1);
+namespace {
+
+constexpr double coarse = 1.5;  // mesh of the ranking
+constexpr int ranking_steps = 6, exploring_steps = 60;
+
+/// A density's own area, or the one wanted.
+LevelSetStart of_density(const Ground& g, const DensityDesign& d) {
+  LevelSetStart start{d.name, Eigen::VectorXd(g.background.lumped.size()), false};
+  for (Eigen::Index v = 0; v < start.phi.size(); ++v)
+    start.phi[v] = 0.5 - density_at(d, g.background.mesh.points[static_cast<std::size_t>(v)]);
+  start.phi =
+      with_area(g.background, constrained(g.background, start.phi),
+                g.limited && d.volume_fraction > 0.97 * g.target / g.whole ? g.target : d.volume_fraction * g.whole);
+  return start;
+}
+
+/// A few steps on a coarse mesh.
+struct Ranked {
+  bool good = false, feasible = false;
+  double merit = infinity;
+  int solves = 0;
+  std::string failure;
+};
+Ranked rank(const Ground& g, const LevelSetStart& start) {
+  Ranked ranked;
+  try {
+    Descent d(g,
+              {.coarse = coarse,
+               .iterations = start.explore ? exploring_steps : ranking_steps,
+               .radius = start.explore ? 1 : 0.25,
+               .explore = start.explore,
+               .trials = 0},
+              start.phi);
+    while (d.advance()) {
     }
-    s.phi = with_area(g.background, s.phi, g.target);
-    return s;
+    ranked = {true, d.keeps_bounds(d.design()), d.merit(), d.progress().solves, {}};
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    ranked.failure = error.what();
   }
-  return given_start(g);
+  return ranked;
+}
+
+}  // namespace
+
+LevelSetStart best_start(const Ground& g) {
+  std::vector<LevelSetStart> all;
+  if (!no_density_stage(g.p, g.r) && !g.weak() && !g.turns())
+    all.push_back(of_density(g, density_designs(g.p, g.r).front()));
+  if (all.empty() || g.r.level_set.start) all.push_back(given_start(g));
+  if (all.size() == 1) return all.front();
+  std::vector<Ranked> ranked;
+  for (const LevelSetStart& start : all) ranked.push_back(rank(g, start));
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const auto key = [&](std::size_t k) { return std::tuple(!ranked[k].good, !ranked[k].feasible, ranked[k].merit); };
+    if (key(i) < key(best)) best = i;
+  }
+  return all[best];
 }
 
 }  // namespace kerf

@@ -207,7 +207,7 @@ TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
   const std::size_t rows = o["iterations"].get<std::size_t>() + 2;
   EXPECT_TRUE(history.size() == rows || history.size() == rows + 1) << history.size();
   EXPECT_EQ(history[0],
-            "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,note");
+            "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted,note");
   const std::vector<std::string> pvd = lines_of(read_all(folder / "out/optimize.pvd"));
   EXPECT_EQ(pvd.size(), history.size() - 1 + 5);
   for (std::size_t k = 0; k + 1 < history.size(); ++k) {

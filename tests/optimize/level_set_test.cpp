@@ -54,7 +54,8 @@ OptimizeResult checked_run(const Problem& p, const OptimizeRequest& r) {
                            return true;
                          },
                          {});
-  EXPECT_EQ(seen, std::count_if(result.history.begin(), result.history.end(), [](const Iteration& i) { return i.accepted; }));
+  EXPECT_EQ(seen,
+            std::count_if(result.history.begin(), result.history.end(), [](const Iteration& i) { return i.accepted; }));
   EXPECT_GE(result.state_solves, result.iterations);
   EXPECT_TRUE(result.feasible) << result.stopped;
   EXPECT_NEAR(result.volume_fraction, *r.volume_at_most, 1e-4 * *r.volume_at_most);
