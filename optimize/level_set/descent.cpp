@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kerf {
 
@@ -23,12 +24,13 @@ constexpr double largest_radius = 1, smallest_radius = 0.05;
 constexpr double largest_turn = 0.5, smallest_turn = 0.015;  // of the fixed point
 constexpr double drop = 0.03;                                // of the area that is taken away in one step
 constexpr double redrawing = 2e-3;                           // what drawing and meshing anew changes of J
+constexpr double followed = 0.02;                            // rises of the fixed point
 constexpr double restoration = 0.05;                         // of a bound that one step makes up for
 constexpr double harder = 1.5;                               // violations of bounds weigh more than their multipliers
 constexpr double least_weight = 0.5;                         // of a violation, in units of J
 constexpr double jump = 10;                                  // of J in one step while the area falls
 constexpr int patience = 4;                                  // steps without a better design
-constexpr std::size_t window = 6;  // steps over which a small change means that no more is to be had
+constexpr std::size_t window = 8;  // steps over which a small change means that no more is to be had
 constexpr int exploring = 12;      // steps at the final area in which holes still appear by themselves
 constexpr double stride = 0.01;    // of the merit in one step, without which that time runs
 constexpr double pays = 0.7;       // T against the price where a hole is tried
@@ -133,8 +135,13 @@ bool Descent::keeps_bounds(const Evaluated& e) const {
          (c.size() == 0 || c.maxCoeff() < feasible_violation);
 }
 
+bool Descent::appearing() const {
+  return rules_.explore && s_.settled < exploring;
+}
+
+/// The fixed point follows rises for a while.
 double Descent::noise() const {
-  return redrawing * std::abs(merit());
+  return (g_.turns() ? followed : redrawing) * std::abs(merit());
 }
 
 Eigen::VectorXd Descent::derivative() const {
@@ -416,18 +423,18 @@ void Descent::go_back(const KeptDesign& to, const std::string& why) {
   s_.phi = to.phi;
   if (g_.turns()) s_.psi = to.phi;
   s_.since = 0;
-  if (s_.iteration >= rules_.iterations) return;  // the end shows it
   ++s_.iteration;
   show(&to == &s_.anchor ? anchored_ : best_, {fmt::format("back to iteration {}: {}", to.iteration, why)});
 }
 
 std::string Descent::reason_to_end() const {
-  if (!settled() || s_.best.phi.size() == 0 || (rules_.explore && s_.settled < exploring)) return {};
+  if (!settled() || s_.best.phi.size() == 0 || appearing()) return {};
   const std::size_t n = s_.track.size();
   if (!g_.turns() && s_.settled > 2 && residual_ <= rules_.residual && keeps_bounds(*best_))
     return fmt::format("shape residual {:.2g}", residual_);
-  if (n > window && s_.track[n - 1 - window] - s_.track.back() < redrawing * std::abs(s_.track.back()))
-    return fmt::format("the best merit fell by less than {:.1g} of it in {} steps", redrawing, window);
+  const double little = g_.turns() ? g_.r.tolerance : redrawing;
+  if (n > window && s_.track[n - 1 - window] - s_.track.back() < little * std::abs(s_.track.back()))
+    return fmt::format("the best merit fell by less than {:.1g} of it in {} steps", little, window);
   if (s_.radius < smallest_radius * g_.size || s_.turn < smallest_turn)
     return fmt::format("no better design within a step of {:.2g}", 2 * (g_.turns() ? s_.turn : s_.radius));
   return {};
@@ -483,59 +490,84 @@ void Descent::close_trial(bool worth) {
   s_.track.assign(1, value(s_.best));
 }
 
-void Descent::finish(const std::string& why) {
-  if (best_ && best_ != design_) {
-    // What the step from the best design said of it.
-    for (const Iteration& row : s_.rows)
-      if (row.number == s_.best.iteration + 1) residual_ = row.optimality;
-    s_.phi = s_.best.phi;
-    ++s_.iteration;
-    show(best_, {fmt::format("the best design, of iteration {}", s_.best.iteration)});
-    --s_.iteration;
+/// What the step before asked for. Whether that was an iteration of its own.
+bool Descent::follow_up() {
+  const Next next = static_cast<Next>(std::exchange(s_.next, static_cast<int>(Next::Step)));
+  switch (next) {
+    case Next::Step:
+      return false;
+    case Next::BackToBest:
+      go_back(s_.best, s_.why);
+      return true;
+    case Next::CloseTrial:
+      close_trial(value(s_.best) < value(s_.anchor) - noise());
+      return true;
+    case Next::End:
+      s_.next = static_cast<int>(Next::Nucleate);
+      if (!best_ || best_ == design_) return follow_up();
+      // What the step from the best design said of it.
+      for (const Iteration& row : s_.rows)
+        if (row.number == s_.best.iteration + 1) residual_ = row.optimality;
+      go_back(s_.best, s_.why);
+      return true;
+    case Next::Nucleate:
+      if (settled() && try_nucleation()) return true;
+      s_.ended = s_.why;
+      return true;
   }
-  s_.ended = why;
+  return false;
+}
+
+void Descent::step() {
+  ++s_.iteration;
+  const bool free = !settled() || appearing();  // rises are followed
+  Tried t = attempt();
+  judge(t);
+  if (!t.drawing.design) return refuse(t, nan);
+  const double before = merit(), rise = value(*t.drawing.design) - before;
+  if (free || t.allowed < s_.allowed || t.nucleated ? rise > jump * std::abs(before) : !(rise <= noise()))
+    refuse(t, rise);
+  else
+    take(t);
+}
+
+void Descent::decide() {
+  constexpr int trial_steps = 8;
+  const auto then = [&](Next next, std::string why) {
+    s_.next = static_cast<int>(next);
+    s_.why = std::move(why);
+  };
+  const bool small = s_.radius < smallest_radius * g_.size;
+  if (s_.anchor.phi.size() > 0) {
+    if (value(s_.best) < value(s_.anchor) - noise() || s_.since >= trial_steps || small) then(Next::CloseTrial, {});
+    return;
+  }
+  if (!settled()) {
+    if (small) then(Next::End, fmt::format("no step can be made: {}", s_.rows.back().note));
+    return;
+  }
+  if (const std::string why = reason_to_end(); !why.empty()) return then(Next::End, why);
+  if (!appearing() && s_.since >= patience && best_ && best_ != design_) {
+    s_.radius *= 0.5;
+    then(Next::BackToBest, fmt::format("no better design in {} steps", patience));
+  }
 }
 
 bool Descent::advance() {
-  constexpr int trial_steps = 8;
   if (!s_.ended.empty()) return false;
   if (s_.iteration >= rules_.iterations) {
-    if (s_.anchor.phi.size() > 0) close_trial(value(s_.best) < value(s_.anchor) - noise());
-    finish(fmt::format("the iterations asked for are done ({})", rules_.iterations));
+    if (s_.anchor.phi.size() > 0 && !(value(s_.best) < value(s_.anchor) - noise())) {
+      s_.best = s_.anchor;
+      best_ = anchored_;
+    }
+    s_.ended = fmt::format("the iterations asked for are done ({})", rules_.iterations);
+    if (best_ && best_ != design_) go_back(s_.best, "the best design");
     return false;
   }
-  ++s_.iteration;
-  const bool was_settled = settled();
-  const bool emerging = rules_.explore && s_.settled < exploring;
-  Tried t = attempt();
-  judge(t);
-  if (t.drawing.design) {
-    const double before = merit(), rise = value(*t.drawing.design) - before;
-    const bool falls = !was_settled || t.allowed < s_.allowed || t.nucleated || emerging;
-    if (falls ? rise > jump * std::abs(before) : !(rise <= noise()))
-      refuse(t, rise);
-    else
-      take(t);
-  } else {
-    refuse(t, nan);
-  }
-  const bool trying = s_.anchor.phi.size() > 0, appearing = rules_.explore && s_.settled < exploring;
-  if (!appearing && settled() && s_.since >= patience && !trying && s_.best.phi.size() > 0 && best_ != design_) {
-    s_.radius *= 0.5;
-    go_back(s_.best, fmt::format("no better design in {} steps", patience));
-  }
-  if (trying) {
-    const bool worth = value(s_.best) < value(s_.anchor) - noise();
-    if (worth || s_.since >= trial_steps || s_.radius < smallest_radius * g_.size) close_trial(worth);
-  }
-  const std::string why = settled() || s_.radius >= smallest_radius * g_.size
-                              ? reason_to_end()
-                              : fmt::format("no step can be made: {}", s_.rows.back().note);
-  if (why.empty() || s_.anchor.phi.size() > 0) return true;
-  if (best_ && best_ != design_) go_back(s_.best, why);
-  if (settled() && try_nucleation()) return true;
-  finish(why);
-  return false;
+  if (follow_up()) return s_.ended.empty();
+  step();
+  decide();
+  return true;
 }
 
 }  // namespace kerf

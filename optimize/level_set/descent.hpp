@@ -78,7 +78,10 @@ class Descent {
   void close_trial(bool worth);
   bool try_nucleation();
   std::string reason_to_end() const;
-  void finish(const std::string& why);
+  bool follow_up();
+  void step();
+  void decide();
+  bool appearing() const;
   void show(Design design, std::vector<std::string> notes);
   double value(double J, double area, const Eigen::VectorXd& bounds) const;
   double value(const Evaluated& e) const;

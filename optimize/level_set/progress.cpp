@@ -19,7 +19,7 @@ constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> desi
 
 template <typename State>
 auto scalars(State& s) {
-  return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled);
+  return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled, s.next);
 }
 template <typename Design>
 auto scalars_of(Design& d) {
@@ -56,6 +56,7 @@ Checkpoint packed(const DescentState& s) {
   c.numbers["track"] = Eigen::Map<const Eigen::VectorXd>(s.track.data(), static_cast<Eigen::Index>(s.track.size()));
   c.numbers["scalars"] = vector_of(scalars(s));
   c.texts["ended"] = s.ended;
+  c.texts["why"] = s.why;
   c.texts["drawn"] = join(s.drawn, "\n");
   write_rows(c, s.rows);
   return c;
@@ -75,6 +76,7 @@ DescentState unpacked(const Checkpoint& c) {
   s.track.assign(track.begin(), track.end());
   read(c.numbers.at("scalars"), scalars(s));
   s.ended = c.texts.at("ended");
+  s.why = c.texts.at("why");
   s.drawn = split_lines(c.texts.at("drawn"));
   s.rows = read_rows(c);
   return s;

@@ -14,6 +14,9 @@ struct KeptDesign {
   int iteration = 0;
 };
 
+/// What the next call of Descent::advance begins with.
+enum class Next { Step, BackToBest, CloseTrial, End, Nucleate };
+
 struct DescentState {
   int iteration = 0, solves = 0;
   double allowed = 0;              // area
@@ -23,12 +26,14 @@ struct DescentState {
   Eigen::VectorXd psi;             // of the fixed point: on the unit sphere of L2
   double price = 0;                // of area
   Eigen::VectorXd weight;          // of violations of the bounds in the merit, in units of J
-  Eigen::VectorXd faith;   // per bound: what came of falls that were predicted, 0.1 to 1
+  Eigen::VectorXd faith;           // per bound: what came of falls that were predicted, 0.1 to 1
   KeptDesign best;                 // at the area wanted
   KeptDesign anchor;               // what a trial nucleation has to beat; empty: no trial
   int since = 0;                   // steps since the best, or of the trial
   int trials = 0;                  // nucleations tried
   int settled = 0;                 // iterations since the area is the one wanted
+  int next = 0;                    // a Next
+  std::string why;                 // of it, in words
   std::vector<double> track;       // merit of the best after every step at the final area
   std::string ended;               // why the loop is over; empty while it is not
   std::vector<std::string> drawn;  // what carving the present design said
