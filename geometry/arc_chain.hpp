@@ -1,5 +1,5 @@
 #pragma once
-// Smooth curves of circular arcs: points with directions, joined by two arcs each [Bolton 1975]. Exact in case files,
+// Smooth curves of circular arcs: points with directions, joined by two arcs each [theory: K.1]. Exact in case files,
 // DXF and SVG, and smooth functions of the points and directions.
 
 #include "kerf/shape.hpp"

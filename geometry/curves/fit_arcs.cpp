@@ -13,10 +13,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double widest = 0.5;      // turn of an arc that is not halved, in half turns
-constexpr double folded = 0.85;     // turn of an arc that no step may make
+constexpr double widest = 0.5;        // turn of an arc that is not halved, in half turns
+constexpr double folded = 0.85;       // turn of an arc that no step may make
 constexpr double largest_step = 0.4;  // of an angle
-constexpr double stiffness = 0.03;  // against differences of curvature, in the units of distances
+constexpr double stiffness = 0.03;    // against differences of curvature, in the units of distances
 
 /// A line by its length.
 struct Line {
@@ -66,7 +66,7 @@ std::vector<Sample> samples_of(const Line& line) {
 struct Fit {
   const Line& line;
   const std::vector<Sample>& samples;
-  std::vector<double> s = {};     // of the knots
+  std::vector<double> s = {};      // of the knots
   std::vector<Index> pinned = {};  // per knot
   ArcChain chain = {};
   VectorXd off = {};  // distance of the samples
@@ -282,8 +282,7 @@ bool halve(Fit& fit, const ArcFit& how) {
 }  // namespace
 
 Fitted fit_arcs(const Trace& trace, const ArcFit& how) {
-  if (trace.points.size() < (trace.closed ? 3u : 2u))
-    throw std::invalid_argument("too few points for a chain of arcs");
+  if (trace.points.size() < (trace.closed ? 3u : 2u)) throw std::invalid_argument("too few points for a chain of arcs");
   const Line line = line_of(trace);
   const std::vector<Sample> samples = samples_of(line);
   Fit fit{line, samples};

@@ -14,18 +14,19 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double undulation = 4;   // of the second derivative per wave number
-constexpr double thinning = 6;     // and per width
-constexpr double facing = 0.5;     // cosine between a normal and the way across, at least
-constexpr double neighborhood = 3;  // what is nearer along the boundary than this many distances is no other side
+constexpr double undulation = 4;      // of the second derivative per wave number
+constexpr double thinning = 6;        // and per width
+constexpr double facing = 0.5;        // cosine between a normal and the way across, at least
+constexpr double neighborhood = 2.2;  // what is nearer along the boundary than this many distances is no other side
 
-constexpr std::array<std::array<double, 2>, 3> gauss{{{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
+constexpr std::array<std::array<double, 2>, 3> gauss{
+    {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
 
 /// A point of the boundary of the body, the body on its left.
 struct Sample {
   Vec2 at, left;
   Index loop;
-  double s;           // along its loop
+  double s;            // along its loop
   Index chain = none;  // none: fixed
   ChainPlace place = {};
 };
@@ -127,7 +128,8 @@ void add_widths(const DesignCurves& d, const Samples& samples, const Clearances&
       const Index j = across(samples, i, side, how.least + how.reach);
       if (j == none) continue;
       const Sample& b = samples.all[std::size_t(j)];
-      if (b.chain != none && std::size_t(j) < i && across(samples, std::size_t(j), side, how.least + how.reach) == Index(i))
+      if (b.chain != none && std::size_t(j) < i &&
+          across(samples, std::size_t(j), side, how.least + how.reach) == Index(i))
         continue;  // said by the other one
       const Vec2 way = b.at - a.at;
       const double distance = way.norm();
@@ -204,13 +206,45 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
       if (std::isfinite(hold.upper)) rows.add(row, std::max(0.0, (hold.upper - at) * unit));
       if (std::isfinite(hold.lower)) rows.add(-row, std::max(0.0, (at - hold.lower) * unit));
     }
-  for (const Apart& pair : d.apart) {
+  for (const RailGap& pair : d.apart) {
     double unit = 1;
     const double a = coordinate(pair.first, unit), b = coordinate(pair.second, unit);
     VectorXd row = VectorXd::Zero(d.variables);
     row[d.holds[std::size_t(pair.first.chain)][std::size_t(pair.first.knot)].offset] += 1;
     row[d.holds[std::size_t(pair.second.chain)][std::size_t(pair.second.knot)].offset] -= 1;
     rows.add(std::move(row), std::max(0.0, (b - a - pair.least) * unit));
+  }
+}
+
+/// Chains leave what they end on into the frame.
+void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearRows& rows) {
+  constexpr double least = 0.05;  // sine of the angle to the frame
+  std::vector<Line> lines;
+  for (std::size_t l = 0; l <= frame.holes.size(); ++l)
+    for (const Line& line : lines_of(l == 0 ? frame.outline : frame.holes[l - 1], 1e-3 * size)) {
+      lines.push_back(line);
+      if (l > 0) std::swap(lines.back().a, lines.back().b);
+    }
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    if (d.chains[c].closed) continue;
+    for (const bool last : {false, true}) {
+      const std::size_t k = last ? d.chains[c].knots.size() - 1 : 0;
+      const Knot& knot = d.chains[c].knots[k];
+      double near = 1e-3 * size;
+      Vec2 in = Vec2::Zero();
+      for (const Line& line : lines)
+        if (const double away = distance(knot.at, line.a, line.b); away < near) {
+          near = away;
+          const Vec2 t = (line.b - line.a).normalized();
+          in = {-t.y(), t.x()};
+        }
+      if (in.isZero(0)) continue;
+      const double sign = last ? -1 : 1, c_ = std::cos(knot.angle), s_ = std::sin(knot.angle);
+      const double sine = sign * in.dot(Vec2(c_, s_));
+      VectorXd row = VectorXd::Zero(d.variables);
+      row[d.holds[c][k].angle] = -sign * in.dot(Vec2(-s_, c_));
+      rows.add(std::move(row), sine - std::min(least, sine));
+    }
   }
 }
 
@@ -296,7 +330,8 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {
       const Eigen::Index j = (i + 1) % rows;
       const VectorXd jump = V.row(j) - V.row(i);
-      K.selfadjointView<Eigen::Lower>().rankUpdate(jump, 1 / (m.at[std::size_t(at[std::size_t(i)])] - m.at[std::size_t(at[std::size_t(j)])]).norm());
+      K.selfadjointView<Eigen::Lower>().rankUpdate(
+          jump, 1 / (m.at[std::size_t(at[std::size_t(i)])] - m.at[std::size_t(at[std::size_t(j)])]).norm());
     }
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(K, M);
     const MatrixXd MV = M * modes.eigenvectors();
@@ -308,10 +343,11 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
 LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,
                           const Clearances& how) {
   LinearRows rows;
-  const Samples samples = samples_of(d, 0.75 * how.size);
+  const Samples samples = samples_of(d, 0.5 * how.size);
   add_widths(d, samples, how, rows);
   add_fixed(d, samples, frame, frozen, how, rows);
   add_rails(d, rows);
+  add_leaving(d, frame, how.size, rows);
   if (how.min_radius > 0) add_radii(d, how, rows);
   return rows;
 }

@@ -19,18 +19,18 @@ struct LinearRows {
 /// Normal moves of the chains at quadrature points (one row each) by the variables, with what they weigh.
 struct NormalMoves {
   Eigen::MatrixXd by;
-  Eigen::VectorXd weight;       // lengths
-  std::vector<Index> chain;     // per row
-  std::vector<Vec2> at, left;   // into the body
-  double length = 0;            // of all chains
+  Eigen::VectorXd weight;      // lengths
+  std::vector<Index> chain;    // per row
+  std::vector<Vec2> at, left;  // into the body
+  double length = 0;           // of all chains
 };
 NormalMoves normal_moves(const DesignCurves& d);
 
-/// int v_i v_j over the chains [theory: L.13].
+/// int v_i v_j over the chains [theory: K.3].
 Eigen::MatrixXd mass(const NormalMoves& moves);
 
 /// A guess of the second derivative of J over the price of area: 4 |d/ds| + 6 / width, in squared normal moves
-/// [theory: L.14].
+/// [theory: K.4].
 Eigen::MatrixXd curvature_guess(const NormalMoves& moves, const DesignCurves& d, double size);
 
 /// What must stay away from what: all within `reach` of their limits.

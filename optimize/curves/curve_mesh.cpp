@@ -10,6 +10,9 @@ namespace kerf {
 
 namespace {
 
+constexpr Strain most{.least_angle = 10,
+                      .stretch = 2.5};  // more than drawn designs are moved: fewer meshes, less noise
+
 /// A side of the frame between chains, as drawn: its ends, and the knots that they are.
 struct SideEnds {
   Side side;
@@ -123,7 +126,7 @@ std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
   const Points to = positions(m.followers, d);
   for (std::size_t k = 0; k < m.followers.size(); ++k)
     motion.col(m.followers[k].vertex) = to.col(Eigen::Index(k)) - m.start.col(Eigen::Index(k));
-  return carry(m.extension, m.mesh, m.angles, motion, {getenv("ANG") ? atof(getenv("ANG")) : 10, getenv("STR") ? atof(getenv("STR")) : 2.5});
+  return carry(m.extension, m.mesh, m.angles, motion, most);
 }
 
 Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Points& force) {

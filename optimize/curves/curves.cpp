@@ -22,15 +22,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
-constexpr double fit_tolerance = 0.15, knot_spacing = 2;
+constexpr double fit_tolerance = 0.2, knot_spacing = 2;
 constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
-constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
-constexpr double largest_angle = 0.35;     // a knot may turn by in a step
-constexpr double sharpest = 0.9;           // turn of an arc, in half turns
-constexpr double area_error = 1e-7;        // of the area wanted
-constexpr double mesh_noise = 2e-3;        // of J between meshes of like size
-constexpr double too_little = 1e-9;        // of J, predicted: nothing is to be gained
+constexpr double least_radius = 0.4;                                                // of arcs, so that meshes can tell
+constexpr double largest_angle = 0.35;                                              // a knot may turn by in a step
+constexpr double sharpest = 0.9;                                                    // turn of an arc, in half turns
+constexpr double area_error = 1e-7;                                                 // of the area wanted
+constexpr double mesh_noise = 2e-3;                                                 // of J between meshes of like size
+constexpr double too_little = 1e-9;  // of J, predicted: nothing is to be gained
 constexpr int most_meshes_at_end = 4;
+constexpr int most_rounds = 12;  // of quadratic programs for a step
 
 /// A mesh and the curves it was made for; built when first needed.
 struct Base {
@@ -105,6 +106,41 @@ double sum_of_weights(const OptimizeRequest& r) {
   return sum;
 }
 
+DesignCurves after(const DesignCurves& d, const VectorXd& step) {
+  DesignCurves next = moved(d, step);
+  even_out(next);
+  return next;
+}
+
+bool is_shape(const DesignCurves& d) {
+  return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
+         !find_problem(shape_of(d));
+}
+
+/// Rows for what a step moves or turns by more than allowed, those that it moves the furthest within each arc.
+LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step,
+                   const std::vector<double>& radius, const std::vector<double>& turn) {
+  constexpr double slack = 1 + 1e-3;
+  constexpr Eigen::Index per_arc = 3;
+  LinearRows rows;
+  const VectorXd move = moves.by * step;
+  for (Eigen::Index i = 0; i < move.size(); i += per_arc) {
+    Eigen::Index k = 0;
+    const double most = radius[std::size_t(moves.chain[std::size_t(i)])];
+    if (!(move.segment(i, per_arc).cwiseAbs().maxCoeff(&k) > slack * most)) continue;
+    const double sign = move[i + k] > 0 ? 1 : -1;
+    rows.add(sign * moves.by.row(i + k).transpose(), most);
+  }
+  for (std::size_t c = 0; c < d.holds.size(); ++c)
+    for (const KnotHold& hold : d.holds[c])
+      if (std::abs(step[hold.angle]) > slack * turn[c]) {
+        VectorXd row = VectorXd::Zero(d.variables);
+        row[hold.angle] = step[hold.angle] > 0 ? 1 : -1;
+        rows.add(std::move(row), turn[c]);
+      }
+  return rows;
+}
+
 class CurvesRun {
  public:
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
@@ -137,6 +173,7 @@ class CurvesRun {
   void begin_curvature(const Point& x);
   void learn(const Point& from, const Point& to, const VectorXd& step);
   VectorXd step_within(const Point& x, double radius);
+  VectorXd step_to_shape();
   bool iterate();
   bool remesh();
   bool show();
@@ -156,8 +193,9 @@ class CurvesRun {
   std::shared_ptr<Base> base_;
   Point x_;  // the present one
   MatrixXd B_;
-  VectorXd multiplier_;  // of area and bounds
-  VectorXd dearest_;     // the largest that each has been
+  VectorXd multiplier_;               // of area and bounds
+  VectorXd dearest_;                  // the largest that each has been
+  std::vector<double> share_;         // per chain, of the radius: less where it gets into its own way
   double last_step_ = 0, reach_ = 0;  // of the last step: its length; how much of the radius it uses
   FinishedCurves out_;
 };
@@ -175,8 +213,7 @@ void CurvesRun::solve(Point& x) {
     mesh = x.base->built->mesh;
   }
   const CurveMesh& follows = *x.base->built;
-  auto e = std::make_shared<Evaluated>(
-      evaluate_mesh(p_, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
+  auto e = std::make_shared<Evaluated>(evaluate_mesh(p_, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
   x.J = e->J;
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
@@ -269,9 +306,11 @@ double CurvesRun::violation(const Point& x) const {
 Linearized CurvesRun::linearized(const Point& x) const {
   const double least = how_.min_feature > 0 ? how_.min_feature : size_;
   const LinearRows geometry =
-      clearance_rows(x.curves, p_.frame, r_.level_set.frozen, {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
+      clearance_rows(x.curves, p_.frame, r_.level_set.frozen,
+                     {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
   const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
-  Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n), VectorXd(front + Eigen::Index(geometry.row.size()))};
+  Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
+               VectorXd(front + Eigen::Index(geometry.row.size()))};
   if (bounded_) {
     l.A.row(0) = x.by_area;
     l.room[0] = most_ - x.area;
@@ -287,7 +326,7 @@ Linearized CurvesRun::linearized(const Point& x) const {
   return l;
 }
 
-/// The shape residual and the price of area: the best multipliers of what is active [theory: L.12].
+/// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
   const Eigen::LLT<MatrixXd> M(mass(moves));
@@ -295,7 +334,7 @@ void CurvesRun::weigh(Point& x) const {
   const Eigen::Index front = first_bound() + x.bound.size();
   std::vector<Eigen::Index> active;
   for (Eigen::Index k = 0; k < all.room.size(); ++k) {
-    const double slack = k >= front ? 0.01 * size_ : k < first_bound() ? 1e-4 * most_ : 2e-3;
+    const double slack = k >= front ? 0.01 * size_ : k < first_bound() ? 2e-3 * most_ : 2e-3;
     if (all.room[k] <= slack) active.push_back(k);
   }
   const QuadraticStep s =
@@ -314,11 +353,14 @@ double CurvesRun::merit(const Point& x) const {
   return value;
 }
 
-/// By how much the merit should fall.
+/// By how much the merit should fall: by the quadratic model of the Lagrangian and the area that is known.
 double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
-  if (bounded_)  // its curvature is in B, with the multiplier
-    fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, x.area + x.by_area.dot(step) - most_));
+  if (bounded_) {
+    const double there = area_of(after(x.curves, step), nullptr);
+    fall += multiplier_[0] * (there - x.area - x.by_area.dot(step));
+    fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, there - most_));
+  }
   for (Eigen::Index k = 0; k < x.bound.size(); ++k)
     fall += 1.5 * dearest_[first_bound() + k] *
             (std::max(0.0, x.bound[k]) - std::max(0.0, x.bound[k] + x.by_bound.col(k).dot(step)));
@@ -345,46 +387,56 @@ void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) 
     y += multiplier_[first_bound() + k] * (to.by_bound.col(k) - from.by_bound.col(k));
   const VectorXd Bs = B_ * step;
   const double sBs = step.dot(Bs), sy = step.dot(y);
-  if (getenv("CV")) fprintf(stderr, "   sy/sBs %.3f\n", sy/sBs);
   const double part = sy >= 0.2 * sBs ? 1 : 0.8 * sBs / (sBs - sy);
   const VectorXd r = part * y + (1 - part) * Bs;
   B_ += r * r.transpose() / step.dot(r) - Bs * Bs.transpose() / sBs;
 }
 
-/// The step of the quadratic model under the constraints, with no normal move beyond the radius.
+/// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
+/// enter where they are needed.
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
   Linearized l = linearized(x);
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = gradient(x);
-  VectorXd turns = VectorXd::Zero(x.curves.variables);
-  for (const auto& holds : x.curves.holds)
-    for (const KnotHold& hold : holds) turns[hold.angle] = radius / (largest_angle * std::min(1.0, 3 * radius / size_));
-  const auto size = [&](const VectorXd& d) {
-    return std::max((moves.by * d).cwiseAbs().maxCoeff(), d.cwiseProduct(turns).cwiseAbs().maxCoeff()) / radius;
+  const Eigen::LLT<MatrixXd> H(B_);
+  std::vector<double> most, turn;  // per chain
+  for (const double part : share_) {
+    most.push_back(part * radius);
+    turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
+  }
+  QuadraticStep s = quadratic_step(H, g, l.A, l.room);
+  const auto use = [&] {
+    double worst = 0;
+    const VectorXd move = moves.by * s.step;
+    for (Eigen::Index i = 0; i < move.size(); ++i)
+      worst = std::max(worst, std::abs(move[i]) / most[std::size_t(moves.chain[std::size_t(i)])]);
+    return worst;
   };
-  const MatrixXd brake = mass(moves) * (B_.trace() / mass(moves).trace());
-  QuadraticStep s;
-  double damping = 0;
   int bends = 0;
-  for (int attempt = 0; attempt < 12; ++attempt) {
-    const Eigen::LLT<MatrixXd> H(B_ + damping * brake);
-    s = quadratic_step(H, g, l.A, l.room);
-    const double beyond = size(s.step);
-    if (beyond <= 1) {
+  for (int round = 0; round < most_rounds; ++round) {
+    const LinearRows beyond = too_far(x.curves, moves, s.step, most, turn);
+    if (!beyond.row.empty()) {
+      const Eigen::Index had = l.room.size(), more = Eigen::Index(beyond.row.size());
+      l.A.conservativeResize(had + more, Eigen::NoChange);
+      l.room.conservativeResize(had + more);
+      for (Eigen::Index k = 0; k < more; ++k) {
+        l.A.row(had + k) = beyond.row[std::size_t(k)];
+        l.room[had + k] = beyond.room[std::size_t(k)];
+      }
+    } else {
       // The area is curved: that is taken from its room.
       if (!bounded_ || bends++ == 3) break;
-      const double there = area_of(moved(x.curves, s.step), nullptr);
+      const double there = area_of(after(x.curves, s.step), nullptr);
       const double room = most_ - there + x.by_area.dot(s.step);
       if (std::abs(room - l.room[0]) <= area_error * most_) break;
       l.room[0] = room;
-      continue;
     }
-    damping = damping > 0 ? damping * std::clamp(beyond * beyond, 1.5, 30.0) : 0.003 * std::clamp(beyond * beyond, 1.0, 300.0);
+    s = quadratic_step(H, g, l.A, l.room);
   }
-  multiplier_ = s.multiplier.size() > 0 ? VectorXd(s.multiplier.head(dearest_.size())) : VectorXd();
+  multiplier_ = s.multiplier.head(dearest_.size());
   dearest_ = dearest_.cwiseMax(multiplier_);
-  reach_ = std::min(1.0, size(s.step));
-  return s.step / std::max(1.0, size(s.step));
+  reach_ = std::min(1.0, use());
+  return s.step / std::max(1.0, use());
 }
 
 bool CurvesRun::show() {
@@ -396,6 +448,31 @@ bool CurvesRun::show() {
   return false;
 }
 
+/// A step within the radius that leads to a shape: chains that would have loops or cross by themselves move less.
+VectorXd CurvesRun::step_to_shape() {
+  constexpr int most = 5;
+  VectorXd step = step_within(x_, radius_);
+  for (int k = 0; k < most && !is_shape(after(x_.curves, step)); ++k) {
+    bool found = false;
+    for (std::size_t c = 0; c < share_.size(); ++c) {
+      VectorXd alone = VectorXd::Zero(step.size());
+      for (const KnotHold& hold : x_.curves.holds[c]) {
+        if (hold.offset != none) alone[hold.offset] = step[hold.offset];
+        alone[hold.angle] = step[hold.angle];
+      }
+      if (is_shape(after(x_.curves, alone))) continue;
+      share_[c] *= 0.3;
+      found = true;
+    }
+    if (!found)
+      for (double& part : share_) part *= 0.3;
+    step = step_within(x_, radius_);
+  }
+  for (int k = 0; k < 2 * most && !is_shape(after(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
+  for (double& part : share_) part = std::min(1.0, 2 * part);
+  return step;
+}
+
 /// A step from x_; false: the end, `out_.why` says which.
 bool CurvesRun::iterate() {
   while (true) {
@@ -403,26 +480,23 @@ bool CurvesRun::iterate() {
       out_.why = fmt::format("all {} evaluations are used", how_.evaluations);
       return false;
     }
-    const VectorXd step = step_within(x_, radius_);
+    const VectorXd step = step_to_shape();
     last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
     const double fall = predicted(x_, step);
     if (!(fall > too_little * std::abs(x_.J))) {
       out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
       return false;
     }
-    const DesignCurves next = moved(x_.curves, step);
-    double turn = 0;
-    for (const ArcChain& chain : next.chains) turn = std::max(turn, largest_turn(chain));
+    const DesignCurves next = after(x_.curves, step);
     std::string failure;
-    std::optional<Point> y;
-    if (turn < sharpest) y = evaluate(next, x_.base, failure);
+    std::optional<Point> y = evaluate(next, x_.base, failure);
     const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
     const double fell = y ? merit(x_) - merit(*y) : -infinity, ratio = fell / fall;
-    if (getenv("CV")) fprintf(stderr, "   radius %.5f step %.5f pred %.3g ratio %.3f\n", radius_, last_step_, fall, ratio);
     const bool good = y && fell > 0.05 * fall - noise;
     if (y && (noise == 0 || last_step_ > 0.15 * size_)) learn(x_, *y, step);
     if (!good) {
-      if (y) out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
+      if (y)
+        out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
       radius_ *= 0.4 * reach_;
       if (radius_ < smallest_radius * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
@@ -456,6 +530,7 @@ FinishedCurves CurvesRun::run() {
   x_ = std::move(*first);
   out_.residual_before = x_.residual;
   begin_curvature(x_);
+  share_.assign(x_.curves.chains.size(), 1.0);
   bool go_on = show();
   int meshes = 0;
   while (go_on) {
@@ -471,7 +546,6 @@ FinishedCurves CurvesRun::run() {
     if (!iterate()) break;
   }
   if (!x_.fresh) {
-    --evaluations_, ++evaluations_;
     remesh();
   }
   out_.shape = shape_of(x_.curves);

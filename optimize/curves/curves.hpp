@@ -8,7 +8,7 @@ namespace kerf {
 
 struct CurvesRequest {
   double size = 0;         // of the mesh; 0: that of the problem
-  double tolerance = 0;    // of the fit; 0: 0.15 of the size
+  double tolerance = 0;    // of the fit; 0: 0.2 of the size
   double min_radius = 0;   // of arcs of the design; 0: any
   double min_feature = 0;  // least width of members and gaps; 0: one size. What is thinner already may stay so
   int evaluations = 40;
@@ -24,7 +24,7 @@ struct CurvesRow {
   double residual = nan, price = nan;
   double step = 0;  // largest move of the curves
   Index triangles = 0;
-  int holes = 0, state_solves = 0;  // solves so far
+  int holes = 0, state_solves = 0;       // solves so far
   bool accepted = false, fresh = false;  // fresh: on a mesh made for it
   std::string note;
   std::string failure;                       // why there are no values; empty mostly
@@ -59,7 +59,7 @@ using CurvesObserver = std::function<bool(const CurvesIterate&)>;
 /// that those next to a chain end where it does. Throws Error(Geometry) when no such shape can be meshed.
 Shape fit_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how);
 
-/// Fits and minimizes J + penalty * area under the bounds of the request over the knots of the chains [theory: L.12].
+/// Fits and minimizes J + penalty * area under the bounds of the request over the knots of the chains [theory: K.3].
 /// `known`: evaluations of an earlier run, which are not made again; it then goes on as if it had not been interrupted.
 /// What cannot be moved comes back as it was, with a note. Throws Error(Geometry | Numerics) when the curves as fitted
 /// cannot be meshed or solved, Error(Usage) for what the element or the scene cannot do.

@@ -97,6 +97,52 @@ Trace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<Vec2>
   return trace;
 }
 
+std::vector<double> segment_lengths(const ArcChain& chain) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k < segment_count(chain); ++k)
+    all.push_back(point_on(chain, {2 * k, 0}).speed + point_on(chain, {2 * k + 1, 0}).speed);
+  return all;
+}
+
+/// The knot at a length along a chain, from lengths of its segments.
+Knot knot_at(const ArcChain& chain, const std::vector<double>& lengths, double s) {
+  std::size_t k = 0;
+  while (k + 1 < lengths.size() && s > lengths[k]) s -= lengths[k++];
+  const double first = point_on(chain, {2 * k, 0}).speed;
+  const ChainPlace place =
+      s <= first ? ChainPlace{2 * k, s / first} : ChainPlace{2 * k + 1, (s - first) / (lengths[k] - first)};
+  const ChainPoint p = point_on(chain, {place.arc, std::min(place.part, 1.0)});
+  return {p.at, std::atan2(p.tangent.y(), p.tangent.x())};
+}
+
+/// Knots first to last of a chain at the spacing they had, the two where they are; of a closed one `last` may lie
+/// beyond the number of knots.
+void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t first, std::size_t last) {
+  constexpr double close = 0.5, far = 2;
+  const std::size_t n = segment_count(chain), knots = chain.knots.size();
+  const std::vector<double> lengths = segment_lengths(chain);
+  double before = 0, sum = 0, wanted = 0;
+  for (std::size_t k = 0; k < first; ++k) before += lengths[k];
+  for (std::size_t k = first; k < last; ++k) sum += lengths[k % n], wanted += rest[k % n];
+  double least = infinity, most = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    const double ratio = lengths[k % n] / rest[k % n] * wanted / sum;
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
+  }
+  if (least > close && most < far) return;
+  const ArcChain was = chain;
+  double s = before, whole = 0;
+  for (const double l : lengths) whole += l;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    s += rest[(k - 1) % n] * sum / wanted;
+    Knot knot = knot_at(was, lengths, s < whole ? s : s - whole);
+    const double angle = was.knots[k % knots].angle;
+    knot.angle += 2 * pi * std::round((angle - knot.angle) / (2 * pi));
+    chain.knots[k % knots] = knot;
+  }
+}
+
 class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
@@ -111,6 +157,7 @@ class Builder {
     for (const Loop& hole : d_.carved.holes) add_loop(hole);
     limit_rails();
     number_variables();
+    for (const ArcChain& chain : d_.chains) d_.spacing.push_back(segment_lengths(chain));
     return std::move(d_);
   }
 
@@ -211,8 +258,7 @@ class Builder {
         if (std::isfinite(hold.upper)) hold.upper = std::max(one.coordinate, hold.upper - 0.75 * least);
       }
       for (std::size_t i = 0; i + 1 < all.size(); ++i)
-        d_.apart.push_back(
-            {all[i].ref, all[i + 1].ref, std::min(least, all[i + 1].coordinate - all[i].coordinate)});
+        d_.apart.push_back({all[i].ref, all[i + 1].ref, std::min(least, all[i + 1].coordinate - all[i].coordinate)});
     }
   }
 
@@ -317,6 +363,17 @@ DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
       }
     }
   return next;
+}
+
+void even_out(DesignCurves& d) {
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    std::vector<std::size_t> stay;  // an open chain has its ends among them
+    for (std::size_t k = 0; k < d.holds[c].size(); ++k)
+      if (d.holds[c][k].kind != KnotHold::Kind::Free) stay.push_back(k);
+    if (d.chains[c].closed && stay.empty()) stay.push_back(0);
+    if (d.chains[c].closed) stay.push_back(stay.front() + d.chains[c].knots.size());
+    for (std::size_t i = 0; i + 1 < stay.size(); ++i) even_out(d.chains[c], d.spacing[c], stay[i], stay[i + 1]);
+  }
 }
 
 void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, const Eigen::Matrix<double, 1, 6>& by,

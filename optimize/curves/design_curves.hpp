@@ -40,18 +40,19 @@ struct CurveLoop {
 struct KnotRef {
   Index chain = none, knot = none;
 };
-struct Apart {
+struct RailGap {
   KnotRef first, second;
   double least;  // in the coordinate
 };
 
 struct DesignCurves {
-  Shape carved;                // all that is no chain
+  Shape carved;                  // all that is no chain
   std::vector<CurveLoop> loops;  // outline, holes
   std::vector<ArcChain> chains;
   std::vector<std::vector<KnotHold>> holds;  // per chain and knot
   std::vector<Rail> rails;
-  std::vector<Apart> apart;
+  std::vector<RailGap> apart;
+  std::vector<std::vector<double>> spacing;  // per chain and segment: its length when the knots were placed
   Index label = none;
   Eigen::Index variables = 0;
   double distance = 0;  // of the fit, the largest
@@ -68,6 +69,10 @@ Shape shape_of(const DesignCurves& d);
 
 /// The curves with every variable changed by the step: lengths along normals and rails, angles.
 DesignCurves moved(const DesignCurves& d, const Eigen::VectorXd& step);
+
+/// Where knots have come much closer together than others of their chain, or further apart, moves them along it to the
+/// spacing that they had, in proportion. What is drawn changes by less than a fit does.
+void even_out(DesignCurves& d);
 
 /// Derivatives of something by the variables, from those by x, y, angle of the two knots of a segment.
 void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, const Eigen::Matrix<double, 1, 6>& by,

@@ -11,7 +11,7 @@ struct QuadraticStep {
   Eigen::VectorXd multiplier;  // per row, at least 0
 };
 
-/// min 1/2 d.H d + g.d under A d <= b, through its dual [Goldfarb, Idnani 1983; Bro, de Jong 1997]. H by its Cholesky
+/// min 1/2 d.H d + g.d under A d <= b, through its dual [Lawson, Hanson 1974]. H by its Cholesky
 /// factor. Rows that contradict each other are met as far as they go, in the mean of squares.
 QuadraticStep quadratic_step(const Eigen::LLT<Eigen::MatrixXd>& H, const Eigen::VectorXd& g, const Eigen::MatrixXd& A,
                              const Eigen::VectorXd& b);

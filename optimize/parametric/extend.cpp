@@ -196,9 +196,8 @@ std::optional<Mesh> carry(const Extension& e, const Mesh& before, std::span<cons
   }
   const std::vector<double> angles = smallest_angles(mesh);
   for (std::size_t t = 0; t < angles.size(); ++t)
-    if (!(angles[t] >= std::min(most.least_angle, 0.6 * before_angles[t])) || distorted(before, mesh, t, most.stretch)) {
-      if (getenv("CV")) fprintf(stderr, "   bad at %g %g angle %g from %g stretch %d\n", centroid(mesh,Index(t)).x(), centroid(mesh,Index(t)).y(), angles[t], before_angles[t], distorted(before,mesh,t,most.stretch));
-      return std::nullopt; }
+    if (!(angles[t] >= std::min(most.least_angle, 0.6 * before_angles[t])) || distorted(before, mesh, t, most.stretch))
+      return std::nullopt;
   return mesh;
 }
 
