@@ -19,8 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double most_stretch = 1.6;   // of a triangle of a moved mesh, and pressing
-constexpr double least_angle = 13;     // degrees, of moved meshes
 constexpr double too_close = 0.5;      // a violated constraint that leaves designs unsolved: half the distance
 constexpr std::size_t most_built = 6;  // meshes kept with their extension
 
@@ -48,24 +46,6 @@ std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Pro
       Base::Built{std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)});
 }
 
-/// Whether a triangle has been stretched or pressed too much: what was fine enough, across a gap that narrows, is not
-/// any more.
-bool distorted(const Mesh& before, const Mesh& after, std::size_t t) {
-  const auto sides = [t](const Mesh& mesh) {
-    const auto& v = mesh.triangles[t];
-    const Vec2& x = mesh.points[static_cast<std::size_t>(v[0])];
-    Mat2 both;
-    both << mesh.points[static_cast<std::size_t>(v[1])] - x, mesh.points[static_cast<std::size_t>(v[2])] - x;
-    return both;
-  };
-  const Mat2 a = sides(before), b = sides(after);
-  const Mat2 f = b * Mat2{{a(1, 1), -a(0, 1)}, {-a(1, 0), a(0, 0)}} / cross(a.col(0), a.col(1));
-  // Singular values: half the sum and the difference of these.
-  const double plus = std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)),
-               minus = std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1));
-  return plus + minus > 2 * most_stretch || plus - minus < 2 / most_stretch;
-}
-
 /// The mesh with its followers where x wants them, or nothing when it suffers.
 std::optional<Mesh> moved(const Base::Built& base, const Design& d, const VectorXd& x) {
   Points motion = Points::Zero(2, static_cast<Eigen::Index>(base.mesh.points.size()));
@@ -74,16 +54,7 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
     const auto column = static_cast<Eigen::Index>(k);
     motion.col(base.followers[k].vertex) = to.col(column) - base.start.col(column);
   }
-  Mesh mesh = base.mesh;
-  if (!motion.isZero(0)) {
-    motion = extend(base.extension, motion);
-    for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.points[v] += motion.col(static_cast<Eigen::Index>(v));
-  }
-  const std::vector<double> angles = smallest_angles(mesh);
-  for (std::size_t t = 0; t < angles.size(); ++t)
-    if (!(angles[t] >= std::min(least_angle, 0.6 * base.angles[t])) || distorted(base.mesh, mesh, t))
-      return std::nullopt;
-  return mesh;
+  return carry(base.extension, base.mesh, base.angles, motion);
 }
 
 std::optional<std::string> why_blind(const Problem& p, const Design& d) {

@@ -7,6 +7,22 @@ namespace kerf {
 
 namespace {
 
+bool distorted(const Mesh& before, const Mesh& after, std::size_t t, double most) {
+  const auto sides = [t](const Mesh& mesh) {
+    const auto& v = mesh.triangles[t];
+    const Vec2& x = mesh.points[static_cast<std::size_t>(v[0])];
+    Mat2 both;
+    both << mesh.points[static_cast<std::size_t>(v[1])] - x, mesh.points[static_cast<std::size_t>(v[2])] - x;
+    return both;
+  };
+  const Mat2 a = sides(before), b = sides(after);
+  const Mat2 f = b * Mat2{{a(1, 1), -a(0, 1)}, {-a(1, 0), a(0, 0)}} / cross(a.col(0), a.col(1));
+  // Singular values: half the sum and the difference of these.
+  const double plus = std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)),
+               minus = std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1));
+  return plus + minus > 2 * most || plus - minus < 2 / most;
+}
+
 /// Stiffness of the pair of vertices i, k of a triangle over its area: -1/2 cot of the angle between, over the area.
 double stiffness(const Mesh& mesh, Index t, std::size_t i, std::size_t k) {
   const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
@@ -169,6 +185,20 @@ std::vector<double> smallest_angles(const Mesh& mesh) {
     angles.push_back(least);
   }
   return angles;
+}
+
+std::optional<Mesh> carry(const Extension& e, const Mesh& before, std::span<const double> before_angles,
+                          const Points& motion, const Strain& most) {
+  Mesh mesh = before;
+  if (!motion.isZero(0)) {
+    const Points all = extend(e, motion);
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.points[v] += all.col(static_cast<Eigen::Index>(v));
+  }
+  const std::vector<double> angles = smallest_angles(mesh);
+  for (std::size_t t = 0; t < angles.size(); ++t)
+    if (!(angles[t] >= std::min(most.least_angle, 0.6 * before_angles[t])) || distorted(before, mesh, t, most.stretch))
+      return std::nullopt;
+  return mesh;
 }
 
 }  // namespace kerf

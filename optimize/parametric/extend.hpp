@@ -4,6 +4,9 @@
 #include "kerf/mesh.hpp"
 #include "solver/factor.hpp"
 
+#include <optional>
+#include <span>
+
 namespace kerf {
 
 /// Harmonic extension: u = u_given at the given vertices and sum_T |T|^-1 int_T grad u . grad v = 0 for every v that is
@@ -32,5 +35,14 @@ std::vector<bool> vertices_that_mean_something(const Mesh& mesh);
 
 /// Smallest angle of every triangle in degrees; 0 or less where it is flat or turned over.
 std::vector<double> smallest_angles(const Mesh& mesh);
+
+/// What a moved mesh may look like: what was fine enough across a gap that narrows is not any more.
+struct Strain {
+  double least_angle = 13;  // degrees; less than 0.6 of what an angle was is refused in any case
+  double stretch = 1.6;     // of a triangle, and its inverse
+};
+/// The mesh after a motion of the given vertices, or nothing where that strains it too much. `angles`: those of `mesh`.
+std::optional<Mesh> carry(const Extension& e, const Mesh& mesh, std::span<const double> angles, const Points& motion,
+                          const Strain& most = {});
 
 }  // namespace kerf

@@ -1,0 +1,355 @@
+#include "optimize/curves/boundary.hpp"
+
+#include "geometry/plane.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double undulation = 4;      // of the second derivative per wave number
+constexpr double thinning = 6;        // and per width
+constexpr double facing = 0.5;        // cosine between a normal and the way across, at least
+constexpr double neighborhood = 2.2;  // what is nearer along the boundary than this many distances is no other side
+
+constexpr std::array<std::array<double, 2>, 3> gauss{
+    {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
+
+/// A point of the boundary of the body, the body on its left.
+struct Sample {
+  Vec2 at, left;
+  Index loop;
+  double s;            // along its loop
+  Index chain = none;  // none: fixed
+  ChainPlace place = {};
+};
+
+struct Samples {
+  std::vector<Sample> all;
+  std::vector<double> length;  // of the loops
+};
+
+void add_chain(const DesignCurves& d, Index c, Index loop, double step, double& s, Samples& out) {
+  const ArcChain& chain = d.chains[std::size_t(c)];
+  for (std::size_t arc = 0; arc < 2 * segment_count(chain); ++arc) {
+    const double l = point_on(chain, {arc, 0.5}).speed;
+    const int n = std::max(1, int(std::ceil(l / step)));
+    for (int i = 0; i < n; ++i) {
+      const ChainPlace place{arc, (i + 0.5) / n};
+      const ChainPoint p = point_on(chain, place);
+      out.all.push_back({p.at, {-p.tangent.y(), p.tangent.x()}, loop, s + (i + 0.5) * l / n, c, place});
+    }
+    s += l;
+  }
+}
+
+void add_side(const Side& side, const Vec2& end, Index loop, double step, double& s, Samples& out) {
+  const double l = side.arc ? length(*side.arc) : (end - side.start).norm();
+  const int n = std::max(1, int(std::ceil(l / step)));
+  for (int i = 0; i < n; ++i) {
+    const double part = (i + 0.5) / n;
+    Vec2 x = (1 - part) * side.start + part * end, t = end - side.start;
+    if (side.arc) {
+      const double at = side.arc->from + part * (side.arc->to - side.arc->from);
+      x = kerf::at(*side.arc, at);
+      t = velocity(*side.arc, at) * (side.arc->to - side.arc->from);
+    }
+    t.normalize();
+    out.all.push_back({x, {-t.y(), t.x()}, loop, s + part * l});
+  }
+  s += l;
+}
+
+Samples samples_of(const DesignCurves& d, double step) {
+  const Shape shape = shape_of(d);
+  Samples out;
+  for (std::size_t l = 0; l < d.loops.size(); ++l) {
+    const Loop& drawn = l == 0 ? shape.outline : shape.holes[l - 1];
+    double s = 0;
+    std::size_t side = 0;
+    for (const LoopPiece& piece : d.loops[l].pieces) {
+      if (piece.chain != none) {
+        add_chain(d, piece.chain, Index(l), step, s, out);
+        side += 2 * segment_count(d.chains[std::size_t(piece.chain)]);
+        continue;
+      }
+      add_side(drawn.sides[side], drawn.sides[(side + 1) % drawn.sides.size()].start, Index(l), step, s, out);
+      ++side;
+    }
+    out.length.push_back(s);
+  }
+  return out;
+}
+
+double along(const Samples& samples, const Sample& a, const Sample& b) {
+  if (a.loop != b.loop) return infinity;
+  const double there = std::abs(a.s - b.s);
+  return std::min(there, samples.length[std::size_t(a.loop)] - there);
+}
+
+/// The nearest other side through the body (side 1) or the void (side -1), or none.
+Index across(const Samples& samples, std::size_t i, double side, double within) {
+  const Sample& a = samples.all[i];
+  double least = within;
+  Index found = none;
+  for (std::size_t j = 0; j < samples.all.size(); ++j) {
+    const Sample& b = samples.all[j];
+    const Vec2 way = b.at - a.at;
+    const double d = way.norm();
+    if (!(d < least) || j == i) continue;
+    if (side * way.dot(a.left) < facing * d || side * way.dot(b.left) > -facing * d) continue;
+    if (along(samples, a, b) < neighborhood * d) continue;
+    least = d;
+    found = Index(j);
+  }
+  return found;
+}
+
+VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& direction) {
+  VectorXd row = VectorXd::Zero(d.variables);
+  if (s.chain == none) return row;
+  const ChainPoint p = point_on(d.chains[std::size_t(s.chain)], s.place);
+  add_by_segment(d, s.chain, s.place.arc / 2, direction.transpose() * p.by, row);
+  return row;
+}
+
+void add_widths(const DesignCurves& d, const Samples& samples, const Clearances& how, LinearRows& rows) {
+  for (std::size_t i = 0; i < samples.all.size(); ++i) {
+    const Sample& a = samples.all[i];
+    if (a.chain == none) continue;
+    for (const double side : {1.0, -1.0}) {
+      const Index j = across(samples, i, side, how.least + how.reach);
+      if (j == none) continue;
+      const Sample& b = samples.all[std::size_t(j)];
+      if (b.chain != none && std::size_t(j) < i &&
+          across(samples, std::size_t(j), side, how.least + how.reach) == Index(i))
+        continue;  // said by the other one
+      const Vec2 way = b.at - a.at;
+      const double distance = way.norm();
+      rows.add(move_along(d, a, way / distance) - move_along(d, b, way / distance),
+               distance - std::min(how.least, distance));
+    }
+  }
+}
+
+struct Line {
+  Vec2 a, b;
+};
+
+std::vector<Line> lines_of(const Loop& loop, double chord) {
+  const Polygon p = flatten(loop, chord, infinity);
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < p.points.size(); ++i) lines.push_back({p.points[i], p.points[(i + 1) % p.points.size()]});
+  return lines;
+}
+
+/// Distances to lines that nothing may cross.
+void keep_off(const DesignCurves& d, const Samples& samples, const std::vector<Line>& lines, double least, double reach,
+              LinearRows& rows) {
+  for (const Sample& s : samples.all) {
+    if (s.chain == none) continue;
+    double nearest = least + reach;
+    Vec2 way = Vec2::Zero();
+    for (const Line& line : lines) {
+      const double part = foot(s.at, line.a, line.b);
+      const Vec2 there = line.a + part * (line.b - line.a) - s.at;
+      if (const double distance = there.norm(); distance < nearest && distance > 0) nearest = distance, way = there;
+    }
+    if (way.isZero(0)) continue;
+    rows.add(move_along(d, s, way / nearest), nearest - std::min(least, nearest));
+  }
+}
+
+void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame, const std::vector<Loop>& frozen,
+               const Clearances& how, LinearRows& rows) {
+  const double chord = 1e-3 * how.size;
+  std::vector<Line> body = lines_of(frame.outline, chord), other;
+  for (const Loop& hole : frame.holes)
+    for (const Line& line : lines_of(hole, chord)) body.push_back(line);
+  keep_off(d, samples, body, 0.02 * how.size, how.reach, rows);
+  for (const Loop& loop : frozen)
+    for (const Line& line : lines_of(loop, chord)) other.push_back(line);
+  keep_off(d, samples, other, 0.02 * how.size, how.reach, rows);
+  other.clear();
+  for (const Loop& loop : frame.regions)
+    for (const Line& line : lines_of(loop, chord)) other.push_back(line);
+  for (const Crack& crack : d.carved.cracks) {
+    const std::vector<Vec2> path = crack.arc ? points_on(*crack.arc, 32) : crack.points;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) other.push_back({path[i], path[i + 1]});
+  }
+  keep_off(d, samples, other, 0.5 * how.size, how.reach, rows);
+}
+
+void add_rails(const DesignCurves& d, LinearRows& rows) {
+  const auto coordinate = [&](const KnotRef& ref, double& unit) {
+    const KnotHold& hold = d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
+    const Rail& rail = d.rails[std::size_t(hold.rail)];
+    const double at = rail.at(d.chains[std::size_t(ref.chain)].knots[std::size_t(ref.knot)].at);
+    unit = rail.velocity(at).norm();
+    return at;
+  };
+  for (std::size_t c = 0; c < d.chains.size(); ++c)
+    for (std::size_t k = 0; k < d.holds[c].size(); ++k) {
+      const KnotHold& hold = d.holds[c][k];
+      if (hold.kind != KnotHold::Kind::Slides) continue;
+      double unit = 1;
+      const double at = coordinate({Index(c), Index(k)}, unit);
+      VectorXd row = VectorXd::Zero(d.variables);
+      row[hold.offset] = 1;
+      if (std::isfinite(hold.upper)) rows.add(row, std::max(0.0, (hold.upper - at) * unit));
+      if (std::isfinite(hold.lower)) rows.add(-row, std::max(0.0, (at - hold.lower) * unit));
+    }
+  for (const RailGap& pair : d.apart) {
+    double unit = 1;
+    const double a = coordinate(pair.first, unit), b = coordinate(pair.second, unit);
+    VectorXd row = VectorXd::Zero(d.variables);
+    row[d.holds[std::size_t(pair.first.chain)][std::size_t(pair.first.knot)].offset] += 1;
+    row[d.holds[std::size_t(pair.second.chain)][std::size_t(pair.second.knot)].offset] -= 1;
+    rows.add(std::move(row), std::max(0.0, (b - a - pair.least) * unit));
+  }
+}
+
+/// Chains leave what they end on into the frame.
+void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearRows& rows) {
+  constexpr double least = 0.05;  // sine of the angle to the frame
+  std::vector<Line> lines;
+  for (std::size_t l = 0; l <= frame.holes.size(); ++l)
+    for (const Line& line : lines_of(l == 0 ? frame.outline : frame.holes[l - 1], 1e-3 * size)) {
+      lines.push_back(line);
+      if (l > 0) std::swap(lines.back().a, lines.back().b);
+    }
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    if (d.chains[c].closed) continue;
+    for (const bool last : {false, true}) {
+      const std::size_t k = last ? d.chains[c].knots.size() - 1 : 0;
+      const Knot& knot = d.chains[c].knots[k];
+      double near = 1e-3 * size;
+      Vec2 in = Vec2::Zero();
+      for (const Line& line : lines)
+        if (const double away = distance(knot.at, line.a, line.b); away < near) {
+          near = away;
+          const Vec2 t = (line.b - line.a).normalized();
+          in = {-t.y(), t.x()};
+        }
+      if (in.isZero(0)) continue;
+      const double sign = last ? -1 : 1, c_ = std::cos(knot.angle), s_ = std::sin(knot.angle);
+      const double sine = sign * in.dot(Vec2(c_, s_));
+      VectorXd row = VectorXd::Zero(d.variables);
+      row[d.holds[c][k].angle] = -sign * in.dot(Vec2(-s_, c_));
+      rows.add(std::move(row), sine - std::min(least, sine));
+    }
+  }
+}
+
+/// Arcs no tighter than the least radius, those that are by a fifth less tight.
+void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
+  for (std::size_t c = 0; c < d.chains.size(); ++c)
+    for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc) {
+      const ChainPoint p = point_on(d.chains[c], {arc, 0.5});
+      const double bend = std::abs(p.curvature), room = 1 / how.min_radius - bend;
+      if (room > bend) continue;
+      VectorXd row = VectorXd::Zero(d.variables);
+      add_by_segment(d, Index(c), arc / 2, (p.curvature > 0 ? 1.0 : -1.0) * p.bends, row);
+      rows.add(row * how.min_radius, std::max(room, -0.2 * bend) * how.min_radius);
+    }
+}
+
+}  // namespace
+
+NormalMoves normal_moves(const DesignCurves& d) {
+  NormalMoves m;
+  std::size_t count = 0;
+  for (const ArcChain& chain : d.chains) count += 2 * gauss.size() * segment_count(chain);
+  m.by.setZero(Eigen::Index(count), d.variables);
+  m.weight.resize(Eigen::Index(count));
+  Eigen::Index i = 0;
+  VectorXd row(d.variables);
+  for (std::size_t c = 0; c < d.chains.size(); ++c)
+    for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
+      for (const auto& [part, weight] : gauss) {
+        const ChainPoint p = point_on(d.chains[c], {arc, part});
+        const Vec2 left(-p.tangent.y(), p.tangent.x());
+        row.setZero();
+        add_by_segment(d, Index(c), arc / 2, left.transpose() * p.by, row);
+        m.by.row(i) = row;
+        m.weight[i++] = weight * p.speed;
+        m.chain.push_back(Index(c));
+        m.at.push_back(p.at);
+        m.left.push_back(left);
+      }
+  m.length = m.weight.sum();
+  return m;
+}
+
+MatrixXd mass(const NormalMoves& m) {
+  MatrixXd M = m.by.transpose() * m.weight.asDiagonal() * m.by;
+  M.diagonal() *= 1 + 1e-10;
+  return M;
+}
+
+MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double size) {
+  const Samples samples = samples_of(d, 0.75 * size);
+  const Eigen::Index n = d.variables;
+  MatrixXd guess = MatrixXd::Zero(n, n);
+  // Width of the body along the normal at each row: that of the nearest sample.
+  VectorXd over_width = VectorXd::Zero(m.by.rows());
+  const double wide = 10 * size;
+  for (Eigen::Index i = 0; i < m.by.rows(); ++i) {
+    double least = infinity;
+    std::size_t near = 0;
+    for (std::size_t j = 0; j < samples.all.size(); ++j)
+      if (const double away = (samples.all[j].at - m.at[std::size_t(i)]).squaredNorm();
+          samples.all[j].chain == m.chain[std::size_t(i)] && away < least)
+        least = away, near = j;
+    const Index other = across(samples, near, 1, wide);
+    const double width = other == none ? wide : (samples.all[std::size_t(other)].at - samples.all[near].at).norm();
+    over_width[i] = thinning / std::max(width, 0.5 * size);
+  }
+  guess += m.by.transpose() * (m.weight.cwiseProduct(over_width)).asDiagonal() * m.by;
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    std::vector<Eigen::Index> mine;
+    for (const KnotHold& hold : d.holds[c]) {
+      if (hold.offset != none) mine.push_back(hold.offset);
+      mine.push_back(hold.angle);
+    }
+    std::vector<Eigen::Index> at;
+    for (Eigen::Index i = 0; i < m.by.rows(); ++i)
+      if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
+    const MatrixXd V = m.by(at, mine);
+    const VectorXd w = m.weight(at);
+    MatrixXd M = V.transpose() * w.asDiagonal() * V, K = MatrixXd::Zero(M.rows(), M.cols());
+    M.diagonal() *= 1 + 1e-10;
+    const Eigen::Index rows = V.rows();
+    for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {
+      const Eigen::Index j = (i + 1) % rows;
+      const VectorXd jump = V.row(j) - V.row(i);
+      K.selfadjointView<Eigen::Lower>().rankUpdate(
+          jump, 1 / (m.at[std::size_t(at[std::size_t(i)])] - m.at[std::size_t(at[std::size_t(j)])]).norm());
+    }
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(K, M);
+    const MatrixXd MV = M * modes.eigenvectors();
+    guess(mine, mine) += undulation * MV * modes.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * MV.transpose();
+  }
+  return guess;
+}
+
+LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,
+                          const Clearances& how) {
+  LinearRows rows;
+  const Samples samples = samples_of(d, 0.5 * how.size);
+  add_widths(d, samples, how, rows);
+  add_fixed(d, samples, frame, frozen, how, rows);
+  add_rails(d, rows);
+  add_leaving(d, frame, how.size, rows);
+  if (how.min_radius > 0) add_radii(d, how, rows);
+  return rows;
+}
+
+}  // namespace kerf

@@ -1,0 +1,156 @@
+#include "optimize/curves/curve_mesh.hpp"
+
+#include "geometry/plane.hpp"
+#include "kerf/mesher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr Strain most{.least_angle = 10,
+                      .stretch = 2.5};  // more than drawn designs are moved: fewer meshes, less noise
+
+/// A side of the frame between chains, as drawn: its ends, and the knots that they are.
+struct SideEnds {
+  Side side;
+  Vec2 end;
+  KnotRef before, after;
+};
+
+SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std::size_t i) {
+  const CurveLoop& loop = d.loops[l];
+  const std::size_t n = loop.pieces.size();
+  const Loop& drawn = l == 0 ? shape.outline : shape.holes[l - 1];
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < i; ++k)
+    at += loop.pieces[k].chain == none ? 1 : 2 * segment_count(d.chains[std::size_t(loop.pieces[k].chain)]);
+  SideEnds ends{drawn.sides[at], drawn.sides[(at + 1) % drawn.sides.size()].start, {}, {}};
+  const Index before = loop.pieces[(i + n - 1) % n].chain, after = loop.pieces[(i + 1) % n].chain;
+  if (before != none) ends.before = {before, Index(d.chains[std::size_t(before)].knots.size()) - 1};
+  if (after != none) ends.after = {after, 0};
+  return ends;
+}
+
+Vec2 on(const SideEnds& s, double part) {
+  if (!s.side.arc) return (1 - part) * s.side.start + part * s.end;
+  return at(*s.side.arc, s.side.arc->from + part * (s.side.arc->to - s.side.arc->from));
+}
+
+const KnotHold& hold(const DesignCurves& d, const KnotRef& ref) {
+  return d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
+}
+
+bool slides(const DesignCurves& d, const KnotRef& ref) {
+  return ref.chain != none && hold(d, ref).kind == KnotHold::Kind::Slides;
+}
+
+/// Every vertex on a side next to a chain whose end slides.
+void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh, std::vector<bool>& taken,
+                        std::vector<CurveFollower>& all) {
+  const double near = 1e-9 * extent(shape);
+  for (std::size_t l = 0; l < d.loops.size(); ++l)
+    for (std::size_t i = 0; i < d.loops[l].pieces.size(); ++i) {
+      if (d.loops[l].pieces[i].chain != none) continue;
+      const SideEnds ends = side_ends(d, shape, l, i);
+      if (!slides(d, ends.before) && !slides(d, ends.after)) continue;
+      for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+        if (mesh.label[e] != ends.side.label || (mesh.sides[e][0] != none && mesh.sides[e][1] != none)) continue;
+        for (const Index v : mesh.edges[e]) {
+          if (taken[std::size_t(v)]) continue;
+          const Vec2& x = mesh.points[std::size_t(v)];
+          double part = foot(x, ends.side.start, ends.end);
+          if (ends.side.arc) {
+            const Arc& arc = *ends.side.arc;
+            part = std::clamp(0.5 + beyond_middle(arc, x) / (arc.to - arc.from), 0.0, 1.0);
+          }
+          if ((on(ends, part) - x).norm() > near) continue;
+          taken[std::size_t(v)] = true;
+          all.push_back({.vertex = v, .loop = Index(l), .piece = Index(i), .part = part});
+        }
+      }
+    }
+}
+
+std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh) {
+  std::vector<CurveFollower> all;
+  std::vector<bool> taken(mesh.points.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.label[e] != d.label) continue;
+    for (const Index v : mesh.edges[e]) {
+      if (taken[std::size_t(v)]) continue;
+      taken[std::size_t(v)] = true;
+      CurveFollower best{.vertex = v};
+      double least = infinity;
+      const Vec2& x = mesh.points[std::size_t(v)];
+      for (std::size_t c = 0; c < d.chains.size(); ++c) {
+        const ChainPlace place = nearest(d.chains[c], x);
+        const double away = (at(d.chains[c], place) - x).squaredNorm();
+        if (away < least) least = away, best.chain = Index(c), best.place = place;
+      }
+      all.push_back(best);
+    }
+  }
+  add_side_followers(d, shape, mesh, taken, all);
+  return all;
+}
+
+Points positions(const std::vector<CurveFollower>& followers, const DesignCurves& d) {
+  const Shape shape = shape_of(d);
+  Points x(2, Eigen::Index(followers.size()));
+  for (std::size_t k = 0; k < followers.size(); ++k) {
+    const CurveFollower& f = followers[k];
+    x.col(Eigen::Index(k)) = f.chain != none
+                                 ? at(d.chains[std::size_t(f.chain)], f.place)
+                                 : on(side_ends(d, shape, std::size_t(f.loop), std::size_t(f.piece)), f.part);
+  }
+  return x;
+}
+
+}  // namespace
+
+CurveMesh curve_mesh(const DesignCurves& d, const Sizing& sizing) {
+  const Shape shape = shape_of(d);
+  Mesh mesh = triangulate(shape, sizing);
+  std::vector<CurveFollower> f = followers(d, shape, mesh);
+  Extension extension = make_extension(mesh, vertices_that_mean_something(mesh));
+  std::vector<double> angles = smallest_angles(mesh);
+  Points start = positions(f, d);
+  return {std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)};
+}
+
+std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
+  Points motion = Points::Zero(2, Eigen::Index(m.mesh.points.size()));
+  const Points to = positions(m.followers, d);
+  for (std::size_t k = 0; k < m.followers.size(); ++k)
+    motion.col(m.followers[k].vertex) = to.col(Eigen::Index(k)) - m.start.col(Eigen::Index(k));
+  return carry(m.extension, m.mesh, m.angles, motion, most);
+}
+
+Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Points& force) {
+  const Points on_given = gather(m.extension, force);
+  const Shape shape = shape_of(d);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(d.variables);
+  for (const CurveFollower& f : m.followers) {
+    const Vec2 pull = on_given.col(f.vertex);
+    if (f.chain != none) {
+      const ChainPoint p = point_on(d.chains[std::size_t(f.chain)], f.place);
+      add_by_segment(d, f.chain, f.place.arc / 2, pull.transpose() * p.by, sum);
+      continue;
+    }
+    const SideEnds ends = side_ends(d, shape, std::size_t(f.loop), std::size_t(f.piece));
+    for (const auto& [ref, share, x] :
+         {std::tuple{ends.before, 1 - f.part, ends.side.start}, std::tuple{ends.after, f.part, ends.end}}) {
+      if (!slides(d, ref)) continue;
+      const Rail& rail = d.rails[std::size_t(hold(d, ref).rail)];
+      const double unit = rail.velocity(rail.at(x)).norm();
+      const Vec2 here = rail.velocity(rail.at(on(ends, f.part)));
+      sum[hold(d, ref).offset] += share * here.dot(pull) / unit;
+    }
+  }
+  return sum;
+}
+
+}  // namespace kerf

@@ -1,0 +1,599 @@
+#include "optimize/curves/curves.hpp"
+
+#include "kerf/shape_gradient.hpp"
+#include "optimize/curves/boundary.hpp"
+#include "optimize/curves/curve_mesh.hpp"
+#include "optimize/curves/quadratic.hpp"
+#include "optimize/loop/evaluate.hpp"
+#include "optimize/loop/finish.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Lengths relative to the mesh size.
+constexpr double fit_tolerance = 0.2, knot_spacing = 2;
+constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
+constexpr double least_radius = 0.4;                                                // of arcs, so that meshes can tell
+constexpr double largest_angle = 0.35;                                              // a knot may turn by in a step
+constexpr double sharpest = 0.9;                                                    // turn of an arc, in half turns
+constexpr double area_error = 1e-7;                                                 // of the area wanted
+constexpr double mesh_noise = 2e-3;                                                 // of J between meshes of like size
+constexpr double too_little = 1e-9;  // of J, predicted: nothing is to be gained
+constexpr int most_meshes_at_end = 4;
+constexpr int most_rounds = 12;  // of quadratic programs for a step
+
+/// A mesh and the curves it was made for; built when first needed.
+struct Base {
+  DesignCurves curves;
+  std::unique_ptr<CurveMesh> built = {};
+};
+
+/// Values at some curves, and their derivatives by the variables.
+struct Point {
+  DesignCurves curves;
+  std::shared_ptr<Base> base;
+  bool fresh = false;
+  double J = 0, area = 0;
+  VectorXd by_J, by_area;
+  VectorXd bound;     // per bound and load case, relative to what it may be
+  MatrixXd by_bound;  // a column each
+  std::vector<double> bounds;
+  Index triangles = 0;
+  double residual = nan, price = nan;
+  std::shared_ptr<const Evaluated> solved;
+};
+
+/// The constraints of a step, linear: A step <= room. Area first where it is bounded, then bounds, then the geometry.
+struct Linearized {
+  MatrixXd A;
+  VectorXd room;
+};
+
+std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
+  std::vector<Index> solid;
+  for (const Scene& scene : scenes_of(p, r))
+    for (const Traction& t : scene.tractions) solid.push_back(t.label);
+  std::vector<const Functional*> all{&p.objective};
+  for (const FunctionalBound& b : r.bounds) all.push_back(&b.functional);
+  for (const Functional* j : all)
+    for (const Term& term : j->terms) {
+      if (term.label != none) solid.push_back(term.label);
+      if (term.measured) solid.push_back(term.measured->label);
+    }
+  return solid;
+}
+
+double size_of(const Problem& p, const CurvesRequest& how) {
+  if (how.size > 0) return how.size;
+  return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+}
+
+/// Chains within the tolerance, or finer ones, that make a shape.
+DesignCurves fitted(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
+                    std::vector<std::string>& notes) {
+  const double size = size_of(p, how);
+  double tolerance = how.tolerance > 0 ? how.tolerance : fit_tolerance * size, spacing = knot_spacing * size;
+  std::string problem;
+  for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.6, spacing *= 0.6) {
+    const double gap = how.min_feature > 0 ? how.min_feature : size;
+    DesignCurves d = design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r)});
+    const bool there = d.chains.empty() || offset_to_area(d, carved.area);
+    const auto found = find_problem(shape_of(d));
+    if (there && !found) {
+      if (attempt > 0)
+        notes.push_back(fmt::format("curves closer to the zero line, within {:.2g} ({})", tolerance, problem));
+      return d;
+    }
+    if (problem.empty()) problem = found ? *found : "the area of the zero line cannot be reached";
+  }
+  throw Error(Fault::Geometry, fmt::format("the zero line does not become smooth curves: {}", problem));
+}
+
+double sum_of_weights(const OptimizeRequest& r) {
+  double sum = r.load_cases.empty() ? 1 : 0;
+  for (const LoadCase& load : r.load_cases) sum += load.weight;
+  return sum;
+}
+
+DesignCurves after(const DesignCurves& d, const VectorXd& step) {
+  DesignCurves next = moved(d, step);
+  even_out(next);
+  return next;
+}
+
+bool is_shape(const DesignCurves& d) {
+  return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
+         !find_problem(shape_of(d));
+}
+
+/// Rows for what a step moves or turns by more than allowed, those that it moves the furthest within each arc.
+LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step,
+                   const std::vector<double>& radius, const std::vector<double>& turn) {
+  constexpr double slack = 1 + 1e-3;
+  constexpr Eigen::Index per_arc = 3;
+  LinearRows rows;
+  const VectorXd move = moves.by * step;
+  for (Eigen::Index i = 0; i < move.size(); i += per_arc) {
+    Eigen::Index k = 0;
+    const double most = radius[std::size_t(moves.chain[std::size_t(i)])];
+    if (!(move.segment(i, per_arc).cwiseAbs().maxCoeff(&k) > slack * most)) continue;
+    const double sign = move[i + k] > 0 ? 1 : -1;
+    rows.add(sign * moves.by.row(i + k).transpose(), most);
+  }
+  for (std::size_t c = 0; c < d.holds.size(); ++c)
+    for (const KnotHold& hold : d.holds[c])
+      if (std::abs(step[hold.angle]) > slack * turn[c]) {
+        VectorXd row = VectorXd::Zero(d.variables);
+        row[hold.angle] = step[hold.angle] > 0 ? 1 : -1;
+        rows.add(std::move(row), turn[c]);
+      }
+  return rows;
+}
+
+class CurvesRun {
+ public:
+  CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
+            const CurvesObserver& see, const std::vector<CurvesRow>& known)
+      : p_(p), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(size_of(p, how)) {
+    whole_ = area(p.frame);
+    for (const Term& term : p.objective.terms)
+      if (term.volume) volume_price_ += term.factor;
+    volume_price_ = volume_price_ * sum_of_weights(r) + r.volume_penalty;
+    bounded_ = r.volume_at_most && *r.volume_at_most < 1;
+    most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
+    radius_ = first_radius * size_;
+  }
+
+  FinishedCurves run();
+
+ private:
+  std::optional<Point> evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base, std::string& failure);
+  void solve(Point& x);
+  void recall(const CurvesRow& row, Point& x) const;
+  CurvesRow row_of(const Point& x) const;
+  Linearized linearized(const Point& x) const;
+  void weigh(Point& x) const;
+  double merit(const Point& x) const;
+  double predicted(const Point& x, const VectorXd& step) const;
+  double violation(const Point& x) const;
+  VectorXd gradient(const Point& x) const {
+    return x.by_J + r_.volume_penalty * x.by_area;
+  }
+  void begin_curvature(const Point& x);
+  void learn(const Point& from, const Point& to, const VectorXd& step);
+  VectorXd step_within(const Point& x, double radius);
+  VectorXd step_to_shape();
+  bool iterate();
+  bool remesh();
+  bool show();
+  Eigen::Index first_bound() const {
+    return bounded_ ? 1 : 0;
+  }
+
+  const Problem& p_;
+  const OptimizeRequest& r_;
+  const Carved& carved_;
+  const CurvesRequest& how_;
+  const CurvesObserver& see_;
+  const std::vector<CurvesRow>& known_;
+  double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
+  bool bounded_ = false;
+  int evaluations_ = 0, solves_ = 0;
+  std::shared_ptr<Base> base_;
+  Point x_;  // the present one
+  MatrixXd B_;
+  VectorXd multiplier_;               // of area and bounds
+  VectorXd dearest_;                  // the largest that each has been
+  std::vector<double> share_;         // per chain, of the radius: less where it gets into its own way
+  double last_step_ = 0, reach_ = 0;  // of the last step: its length; how much of the radius it uses
+  FinishedCurves out_;
+};
+
+void CurvesRun::solve(Point& x) {
+  Mesh mesh;
+  bool have = false;
+  if (x.base) {
+    if (!x.base->built) x.base->built = std::make_unique<CurveMesh>(curve_mesh(x.base->curves, p_.sizing));
+    if (auto there = moved(*x.base->built, x.curves)) mesh = std::move(*there), have = true;
+  }
+  x.fresh = !have;
+  if (!have) {
+    x.base = std::make_shared<Base>(Base{x.curves, std::make_unique<CurveMesh>(curve_mesh(x.curves, p_.sizing))});
+    mesh = x.base->built->mesh;
+  }
+  const CurveMesh& follows = *x.base->built;
+  auto e = std::make_shared<Evaluated>(evaluate_mesh(p_, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
+  x.J = e->J;
+  x.bounds = e->bounds;
+  x.triangles = Index(e->cases.front().model.mesh.triangles.size());
+  x.by_J = VectorXd::Zero(x.curves.variables);
+  const auto nb = Eigen::Index(r_.bounds.size() * e->cases.size());
+  x.bound.resize(nb);
+  x.by_bound.resize(x.curves.variables, nb);
+  Eigen::Index k = 0;
+  for (const SolvedCase& c : e->cases) {
+    const Analysis a = analyze(e->objective, c.model, c.state);
+    x.by_J += c.weight * pull_back(follows, x.curves, shape_gradient(a, e->objective));
+    for (std::size_t b = 0; b < r_.bounds.size(); ++b, ++k) {
+      const Analysis of_bound = analyze(e->bounded[b], c.model, c.state);
+      const double most = r_.bounds[b].at_most, unit = most != 0 ? std::abs(most) : 1;
+      x.bound[k] = (of_bound.value - most) / unit;
+      x.by_bound.col(k) = pull_back(follows, x.curves, shape_gradient(of_bound, e->bounded[b])) / unit;
+    }
+  }
+  x.solved = std::move(e);
+}
+
+void CurvesRun::recall(const CurvesRow& row, Point& x) const {
+  x.fresh = row.fresh;
+  if (row.fresh) x.base = std::make_shared<Base>(Base{x.curves});
+  x.J = row.J;
+  x.bounds = row.bounds;
+  x.triangles = row.triangles;
+  x.bound = row.values;
+  const Eigen::Index n = x.curves.variables;
+  const Eigen::Map<const MatrixXd> all(row.gradients.data(), n, 1 + row.values.size());
+  x.by_J = all.col(0);
+  x.by_bound = all.rightCols(row.values.size());
+}
+
+/// On the mesh of `base` moved there, or on a fresh one where that suffers or there is none.
+std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base,
+                                         std::string& failure) {
+  Point x{.curves = d, .base = base};
+  const auto number = std::size_t(evaluations_++);
+  solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
+  const bool replay = number < known_.size();
+  if (replay) {
+    failure = known_[number].failure;
+    if (failure.empty()) recall(known_[number], x);
+  } else {
+    try {
+      solve(x);
+    } catch (const Error& error) {
+      if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+      failure = error.what();
+    }
+  }
+  if (!failure.empty()) {
+    CurvesRow row{.state_solves = solves_, .failure = failure, .knots = pack(d)};
+    row.note = "not evaluated: " + failure;
+    out_.rows.push_back(std::move(row));
+    return std::nullopt;
+  }
+  x.area = area_of(x.curves, &x.by_area);
+  weigh(x);
+  out_.rows.push_back(row_of(x));
+  return x;
+}
+
+CurvesRow CurvesRun::row_of(const Point& x) const {
+  CurvesRow row{.J = x.J,
+                .area = x.area,
+                .area_fraction = x.area / whole_,
+                .bounds = x.bounds,
+                .violation = violation(x),
+                .residual = x.residual,
+                .price = x.price,
+                .step = last_step_,
+                .triangles = x.triangles,
+                .holes = int(x.curves.loops.size()) - 1,
+                .state_solves = solves_,
+                .fresh = x.fresh,
+                .knots = pack(x.curves),
+                .values = x.bound};
+  MatrixXd all(x.curves.variables, 1 + x.bound.size());
+  all << x.by_J, x.by_bound;
+  row.gradients = all.reshaped();
+  return row;
+}
+
+double CurvesRun::violation(const Point& x) const {
+  return violation_of(r_, x.bounds, x.area / whole_);
+}
+
+Linearized CurvesRun::linearized(const Point& x) const {
+  const double least = how_.min_feature > 0 ? how_.min_feature : size_;
+  const LinearRows geometry =
+      clearance_rows(x.curves, p_.frame, r_.level_set.frozen,
+                     {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
+  const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
+  Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
+               VectorXd(front + Eigen::Index(geometry.row.size()))};
+  if (bounded_) {
+    l.A.row(0) = x.by_area;
+    l.room[0] = most_ - x.area;
+  }
+  for (Eigen::Index k = 0; k < x.bound.size(); ++k) {
+    l.A.row(first_bound() + k) = x.by_bound.col(k);
+    l.room[first_bound() + k] = -x.bound[k];
+  }
+  for (std::size_t k = 0; k < geometry.row.size(); ++k) {
+    l.A.row(front + Eigen::Index(k)) = geometry.row[k];
+    l.room[front + Eigen::Index(k)] = geometry.room[k];
+  }
+  return l;
+}
+
+/// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
+void CurvesRun::weigh(Point& x) const {
+  const NormalMoves moves = normal_moves(x.curves);
+  const Eigen::LLT<MatrixXd> M(mass(moves));
+  const Linearized all = linearized(x);
+  const Eigen::Index front = first_bound() + x.bound.size();
+  std::vector<Eigen::Index> active;
+  for (Eigen::Index k = 0; k < all.room.size(); ++k) {
+    const double slack = k >= front ? 0.01 * size_ : k < first_bound() ? 2e-3 * most_ : 2e-3;
+    if (all.room[k] <= slack) active.push_back(k);
+  }
+  const QuadraticStep s =
+      quadratic_step(M, gradient(x), all.A(active, Eigen::all), VectorXd::Zero(Eigen::Index(active.size())));
+  x.price = volume_price_;
+  if (bounded_ && !active.empty() && active.front() == 0) x.price += s.multiplier[0];
+  const double unit = std::max(x.price, 0.05 * std::abs(x.J) / x.area);
+  x.residual = M.matrixL().transpose().operator*(s.step).norm() / std::sqrt(moves.length) / unit;
+}
+
+double CurvesRun::merit(const Point& x) const {
+  double value = x.J + r_.volume_penalty * x.area;
+  if (bounded_ && dearest_.size() > 0) value += 1.5 * dearest_[0] * std::max(0.0, x.area - most_);
+  for (Eigen::Index k = 0; k < x.bound.size() && dearest_.size() > 0; ++k)
+    value += 1.5 * dearest_[first_bound() + k] * std::max(0.0, x.bound[k]);
+  return value;
+}
+
+/// By how much the merit should fall: by the quadratic model of the Lagrangian and the area that is known.
+double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
+  double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
+  if (bounded_) {
+    const double there = area_of(after(x.curves, step), nullptr);
+    fall += multiplier_[0] * (there - x.area - x.by_area.dot(step));
+    fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, there - most_));
+  }
+  for (Eigen::Index k = 0; k < x.bound.size(); ++k)
+    fall += 1.5 * dearest_[first_bound() + k] *
+            (std::max(0.0, x.bound[k]) - std::max(0.0, x.bound[k] + x.by_bound.col(k).dot(step)));
+  return fall;
+}
+
+void CurvesRun::begin_curvature(const Point& x) {
+  const NormalMoves moves = normal_moves(x.curves);
+  // Without a price, what the derivative itself is worth.
+  const Eigen::LLT<MatrixXd> M(mass(moves));
+  const VectorXd g = gradient(x);
+  const double rate = std::sqrt(g.dot(M.solve(g)) / moves.length);
+  B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
+  B_.diagonal().array() += 1e-9 * B_.diagonal().mean();
+  dearest_ = VectorXd::Zero(first_bound() + x.bound.size());
+  multiplier_ = dearest_;
+}
+
+/// Damped BFGS of the Lagrangian [Powell 1978].
+void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) {
+  VectorXd y = gradient(to) - gradient(from);
+  if (bounded_) y += multiplier_[0] * (to.by_area - from.by_area);
+  for (Eigen::Index k = 0; k < to.bound.size(); ++k)
+    y += multiplier_[first_bound() + k] * (to.by_bound.col(k) - from.by_bound.col(k));
+  const VectorXd Bs = B_ * step;
+  const double sBs = step.dot(Bs), sy = step.dot(y);
+  const double part = sy >= 0.2 * sBs ? 1 : 0.8 * sBs / (sBs - sy);
+  const VectorXd r = part * y + (1 - part) * Bs;
+  B_ += r * r.transpose() / step.dot(r) - Bs * Bs.transpose() / sBs;
+}
+
+/// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
+/// enter where they are needed.
+VectorXd CurvesRun::step_within(const Point& x, double radius) {
+  Linearized l = linearized(x);
+  const NormalMoves moves = normal_moves(x.curves);
+  const VectorXd g = gradient(x);
+  const Eigen::LLT<MatrixXd> H(B_);
+  std::vector<double> most, turn;  // per chain
+  for (const double part : share_) {
+    most.push_back(part * radius);
+    turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
+  }
+  QuadraticStep s = quadratic_step(H, g, l.A, l.room);
+  const auto use = [&] {
+    double worst = 0;
+    const VectorXd move = moves.by * s.step;
+    for (Eigen::Index i = 0; i < move.size(); ++i)
+      worst = std::max(worst, std::abs(move[i]) / most[std::size_t(moves.chain[std::size_t(i)])]);
+    return worst;
+  };
+  int bends = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    const LinearRows beyond = too_far(x.curves, moves, s.step, most, turn);
+    if (!beyond.row.empty()) {
+      const Eigen::Index had = l.room.size(), more = Eigen::Index(beyond.row.size());
+      l.A.conservativeResize(had + more, Eigen::NoChange);
+      l.room.conservativeResize(had + more);
+      for (Eigen::Index k = 0; k < more; ++k) {
+        l.A.row(had + k) = beyond.row[std::size_t(k)];
+        l.room[had + k] = beyond.room[std::size_t(k)];
+      }
+    } else {
+      // The area is curved: that is taken from its room.
+      if (!bounded_ || bends++ == 3) break;
+      const double there = area_of(after(x.curves, s.step), nullptr);
+      const double room = most_ - there + x.by_area.dot(s.step);
+      if (std::abs(room - l.room[0]) <= area_error * most_) break;
+      l.room[0] = room;
+    }
+    s = quadratic_step(H, g, l.A, l.room);
+  }
+  multiplier_ = s.multiplier.head(dearest_.size());
+  dearest_ = dearest_.cwiseMax(multiplier_);
+  reach_ = std::min(1.0, use());
+  return s.step / std::max(1.0, use());
+}
+
+bool CurvesRun::show() {
+  out_.rows.back().accepted = true;
+  if (!see_ || !x_.solved) return true;
+  const SolvedCase& c = x_.solved->cases.front();
+  if (see_({out_.rows.back(), x_.solved->shape, c.model, c.state})) return true;
+  out_.why = "stopped as asked";
+  return false;
+}
+
+/// A step within the radius that leads to a shape: chains that would have loops or cross by themselves move less.
+VectorXd CurvesRun::step_to_shape() {
+  constexpr int most = 5;
+  VectorXd step = step_within(x_, radius_);
+  for (int k = 0; k < most && !is_shape(after(x_.curves, step)); ++k) {
+    bool found = false;
+    for (std::size_t c = 0; c < share_.size(); ++c) {
+      VectorXd alone = VectorXd::Zero(step.size());
+      for (const KnotHold& hold : x_.curves.holds[c]) {
+        if (hold.offset != none) alone[hold.offset] = step[hold.offset];
+        alone[hold.angle] = step[hold.angle];
+      }
+      if (is_shape(after(x_.curves, alone))) continue;
+      share_[c] *= 0.3;
+      found = true;
+    }
+    if (!found)
+      for (double& part : share_) part *= 0.3;
+    step = step_within(x_, radius_);
+  }
+  for (int k = 0; k < 2 * most && !is_shape(after(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
+  for (double& part : share_) part = std::min(1.0, 2 * part);
+  return step;
+}
+
+/// A step from x_; false: the end, `out_.why` says which.
+bool CurvesRun::iterate() {
+  while (true) {
+    if (evaluations_ >= how_.evaluations) {
+      out_.why = fmt::format("all {} evaluations are used", how_.evaluations);
+      return false;
+    }
+    const VectorXd step = step_to_shape();
+    last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
+    const double fall = predicted(x_, step);
+    if (!(fall > too_little * std::abs(x_.J))) {
+      out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
+      return false;
+    }
+    const DesignCurves next = after(x_.curves, step);
+    std::string failure;
+    std::optional<Point> y = evaluate(next, x_.base, failure);
+    const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
+    const double fell = y ? merit(x_) - merit(*y) : -infinity, ratio = fell / fall;
+    const bool good = y && fell > 0.05 * fall - noise;
+    if (y && (noise == 0 || last_step_ > 0.15 * size_)) learn(x_, *y, step);
+    if (!good) {
+      if (y)
+        out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
+      radius_ *= 0.4 * reach_;
+      if (radius_ < smallest_radius * size_) {
+        out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
+        return false;
+      }
+      continue;
+    }
+    if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_radius * size_);
+    if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, smallest_radius * size_);
+    x_ = std::move(*y);
+    return show();
+  }
+}
+
+/// The present curves on a mesh of their own; false: the end.
+bool CurvesRun::remesh() {
+  std::string failure;
+  last_step_ = 0;
+  std::optional<Point> y = evaluate(x_.curves, nullptr, failure);
+  if (!y) throw Error(Fault::Geometry, failure);
+  out_.rows.back().note = "a mesh of its own";
+  x_ = std::move(*y);
+  return show();
+}
+
+FinishedCurves CurvesRun::run() {
+  std::string failure;
+  const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
+  std::optional<Point> first = evaluate(start, nullptr, failure);
+  if (!first) throw Error(Fault::Geometry, failure);
+  x_ = std::move(*first);
+  out_.residual_before = x_.residual;
+  begin_curvature(x_);
+  share_.assign(x_.curves.chains.size(), 1.0);
+  bool go_on = show();
+  int meshes = 0;
+  while (go_on) {
+    if (x_.residual <= how_.residual && violation(x_) < feasible_violation) {
+      if (x_.fresh) {
+        out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
+        break;
+      }
+      if (meshes++ == most_meshes_at_end) break;
+      go_on = remesh();
+      continue;
+    }
+    if (!iterate()) break;
+  }
+  if (!x_.fresh) {
+    remesh();
+  }
+  out_.shape = shape_of(x_.curves);
+  out_.crack_of = carved_.crack_of;
+  out_.J = x_.J;
+  out_.area = x_.area;
+  out_.bounds = x_.bounds;
+  out_.residual = x_.residual;
+  out_.price = x_.price;
+  out_.evaluations = evaluations_;
+  out_.state_solves = solves_;
+  out_.feasible = violation(x_) < feasible_violation;
+  for (const ArcChain& chain : x_.curves.chains) out_.knots += Index(chain.knots.size());
+  return std::move(out_);
+}
+
+/// Why the curves cannot be moved, or nothing.
+std::optional<std::string> why_not(const Problem& p) {
+  if (const auto refused = refusal(p.element, can_optimize)) return *refused;
+  if (std::any_of(p.scene.laws.begin(), p.scene.laws.end(), has_friction))
+    return "cracks with friction have no shape derivative";
+  return std::nullopt;
+}
+
+}  // namespace
+
+Shape fit_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how) {
+  std::vector<std::string> notes;
+  return shape_of(fitted(p, r, carved, how, notes));
+}
+
+FinishedCurves finish_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
+                             const CurvesObserver& see, const std::vector<CurvesRow>& known) {
+  const auto has_design = [&](const Loop& loop) {
+    return std::any_of(loop.sides.begin(), loop.sides.end(),
+                       [&](const Side& s) { return s.label == carved.design_label; });
+  };
+  std::optional<std::string> why = why_not(p);
+  if (!why && !has_design(carved.shape.outline) &&
+      std::none_of(carved.shape.holes.begin(), carved.shape.holes.end(), has_design))
+    why = "no boundary of the body is free to move";
+  if (why) {
+    FinishedCurves out{.shape = carved.shape, .crack_of = carved.crack_of, .area = carved.area};
+    out.why = "the design stays as carved: " + *why;
+    out.notes.push_back(out.why);
+    return out;
+  }
+  return CurvesRun(p, r, carved, how, see, known).run();
+}
+
+}  // namespace kerf

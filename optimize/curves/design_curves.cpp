@@ -1,0 +1,436 @@
+#include "optimize/curves/design_curves.hpp"
+
+#include "geometry/plane.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double same = 1e-6;  // of the extent: what is nearer is one point
+
+Vec2 left_of(double angle) {
+  return {-std::sin(angle), std::cos(angle)};
+}
+
+/// The direction in which a knot moves with its first variable.
+Vec2 direction(const DesignCurves& d, const KnotHold& hold, const Knot& knot) {
+  if (hold.kind == KnotHold::Kind::Free) return left_of(knot.angle);
+  const Rail& rail = d.rails[std::size_t(hold.rail)];
+  return rail.velocity(rail.at(knot.at)).normalized();
+}
+
+/// The side of the frame that contains both points, as a rail, and the coordinates of its ends.
+struct FrameSide {
+  Rail rail;
+  double lower, upper;
+  std::array<std::size_t, 2> number;  // loop, side
+};
+std::optional<FrameSide> side_with(const Shape& frame, const Side& side, const Vec2& a, const Vec2& b) {
+  const double near = same * extent(frame);
+  for (std::size_t l = 0; l <= frame.holes.size(); ++l) {
+    const Loop& loop = l == 0 ? frame.outline : frame.holes[l - 1];
+    for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+      const Side& other = loop.sides[i];
+      if (other.label != side.label || other.arc.has_value() != side.arc.has_value()) continue;
+      const Vec2 &from = other.start, &to = loop.sides[(i + 1) % loop.sides.size()].start;
+      if (!side.arc) {
+        if (distance(a, from, to) > near || distance(b, from, to) > near) continue;
+        const double length = (to - from).norm();
+        return FrameSide{{std::nullopt, from, (to - from) / length}, 0, length, {l, i}};
+      }
+      const Arc& arc = *other.arc;
+      if ((arc.center - side.arc->center).norm() > near || (arc.axes - side.arc->axes).norm() > near) continue;
+      FrameSide found{{arc, from, Vec2::UnitX()}, std::min(arc.from, arc.to), std::max(arc.from, arc.to), {l, i}};
+      const double ca = found.rail.at(a), cb = found.rail.at(b), slack = near / smallest_radius(arc);
+      const bool whole = found.upper - found.lower > 2 * pi - 1e-9;
+      if (!whole && (std::min(ca, cb) < found.lower - slack || std::max(ca, cb) > found.upper + slack)) continue;
+      if (whole) found.lower = -infinity, found.upper = infinity;
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+bool listed(const std::vector<Index>& labels, Index label) {
+  return std::find(labels.begin(), labels.end(), label) != labels.end();
+}
+
+/// Ends of cracks, which the chains must go through where they touch them.
+std::vector<Vec2> crack_ends(const Shape& shape) {
+  std::vector<Vec2> all;
+  for (const Crack& crack : shape.cracks) {
+    all.push_back(crack.points.front());
+    all.push_back(crack.points.back());
+  }
+  return all;
+}
+
+/// The polygon with mouths of cracks among its points, and which those are.
+Trace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<Vec2>& ends, double near) {
+  Trace trace{std::move(points), closed, {}};
+  trace.pinned.assign(trace.points.size(), false);
+  for (const Vec2& end : ends) {
+    const std::size_t n = trace.points.size();
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < n; ++i) {
+      const Vec2 &a = trace.points[i], &b = trace.points[(i + 1) % n];
+      if (distance(end, a, b) > near) continue;
+      if ((end - a).norm() <= near) {
+        trace.pinned[i] = true;
+      } else if ((end - b).norm() <= near) {
+        trace.pinned[(i + 1) % n] = true;
+      } else {
+        trace.points.insert(trace.points.begin() + std::ptrdiff_t(i) + 1, end);
+        trace.pinned.insert(trace.pinned.begin() + std::ptrdiff_t(i) + 1, true);
+      }
+      break;
+    }
+  }
+  return trace;
+}
+
+std::vector<double> segment_lengths(const ArcChain& chain) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k < segment_count(chain); ++k)
+    all.push_back(point_on(chain, {2 * k, 0}).speed + point_on(chain, {2 * k + 1, 0}).speed);
+  return all;
+}
+
+/// The knot at a length along a chain, from lengths of its segments.
+Knot knot_at(const ArcChain& chain, const std::vector<double>& lengths, double s) {
+  std::size_t k = 0;
+  while (k + 1 < lengths.size() && s > lengths[k]) s -= lengths[k++];
+  const double first = point_on(chain, {2 * k, 0}).speed;
+  const ChainPlace place =
+      s <= first ? ChainPlace{2 * k, s / first} : ChainPlace{2 * k + 1, (s - first) / (lengths[k] - first)};
+  const ChainPoint p = point_on(chain, {place.arc, std::min(place.part, 1.0)});
+  return {p.at, std::atan2(p.tangent.y(), p.tangent.x())};
+}
+
+/// Knots first to last of a chain at the spacing they had, the two where they are; of a closed one `last` may lie
+/// beyond the number of knots.
+void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t first, std::size_t last) {
+  constexpr double close = 0.5, far = 2;
+  const std::size_t n = segment_count(chain), knots = chain.knots.size();
+  const std::vector<double> lengths = segment_lengths(chain);
+  double before = 0, sum = 0, wanted = 0;
+  for (std::size_t k = 0; k < first; ++k) before += lengths[k];
+  for (std::size_t k = first; k < last; ++k) sum += lengths[k % n], wanted += rest[k % n];
+  double least = infinity, most = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    const double ratio = lengths[k % n] / rest[k % n] * wanted / sum;
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
+  }
+  if (least > close && most < far) return;
+  const ArcChain was = chain;
+  double s = before, whole = 0;
+  for (const double l : lengths) whole += l;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    s += rest[(k - 1) % n] * sum / wanted;
+    Knot knot = knot_at(was, lengths, s < whole ? s : s - whole);
+    const double angle = was.knots[k % knots].angle;
+    knot.angle += 2 * pi * std::round((angle - knot.angle) / (2 * pi));
+    chain.knots[k % knots] = knot;
+  }
+}
+
+class Builder {
+ public:
+  Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
+    d_.carved = carved.shape;
+    d_.label = carved.design_label;
+    near_ = same * extent(frame);
+    ends_ = crack_ends(carved.shape);
+  }
+
+  DesignCurves build() {
+    add_loop(d_.carved.outline);
+    for (const Loop& hole : d_.carved.holes) add_loop(hole);
+    limit_rails();
+    number_variables();
+    for (const ArcChain& chain : d_.chains) d_.spacing.push_back(segment_lengths(chain));
+    return std::move(d_);
+  }
+
+ private:
+  void add_loop(const Loop& loop) {
+    const std::size_t n = loop.sides.size();
+    const auto design = [&](std::size_t i) { return loop.sides[i % n].label == d_.label && !loop.sides[i % n].arc; };
+    CurveLoop made{loop.name, {}};
+    std::size_t first = 0;
+    while (first < n && !(design(first) && !design(first + n - 1))) ++first;
+    if (first == n) {
+      if (design(0))
+        made.pieces.push_back({add_chain(loop, 0, n, true)});
+      else
+        for (const Side& side : loop.sides) made.pieces.push_back({none, side});
+      d_.loops.push_back(std::move(made));
+      return;
+    }
+    for (std::size_t i = first; i < first + n;) {
+      if (!design(i)) {
+        made.pieces.push_back({none, loop.sides[i % n]});
+        ++i;
+        continue;
+      }
+      std::size_t end = i;
+      while (design(end)) ++end;
+      made.pieces.push_back({add_chain(loop, i, end, false)});
+      hold_ends(loop, i, end);
+      i = end;
+    }
+    d_.loops.push_back(std::move(made));
+  }
+
+  Index add_chain(const Loop& loop, std::size_t begin, std::size_t end, bool closed) {
+    const std::size_t n = loop.sides.size();
+    std::vector<Vec2> points;
+    for (std::size_t i = begin; i < end + (closed ? 0 : 1); ++i) points.push_back(loop.sides[i % n].start);
+    const Trace trace = with_mouths(std::move(points), closed, ends_, near_);
+    Fitted fitted = fit_arcs(trace, {how_.tolerance, how_.least_spacing});
+    std::vector<KnotHold> holds(fitted.chain.knots.size());
+    for (std::size_t k = 0; k < holds.size(); ++k)
+      if (fitted.point[k] != none) holds[k].kind = KnotHold::Kind::Fixed;
+    d_.distance = std::max(d_.distance, fitted.distance);
+    d_.chains.push_back(std::move(fitted.chain));
+    d_.holds.push_back(std::move(holds));
+    return Index(d_.chains.size()) - 1;
+  }
+
+  /// The ends of the last chain, that of sides begin to end, slide where the sides next to them let them.
+  void hold_ends(const Loop& loop, std::size_t begin, std::size_t end) {
+    const std::size_t n = loop.sides.size();
+    const Index chain = Index(d_.chains.size()) - 1;
+    const auto start = [&](std::size_t i) -> const Vec2& { return loop.sides[i % n].start; };
+    slide(chain, 0, loop.sides[(begin + n - 1) % n], start(begin + n - 1), start(begin));
+    slide(chain, Index(d_.chains.back().knots.size()) - 1, loop.sides[end % n], start(end + 1), start(end));
+  }
+
+  /// `other`: where the side next to the knot has its other end.
+  void slide(Index chain, Index knot, const Side& side, const Vec2& other, const Vec2& x) {
+    if (listed(how_.solid, side.label) || side.keep) return;
+    for (const Vec2& end : ends_)
+      if ((end - x).norm() <= near_) return;
+    const std::optional<FrameSide> on = side_with(frame_, side, other, x);
+    if (!on) return;
+    const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
+    if ((at - on->lower) * unit < near_ || (on->upper - at) * unit < near_) return;
+    KnotHold& hold = d_.holds[std::size_t(chain)][std::size_t(knot)];
+    hold.kind = KnotHold::Kind::Slides;
+    const auto known = rails_.find(on->number);
+    if (known == rails_.end()) {
+      rails_[on->number] = hold.rail = Index(d_.rails.size());
+      d_.rails.push_back(on->rail);
+    } else {
+      hold.rail = known->second;
+    }
+    hold.lower = on->lower;
+    hold.upper = on->upper;
+  }
+
+  struct OnRail {
+    double coordinate;
+    KnotRef ref;
+  };
+
+  /// Ends that share a rail stay apart and on it.
+  void limit_rails() {
+    for (std::size_t r = 0; r < d_.rails.size(); ++r) {
+      std::vector<OnRail> all;
+      for (std::size_t c = 0; c < d_.chains.size(); ++c)
+        for (std::size_t k = 0; k < d_.holds[c].size(); ++k)
+          if (d_.holds[c][k].rail == Index(r))
+            all.push_back({d_.rails[r].at(d_.chains[c].knots[k].at), {Index(c), Index(k)}});
+      std::sort(all.begin(), all.end(), [](const OnRail& a, const OnRail& b) { return a.coordinate < b.coordinate; });
+      const double least = how_.least_gap / d_.rails[r].velocity(all.front().coordinate).norm();
+      for (const OnRail& one : all) {
+        KnotHold& hold = d_.holds[std::size_t(one.ref.chain)][std::size_t(one.ref.knot)];
+        if (std::isfinite(hold.lower)) hold.lower = std::min(one.coordinate, hold.lower + 0.75 * least);
+        if (std::isfinite(hold.upper)) hold.upper = std::max(one.coordinate, hold.upper - 0.75 * least);
+      }
+      for (std::size_t i = 0; i + 1 < all.size(); ++i)
+        d_.apart.push_back({all[i].ref, all[i + 1].ref, std::min(least, all[i + 1].coordinate - all[i].coordinate)});
+    }
+  }
+
+  void number_variables() {
+    for (auto& holds : d_.holds)
+      for (KnotHold& hold : holds) {
+        if (hold.kind != KnotHold::Kind::Fixed) hold.offset = Index(d_.variables++);
+        hold.angle = Index(d_.variables++);
+      }
+  }
+
+  const Shape& frame_;
+  const CurveRules& how_;
+  DesignCurves d_;
+  double near_ = 0;
+  std::vector<Vec2> ends_;
+  std::map<std::array<std::size_t, 2>, Index> rails_;
+};
+
+/// The side of a piece after the piece before it: where that is a chain it begins at its end.
+Side side_after(const DesignCurves& d, const CurveLoop& loop, std::size_t i) {
+  const std::size_t n = loop.pieces.size();
+  Side side = loop.pieces[i].side;
+  const auto end_of = [&](std::size_t piece, bool last) -> const Vec2* {
+    const Index chain = loop.pieces[piece % n].chain;
+    if (chain == none) return nullptr;
+    const std::vector<Knot>& knots = d.chains[std::size_t(chain)].knots;
+    return last ? &knots.back().at : &knots.front().at;
+  };
+  const Vec2 *before = end_of(i + n - 1, true), *after = end_of(i + 1, false);
+  if (before) side.start = *before;
+  if (before || after) side.keep = false;
+  if (!side.arc) return side;
+  const auto near = [&](const Vec2& x, double old) {
+    const double t = parameter(*side.arc, x);
+    return t + 2 * pi * std::round((old - t) / (2 * pi));
+  };
+  if (before) side.arc->from = near(*before, side.arc->from);
+  if (after) side.arc->to = near(*after, side.arc->to);
+  return side;
+}
+
+/// Points and weights on [0, 1].
+constexpr std::array<std::array<double, 2>, 5> gauss{{{0.046910077030668004, 0.11846344252809454},
+                                                      {0.23076534494715845, 0.23931433524968324},
+                                                      {0.5, 0.28444444444444444},
+                                                      {0.76923465505284155, 0.23931433524968324},
+                                                      {0.95308992296933200, 0.11846344252809454}}};
+
+}  // namespace
+
+double Rail::at(const Vec2& x) const {
+  if (!arc) return along.dot(x - from);
+  const double t = parameter(*arc, x), middle = (arc->from + arc->to) / 2;
+  return t + 2 * pi * std::round((middle - t) / (2 * pi));
+}
+
+Vec2 Rail::point(double coordinate) const {
+  return arc ? kerf::at(*arc, coordinate) : Vec2(from + coordinate * along);
+}
+
+Vec2 Rail::velocity(double coordinate) const {
+  return arc ? kerf::velocity(*arc, coordinate) : along;
+}
+
+DesignCurves design_curves(const Shape& frame, const Carved& carved, const CurveRules& how) {
+  return Builder(frame, carved, how).build();
+}
+
+Shape shape_of(const DesignCurves& d) {
+  Shape shape = d.carved;
+  for (std::size_t l = 0; l < d.loops.size(); ++l) {
+    const CurveLoop& loop = d.loops[l];
+    Loop drawn{loop.name, {}};
+    for (std::size_t i = 0; i < loop.pieces.size(); ++i) {
+      if (loop.pieces[i].chain == none) {
+        drawn.sides.push_back(side_after(d, loop, i));
+        continue;
+      }
+      const std::vector<Side> all = sides(d.chains[std::size_t(loop.pieces[i].chain)], d.label);
+      drawn.sides.insert(drawn.sides.end(), all.begin(), all.end());
+    }
+    (l == 0 ? shape.outline : shape.holes[l - 1]) = std::move(drawn);
+  }
+  return shape;
+}
+
+DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
+  DesignCurves next = d;
+  for (std::size_t c = 0; c < d.chains.size(); ++c)
+    for (std::size_t k = 0; k < d.holds[c].size(); ++k) {
+      const KnotHold& hold = d.holds[c][k];
+      const Knot& from = d.chains[c].knots[k];
+      Knot& knot = next.chains[c].knots[k];
+      knot.angle += step[hold.angle];
+      if (hold.kind == KnotHold::Kind::Free) {
+        knot.at += step[hold.offset] * left_of(from.angle);
+      } else if (hold.kind == KnotHold::Kind::Slides) {
+        const Rail& rail = d.rails[std::size_t(hold.rail)];
+        const double at = rail.at(from.at);
+        knot.at = rail.point(at + step[hold.offset] / rail.velocity(at).norm());
+      }
+    }
+  return next;
+}
+
+void even_out(DesignCurves& d) {
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    std::vector<std::size_t> stay;  // an open chain has its ends among them
+    for (std::size_t k = 0; k < d.holds[c].size(); ++k)
+      if (d.holds[c][k].kind != KnotHold::Kind::Free) stay.push_back(k);
+    if (d.chains[c].closed && stay.empty()) stay.push_back(0);
+    if (d.chains[c].closed) stay.push_back(stay.front() + d.chains[c].knots.size());
+    for (std::size_t i = 0; i + 1 < stay.size(); ++i) even_out(d.chains[c], d.spacing[c], stay[i], stay[i + 1]);
+  }
+}
+
+void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, const Eigen::Matrix<double, 1, 6>& by,
+                    VectorXd& sum) {
+  const auto c = std::size_t(chain);
+  for (std::size_t end = 0; end < 2; ++end) {
+    const std::size_t k = (segment + end) % d.chains[c].knots.size();
+    const KnotHold& hold = d.holds[c][k];
+    const auto from = Eigen::Index(3 * end);
+    if (hold.offset != none)
+      sum[hold.offset] += by.segment<2>(from).dot(direction(d, hold, d.chains[c].knots[k]).transpose());
+    sum[hold.angle] += by[from + 2];
+  }
+}
+
+VectorXd pack(const DesignCurves& d) {
+  std::vector<double> all;
+  for (const ArcChain& chain : d.chains)
+    for (const Knot& knot : chain.knots) all.insert(all.end(), {knot.at.x(), knot.at.y(), knot.angle});
+  return Eigen::Map<const VectorXd>(all.data(), Eigen::Index(all.size()));
+}
+
+void unpack(const VectorXd& knots, DesignCurves& d) {
+  Eigen::Index i = 0;
+  for (ArcChain& chain : d.chains)
+    for (Knot& knot : chain.knots) {
+      knot = {{knots[i], knots[i + 1]}, knots[i + 2]};
+      i += 3;
+    }
+}
+
+double area_of(const DesignCurves& d, VectorXd* by) {
+  if (by) {
+    by->setZero(d.variables);
+    for (std::size_t c = 0; c < d.chains.size(); ++c)
+      for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
+        for (const auto& [part, weight] : gauss) {
+          const ChainPoint p = point_on(d.chains[c], {arc, part});
+          const Vec2 left(-p.tangent.y(), p.tangent.x());  // into the body
+          add_by_segment(d, Index(c), arc / 2, -weight * p.speed * left.transpose() * p.by, *by);
+        }
+  }
+  return area(shape_of(d));
+}
+
+bool offset_to_area(DesignCurves& d, double wanted) {
+  VectorXd all = VectorXd::Zero(d.variables), by;
+  for (const auto& holds : d.holds)
+    for (const KnotHold& hold : holds)
+      if (hold.kind == KnotHold::Kind::Free) all[hold.offset] = 1;
+  for (int i = 0; i < 8; ++i) {
+    const double missing = wanted - area_of(d, &by), rate = by.dot(all);
+    if (std::abs(missing) <= 1e-12 * wanted) return true;
+    if (!(std::abs(rate) > 0)) return false;
+    d = moved(d, missing / rate * all);
+  }
+  return std::abs(wanted - area_of(d, nullptr)) <= 1e-9 * wanted;
+}
+
+}  // namespace kerf
