@@ -88,14 +88,15 @@ DesignCurves fitted(const Problem& p, const OptimizeRequest& r, const Carved& ca
   for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.6, spacing *= 0.6) {
     const double gap = how.min_feature > 0 ? how.min_feature : size;
     DesignCurves d = design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r)});
-    const bool there = d.chains.empty() || offset_to_area(d, carved.area);
+    // Where the offset finds no way the first step makes up for the area.
+    if (DesignCurves exact = d; offset_to_area(exact, carved.area)) d = std::move(exact);
     const auto found = find_problem(shape_of(d));
-    if (there && !found) {
+    if (!found) {
       if (attempt > 0)
         notes.push_back(fmt::format("curves closer to the zero line, within {:.2g} ({})", tolerance, problem));
       return d;
     }
-    if (problem.empty()) problem = found ? *found : "the area of the zero line cannot be reached";
+    if (problem.empty()) problem = *found;
   }
   throw Error(Fault::Geometry, fmt::format("the zero line does not become smooth curves: {}", problem));
 }
@@ -197,6 +198,7 @@ class CurvesRun {
   VectorXd dearest_;                  // the largest that each has been
   std::vector<double> share_;         // per chain, of the radius: less where it gets into its own way
   double last_step_ = 0, reach_ = 0;  // of the last step: its length; how much of the radius it uses
+  bool stopped_ = false;
   FinishedCurves out_;
 };
 
@@ -443,8 +445,9 @@ bool CurvesRun::show() {
   out_.rows.back().accepted = true;
   if (!see_ || !x_.solved) return true;
   const SolvedCase& c = x_.solved->cases.front();
-  if (see_({out_.rows.back(), x_.solved->shape, c.model, c.state})) return true;
+  if (see_({out_.rows, x_.solved->shape, c.model, c.state})) return true;
   out_.why = "stopped as asked";
+  stopped_ = true;
   return false;
 }
 
@@ -545,9 +548,7 @@ FinishedCurves CurvesRun::run() {
     }
     if (!iterate()) break;
   }
-  if (!x_.fresh) {
-    remesh();
-  }
+  if (!x_.fresh && !stopped_) remesh();
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;

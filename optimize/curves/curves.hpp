@@ -46,9 +46,9 @@ struct FinishedCurves {
   std::string why;  // it ended
 };
 
-/// After each accepted evaluation; false: stop.
+/// After each accepted evaluation that was made anew; false: stop.
 struct CurvesIterate {
-  const CurvesRow& row;
+  const std::vector<CurvesRow>& rows;  // all so far, refused ones too; the last one is this
   const Shape& shape;
   const Model& model;
   const State& state;

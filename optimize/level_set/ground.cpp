@@ -158,6 +158,10 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   return g;
 }
 
+Carved carved_again(const Ground& g, const Eigen::VectorXd& phi) {
+  return carve(g.p.frame, g.background.mesh, phi, carving(g, 1));
+}
+
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
   if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
   const Carving how = carving(g, coarse);

@@ -46,4 +46,7 @@ struct DrawnLevelSet {
 /// Error(Geometry | Numerics).
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse);
 
+/// The shape of a function that was drawn.
+Carved carved_again(const Ground& g, const Eigen::VectorXd& phi);
+
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/end.hpp"
+#include "optimize/level_set/finishing.hpp"
 #include "optimize/level_set/starts.hpp"
 
 #include <fmt/core.h>
@@ -18,13 +19,16 @@ class LevelSetRun {
   void begin();
   bool restore();
   bool show_new();
+  bool make_curves(FinishedCurves& finished);
   void save() const;
 
   const Observer& see_;
   const CheckpointPlace& place_;
   Ground ground_;
   std::unique_ptr<Descent> descent_;
-  std::size_t shown_ = 0;  // rows
+  std::size_t shown_ = 0;             // rows
+  std::vector<CurvesRow> curves_;     // evaluated so far
+  std::vector<Iteration> finishing_;  // the same as rows of the history
 };
 
 DescentRules rules_of(const Ground& g) {
@@ -49,6 +53,32 @@ bool LevelSetRun::show_new() {
   return go_on;
 }
 
+/// Whether to go on after them.
+bool LevelSetRun::make_curves(FinishedCurves& finished) {
+  const std::vector<CurvesRow> known = curves_;
+  const DescentState& s = descent_->progress();
+  const int cases = static_cast<int>(descent_->design().cases.size());
+  bool go_on = true;
+  const auto row_of = [&](const CurvesRow& row) {
+    const int number = s.iteration + 1 + static_cast<int>(finishing_.size());
+    finishing_.push_back(iteration_of(row, number, s.solves, cases));
+  };
+  finishing_.clear();
+  std::size_t seen = 0;
+  const CurvesObserver see = [&](const CurvesIterate& i) {
+    for (; seen < i.rows.size(); ++seen) {
+      row_of(i.rows[seen]);
+      if (seen >= known.size()) curves_.push_back(i.rows[seen]);
+    }
+    if (see_) go_on = see_({finishing_.back(), i.shape, i.model, i.state});
+    save();
+    return go_on;
+  };
+  finished = finish(ground_, *descent_, see, known);
+  for (; seen < finished.rows.size(); ++seen) row_of(finished.rows[seen]);
+  return go_on;
+}
+
 OptimizeResult LevelSetRun::run() {
   bool go_on = true;
   if (!restore()) {
@@ -62,12 +92,25 @@ OptimizeResult LevelSetRun::run() {
   }
   if (go_on) go_on = show_new();
   save();
-  return result_of(ground_, *descent_, go_on);
+  FinishedCurves finished;
+  if (go_on && can_finish(ground_, *descent_)) go_on = make_curves(finished);
+  const LevelSetEnd end{ground_, *descent_, finished, finishing_};
+  if (!finishing_.empty() && go_on && !curves_are_better(end)) {
+    Iteration row = descent_->progress().rows.back();
+    row.number = finishing_.back().number + 1;
+    row.state_solves = finishing_.back().state_solves;
+    row.note = "the design as carved: its curves are no better";
+    finishing_.push_back(row);
+    const Iterate carved = descent_->iterate();
+    if (see_) see_({finishing_.back(), carved.shape, carved.model, carved.state});
+  }
+  return result_of(end, go_on);
 }
 
 void LevelSetRun::save() const {
   if (place_.path.empty()) return;
   Checkpoint c = packed(descent_->progress());
+  write_curves(c, curves_);
   c.fingerprint = place_.fingerprint;
   write_checkpoint(place_.path, c);
 }
@@ -81,6 +124,7 @@ bool LevelSetRun::restore() {
                                           place_.path.string()));
   descent_ = std::make_unique<Descent>(ground_, rules_of(ground_), unpacked(*c));
   shown_ = descent_->progress().rows.size();
+  curves_ = read_curves(*c);
   return true;
 }
 

@@ -1,0 +1,110 @@
+#include "optimize/level_set/finishing.hpp"
+
+#include "optimize/loop/history_text.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+constexpr int most_evaluations = 30;
+constexpr double residual = 1e-2;  // of the shape
+
+void append(std::vector<double>& all, const Eigen::VectorXd& v) {
+  all.push_back(static_cast<double>(v.size()));
+  all.insert(all.end(), v.begin(), v.end());
+}
+Eigen::VectorXd taken(const Eigen::VectorXd& all, Eigen::Index& at) {
+  const auto n = static_cast<Eigen::Index>(all[at++]);
+  Eigen::VectorXd v = all.segment(at, n);
+  at += n;
+  return v;
+}
+
+}  // namespace
+
+void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
+  std::vector<double> all;
+  std::string texts;
+  for (const CurvesRow& r : rows) {
+    for (const double x : {r.J, r.area, r.area_fraction, r.violation, r.residual, r.price, r.step, double(r.triangles),
+                           double(r.holes), double(r.state_solves), double(r.accepted), double(r.fresh)})
+      all.push_back(x);
+    for (const Eigen::VectorXd& v : {Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
+                                         r.bounds.data(), static_cast<Eigen::Index>(r.bounds.size()))),
+                                     r.knots, r.values, r.gradients})
+      append(all, v);
+    texts += r.note + '\n' + r.failure + '\n';
+  }
+  c.numbers["curves"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+  c.texts["curves"] = texts;
+}
+
+std::vector<CurvesRow> read_curves(const Checkpoint& c) {
+  const Eigen::VectorXd& all = c.numbers.at("curves");
+  const std::string& texts = c.texts.at("curves");
+  std::size_t from = 0;
+  const auto line = [&] {
+    const std::size_t end = texts.find('\n', from);
+    return texts.substr(std::exchange(from, end + 1), end - from);
+  };
+  std::vector<CurvesRow> rows;
+  for (Eigen::Index i = 0; i < all.size();) {
+    CurvesRow r;
+    for (double* x : {&r.J, &r.area, &r.area_fraction, &r.violation, &r.residual, &r.price, &r.step}) *x = all[i++];
+    r.triangles = static_cast<Index>(all[i++]);
+    r.holes = static_cast<int>(all[i++]);
+    r.state_solves = static_cast<int>(all[i++]);
+    r.accepted = all[i++] != 0;
+    r.fresh = all[i++] != 0;
+    const Eigen::VectorXd bounds = taken(all, i);
+    r.bounds.assign(bounds.begin(), bounds.end());
+    r.knots = taken(all, i);
+    r.values = taken(all, i);
+    r.gradients = taken(all, i);
+    r.note = line();
+    r.failure = line();
+    rows.push_back(std::move(r));
+  }
+  return rows;
+}
+
+bool can_finish(const Ground& g, const Descent& d) {
+  return !g.weak() && d.settled();
+}
+
+Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int cases) {
+  Iteration i{.number = number,
+              .objective = row.J,
+              .merit = row.J,
+              .volume_fraction = row.area_fraction,
+              .bounds = row.bounds,
+              .violation = row.violation,
+              .step = row.step,
+              .optimality = row.residual,
+              .holes = row.holes,
+              .triangles = row.triangles,
+              .state_solves = solves_before + row.state_solves / cases,
+              .accepted = row.accepted,
+              .note = join({"curves", row.note})};
+  return i;
+}
+
+FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& see,
+                      const std::vector<CurvesRow>& known) {
+  CurvesRequest how{.size = g.size, .min_feature = g.r.level_set.min_feature, .residual = residual};
+  how.evaluations = std::min(most_evaluations, std::max(1, g.r.max_iterations - d.progress().iteration));
+  try {
+    return finish_curves(g.p, g.r, carved_again(g, d.progress().phi), how, see, known);
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    FinishedCurves out;
+    out.why = fmt::format("the design stays as carved: {}", error.what());
+    return out;
+  }
+}
+
+}  // namespace kerf
