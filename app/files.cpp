@@ -1,4 +1,6 @@
 #include "app/files.hpp"
+#include "io/design.hpp"
+#include "io/files.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/core.h>
@@ -76,9 +78,9 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
     const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
                          name == "optimize.pvd" || name == "history.csv";
     if (resumed && !resume) old.push_back(entry.path());
-    for (const char* known :
-         {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png", "measured.csv", "von_mises.png",
-          "map.png", "validate.png", "report.html", "design.png", "evolution.png", "history.png"})
+    for (const char* known : {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png",
+                              "measured.csv", "von_mises.png", "map.png", "validate.png", "report.html", "design.png",
+                              "evolution.png", "history.png", "design.toml", "design.svg", "design.dxf"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }
@@ -101,6 +103,36 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
     for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
     write_vtp(journal.file("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
   }
+}
+
+namespace {
+
+/// Of the regions of the case, and of those that the design draws.
+std::vector<Elastic> elastics_of(const Case& c, const OptimizeResult& r) {
+  std::vector<Elastic> all = c.regions;
+  Eigen::Index next = 0;
+  if (!c.optimize || r.variables.size() == 0) return all;
+  for (const Drawn& drawn : c.optimize->design.drawn) {
+    next += drawn.lower.size();
+    if (drawn.kind == Drawn::Kind::Inclusion) all.push_back({r.variables[next - 1], drawn.poisson});
+  }
+  return all;
+}
+
+}  // namespace
+
+void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r) {
+  const std::vector<Elastic> regions = elastics_of(c, r);
+  std::span<const Loop> frozen;
+  if (c.optimize) frozen = c.optimize->level_set.frozen;
+  const DesignFile design{r.shape,
+                          r.scene.laws,
+                          regions,
+                          {fmt::format("The design that kerf optimize found for \"{}\": {}.", c.title, r.stopped),
+                           fmt::format("J = {:.12g}, volume fraction {:.8g}.", r.objective, r.volume_fraction)}};
+  write_file(journal.file("design.toml"), design_case(c, design, journal.options.folder));
+  write_file(journal.file("design.svg"), design_svg(r.shape, frozen, c.title));
+  write_file(journal.file("design.dxf"), design_dxf(r.shape, frozen));
 }
 
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,

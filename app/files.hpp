@@ -2,6 +2,7 @@
 // The files of a run, but for result.json and the page.
 
 #include "app/map.hpp"
+#include "kerf/case_file.hpp"
 
 namespace kerf {
 
@@ -12,6 +13,9 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume);
 /// state.vtu, crack_<name>.csv and .vtp.
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks);
+
+/// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
+void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
 
 /// map.vtu; map.csv at the asked points, or at all corners.
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,

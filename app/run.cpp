@@ -187,6 +187,7 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
     r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
   }
   Case design = designed(c, found.result);
+  write_design_files(journal, c, found.result);
   r.optimize = std::move(found.result);
   r.optimize_names = std::move(found.names);
   r.identified = std::move(found.identified);

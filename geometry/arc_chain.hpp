@@ -47,6 +47,10 @@ double largest_turn(const ArcChain& chain);
 /// The sides of a chain, smooth; of an open one without the point where it ends.
 std::vector<Side> sides(const ArcChain& chain, Index label);
 
+/// The shape with parts of ellipses as chains within the tolerance, with `ellipses` whole ones, too; and with arcs of
+/// loops of several sides that turn by no more than a third of a turn.
+Shape circular(Shape shape, double tolerance, bool ellipses = false);
+
 /// A line to be followed by a chain: a polygon, open or closed.
 struct Trace {
   std::vector<Vec2> points;

@@ -52,6 +52,10 @@ double parameter(const Arc& arc, const Vec2& x);
 
 Vec2 onto(const Arc& arc, const Vec2& x);  // that point
 
+/// The arc of a circle from a to b, the shorter way round, half a turn counter-clockwise; `center` is moved along the
+/// chord until both ends have exactly the same distance to it.
+Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& center);
+
 /// The same for a circle, less t of the middle of the arc: at most half a turn.
 double beyond_middle(const Arc& arc, const Vec2& x);
 

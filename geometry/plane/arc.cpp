@@ -59,4 +59,14 @@ bool faces(const Arc& arc, const Vec2& x) {
   return angle <= std::abs(arc.to - arc.from);
 }
 
+Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given) {
+  const Vec2 along = (b - a).normalized();
+  const Vec2 center = given + along * along.dot(0.5 * (a + b) - given);
+  const Vec2 p = a - center, q = b - center;
+  double turn = std::atan2(cross(p, q), p.dot(q));
+  if (std::abs(turn) > pi - 1e-6) turn = std::abs(turn);
+  const double from = std::atan2(p.y(), p.x());
+  return {center, p.norm() * Mat2::Identity(), from, from + turn};
+}
+
 }  // namespace kerf

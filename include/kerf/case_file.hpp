@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,8 @@ struct Elastic {
   double young = 1, poisson = 0.3;
 };
 
+struct Node;  // of a TOML document: not for users
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -73,6 +76,8 @@ struct Case {
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
   std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
+  std::shared_ptr<const Node> document = {};  // as read, with its overrides
+  std::filesystem::path folder = {};          // where files lie that it names
   std::string fingerprint;             // of all that an optimization depends on, but for how long it may go on
 };
 

@@ -68,11 +68,13 @@ struct LevelSetRequest {
   enum class Product { H1, Elasticity } product = Product::H1;
   double smoothing = 0;    // length of the inner product that regularizes velocities; 0: chosen from the mesh size
   double min_feature = 0;  // members and gaps thinner than this are not wanted; 0: none
+  double min_radius = 0;   // of arcs of the finished design; 0: any that meshes can tell
   int nucleate_every = 5;  // 0: never
   double nucleate_fraction = 0.02;
   std::vector<Loop> frozen;  // stays solid; may touch and leave the body
   std::optional<Mirror> mirror;
   std::optional<StartHoles> start;
+  std::optional<Shape> start_design;  // a body inside the frame to begin with, instead of start
   double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
 };
 

@@ -103,7 +103,9 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   read_map(document, c);
   read_probes(document, path.parent_path(), c);
   read_output(document, c);
-  if (c.optimize) c.fingerprint = fingerprint(root, path.parent_path());
+  c.folder = path.parent_path();
+  if (c.optimize) c.fingerprint = fingerprint(root, c.folder);
+  c.document = std::make_shared<const Node>(std::move(root));
   return c;
 }
 

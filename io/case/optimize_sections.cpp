@@ -55,10 +55,35 @@ void read_nucleate(const Value& field, LevelSetRequest& r) {
   }
 }
 
+/// The body of another case file, inside this one.
+Shape read_design_file(const Value& field, const std::filesystem::path& folder, const Case& c) {
+  const auto refuse = [&](const std::string& why) {
+    fail(field.node->position, fmt::format("{} = {}: {}", field.name, quote(text(field)), why));
+  };
+  Shape design;
+  try {
+    design = read_case(folder / text(field)).shape;
+  } catch (const Error& error) {
+    refuse(error.what());
+  }
+  if (const auto problem = find_problem(design)) refuse("no body: " + *problem);
+  if (find_problem(c.shape)) return design;  // which is what the user will hear of
+  const double size = extent(c.shape), step = 0.005 * size, near = 1e-4 * size;
+  const Polygon frame = flatten(c.shape.outline, 0.1 * near, step), body = flatten(design.outline, 0.1 * near, step);
+  for (const Vec2& x : body.points) {
+    double away = infinity;
+    for (std::size_t i = 0; i < frame.points.size(); ++i)
+      away = std::min(away, distance(x, frame.points[i], frame.points[(i + 1) % frame.points.size()]));
+    if (away > near && !inside(frame.points, x))
+      refuse(
+          fmt::format("its body reaches out of this one, at ({:.6g}, {:.6g}); a design begins inside", x.x(), x.y()));
+  }
+  return design;
+}
+
 StartHoles read_start(const Value& field, double size) {
   StartHoles start;
   const std::string kind = one_of(field);
-  allow_only(field, kind);
   if (kind == "holes") {
     const Value holes = need(field, "holes");
     if (holes.node->kind != Node::Kind::Array || holes.node->items.size() != 2)
@@ -169,7 +194,8 @@ void check_frozen(const Value& field, const Loop& loop, const Case& c) {
          fmt::format("{}: region {} covers the whole body: nothing is left to design", field.name, quote(loop.name)));
 }
 
-void read_level_set(const Value& table, std::vector<Loop> frozen, const Case& c, OptimizeRequest& request) {
+void read_level_set(const Value& table, const std::filesystem::path& folder, std::vector<Loop> frozen, const Case& c,
+                    OptimizeRequest& request) {
   LevelSetRequest& r = request.level_set;
   const double size = extent(c.shape);
   if (const auto field = find(table, "nucleate")) read_nucleate(*field, r);
@@ -178,7 +204,15 @@ void read_level_set(const Value& table, std::vector<Loop> frozen, const Case& c,
   if (const auto field = find(table, "smoothing")) r.smoothing = length(*field, size);
   if (const auto field = find(table, "min_feature")) r.min_feature = length(*field, size);
   if (const auto field = find(table, "symmetry")) r.mirror = read_mirror(*field, c);
-  if (const auto field = find(table, "start")) r.start = read_start(*field, size);
+  if (const auto field = find(table, "min_radius")) r.min_radius = length(*field, size);
+  if (const auto field = find(table, "start")) {
+    const std::string kind = one_of(*field);
+    allow_only(*field, kind);
+    if (kind == "design")
+      r.start_design = read_design_file(need(*field, kind), folder, c);
+    else
+      r.start = read_start(*field, size);
+  }
   take(table, "ersatz", r.ersatz);
   if (const auto field = find(table, "frozen")) {
     std::vector<std::string> seen;
@@ -305,7 +339,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
   r.load_cases = std::move(load_cases);
   check_load_cases(document, c, r);
   if (level_set) {
-    read_level_set(table, std::move(frozen), c, r);
+    read_level_set(table, folder, std::move(frozen), c, r);
     require_volume(table, c, r);
   } else {
     if (const auto distance = find(table, "min_distance")) r.min_distance = length(*distance, extent(c.shape));

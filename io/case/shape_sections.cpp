@@ -1,3 +1,4 @@
+#include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
 
@@ -10,10 +11,7 @@ namespace kerf {
 
 namespace {
 
-
-/// The arc from a to b about (nearly) `center`, the shorter way round; half a turn runs counter-clockwise. The center
-/// is moved along the chord until both ends have exactly the same distance to it.
-Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given, const Value& field) {
+Arc read_arc(const Vec2& a, const Vec2& b, const Vec2& given, const Value& field) {
   const double ra = (a - given).norm(), rb = (b - given).norm(), chord = (b - a).norm();
   if (!(std::abs(ra - rb) <= 1e-6 * std::max(ra, rb)) || !(ra > 0))
     fail(field.node->position, fmt::format("{}: the center must have the same distance to both ends of the arc, not "
@@ -23,20 +21,12 @@ Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given, const Value& fi
     fail(field.node->position, fmt::format("{}: the arc begins and ends at the same point; split a full turn into two "
                                            "arcs, or use a [[hole]]",
                                            field.name));
-  const Vec2 along = (b - a) / chord;
-  const Vec2 center = given + along * along.dot(0.5 * (a + b) - given);
-  const Vec2 p = a - center, q = b - center;
-  double turn = std::atan2(cross(p, q), p.dot(q));
-  if (std::abs(turn) > pi - 1e-6) turn = std::abs(turn);
-  const double from = std::atan2(p.y(), p.x());
-  return {center, p.norm() * Mat2::Identity(), from, from + turn};
+  return arc_between(a, b, given);
 }
 
-/// Entry i of `outline` is vertex i, or an arc that arrives at vertex i from vertex i - 1 (cyclic). Edge i runs from
-/// vertex i to vertex i + 1 and is labeled sides[i]: an arc at entry i + 1 makes edge i an arc, and a first entry that
-/// is an arc makes the last edge one.
-void read_outline(const Value& domain, Shape& shape) {
-  const Value outline = need(domain, "outline");
+/// Entry i of an outline is vertex i, or an arc that arrives at vertex i from vertex i - 1 (cyclic): an arc at entry
+/// i + 1 makes edge i an arc, and a first entry that is an arc makes the last edge one. The sides have no labels yet.
+Loop read_outline(const Value& outline, const std::string& name) {
   std::vector<Vec2> vertices;
   std::vector<std::optional<Vec2>> center;  // of the edge that arrives at the vertex
   const std::vector<Value> entries = items(outline);
@@ -55,23 +45,37 @@ void read_outline(const Value& domain, Shape& shape) {
       center.emplace_back();
     }
   }
-
-  const Value sides = need(domain, "sides");
-  const std::vector<Value> labels = items(sides);
-  if (labels.size() != vertices.size())
-    fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
-                                           sides.name, labels.size(), vertices.size()));
-  shape.outline.name = "outline";
+  Loop loop{name, {}};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const std::string label = safe_name(labels[i]);
-    const auto known = std::find(shape.labels.begin(), shape.labels.end(), label);
-    const auto number = static_cast<Index>(known - shape.labels.begin());
-    if (known == shape.labels.end()) shape.labels.push_back(label);
     const std::size_t next = (i + 1) % vertices.size();
-    Side side{vertices[i], number, std::nullopt};
-    if (center[next]) side.arc = arc_between(vertices[i], vertices[next], *center[next], entries[next]);
-    shape.outline.sides.push_back(std::move(side));
+    Side side{vertices[i], none, std::nullopt};
+    if (center[next]) side.arc = read_arc(vertices[i], vertices[next], *center[next], entries[next]);
+    loop.sides.push_back(std::move(side));
   }
+  return loop;
+}
+
+Index label_number(const std::string& label, Shape& shape) {
+  const auto known = std::find(shape.labels.begin(), shape.labels.end(), label);
+  const auto number = static_cast<Index>(known - shape.labels.begin());
+  if (known == shape.labels.end()) shape.labels.push_back(label);
+  return number;
+}
+
+/// A label per side.
+void read_sides(const Value& sides, Loop& loop, Shape& shape) {
+  const std::vector<Value> labels = items(sides);
+  if (labels.size() != loop.sides.size())
+    fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
+                                           sides.name, labels.size(), loop.sides.size()));
+  const std::string own = "hole:" + loop.name;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    loop.sides[i].label = label_number(text(labels[i]) == own ? own : safe_name(labels[i]), shape);
+}
+
+void read_domain(const Value& domain, Shape& shape) {
+  shape.outline = read_outline(need(domain, "outline"), "outline");
+  read_sides(need(domain, "sides"), shape.outline, shape);
 }
 
 /// The entries of `frozen` in [optimize].
@@ -95,7 +99,10 @@ Loop read_loop(const Value& hole, const std::string& name, Index label) {
     return ellipse(name, point(need(form, "center")), {in_range(axes[0]), in_range(axes[1])},
                    (angle ? number(*angle) : 0.0) * pi / 180, label);
   }
-  return polygon(name, points(form, 3), label);
+  if (kind == "polygon") return polygon(name, points(form, 3), label);
+  Loop loop = read_outline(form, name);
+  for (Side& side : loop.sides) side.label = label;
+  return loop;
 }
 
 Crack read_path(const Value& crack, const std::string& name) {
@@ -116,7 +123,7 @@ void read_shape(const Value& document, Case& c) {
   need(document, "domain");
   const Value domain = *find_table(document, "domain");
   allow_only(domain);
-  read_outline(domain, c.shape);
+  read_domain(domain, c.shape);
 
   add_holes(find_tables(document, "hole"), c.shape);
   add_cracks(find_tables(document, "crack"), c.shape, c.scene.laws);
@@ -128,9 +135,19 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
   for (const Value& hole : tables) {
     allow_only(hole);
     const std::string name = new_name(need(hole, "name"), shape.holes);
-    const auto label = static_cast<Index>(shape.labels.size());
-    shape.labels.push_back("hole:" + name);
-    shape.holes.push_back(read_loop(hole, name, label));
+    const auto sides = find(hole, "sides");
+    if (!sides) {
+      shape.holes.push_back(read_loop(hole, name, label_number("hole:" + name, shape)));
+      continue;
+    }
+    Loop loop = read_loop(hole, name, none);
+    if (sides->node->kind == Node::Kind::Array) {
+      read_sides(*sides, loop, shape);
+    } else {
+      const Index label = label_number(safe_name(*sides), shape);
+      for (Side& side : loop.sides) side.label = label;
+    }
+    shape.holes.push_back(std::move(loop));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace kerf {
 
@@ -94,23 +95,46 @@ double along(const Samples& samples, const Sample& a, const Sample& b) {
   return std::min(there, samples.length[std::size_t(a.loop)] - there);
 }
 
-/// The nearest other side through the body (side 1) or the void (side -1), or none.
-Index across(const Samples& samples, std::size_t i, double side, double within) {
-  const Sample& a = samples.all[i];
-  double least = within;
-  Index found = none;
-  for (std::size_t j = 0; j < samples.all.size(); ++j) {
-    const Sample& b = samples.all[j];
-    const Vec2 way = b.at - a.at;
-    const double d = way.norm();
-    if (!(d < least) || j == i) continue;
-    if (side * way.dot(a.left) < facing * d || side * way.dot(b.left) > -facing * d) continue;
-    if (along(samples, a, b) < neighborhood * d) continue;
-    least = d;
-    found = Index(j);
+/// Samples by square cells.
+class Cells {
+ public:
+  Cells(const Samples& samples, double size) : samples_(samples), size_(size) {
+    for (std::size_t i = 0; i < samples.all.size(); ++i) cells_[cell(samples.all[i].at)].push_back(i);
   }
-  return found;
-}
+
+  /// The nearest other side through the body (side 1) or the void (side -1) within a length of at most the cells' size,
+  /// or none.
+  Index across(std::size_t i, double side, double within) const {
+    const Sample& a = samples_.all[i];
+    double least = within;
+    Index found = none;
+    const auto [x, y] = cell(a.at);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const auto here = cells_.find({x + dx, y + dy});
+        if (here == cells_.end()) continue;
+        for (const std::size_t j : here->second) {
+          const Sample& b = samples_.all[j];
+          const Vec2 way = b.at - a.at;
+          const double d = way.norm();
+          if (!(d < least) || j == i) continue;
+          if (side * way.dot(a.left) < facing * d || side * way.dot(b.left) > -facing * d) continue;
+          if (along(samples_, a, b) < neighborhood * d) continue;
+          least = d;
+          found = Index(j);
+        }
+      }
+    return found;
+  }
+
+ private:
+  std::pair<long, long> cell(const Vec2& x) const {
+    return {std::lround(std::floor(x.x() / size_)), std::lround(std::floor(x.y() / size_))};
+  }
+  const Samples& samples_;
+  double size_;
+  std::map<std::pair<long, long>, std::vector<std::size_t>> cells_;
+};
 
 VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& direction) {
   VectorXd row = VectorXd::Zero(d.variables);
@@ -121,15 +145,16 @@ VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& directio
 }
 
 void add_widths(const DesignCurves& d, const Samples& samples, const Clearances& how, LinearRows& rows) {
+  const double within = how.least + how.reach;
+  const Cells cells(samples, within);
   for (std::size_t i = 0; i < samples.all.size(); ++i) {
     const Sample& a = samples.all[i];
     if (a.chain == none) continue;
     for (const double side : {1.0, -1.0}) {
-      const Index j = across(samples, i, side, how.least + how.reach);
+      const Index j = cells.across(i, side, within);
       if (j == none) continue;
       const Sample& b = samples.all[std::size_t(j)];
-      if (b.chain != none && std::size_t(j) < i &&
-          across(samples, std::size_t(j), side, how.least + how.reach) == Index(i))
+      if (b.chain != none && std::size_t(j) < i && cells.across(std::size_t(j), side, within) == Index(i))
         continue;  // said by the other one
       const Vec2 way = b.at - a.at;
       const double distance = way.norm();
@@ -301,6 +326,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
   // Width of the body along the normal at each row: that of the nearest sample.
   VectorXd over_width = VectorXd::Zero(m.by.rows());
   const double wide = 10 * size;
+  const Cells cells(samples, wide);
   for (Eigen::Index i = 0; i < m.by.rows(); ++i) {
     double least = infinity;
     std::size_t near = 0;
@@ -308,7 +334,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
       if (const double away = (samples.all[j].at - m.at[std::size_t(i)]).squaredNorm();
           samples.all[j].chain == m.chain[std::size_t(i)] && away < least)
         least = away, near = j;
-    const Index other = across(samples, near, 1, wide);
+    const Index other = cells.across(near, 1, wide);
     const double width = other == none ? wide : (samples.all[std::size_t(other)].at - samples.all[near].at).norm();
     over_width[i] = thinning / std::max(width, 0.5 * size);
   }

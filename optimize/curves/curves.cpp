@@ -397,7 +397,7 @@ void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) 
 /// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
 /// enter where they are needed.
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
-  Linearized l = linearized(x);
+  const Linearized all = linearized(x);
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = gradient(x);
   const Eigen::LLT<MatrixXd> H(B_);
@@ -406,6 +406,9 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
     most.push_back(part * radius);
     turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
+  const Eigen::Index front = dearest_.size();
+  Linearized l{all.A.topRows(front), all.room.head(front)};
+  std::vector<bool> used(std::size_t(all.room.size()), false);
   QuadraticStep s = quadratic_step(H, g, l.A, l.room);
   const auto use = [&] {
     double worst = 0;
@@ -416,7 +419,13 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   };
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
-    const LinearRows beyond = too_far(x.curves, moves, s.step, most, turn);
+    LinearRows beyond = too_far(x.curves, moves, s.step, most, turn);
+    const VectorXd there = all.A * s.step;
+    for (Eigen::Index k = front; k < there.size(); ++k)
+      if (!used[std::size_t(k)] && there[k] > all.room[k] + 1e-3 * radius) {
+        beyond.add(all.A.row(k), all.room[k]);
+        used[std::size_t(k)] = true;
+      }
     if (!beyond.row.empty()) {
       const Eigen::Index had = l.room.size(), more = Eigen::Index(beyond.row.size());
       l.A.conservativeResize(had + more, Eigen::NoChange);
@@ -428,8 +437,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
     } else {
       // The area is curved: that is taken from its room.
       if (!bounded_ || bends++ == 3) break;
-      const double there = area_of(after(x.curves, s.step), nullptr);
-      const double room = most_ - there + x.by_area.dot(s.step);
+      const double area = area_of(after(x.curves, s.step), nullptr), room = most_ - area + x.by_area.dot(s.step);
       if (std::abs(room - l.room[0]) <= area_error * most_) break;
       l.room[0] = room;
     }

@@ -146,7 +146,7 @@ void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t firs
 class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
-    d_.carved = carved.shape;
+    d_.carved = circular(carved.shape, 1e-3 * how.size);
     d_.label = carved.design_label;
     near_ = same * extent(frame);
     ends_ = crack_ends(carved.shape);
@@ -211,20 +211,27 @@ class Builder {
     const std::size_t n = loop.sides.size();
     const Index chain = Index(d_.chains.size()) - 1;
     const auto start = [&](std::size_t i) -> const Vec2& { return loop.sides[i % n].start; };
-    slide(chain, 0, loop.sides[(begin + n - 1) % n], start(begin + n - 1), start(begin));
-    slide(chain, Index(d_.chains.back().knots.size()) - 1, loop.sides[end % n], start(end + 1), start(end));
+    const auto design = [&](std::size_t i) { return loop.sides[i % n].label == d_.label; };
+    slide({chain, 0}, loop.sides[(begin + n - 1) % n], {start(begin + n - 1), design(begin + n - 2)}, start(begin));
+    slide({chain, Index(d_.chains.back().knots.size()) - 1}, loop.sides[end % n], {start(end + 1), design(end + 1)},
+          start(end));
   }
 
+  struct OtherEnd {
+    Vec2 at;
+    bool moves;  // with another chain
+  };
+
   /// `other`: where the side next to the knot has its other end.
-  void slide(Index chain, Index knot, const Side& side, const Vec2& other, const Vec2& x) {
+  void slide(const KnotRef& ref, const Side& side, const OtherEnd& other, const Vec2& x) {
     if (listed(how_.solid, side.label) || side.keep) return;
     for (const Vec2& end : ends_)
       if ((end - x).norm() <= near_) return;
-    const std::optional<FrameSide> on = side_with(frame_, side, other, x);
+    const std::optional<FrameSide> on = side_with(frame_, side, other.at, x);
     if (!on) return;
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
     if ((at - on->lower) * unit < near_ || (on->upper - at) * unit < near_) return;
-    KnotHold& hold = d_.holds[std::size_t(chain)][std::size_t(knot)];
+    KnotHold& hold = d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
     hold.kind = KnotHold::Kind::Slides;
     const auto known = rails_.find(on->number);
     if (known == rails_.end()) {
@@ -235,6 +242,8 @@ class Builder {
     }
     hold.lower = on->lower;
     hold.upper = on->upper;
+    const double there = on->rail.at(other.at);
+    if (!other.moves) (there < at ? hold.lower : hold.upper) = there;
   }
 
   struct OnRail {
@@ -301,6 +310,22 @@ Side side_after(const DesignCurves& d, const CurveLoop& loop, std::size_t i) {
   return side;
 }
 
+/// Arcs as they come back from a file with their ends and their center, to the last bit: meshes may depend on it.
+void as_read(Loop& loop) {
+  const std::size_t n = loop.sides.size();
+  if (n == 1) return;
+  for (std::size_t i = 0; i < n; ++i) {
+    std::optional<Arc>& arc = loop.sides[i].arc;
+    const Vec2 &a = loop.sides[i].start, &b = loop.sides[(i + 1) % n].start;
+    for (int k = 0; arc && k < 4; ++k) {
+      const Arc next = arc_between(a, b, arc->center);
+      const bool same = next.center == arc->center;
+      arc = next;
+      if (same) break;
+    }
+  }
+}
+
 /// Points and weights on [0, 1].
 constexpr std::array<std::array<double, 2>, 5> gauss{{{0.046910077030668004, 0.11846344252809454},
                                                       {0.23076534494715845, 0.23931433524968324},
@@ -341,6 +366,7 @@ Shape shape_of(const DesignCurves& d) {
       const std::vector<Side> all = sides(d.chains[std::size_t(loop.pieces[i].chain)], d.label);
       drawn.sides.insert(drawn.sides.end(), all.begin(), all.end());
     }
+    as_read(drawn);
     (l == 0 ? shape.outline : shape.holes[l - 1]) = std::move(drawn);
   }
   return shape;

@@ -1,0 +1,319 @@
+// A design as a case file: the document of its case with another body.
+
+#include "geometry/arc_chain.hpp"
+#include "geometry/plane.hpp"
+#include "io/case/reader.hpp"
+#include "io/design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace kerf {
+
+namespace {
+
+std::string number(double x) {
+  const std::string text = fmt::format("{:.17g}", x);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+std::string pair(const Vec2& x) {
+  return fmt::format("[{}, {}]", number(x.x()), number(x.y()));
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += fmt::format("\\{}", c);
+    else if (static_cast<unsigned char>(c) < 32)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string inline_text(const Node& node) {
+  std::vector<std::string> parts;
+  switch (node.kind) {
+    case Node::Kind::Boolean:
+      return node.boolean ? "true" : "false";
+    case Node::Kind::Integer:
+      return fmt::format("{:.0f}", node.number);
+    case Node::Kind::Float:
+      return number(node.number);
+    case Node::Kind::String:
+      return quoted(node.text);
+    case Node::Kind::Date:
+      return node.text;
+    case Node::Kind::Array:
+      for (const Node& item : node.items) parts.push_back(inline_text(item));
+      return fmt::format("[{}]", fmt::join(parts, ", "));
+    case Node::Kind::Table:
+      break;
+  }
+  for (const Entry& entry : node.entries)
+    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value)));
+  return fmt::format("{{ {} }}", fmt::join(parts, ", "));
+}
+
+void add_table(const std::string& header, const Node& table, std::string& out) {
+  out += header + "\n";
+  for (const Entry& entry : table.entries) out += fmt::format("{} = {}\n", entry.key, inline_text(entry.value));
+  out += "\n";
+}
+
+void add_entry(const Entry& entry, std::string& out) {
+  if (entry.value.kind == Node::Kind::Table) return add_table(fmt::format("[{}]", entry.key), entry.value, out);
+  if (entry.value.kind == Node::Kind::Array) {
+    for (const Node& table : entry.value.items) add_table(fmt::format("[[{}]]", entry.key), table, out);
+    return;
+  }
+  out += fmt::format("{} = {}\n", entry.key, inline_text(entry.value));
+}
+
+const Node* find(const Node& table, std::string_view key) {
+  const auto entry =
+      std::find_if(table.entries.begin(), table.entries.end(), [&](const Entry& e) { return e.key == key; });
+  return entry == table.entries.end() ? nullptr : &entry->value;
+}
+
+/// Names of files, made relative to another folder.
+class Paths {
+ public:
+  Paths(const std::filesystem::path& from, const std::filesystem::path& to) : from_(from), to_(to) {}
+
+  void move(Node& node, std::string_view key = {}) const {
+    if (node.kind == Node::Kind::String && key == "measured" && node.text != "synthetic") {
+      namespace fs = std::filesystem;
+      node.text = fs::absolute(from_ / node.text)
+                      .lexically_normal()
+                      .lexically_proximate(fs::absolute(to_).lexically_normal())
+                      .generic_string();
+    }
+    for (Node& item : node.items) move(item);
+    for (Entry& entry : node.entries) move(entry.value, entry.key);
+  }
+
+ private:
+  const std::filesystem::path &from_, &to_;
+};
+
+// The body.
+
+std::string corners(const Loop& loop) {
+  std::vector<std::string> entries;
+  const std::size_t n = loop.sides.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& arc = loop.sides[(i + n - 1) % n].arc;  // that arrives
+    const Vec2& x = loop.sides[i].start;
+    entries.push_back(arc ? fmt::format("{{ arc_to = {}, center = {} }}", pair(x), pair(arc->center)) : pair(x));
+  }
+  return fmt::format("[\n  {},\n]", fmt::join(entries, ",\n  "));
+}
+
+bool is_whole(const Loop& loop) {
+  return loop.sides.size() == 1 && loop.sides.front().arc;
+}
+
+/// circle, ellipse, polygon or outline.
+std::string form(const Loop& loop) {
+  if (is_whole(loop)) {
+    const Arc& arc = *loop.sides.front().arc;
+    const Vec2 p = arc.axes.col(0), q = arc.axes.col(1);
+    if ((arc.axes - p.norm() * Mat2::Identity()).norm() <= 1e-15 * p.norm())
+      return fmt::format("circle = {{ center = {}, radius = {} }}", pair(arc.center), number(p.norm()));
+    return fmt::format("ellipse = {{ center = {}, semi_axes = [{}, {}], angle_deg = {} }}", pair(arc.center),
+                       number(p.norm()), number(q.norm()), number(std::atan2(p.y(), p.x()) * 180 / pi));
+  }
+  if (std::any_of(loop.sides.begin(), loop.sides.end(), [](const Side& s) { return s.arc.has_value(); }))
+    return "outline = " + corners(loop);
+  return "polygon = " + corners(loop);
+}
+
+std::string file_name(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(),
+      [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '.' && c != '-'; }, '_');
+  return name;
+}
+
+std::string unused(std::string name, std::set<std::string>& used) {
+  const std::string first = name;
+  for (int k = 2; !used.insert(name).second; ++k) name = fmt::format("{}_{}", first, k);
+  return name;
+}
+
+void add_domain(const Shape& shape, std::string& out) {
+  std::vector<std::string> labels;
+  for (const Side& side : shape.outline.sides) labels.push_back(quoted(shape.labels[std::size_t(side.label)]));
+  out += fmt::format("[domain]\noutline = {}\nsides = [{}]\n\n", corners(shape.outline), fmt::join(labels, ", "));
+}
+
+void add_holes(const Shape& shape, std::string& out) {
+  std::set<std::string> used;
+  for (const Loop& hole : shape.holes) {
+    const std::string name = unused(file_name(hole.name), used);
+    out += fmt::format("[[hole]]\nname = {}\n", quoted(name));
+    const auto label = [&](const Side& side) { return shape.labels[std::size_t(side.label)]; };
+    const std::string first = label(hole.sides.front());
+    const bool same =
+        std::all_of(hole.sides.begin(), hole.sides.end(), [&](const Side& s) { return label(s) == first; });
+    if (same && first == "hole:" + name) {
+      out += form(hole) + "\n\n";
+      continue;
+    }
+    std::vector<std::string> labels;
+    for (const Side& side : hole.sides) labels.push_back(quoted(label(side)));
+    if (is_whole(hole))
+      out += form(hole) + "\n\n";
+    else
+      out += fmt::format("outline = {}\nsides = {}\n\n", corners(hole),
+                         same ? quoted(first) : fmt::format("[{}]", fmt::join(labels, ", ")));
+  }
+}
+
+void add_cracks(const Shape& shape, std::span<const CrackLaw> laws, std::string& out) {
+  std::set<std::string> used;
+  for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
+    const Crack& crack = shape.cracks[k];
+    out += fmt::format("[[crack]]\nname = {}\n", quoted(unused(file_name(crack.name), used)));
+    std::vector<std::string> points;
+    for (const Vec2& x : crack.points) points.push_back(pair(x));
+    if (crack.arc)
+      out += fmt::format("arc = {{ center = {}, radius = {}, from_deg = {}, to_deg = {} }}\n", pair(crack.arc->center),
+                         number(crack.arc->axes.col(0).norm()), number(crack.arc->from * 180 / pi),
+                         number(crack.arc->to * 180 / pi));
+    else
+      out += fmt::format("path = [{}]\n", fmt::join(points, ", "));
+    out += fmt::format("contact = {}\n", quoted(std::string(word(laws[k].kind))));
+    if (laws[k].friction > 0) out += fmt::format("friction = {}\n", number(laws[k].friction));
+    if (laws[k].slip_bound > 0) out += fmt::format("tresca = {}\n", number(laws[k].slip_bound));
+    out += "\n";
+  }
+}
+
+void add_regions(const Shape& shape, std::span<const Elastic> elastic, std::string& out) {
+  for (std::size_t k = 0; k < shape.regions.size(); ++k)
+    out += fmt::format("[[region]]\nname = {}\n{}\nyoung = {}\npoisson = {}\n\n", quoted(shape.regions[k].name),
+                       form(shape.regions[k]), number(elastic[k].young), number(elastic[k].poisson));
+}
+
+// What is left of the case.
+
+void collect_names(const Node& node, std::set<std::string>& names) {
+  if (node.kind == Node::Kind::String) {
+    std::string word;
+    for (const char c : node.text + " ") {
+      if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
+        word += c;
+        continue;
+      }
+      names.insert(word);
+      word.clear();
+    }
+  }
+  for (const Node& item : node.items) collect_names(item, names);
+  for (const Entry& entry : node.entries) collect_names(entry.value, names);
+}
+
+/// Definitions that nothing else uses any more are an error: they go, too.
+void drop_unused_definitions(Node& document) {
+  std::set<std::string> names;
+  for (const Entry& entry : document.entries)
+    if (entry.key != "define") collect_names(entry.value, names);
+  for (Entry& entry : document.entries) {
+    if (entry.key != "define") continue;
+    std::vector<Entry> kept;
+    for (auto definition = entry.value.entries.rbegin(); definition != entry.value.entries.rend(); ++definition)
+      if (names.contains(definition->key)) {  // they use only earlier ones
+        collect_names(definition->value, names);
+        kept.insert(kept.begin(), *definition);
+      }
+    entry.value.entries = std::move(kept);
+  }
+  std::erase_if(document.entries, [](const Entry& e) { return e.key == "define" && e.value.entries.empty(); });
+}
+
+/// The document without its body and without what is about other bodies; load cases keep a table [optimize], without
+/// what begins or guides it.
+Node rest_of(const Case& c, const std::filesystem::path& folder) {
+  static const std::set<std::string> body{"title", "domain", "hole", "crack", "region", "map", "validate", "probe"};
+  static const std::set<std::string> guides{"start",  "symmetry", "frozen",       "hole",  "crack",
+                                            "region", "method",   "min_distance", "starts"};
+  Node rest = *c.document;
+  std::erase_if(rest.entries, [&](const Entry& e) { return body.contains(e.key); });
+  const bool cases = c.optimize && !c.optimize->load_cases.empty();
+  if (!cases) std::erase_if(rest.entries, [](const Entry& e) { return e.key == "optimize"; });
+  for (Entry& entry : rest.entries)
+    if (entry.key == "optimize") {
+      std::erase_if(entry.value.entries, [&](const Entry& e) { return guides.contains(e.key); });
+      if (find(entry.value, "volume")) continue;
+      Node most, volume;
+      most.kind = Node::Kind::Float;
+      most.number = 1;
+      volume.entries.push_back({"at_most", {}, most});
+      entry.value.entries.push_back({"volume", {}, volume});
+    }
+  Paths(c.folder, folder).move(rest);
+  drop_unused_definitions(rest);
+  return rest;
+}
+
+/// What the file cannot say.
+std::vector<std::string> limits(const Case& c, const DesignFile& design) {
+  std::vector<std::string> all;
+  if (c.optimize && !c.optimize->load_cases.empty())
+    all.push_back("kerf solve computes the first load case; J above is the weighted sum over all of them.");
+  std::set<std::string> names, first;
+  for (const Crack& crack : design.shape.cracks) names.insert(crack.name);
+  for (const Crack& crack : c.shape.cracks) first.insert(crack.name);
+  for (const Crack& crack : design.shape.cracks)
+    if (!first.contains(crack.name) && c.shape.cracks.size() > 0)
+      all.push_back(fmt::format("crack {} is a piece of another one: functionals of that one see its first piece only.",
+                                crack.name));
+  for (const CrackLaw& law : design.laws)
+    if (law.kind == CrackLaw::Kind::Unilateral) {
+      all.push_back("where contact ends kerf solve makes the mesh finer: J may differ in its fourth digit.");
+      break;
+    }
+  const auto polygonal = [](const Loop& loop) {
+    return std::any_of(loop.sides.begin(), loop.sides.end(), [](const Side& s) { return s.smooth && !s.arc; });
+  };
+  if (polygonal(design.shape.outline) || std::any_of(design.shape.holes.begin(), design.shape.holes.end(), polygonal))
+    if (std::none_of(design.shape.outline.sides.begin(), design.shape.outline.sides.end(),
+                     [](const Side& s) { return s.smooth && s.arc; }) &&
+        std::none_of(design.shape.holes.begin(), design.shape.holes.end(), [](const Loop& h) {
+          return std::any_of(h.sides.begin(), h.sides.end(), [](const Side& s) { return s.smooth && s.arc; });
+        }))
+      all.push_back("its curved sides are polygons, and their corners may get finer meshes than before.");
+  return all;
+}
+
+}  // namespace
+
+std::string design_case(const Case& c, const DesignFile& design, const std::filesystem::path& folder) {
+  const Shape shape = circular(design.shape, 1e-4 * extent(design.shape));
+  std::string out;
+  for (const std::string& line : design.comments) out += fmt::format("# {}\n", line);
+  for (const std::string& line : limits(c, design)) out += fmt::format("# {}\n", line);
+  out += fmt::format("title = {}\n", quoted(c.title + " (design)"));
+  const Node rest = rest_of(c, folder);
+  for (const Entry& entry : rest.entries)  // single values come before tables
+    if (entry.value.kind != Node::Kind::Table && entry.value.kind != Node::Kind::Array) add_entry(entry, out);
+  out += "\n";
+  add_domain(shape, out);
+  add_holes(shape, out);
+  add_cracks(shape, design.laws, out);
+  add_regions(shape, design.regions, out);
+  for (const Entry& entry : rest.entries)
+    if (entry.value.kind == Node::Kind::Table || entry.value.kind == Node::Kind::Array) add_entry(entry, out);
+  while (out.ends_with("\n\n")) out.pop_back();
+  return out;
+}
+
+}  // namespace kerf

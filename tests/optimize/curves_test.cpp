@@ -1,0 +1,175 @@
+#include "optimize/curves/curves.hpp"
+
+#include "kerf/shape_gradient.hpp"
+#include "optimize/curves/curve_mesh.hpp"
+#include "optimize/loop/evaluate.hpp"
+#include "tests/optimize/curves.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace kerf;
+using Eigen::VectorXd;
+
+namespace {
+
+OptimizeRequest stiffest(const Problem& p, const Carved& carved) {
+  OptimizeRequest r;
+  r.volume_at_most = carved.area / area(p.frame);
+  return r;
+}
+
+DesignCurves curves_of(const Problem& p, const Carved& carved) {
+  const double h = p.sizing.size;
+  return design_curves(p.frame, carved, {h, 0.2 * h, 2 * h, h, {1, 2}});
+}
+
+}  // namespace
+
+TEST(Curves, FitKeepsTheAreaAndWhatIsNotDesign) {
+  const Problem p = scenes::quarter_plate(2, 0.1);
+  const Carved carved = scenes::quarter_hole(p, 0.6, 12);
+  const Shape shape = fit_curves(p, stiffest(p, carved), carved, {});
+  EXPECT_FALSE(find_problem(shape));
+  EXPECT_NEAR(area(shape), carved.area, 1e-9);
+  EXPECT_EQ(shape.labels, carved.shape.labels);
+  EXPECT_LE(shape.outline.sides.size(), 4u + 8u);  // of 12 pieces four arcs or so
+  int arcs = 0;
+  for (const Side& side : shape.outline.sides) {
+    if (!side.arc) continue;
+    ++arcs;
+    EXPECT_EQ(side.label, 4);
+    EXPECT_NEAR(side.arc->axes(0, 0), 0.6, 0.02);
+  }
+  EXPECT_GE(arcs, 2);
+}
+
+TEST(Curves, TheDerivativeOfTheAreaIsThatOfDifferences) {
+  const Problem p = scenes::quarter_plate(2, 0.1);
+  const DesignCurves d = curves_of(p, scenes::quarter_hole(p, 0.6, 12));
+  VectorXd by;
+  area_of(d, &by);
+  for (Eigen::Index k = 0; k < d.variables; ++k) {
+    const double step = 1e-5;
+    const VectorXd unit = VectorXd::Unit(d.variables, k);
+    const double difference =
+        (area_of(moved(d, step * unit), nullptr) - area_of(moved(d, -step * unit), nullptr)) / (2 * step);
+    EXPECT_NEAR(by[k], difference, 1e-8);
+  }
+}
+
+// Ends that slide, a crack that ends on the design, body force.
+TEST(Curves, TheDerivativeOfJIsThatOfDifferences) {
+  Problem p = scenes::quarter_plate(2, 0.25);
+  p.scene.body = [](const Vec2& x) { return Vec2(0.3 * x.y(), -0.2); };
+  const double r = 0.7, c = std::cos(pi / 4);
+  p.frame.cracks = {{"c", {Vec2(0.3 * c, 0.3 * c), Vec2(1.2 * c, 1.2 * c)}}};
+  p.scene.laws = {{.kind = CrackLaw::Kind::Open}};
+  p.sizing.crack_tip_size = 0.1;
+  Carved carved = scenes::quarter_hole(p, r, 10);
+  carved.shape.cracks[0].points[0] = {r * c, r * c};
+  const DesignCurves d = curves_of(p, carved);
+  const CurveMesh mesh = curve_mesh(d, p.sizing);
+  const OptimizeRequest request = stiffest(p, carved);
+  const auto evaluate = [&](const VectorXd& step) {
+    const DesignCurves there = moved(d, step);
+    return evaluate_mesh(p, request, shape_of(there), moved(mesh, there).value(), carved.crack_of);
+  };
+  const Evaluated e = evaluate(VectorXd::Zero(d.variables));
+  const Analysis a = analyze(e.objective, e.cases[0].model, e.cases[0].state);
+  const VectorXd by = pull_back(mesh, d, shape_gradient(a, e.objective));
+  for (Eigen::Index k = 0; k < d.variables; ++k) {
+    const double step = 1e-4;
+    const VectorXd unit = VectorXd::Unit(d.variables, k);
+    const double difference = (evaluate(step * unit).J - evaluate(-step * unit).J) / (2 * step);
+    EXPECT_NEAR(by[k], difference, 1e-5 * by.cwiseAbs().maxCoeff()) << k;
+  }
+}
+
+TEST(Curves, FewSolvesReachTheOptimumAndSayHowFarItIs) {
+  const Problem p = scenes::quarter_plate(2, 0.12);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 10);
+  const FinishedCurves f = finish_curves(p, stiffest(p, carved), carved, {}, {});
+  EXPECT_GT(f.residual_before, 0.3);
+  EXPECT_LE(f.residual, 0.01) << f.why;
+  EXPECT_LE(f.state_solves, 20);
+  EXPECT_LT(f.J, f.rows.front().J);
+  EXPECT_NEAR(f.area, carved.area, 1e-5 * carved.area);
+  EXPECT_TRUE(f.feasible);
+  EXPECT_GT(f.price, 0);
+  // What is reported is what another program would compute of the shape.
+  const Evaluated again = evaluate_design(p, {}, f.shape, {});
+  EXPECT_NEAR(again.J, f.J, 1e-12 * f.J);
+}
+
+TEST(Curves, AVolumeUnderABoundOnTheCompliance) {
+  Problem p = scenes::quarter_plate(2, 0.12);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 10);
+  const double J = evaluate_design(p, {}, carved.shape, {}).J;
+  OptimizeRequest r;
+  r.bounds = {{"compliance", p.objective, J}};
+  p.objective = {"volume", {volume()}};
+  const FinishedCurves f = finish_curves(p, r, carved, {}, {});
+  EXPECT_LE(f.residual, 0.02) << f.why;
+  EXPECT_LE(f.bounds[0], J * (1 + 1e-3));
+  EXPECT_LT(f.area, carved.area);
+  EXPECT_DOUBLE_EQ(f.price, 1);
+}
+
+TEST(Curves, ArcsAreNoTighterThanAsked) {
+  const Problem p = scenes::quarter_plate(2, 0.12);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 10);
+  const FinishedCurves f = finish_curves(p, stiffest(p, carved), carved, {.min_radius = 0.42}, {});
+  for (const Side& side : f.shape.outline.sides)
+    if (side.arc) EXPECT_GE(side.arc->axes(0, 0), 0.42 * (1 - 0.02));
+  EXPECT_LT(f.J, f.rows.front().J);
+}
+
+TEST(Curves, AResumedRunEndsWithTheSameBits) {
+  const Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  const OptimizeRequest r = stiffest(p, carved);
+  const FinishedCurves whole = finish_curves(p, r, carved, {.evaluations = 9}, {});
+  for (const std::size_t done : {1u, 4u, 7u}) {
+    const std::vector<CurvesRow> known(whole.rows.begin(), whole.rows.begin() + std::ptrdiff_t(done));
+    int shown = 0;
+    const FinishedCurves rest = finish_curves(p, r, carved, {.evaluations = 9},
+                                              [&](const CurvesIterate&) { return ++shown, true; }, known);
+    EXPECT_EQ(rest.J, whole.J);
+    EXPECT_EQ(rest.residual, whole.residual);
+    ASSERT_EQ(rest.rows.size(), whole.rows.size());
+    EXPECT_EQ(rest.rows.back().knots, whole.rows.back().knots);
+    EXPECT_LE(shown, int(whole.rows.size() - done));
+  }
+}
+
+TEST(Curves, ThreadsDoNotChangeTheBits) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  const FinishedCurves one = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 5}, {});
+  p.threads = 2;
+  const FinishedCurves two = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 5}, {});
+  EXPECT_EQ(one.rows.back().knots, two.rows.back().knots);
+}
+
+TEST(Curves, UnitsDoNotMatter) {
+  const Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  const FinishedCurves one = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 6}, {});
+  const double unit = 1024;  // a power of two: the same bits
+  Problem q = scenes::quarter_plate(2 * unit, 0.2 * unit);
+  const Carved large = scenes::quarter_hole(q, 0.5 * unit, 8);
+  const FinishedCurves other = finish_curves(q, stiffest(q, large), large, {.evaluations = 6}, {});
+  EXPECT_NEAR(other.J / (unit * unit), one.J, 1e-9 * one.J);
+  EXPECT_NEAR(other.residual, one.residual, 1e-6);
+}
+
+TEST(Curves, WhatCannotBeMovedStaysAsCarved) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  p.element = element("p2", 1);
+  const FinishedCurves f = finish_curves(p, stiffest(p, carved), carved, {}, {});
+  ASSERT_EQ(f.notes.size(), 1u);
+  EXPECT_NE(f.notes[0].find("stays as carved"), std::string::npos);
+  EXPECT_EQ(f.shape.outline.sides.size(), carved.shape.outline.sides.size());
+  EXPECT_EQ(f.state_solves, 0);
+}
