@@ -56,7 +56,7 @@ class ShrinkingFilter {
   std::unique_ptr<LatticeFilter> filter_;
 };
 
-/// The multiplicative step [theory: L.16] of the price that gives the area.
+/// The multiplicative step [theory: P.6] of the price that gives the area.
 Eigen::VectorXd criteria_step(const Lattice& l, const Eigen::VectorXd& x, const Eigen::VectorXd& gain, double area,
                               double move) {
   Eigen::VectorXd next = x;

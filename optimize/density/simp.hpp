@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// How stiff a density is: least + (1 - least) times a power of it [theory: L.12]; with a rational law instead, whose
-/// stiffness falls no faster than the weight where there is little material [Stolpe, Svanberg 2001; theory: L.13].
+/// How stiff a density is: least + (1 - least) times a power of it [theory: P.2]; with a rational law instead, whose
+/// stiffness falls no faster than the weight where there is little material [Stolpe, Svanberg 2001; theory: P.3].
 struct Stiffening {
   double exponent = 3;
   bool rational = false;  // density / (1 + exponent (1 - density))
@@ -16,7 +16,7 @@ struct Stiffening {
   double derivative(double density) const;
 };
 
-/// Compliances per load case of a density per cell, in the lattice's units, and their derivatives [theory: L.14].
+/// Compliances per load case of a density per cell, in the lattice's units, and their derivatives [theory: P.4].
 struct Compliances {
   Eigen::VectorXd value;
   Eigen::MatrixXd by_density;  // per cell and load case
@@ -52,14 +52,15 @@ struct Densities {
   Eigen::VectorXd density;
   int steps = 0;
 };
-/// For plain goals without body force, with derivatives smoothed [theory: L.15, L.16].
+/// For plain goals without body force, with derivatives smoothed [theory: P.5, P.6].
 Densities optimality_criteria(const Lattice& lattice, const LatticePattern& pattern, const LatticeGoal& goal,
                               const Schedule& how);
-/// For all goals, by moving asymptotes; densities are averages of the variables.
+/// For all goals, by moving asymptotes [theory: P.7].
 Densities moving_asymptotes(const Lattice& lattice, const LatticePattern& pattern, const LatticeGoal& goal,
                             const Schedule& how);
 
-/// Black and white at an area: the set where the bilinear density exceeds a level, as the share of every cell.
+/// Black and white at an area: the set where the bilinear density exceeds a level, as the share of every cell
+/// [theory: P.8].
 Eigen::VectorXd black_and_white(const Lattice& lattice, const Eigen::VectorXd& density, double area);
 
 }  // namespace kerf
