@@ -12,12 +12,15 @@ namespace kerf {
 
 namespace {
 
-/// What tells the designs of one body apart.
+/// What tells the designs of one body apart: the radius of the filter in cells and the exponent of the penalty go
+/// evenly from their first values to 1.4 and 3.
 struct Run {
-  double first_radius, radius;  // of the filter, in cells
-  double first_exponent;        // of the penalty, which ends at 3
+  double first_radius, first_exponent;
+  int change_steps;
 };
-constexpr std::array<Run, 2> runs{{{1.4, 1.4, 2}, {3, 1.4, 3}}};
+constexpr std::array<Run, 2> runs{{{1.4, 2, 20}, {3, 3, 30}}};
+constexpr double radius = 1.4;
+constexpr int coarse_steps = 40, fine_steps = 20;
 
 // Cells inside the frame: of the lattice on which topology is decided, and of one that draws it finer.
 constexpr double fine_cells = 5000, coarse_share = 0.64;
@@ -70,7 +73,7 @@ Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells) {
   Known j = known_part(p.objective);
   if (!j.unknown.empty()) {
     s.surrogate = true;
-    j = {.compliance = 1};
+    j = {.compliance = 1};  // bounds on the compliance then keep themselves
   }
   const Eigen::VectorXd weights = weights_of(r);
   s.goal.weights = j.compliance * weights;
@@ -84,7 +87,7 @@ Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells) {
     } else if (b.volume > 0) {
       const double area = bound.at_most / b.volume / (l.cell * l.cell);
       s.goal.area = std::min(s.goal.area.value_or(whole), area);
-    } else if (b.compliance > 0) {
+    } else if (b.compliance > 0 && known_part(p.objective).unknown.empty()) {
       s.goal.most = s.goal.most.cwiseMin(bound.at_most / b.compliance / std::max(l.compliance_unit, 1e-300));
     }
   }
@@ -119,7 +122,7 @@ std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, 
   return unsupported(s.lattice);
 }
 
-/// A density made black and white: at its own area, the least that keeps bounds on the compliance.
+/// A density made black and white: at the area allowed; where area has a price or weight, at the area that is best.
 struct BlackWhite {
   double area = 0, goal = 0, violation = 0;
 };
@@ -135,20 +138,18 @@ BlackWhite judged(const Stage& s, const LatticePattern& pattern, const Eigen::Ve
     b.violation = std::max(0.0, (c.array() / s.goal.most.array()).maxCoeff() - 1);
     return b;
   };
-  const double most = s.goal.area.value_or(l.part.sum()), own = std::min(most, l.part.dot(density));
-  if (s.goal.plain() && l.body.empty()) return at(most);
-  if (!(s.goal.most.array() < infinity).any()) {
-    BlackWhite best = at(own);
-    for (const double share : {0.9, 1.1, 1.2, 1.35})
-      if (const BlackWhite b = at(std::min(most, share * own)); b.goal < best.goal) best = b;
-    return best;
+  const double most = s.goal.area.value_or(l.part.sum());
+  if (s.goal.price == 0 && l.body.empty()) return at(most);
+  double own = std::min(most, l.part.dot(density));
+  if ((s.goal.most.array() < infinity).any()) {  // the least area that keeps the bounds
+    double low = 0.5 * own, high = std::min(most, 1.5 * own);
+    for (int i = 0; i < 10; ++i) (at((low + high) / 2).violation > 0 ? low : high) = (low + high) / 2;
+    own = high;
   }
-  double low = 0.5 * own, high = std::min(most, 1.5 * own);
-  BlackWhite best = at(high);
-  for (int i = 0; i < 10 && best.violation == 0; ++i) {
-    const BlackWhite middle = at((low + high) / 2);
-    (middle.violation > 0 ? low : high) = (low + high) / 2;
-    if (middle.violation == 0) best = middle;
+  BlackWhite best = at(own);
+  for (const double share : {0.9, 1.1, 1.2, 1.35}) {
+    const BlackWhite b = at(std::min(most, share * own));
+    if (std::pair(b.violation, b.goal) < std::pair(best.violation, best.goal)) best = b;
   }
   return best;
 }
@@ -194,7 +195,11 @@ Densities minimized(const Level& at, const Schedule& how) {
 
 /// Weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
 Schedule schedule(const Run& run, bool weight) {
-  Schedule how{.first_radius = run.first_radius, .radius = run.radius, .first_exponent = run.first_exponent};
+  Schedule how{.first_radius = run.first_radius,
+               .radius = radius,
+               .first_exponent = run.first_exponent,
+               .change_steps = run.change_steps,
+               .most_steps = coarse_steps};
   if (!weight) return how;
   how.first_exponent = 3;
   how.exponent = 30;
@@ -209,7 +214,7 @@ std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels
   const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
   how.change_steps = 0;
-  how.most_steps = 20;
+  how.most_steps = fine_steps;
   how.start = Eigen::VectorXd::Zero(l.part.size());
   for (const Index c : l.cells)
     how.start[c] = l.solid[static_cast<std::size_t>(c)] ? 1 : density_at(coarse, l.origin + l.cell * l.center(c));
@@ -218,10 +223,10 @@ std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels
   const BlackWhite bw = judged(levels[1].stage, levels[1].pattern, found.density);
   d.compliance = l.compliance_unit * bw.goal;
   d.volume_fraction = bw.area / l.part.sum();
-  d.filter = run.radius;
+  d.filter = radius;
   d.steps += coarse.steps;
   d.name = fmt::format("density{}, filter {}{:.1f}", levels[0].stage.surrogate ? " of the compliance" : "",
-                       run.first_radius != run.radius ? fmt::format("{:.1f} to ", run.first_radius) : "", run.radius);
+                       run.first_radius != radius ? fmt::format("{:.1f} to ", run.first_radius) : "", radius);
   return {std::move(d), bw};
 }
 

@@ -67,7 +67,7 @@ Eigen::VectorXd criteria_step(const Lattice& l, const Eigen::VectorXd& x, const 
     return volume(l, next);
   };
   double low = 1e-12 * gain.maxCoeff(), high = 1e6 * gain.maxCoeff();
-  while (high > (1 + 1e-10) * low) {
+  while (high > (1 + 1e-8) * low) {
     const double price = std::sqrt(low * high);
     (step(price) > area ? low : high) = price;
   }
