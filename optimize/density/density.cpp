@@ -12,43 +12,146 @@ namespace kerf {
 
 namespace {
 
-constexpr std::array<double, 2> radii{1.4, 2.5};  // of the filters, in cells
+/// What tells the designs of one body apart: the radius of the filter in cells and the exponent of the penalty go
+/// evenly from their first values to 1.4 and 3.
+struct Run {
+  double first_radius, first_exponent;
+  int change_steps;
+};
+constexpr std::array<Run, 2> runs{{{1.4, 2, 20}, {3, 3, 30}}};
+constexpr double radius = 1.4;
+constexpr int coarse_steps = 40, fine_steps = 20;
 
-/// The factor of the compliance in J; nothing where J knows more than compliance and volume.
-std::optional<double> compliance_factor(const Functional& j) {
-  double factor = 0;
-  for (const Term& term : j.terms) {
-    if (term.volume) continue;
-    if (!term.work || term.power != 1) return std::nullopt;
-    factor += term.factor;
-  }
-  return factor;
+// Cells inside the frame: of the lattice on which topology is decided, and of one that draws it finer.
+constexpr double fine_cells = 5000, coarse_share = 0.64;
+constexpr double most_cells = 12000;
+constexpr double cells_across = 2.5;  // a member of the smallest width asked for
+
+/// A functional as far as the lattice knows it: compliance * C + volume * area.
+struct Known {
+  double compliance = 0, volume = 0;
+  std::string unknown;  // kind of a term that it does not know; empty mostly
+};
+
+Known known_part(const Functional& j) {
+  Known k;
+  for (const Term& term : j.terms)
+    if (term.volume && term.power == 1)
+      k.volume += term.factor;
+    else if (term.work && term.power == 1)
+      k.compliance += term.factor;
+    else if (term.energy && term.power == 1)
+      k.compliance -= term.factor / 2;  // C is twice the energy stored, the potential energy minus that
+    else
+      k.unknown = term.kind;
+  return k;
 }
 
 Eigen::VectorXd weights_of(const OptimizeRequest& r) {
-  Eigen::VectorXd w = Eigen::VectorXd::Ones(std::max<Eigen::Index>(1, static_cast<Eigen::Index>(r.load_cases.size())));
+  if (r.load_cases.empty()) return Eigen::VectorXd::Ones(1);
+  Eigen::VectorXd w(static_cast<Eigen::Index>(r.load_cases.size()));
   for (std::size_t i = 0; i < r.load_cases.size(); ++i) w[static_cast<Eigen::Index>(i)] = r.load_cases[i].weight;
   return w;
 }
 
-Lattice lattice_of(const Problem& p, const OptimizeRequest& r) {
-  return make_lattice(p, r, {.min_feature = r.level_set.min_feature});
+double cells_of(const Problem& p, const OptimizeRequest& r) {
+  const double thin = r.level_set.min_feature / cells_across;
+  return thin > 0 ? std::clamp(area(p.frame) / (thin * thin), fine_cells, most_cells) : fine_cells;
 }
 
-std::optional<std::string> no_density(const Problem& p, const OptimizeRequest& r, const Lattice* lattice) {
-  if (r.method != OptimizeMethod::LevelSet) return "it is for a level set";
-  if (!r.volume_at_most || r.volume_penalty > 0 || !r.bounds.empty())
-    return "it knows a bound on the area alone (optimize.volume = { at_most = ... })";
-  const std::optional<double> factor = compliance_factor(p.objective);
-  if (!factor || !(*factor > 0)) return "it knows the compliance alone";
-  for (const Support& s : p.scene.supports)
-    for (const Loop& loop : {p.frame.outline})
-      for (const Side& side : loop.sides)
-        if (side.label == s.label && s.value && s.value(side.start, Vec2(1, 0)) != Vec2::Zero())
-          return "a support moves";
-  if (!lattice) return std::nullopt;
-  if (lattice->force.isZero(0) && lattice->body.empty()) return "there are no loads";
-  return unsupported(*lattice);
+/// The problem in the units of its lattice.
+struct Stage {
+  Lattice lattice;
+  LatticeGoal goal;
+  bool surrogate = false;  // the compliance instead of functionals that the lattice does not know
+};
+
+Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells) {
+  Stage s{make_lattice(p, r, cells), {}};
+  const Lattice& l = s.lattice;
+  const double whole = l.part.sum(), per_cell = l.cell * l.cell / std::max(l.compliance_unit, 1e-300);
+  Known j = known_part(p.objective);
+  if (!j.unknown.empty()) {
+    s.surrogate = true;
+    j = {.compliance = 1};  // bounds on the compliance then keep themselves
+  }
+  const Eigen::VectorXd weights = weights_of(r);
+  s.goal.weights = j.compliance * weights;
+  s.goal.price = (r.volume_penalty + j.volume * weights.sum()) * per_cell;
+  if (r.volume_at_most) s.goal.area = std::min(*r.volume_at_most, 1.0) * whole;
+  s.goal.most = Eigen::VectorXd::Constant(weights.size(), infinity);
+  for (const FunctionalBound& bound : r.bounds) {
+    const Known b = known_part(bound.functional);
+    if (!b.unknown.empty() || (b.volume != 0) == (b.compliance != 0)) {
+      s.surrogate = true;
+    } else if (b.volume > 0) {
+      const double area = bound.at_most / b.volume / (l.cell * l.cell);
+      s.goal.area = std::min(s.goal.area.value_or(whole), area);
+    } else if (b.compliance > 0 && known_part(p.objective).unknown.empty()) {
+      s.goal.most = s.goal.most.cwiseMin(bound.at_most / b.compliance / std::max(l.compliance_unit, 1e-300));
+    }
+  }
+  return s;
+}
+
+bool moves(const Problem& p, const Support& support) {
+  std::vector<const Loop*> loops{&p.frame.outline};
+  for (const Loop& hole : p.frame.holes) loops.push_back(&hole);
+  for (const Loop* loop : loops)
+    for (std::size_t i = 0; i < loop->sides.size(); ++i) {
+      if (loop->sides[i].label != support.label || !support.value) continue;
+      const Vec2 a = loop->sides[i].start, b = loop->sides[(i + 1) % loop->sides.size()].start;
+      const Vec2 d = b - a, n = d.norm() > 0 ? Vec2(Vec2(d.y(), -d.x()).normalized()) : Vec2(1, 0);
+      for (const double t : {0.0, 0.5, 1.0}) {
+        const Vec2 value = support.value(a + t * d, n);
+        if ((support.first && value.x() != 0) || (support.second && value.y() != 0)) return true;
+      }
+    }
+  return false;
+}
+
+std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, const Stage& s) {
+  if (r.method != OptimizeMethod::LevelSet) return "it is made for a level set";
+  for (const Support& support : p.scene.supports)
+    if (moves(p, support)) return "a support moves, which the coarse lattice does not know";
+  if (s.lattice.force.isZero(0) && s.lattice.body.empty()) return "there are no loads";
+  if (s.goal.weights.maxCoeff() < 0) return "its J is less the more the body gives way";
+  const bool bounded = (s.goal.most.array() < infinity).any();
+  if (!s.goal.area && !(s.goal.price > 0 && (bounded || s.goal.weights.maxCoeff() > 0)))
+    return fmt::format("the coarse lattice knows compliance and area, and nothing bounds the area");
+  return unsupported(s.lattice);
+}
+
+/// A density made black and white: at the area allowed; where area has a price or weight, at the area that is best.
+struct BlackWhite {
+  double area = 0, goal = 0, violation = 0;
+};
+
+BlackWhite judged(const Stage& s, const LatticePattern& pattern, const Eigen::VectorXd& density) {
+  const Lattice& l = s.lattice;
+  LatticeStiffness stiffness(l, pattern);
+  const auto at = [&](double area) {
+    const Eigen::VectorXd share = black_and_white(l, density, area);
+    const Eigen::VectorXd c = compliances(l, stiffness, {.exponent = 1}, share).value;
+    BlackWhite b{.area = l.part.dot(share)};
+    b.goal = s.goal.weights.dot(c) + s.goal.price * b.area;
+    b.violation = std::max(0.0, (c.array() / s.goal.most.array()).maxCoeff() - 1);
+    return b;
+  };
+  const double most = s.goal.area.value_or(l.part.sum());
+  if (s.goal.price == 0 && l.body.empty()) return at(most);
+  double own = std::min(most, l.part.dot(density));
+  if ((s.goal.most.array() < infinity).any()) {  // the least area that keeps the bounds
+    double low = 0.5 * own, high = std::min(most, 1.5 * own);
+    for (int i = 0; i < 10; ++i) (at((low + high) / 2).violation > 0 ? low : high) = (low + high) / 2;
+    own = high;
+  }
+  BlackWhite best = at(own);
+  for (const double share : {0.9, 1.1, 1.2, 1.35}) {
+    const BlackWhite b = at(std::min(most, share * own));
+    if (std::pair(b.violation, b.goal) < std::pair(best.violation, best.goal)) best = b;
+  }
+  return best;
 }
 
 }  // namespace
@@ -61,40 +164,89 @@ double density_at(const DensityDesign& d, const Vec2& x) {
 }
 
 std::optional<std::string> no_density_stage(const Problem& p, const OptimizeRequest& r) {
-  if (auto why = no_density(p, r, nullptr)) return why;
-  const Lattice lattice = lattice_of(p, r);
-  return no_density(p, r, &lattice);
+  return no_stage(p, r, stage_of(p, r, coarse_share * cells_of(p, r)));
 }
 
+namespace {
+
+/// A lattice and its matrix.
+struct Level {
+  Stage stage;
+  LatticePattern pattern;
+};
+Level level(const Problem& p, const OptimizeRequest& r, double cells) {
+  Level at{stage_of(p, r, cells), {}};
+  at.pattern = lattice_pattern(at.stage.lattice);
+  return at;
+}
+
+DensityDesign drawn(const Lattice& l, const Densities& found) {
+  DensityDesign d{.origin = l.origin, .cell = l.cell, .columns = l.columns, .rows = l.rows, .density = found.density};
+  for (Eigen::Index c = 0; c < d.density.size(); ++c)
+    d.density[c] = found.density[l.inside[static_cast<std::size_t>(c)]];
+  d.steps = found.steps;
+  return d;
+}
+
+Densities minimized(const Level& at, const Schedule& how) {
+  const bool plain = at.stage.goal.plain() && at.stage.lattice.body.empty();
+  return (plain ? optimality_criteria : moving_asymptotes)(at.stage.lattice, at.pattern, at.stage.goal, how);
+}
+
+/// Weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
+Schedule schedule(const Run& run, bool weight) {
+  Schedule how{.first_radius = run.first_radius,
+               .radius = radius,
+               .first_exponent = run.first_exponent,
+               .change_steps = run.change_steps,
+               .most_steps = coarse_steps};
+  if (!weight) return how;
+  how.first_exponent = 3;
+  how.exponent = 30;
+  how.change_steps = 80;
+  how.most_steps = 100;
+  how.move = 0.1;
+  return how;
+}
+
+std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels, const Run& run) {
+  Schedule how = schedule(run, !levels[0].stage.lattice.body.empty());
+  const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
+  const Lattice& l = levels[1].stage.lattice;
+  how.change_steps = 0;
+  how.most_steps = fine_steps;
+  how.start = Eigen::VectorXd::Zero(l.part.size());
+  for (const Index c : l.cells)
+    how.start[c] = l.solid[static_cast<std::size_t>(c)] ? 1 : density_at(coarse, l.origin + l.cell * l.center(c));
+  const Densities found = minimized(levels[1], how);
+  DensityDesign d = drawn(l, found);
+  const BlackWhite bw = judged(levels[1].stage, levels[1].pattern, found.density);
+  d.compliance = l.compliance_unit * bw.goal;
+  d.volume_fraction = bw.area / l.part.sum();
+  d.filter = radius;
+  d.steps += coarse.steps;
+  d.name = fmt::format("density{}, filter {}{:.1f}", levels[0].stage.surrogate ? " of the compliance" : "",
+                       run.first_radius != radius ? fmt::format("{:.1f} to ", run.first_radius) : "", radius);
+  return {std::move(d), bw};
+}
+
+}  // namespace
+
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
-  const Lattice l = lattice_of(p, r);
-  if (const auto why = no_density(p, r, &l)) throw Error(Fault::Usage, fmt::format("no density stage: {}", *why));
-  const LatticePattern pattern = lattice_pattern(l);
-  const double whole = l.part.sum(), area = *r.volume_at_most * whole;
-  const Eigen::VectorXd weights = *compliance_factor(p.objective) * weights_of(r);
-  std::vector<DensityDesign> designs(radii.size());
-  parallel_tasks(static_cast<Index>(radii.size()), p.threads, [&](Index i) {
-    const double radius = radii[static_cast<std::size_t>(i)];
-    const Densities found = optimality_criteria(l, pattern, {.radius = radius, .area = area, .weights = weights});
-    DensityDesign& d = designs[static_cast<std::size_t>(i)];
-    d = {.origin = l.origin,
-         .cell = l.cell,
-         .columns = l.columns,
-         .rows = l.rows,
-         .density = found.density,
-         .filter = radius,
-         .steps = found.steps,
-         .name = fmt::format("density, filter {:.1f}", radius)};
-    for (Eigen::Index c = 0; c < d.density.size(); ++c)
-      d.density[c] = found.density[l.inside[static_cast<std::size_t>(c)]];
-    const Eigen::VectorXd share = black_and_white(l, found.density, area);
-    LatticeStiffness stiffness(l, pattern);
-    d.compliance = l.compliance_unit * weights.dot(compliances(l, stiffness, {.exponent = 1}, share).value);
-    d.volume_fraction = l.part.dot(share) / whole;
+  const double cells = cells_of(p, r);
+  const std::array<Level, 2> levels{level(p, r, coarse_share * cells), level(p, r, cells)};
+  if (const auto why = no_stage(p, r, levels[0].stage))
+    throw Error(Fault::Usage, fmt::format("no density stage: {}", *why));
+  std::vector<std::pair<DensityDesign, BlackWhite>> designs(runs.size());
+  parallel_tasks(static_cast<Index>(runs.size()), p.threads, [&](Index i) {
+    designs[static_cast<std::size_t>(i)] = designed(levels, runs[static_cast<std::size_t>(i)]);
   });
-  std::stable_sort(designs.begin(), designs.end(),
-                   [](const DensityDesign& a, const DensityDesign& b) { return a.compliance < b.compliance; });
-  return designs;
+  std::stable_sort(designs.begin(), designs.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second.violation, a.first.compliance) < std::pair(b.second.violation, b.first.compliance);
+  });
+  std::vector<DensityDesign> sorted;
+  for (auto& [design, bw] : designs) sorted.push_back(std::move(design));
+  return sorted;
 }
 
 }  // namespace kerf

@@ -168,7 +168,7 @@ double signed_distance(const std::vector<Vec2>& polygon, const Vec2& x) {
 
 class Builder {
  public:
-  Builder(const Problem& p, const OptimizeRequest& r, const LatticeSize& size);
+  Builder(const Problem& p, const OptimizeRequest& r, double cells);
   Lattice build();
 
  private:
@@ -198,19 +198,13 @@ class Builder {
   Lattice l_;
 };
 
-Builder::Builder(const Problem& p, const OptimizeRequest& r, const LatticeSize& size)
-    : p_(p), r_(r), scenes_(scenes_of(p, r)) {
+Builder::Builder(const Problem& p, const OptimizeRequest& r, double cells) : p_(p), r_(r), scenes_(scenes_of(p, r)) {
   const double chord = 2e-5 * extent(p.frame);
   Outlines all = outlines(p.frame, chord);
   box_ = bounding_box(all.loops.front());
   for (Polygon& loop : all.loops)
     for (Vec2& x : loop.points) x = box_.relative(x);
   const double area = area_of(all);
-  double cells = size.cells;
-  if (size.min_feature > 0) {
-    const double thin = size.min_feature / (2.5 * box_.length);
-    cells = std::max(cells, std::min(size.most_cells, area / (thin * thin)));
-  }
   const Index n = cells_along(all, std::sqrt(cells / area));
   along_ = n;
   const int shorter = box_.size.x() < box_.size.y() ? 0 : 1;
@@ -374,8 +368,8 @@ Lattice Builder::build() {
 
 }  // namespace
 
-Lattice make_lattice(const Problem& p, const OptimizeRequest& r, const LatticeSize& size) {
-  return Builder(p, r, size).build();
+Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells) {
+  return Builder(p, r, cells).build();
 }
 
 std::optional<std::string> unsupported(const Lattice& l) {

@@ -38,16 +38,10 @@ struct Lattice {
   }
 };
 
-/// How many cells a body gets.
-struct LatticeSize {
-  double cells = 3200;        // inside the frame, about
-  double min_feature = 0;     // a length: at least 2.5 cells
-  double most_cells = 12000;  // however thin that is
-};
-
-/// Of the frame with the supports and load cases of an optimization. Cells are as large as fits the sides that are
-/// parallel to the axes. `solid`: closed areas, strips one cell wide along labels, discs.
-Lattice make_lattice(const Problem& p, const OptimizeRequest& r, const LatticeSize& size);
+/// Of the frame with the supports and load cases of an optimization, with about that many cells inside: such that sides
+/// parallel to the axes lie on lines of the lattice where that can be. What stays solid: closed areas, cells along
+/// labels, discs.
+Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells);
 
 /// Why the supports do not hold the body in place, or cannot be put on a lattice; or nothing.
 std::optional<std::string> unsupported(const Lattice& lattice);

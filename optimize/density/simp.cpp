@@ -1,5 +1,7 @@
 #include "optimize/density/simp.hpp"
 
+#include "optimize/density/mma.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,14 +15,74 @@ double volume(const Lattice& l, const Eigen::VectorXd& density) {
   return l.part.dot(density);
 }
 
+bool solid(const Lattice& l, Index cell) {
+  return l.solid[static_cast<std::size_t>(cell)] != 0;
+}
+
+/// Solid cells full, the others even.
+Eigen::VectorXd even_density(const Lattice& l, double area) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
+  double fixed = 0;
+  for (const Index c : l.cells)
+    if (solid(l, c)) fixed += l.part[c];
+  const double even = std::clamp((area - fixed) / std::max(l.part.sum() - fixed, 1e-9), 0.01, 1.0);
+  for (const Index c : l.cells) x[c] = solid(l, c) ? 1 : even;
+  return x;
+}
+
+void round_off(Eigen::VectorXd& x) {
+  x = (x * fine).array().round() / fine;
+}
+
+double on_the_way(double first, double last, int step, const Schedule& how) {
+  return step >= how.change_steps ? last : first + (last - first) * step / how.change_steps;
+}
+
+/// The filter of a step; made anew while its radius changes.
+class ShrinkingFilter {
+ public:
+  ShrinkingFilter(const Lattice& l, const Schedule& how) : l_(l), how_(how) {}
+  const LatticeFilter& at(int step) {
+    const double radius = on_the_way(how_.first_radius, how_.radius, step, how_);
+    if (!filter_ || radius != radius_) filter_ = std::make_unique<LatticeFilter>(l_, radius);
+    radius_ = radius;
+    return *filter_;
+  }
+
+ private:
+  const Lattice& l_;
+  const Schedule& how_;
+  double radius_ = 0;
+  std::unique_ptr<LatticeFilter> filter_;
+};
+
+/// The multiplicative step [theory: P.6] of the price that gives the area.
+Eigen::VectorXd criteria_step(const Lattice& l, const Eigen::VectorXd& x, const Eigen::VectorXd& gain, double area,
+                              double move) {
+  Eigen::VectorXd next = x;
+  const auto step = [&](double price) {
+    for (const Index c : l.cells)
+      if (!solid(l, c))
+        next[c] = std::clamp(x[c] * std::sqrt(gain[c] / price), std::max(0.0, x[c] - move), std::min(1.0, x[c] + move));
+    return volume(l, next);
+  };
+  double low = 1e-12 * gain.maxCoeff(), high = 1e6 * gain.maxCoeff();
+  while (high > (1 + 1e-8) * low) {
+    const double price = std::sqrt(low * high);
+    (step(price) > area ? low : high) = price;
+  }
+  return next;
+}
+
 }  // namespace
 
 double Stiffening::stiffness(double density) const {
-  return least + (1 - least) * std::pow(density, exponent);
+  return least + (1 - least) * (rational ? density / (1 + exponent * (1 - density)) : std::pow(density, exponent));
 }
 
 double Stiffening::derivative(double density) const {
-  return (1 - least) * exponent * std::pow(density, exponent - 1);
+  const double below = 1 + exponent * (1 - density);
+  return (1 - least) * (rational ? (1 + exponent) / (below * below) : exponent * std::pow(density, exponent - 1));
 }
 
 Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Stiffening& law,
@@ -46,45 +108,118 @@ Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Sti
   return all;
 }
 
-Densities optimality_criteria(const Lattice& l, const LatticePattern& pattern, const Criteria& how) {
-  const LatticeFilter filter(l, how.radius);
+Densities optimality_criteria(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
+                              const Schedule& how) {
   const LatticeMirror mirror(l);
+  ShrinkingFilter filter(l, how);
   LatticeStiffness stiffness(l, pattern);
-  const Stiffening law;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
-  double solid = 0;
-  for (const Index c : l.cells)
-    if (l.solid[static_cast<std::size_t>(c)]) solid += l.part[c];
-  const double even = std::clamp((how.area - solid) / std::max(l.part.sum() - solid, 1e-9), 0.0, 1.0);
-  for (const Index c : l.cells) x[c] = l.solid[static_cast<std::size_t>(c)] ? 1 : even;
-  Densities d{x, 0};
+  Densities d{how.start.size() > 0 ? how.start : even_density(l, *goal.area), 0};
+  Eigen::VectorXd& x = d.density;
   while (d.steps < how.most_steps) {
-    ++d.steps;
+    const Stiffening law{.exponent = on_the_way(how.first_exponent, how.exponent, d.steps, how)};
     const Compliances now = compliances(l, stiffness, law, x);
-    Eigen::VectorXd gain = -mirror.symmetrized(filter.smooth_derivative(x, now.by_density * how.weights));
-    for (const Index c : l.cells) gain[c] = std::max(gain[c], 0.0);  // per cell: the area of the share counts the same
-    for (const Index c : l.cells) gain[c] /= l.part[c];
-    Eigen::VectorXd next = x;
-    const auto step = [&](double price) {
-      for (const Index c : l.cells)
-        if (!l.solid[static_cast<std::size_t>(c)])
-          next[c] = std::clamp(x[c] * std::sqrt(gain[c] / price), std::max(0.0, x[c] - how.move),
-                               std::min(1.0, x[c] + how.move));
-      return volume(l, next);
-    };
-    double low = 1e-12 * gain.maxCoeff(), high = 1e6 * gain.maxCoeff();
-    if (!(high > 0)) break;
-    while (high > (1 + 1e-10) * low) {
-      const double price = std::sqrt(low * high);
-      (step(price) > how.area ? low : high) = price;
-    }
-    next = mirror.symmetrized(next);
-    for (const Index c : l.cells) next[c] = std::round(next[c] * fine) / fine;
+    Eigen::VectorXd gain = -mirror.symmetrized(filter.at(d.steps).smooth_derivative(x, now.by_density * goal.weights));
+    for (const Index c : l.cells) gain[c] = std::max(gain[c], 0.0) / l.part[c];
+    ++d.steps;
+    if (!(gain.maxCoeff() > 0)) break;
+    Eigen::VectorXd next = mirror.symmetrized(criteria_step(l, x, gain, *goal.area, how.move));
+    round_off(next);
     const double change = (next - x).cwiseAbs().maxCoeff();
     x = next;
-    if (change < how.least_change) break;
+    if (change < how.least_change && d.steps > how.change_steps) break;
   }
-  d.density = x;
+  return d;
+}
+
+namespace {
+
+/// A goal as MMA sees it: in variables of the cells that are not solid, in units of its start.
+class AsymptoteProblem {
+ public:
+  AsymptoteProblem(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal)
+      : l_(l), goal_(goal), mirror_(l), stiffness_(l, pattern) {
+    for (const Index c : l.cells)
+      if (!solid(l, c)) free_.push_back(c);
+  }
+  Eigen::VectorXd free_part(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd part(static_cast<Eigen::Index>(free_.size()));
+    for (std::size_t i = 0; i < free_.size(); ++i) part[static_cast<Eigen::Index>(i)] = x[free_[i]];
+    return part;
+  }
+  void set_free(Eigen::VectorXd& x, const Eigen::VectorXd& part) const {
+    for (std::size_t i = 0; i < free_.size(); ++i) x[free_[i]] = part[static_cast<Eigen::Index>(i)];
+    x = mirror_.symmetrized(x);
+    round_off(x);
+  }
+  /// Of the variables. Without body force the variables are the densities, and derivatives are smoothed: that leaves
+  /// less grey.
+  Eigen::VectorXd density(const LatticeFilter& filter, const Eigen::VectorXd& x) const {
+    if (l_.body.empty()) return x;
+    Eigen::VectorXd density = filter.average(x);
+    for (const Index c : l_.cells)
+      if (solid(l_, c)) density[c] = 1;
+    return density;
+  }
+  MmaPoint at(const LatticeFilter& filter, const Stiffening& law, const Eigen::VectorXd& x);
+
+ private:
+  const Lattice& l_;
+  const LatticeGoal& goal_;
+  LatticeMirror mirror_;
+  LatticeStiffness stiffness_;
+  std::vector<Index> free_;
+  double unit_ = 0;  // of the goal's gradient
+};
+
+MmaPoint AsymptoteProblem::at(const LatticeFilter& filter, const Stiffening& law, const Eigen::VectorXd& x) {
+  const Eigen::VectorXd density = this->density(filter, x);
+  const Compliances now = compliances(l_, stiffness_, law, density);
+  MmaPoint point;
+  const auto by = [&](Eigen::VectorXd by_density) {
+    for (const Index c : l_.cells)
+      if (solid(l_, c)) by_density[c] = 0;
+    return free_part(
+        mirror_.symmetrized(l_.body.empty() ? filter.smooth_derivative(x, by_density) : filter.pull_back(by_density)));
+  };
+  const Eigen::VectorXd area_by = free_part(l_.body.empty() ? l_.part : mirror_.symmetrized(filter.pull_back(l_.part)));
+  point.objective_by = by(now.by_density * goal_.weights) + goal_.price * area_by;
+  // Gradients of relative values: the constraints' are of the order of 1 over the number of cells.
+  if (unit_ == 0) unit_ = goal_.weights.dot(now.value) + goal_.price * l_.part.sum();
+  point.objective_by /= unit_;
+  std::vector<std::pair<double, Eigen::VectorXd>> bounds;
+  if (goal_.area) bounds.emplace_back(volume(l_, density) / *goal_.area - 1, area_by / *goal_.area);
+  for (Eigen::Index k = 0; k < goal_.most.size(); ++k)
+    if (goal_.most[k] < infinity)
+      bounds.emplace_back(now.value[k] / goal_.most[k] - 1, by(now.by_density.col(k)) / goal_.most[k]);
+  point.g.resize(static_cast<Eigen::Index>(bounds.size()));
+  point.by.resize(point.objective_by.size(), point.g.size());
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    point.g[static_cast<Eigen::Index>(i)] = bounds[i].first;
+    point.by.col(static_cast<Eigen::Index>(i)) = bounds[i].second;
+  }
+  return point;
+}
+
+}  // namespace
+
+Densities moving_asymptotes(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
+                            const Schedule& how) {
+  ShrinkingFilter filter(l, how);
+  AsymptoteProblem problem(l, pattern, goal);
+  Eigen::VectorXd x = how.start.size() > 0 ? how.start : even_density(l, goal.area.value_or(0.5 * l.part.sum()));
+  const Eigen::Index n = problem.free_part(x).size();
+  Mma mma(Eigen::VectorXd::Zero(n), Eigen::VectorXd::Ones(n), how.move, l.body.empty());
+  Densities d;
+  while (d.steps < how.most_steps) {
+    const Stiffening law{.exponent = on_the_way(how.first_exponent, how.exponent, d.steps, how),
+                         .rational = !l.body.empty()};
+    const MmaPoint now = problem.at(filter.at(d.steps), law, x);
+    ++d.steps;
+    const Eigen::VectorXd before = x;
+    problem.set_free(x, mma.step(problem.free_part(x), now));
+    if ((x - before).cwiseAbs().maxCoeff() < how.least_change && d.steps > how.change_steps) break;
+  }
+  d.density = problem.density(filter.at(how.change_steps), x);
   return d;
 }
 

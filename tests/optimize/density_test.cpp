@@ -1,5 +1,6 @@
 #include "optimize/density/density.hpp"
 
+#include "optimize/density/mma.hpp"
 #include "optimize/density/simp.hpp"
 #include "optimize/loop/evaluate.hpp"
 
@@ -38,7 +39,7 @@ OptimizeRequest at_most(double volume) {
 }
 
 double full_compliance(const Problem& p, double cells = 3200) {
-  const Lattice l = make_lattice(p, at_most(0.5), {.cells = cells});
+  const Lattice l = make_lattice(p, at_most(0.5), cells);
   const LatticePattern pattern = lattice_pattern(l);
   LatticeStiffness stiffness(l, pattern);
   Eigen::VectorXd full = Eigen::VectorXd::Zero(l.part.size());
@@ -85,7 +86,7 @@ TEST(Density, SlantedSidesHoldAndLoadAsTheyShould) {
 TEST(Density, CellsAreSharedWithTheOutsideAsTheBodyIs) {
   Problem p = cantilever();
   p.frame.holes = {circle("hole", {0.7, 0.5}, 0.3, 0), ellipse("other", {1.5, 0.4}, {0.2, 0.1}, 0.5, 0)};
-  const Lattice l = make_lattice(p, at_most(0.5), {});
+  const Lattice l = make_lattice(p, at_most(0.5), 3200);
   EXPECT_NEAR(l.part.sum() * l.cell * l.cell, area(p.frame), 1e-4);
   const Index middle = static_cast<Index>(0.7 / l.cell) + l.columns * static_cast<Index>(0.5 / l.cell);
   EXPECT_EQ(l.part[middle], 0);
@@ -95,7 +96,7 @@ TEST(Density, CellsAreSharedWithTheOutsideAsTheBodyIs) {
 TEST(Density, DerivativesAreThoseOfDifferences) {
   Problem p = cantilever();
   p.scene.body = [](const Vec2& x) { return Vec2(1, -3 * x.x()); };
-  const Lattice l = make_lattice(p, at_most(0.5), {.cells = 50});
+  const Lattice l = make_lattice(p, at_most(0.5), 50);
   const LatticePattern pattern = lattice_pattern(l);
   LatticeStiffness stiffness(l, pattern);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
@@ -143,6 +144,73 @@ TEST(Density, UnitsAndThreadsChangeNothing) {
     EXPECT_EQ(m[i].density, mm[i].density);
     EXPECT_NEAR(mm[i].compliance, 2.1e5 * 1e6 * m[i].compliance, 1e-9 * mm[i].compliance);
   }
+}
+
+// Five segments of a cantilever, the least weight under a bound on the deflection of the tip; from the even start
+// [Svanberg 1987, section 4].
+TEST(Mma, FindsTheCantileverOfItsInventor) {
+  const Eigen::VectorXd c = (Eigen::VectorXd(5) << 61, 37, 19, 7, 1).finished();
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(5, 5);
+  Mma mma(Eigen::VectorXd::Constant(5, 1), Eigen::VectorXd::Constant(5, 10), 0.5);
+  for (int i = 0; i < 25; ++i) {
+    MmaPoint at{Eigen::VectorXd::Constant(5, 0.0624), Eigen::VectorXd(1), Eigen::MatrixXd(5, 1)};
+    at.g[0] = c.dot(x.array().pow(-3).matrix()) - 1;
+    at.by.col(0) = -3 * c.array() * x.array().pow(-4);
+    x = mma.step(x, at);
+  }
+  EXPECT_NEAR(0.0624 * x.sum(), 1.340, 1e-3);
+  EXPECT_NEAR(x[0], 6.016, 0.01);
+  EXPECT_NEAR(x[4], 2.153, 0.01);
+  EXPECT_NEAR(c.dot(x.array().pow(-3).matrix()), 1, 1e-4);
+}
+
+// x >= 3 and x <= 1 at most: no x between 0 and 1 keeps the first; the nearest one is 1.
+TEST(Mma, BearsConstraintsThatCannotBeKept) {
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(1, 0.5);
+  Mma mma(Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1), 0.5);
+  for (int i = 0; i < 20; ++i) {
+    MmaPoint at{Eigen::VectorXd::Ones(1), Eigen::VectorXd(2), Eigen::MatrixXd(1, 2)};
+    at.g << 3 - x[0], x[0] - 1;  // x >= 3, x <= 1
+    at.by << -1, 1;
+    x = mma.step(x, at);
+  }
+  EXPECT_NEAR(x[0], 1, 1e-3);
+}
+
+TEST(Density, LeastVolumeUnderACompliance) {
+  Problem p = cantilever();
+  p.objective = {"volume", {volume()}};
+  OptimizeRequest r;
+  r.bounds = {{"c", {"compliance", {compliance()}}, 71.5}};
+  const std::vector<DensityDesign> designs = density_designs(p, r);
+  EXPECT_LT(designs[0].volume_fraction, 0.415);  // of body-fitted designs 0.40
+  EXPECT_GT(designs[0].volume_fraction, 0.385);
+  EXPECT_NEAR(designs[0].compliance, 2 * designs[0].volume_fraction, 1e-3);
+}
+
+// An arch that carries its own weight and a crust: more than it wants is not taken, however much is allowed.
+TEST(Density, OwnWeightTakesNoMoreThanItNeeds) {
+  Problem p;
+  p.frame.labels = {"free", "feet", "crust"};
+  p.frame.outline = polygon("outline", {{0, 0}, {0.2, 0}, {1.8, 0}, {2, 0}, {2, 1}, {0, 1}}, 0);
+  for (const std::size_t i : {0, 2}) p.frame.outline.sides[i].label = 1;
+  p.frame.outline.sides[4].label = 2;
+  p.scene.material = plane_stress(1, 0.3);
+  p.scene.supports = {{.label = 1, .value = constant({0, 0})}};
+  p.scene.tractions = {{.label = 2, .value = constant({0, 0})}};
+  p.scene.body = [](const Vec2&) { return Vec2(0, -1); };
+  p.sizing.size = 0.03;
+  p.objective = {"compliance", {compliance()}};
+  p.plane_strain = false;
+  double before = infinity;
+  for (const double most : {0.2, 0.4, 0.6}) {
+    const DensityDesign d = density_designs(p, at_most(most))[0];
+    EXPECT_LE(d.volume_fraction, most + 1e-9);
+    EXPECT_LT(d.volume_fraction, 0.35);
+    EXPECT_LT(d.compliance, 1.1 * before) << most;
+    before = d.compliance;
+  }
+  EXPECT_LT(before, 0.35);  // a level set from the full body: 0.59
 }
 
 TEST(Density, SaysWhyThereIsNone) {
