@@ -97,8 +97,11 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                       const std::vector<CurvesRow>& known) {
   CurvesRequest how{.size = g.size, .min_feature = g.r.level_set.min_feature, .residual = residual};
   how.evaluations = std::min(most_evaluations, std::max(1, g.r.max_iterations - d.progress().iteration));
+  Problem fitted = g.p;  // one edge across thin members, as on the way
+  fitted.sizing.size = g.size;
+  fitted.sizing.across = 1;
   try {
-    return finish_curves(g.p, g.r, carved_again(g, d.progress().phi), how, see, known);
+    return finish_curves(fitted, g.r, carved_again(g, d.progress().phi), how, see, known);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     FinishedCurves out;

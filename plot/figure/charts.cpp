@@ -55,12 +55,16 @@ bool wants_logarithm(const std::vector<double>& values) {
 Curves history_curves(const OptimizeResult& result, const OptimizeNames& names, const std::string& title) {
   Curves out{.title = title, .x_label = "iteration", .upper_label = "state solves"};
   const auto column = [&](const auto& value) {
-    std::vector<double> values;
-    for (const Iteration& row : result.history) values.push_back(value(row));
+    std::vector<double> values;  // a step that was refused leaves them
+    for (const Iteration& row : result.history)
+      values.push_back(row.accepted || values.empty() ? value(row) : values.back());
     return values;
   };
   out.x = column([](const Iteration& row) { return static_cast<double>(row.number); });
-  out.upper = column([](const Iteration& row) { return static_cast<double>(row.state_solves); });
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    out.x[i] = result.history[i].number;
+    out.upper.push_back(result.history[i].state_solves);
+  }
   const std::vector<double> objective = column([](const Iteration&row) { return row.objective; }),
                             merit = column([](const Iteration&row) { return row.merit; });
   out.subtitle = fmt::format("{}, {} iterations, {} state solves; {}", word(result.method), result.iterations,
@@ -74,6 +78,12 @@ Curves history_curves(const OptimizeResult& result, const OptimizeNames& names, 
   if (apart) {
     first.curves[0].name = std::string("J");
     first.curves.push_back({"what is minimized, with penalties", merit});
+  }
+  std::vector<double> refused;
+  for (const Iteration& row : result.history) refused.push_back(row.accepted ? std::nan("") : row.objective);
+  if (std::any_of(refused.begin(), refused.end(), [](double v) { return std::isfinite(v); })) {
+    if (!apart) first.curves[0].name = std::string("J");
+    first.curves.push_back({"steps that were refused", refused});
   }
   std::vector<double> all = objective;
   if (apart) all.insert(all.end(), merit.begin(), merit.end());
