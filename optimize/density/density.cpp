@@ -22,6 +22,8 @@ struct Run {
 constexpr std::array<Run, 2> filters{{{1.4, 2, 20}, {3, 3, 30}}};
 // Frames with cracks: what avoids them, and what is best without them.
 constexpr std::array<Run, 2> with_and_without_cracks{{{1.4, 2, 20, true}, {1.4, 2, 20, false}}};
+// Own weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
+constexpr std::array<Run, 2> weights{{{1.4, 8, 60}, {3, 3, 80}}};
 constexpr double radius = 1.4;
 constexpr int coarse_steps = 40, fine_steps = 20;
 
@@ -196,19 +198,13 @@ Densities minimized(const Level& at, const Schedule& how) {
   return (plain ? optimality_criteria : moving_asymptotes)(at.stage.lattice, at.pattern, at.stage.goal, how);
 }
 
-/// Weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
 Schedule schedule(const Run& run, bool weight) {
   Schedule how{.first_radius = run.first_radius,
                .radius = radius,
                .first_exponent = run.first_exponent,
                .change_steps = run.change_steps,
                .most_steps = coarse_steps};
-  if (!weight) return how;
-  how.first_exponent = 3;
-  how.exponent = 30;
-  how.change_steps = 80;
-  how.most_steps = 100;
-  how.move = 0.1;
+  if (weight) how.exponent = 30, how.most_steps = 100, how.move = 0.1;
   return how;
 }
 
@@ -241,12 +237,14 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
   const double cells = cells_of(p, r);
   const bool cracked = has_cracks(p);
-  const std::array<Run, 2>& runs = cracked ? with_and_without_cracks : filters;
   std::vector<Levels> levels;  // without cracks, with them
   for (int cracks = 0; cracks < (cracked ? 2 : 1); ++cracks)
     levels.push_back({level(p, r, coarse_share * cells, cracks != 0), level(p, r, cells, cracks != 0)});
   if (const auto why = no_stage(p, r, levels[0][0].stage))
     throw Error(Fault::Usage, fmt::format("no density stage: {}", *why));
+  const std::array<Run, 2>& runs = !levels[0][0].stage.lattice.body.empty() ? weights
+                                   : cracked                                ? with_and_without_cracks
+                                                                            : filters;
   std::vector<std::pair<DensityDesign, BlackWhite>> designs(runs.size());
   parallel_tasks(static_cast<Index>(runs.size()), p.threads, [&](Index i) {
     const Run& run = runs[static_cast<std::size_t>(i)];
