@@ -17,8 +17,13 @@ namespace {
 struct Run {
   double first_radius, first_exponent;
   int change_steps;
+  bool cracks = false;  // as lines of weak cells
 };
-constexpr std::array<Run, 2> runs{{{1.4, 2, 20}, {3, 3, 30}}};
+constexpr std::array<Run, 2> filters{{{1.4, 2, 20}, {3, 3, 30}}};
+// Frames with cracks: what avoids them, and what is best without them.
+constexpr std::array<Run, 2> with_and_without_cracks{{{1.4, 2, 20, true}, {1.4, 2, 20, false}}};
+// Own weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
+constexpr std::array<Run, 2> weights{{{1.4, 8, 60}, {3, 3, 80}}};
 constexpr double radius = 1.4;
 constexpr int coarse_steps = 40, fine_steps = 20;
 
@@ -66,8 +71,8 @@ struct Stage {
   bool surrogate = false;  // the compliance instead of functionals that the lattice does not know
 };
 
-Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells) {
-  Stage s{make_lattice(p, r, cells), {}};
+Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false) {
+  Stage s{make_lattice(p, r, cells, cracks), {}};
   const Lattice& l = s.lattice;
   const double whole = l.part.sum(), per_cell = l.cell * l.cell / std::max(l.compliance_unit, 1e-300);
   Known j = known_part(p.objective);
@@ -174,8 +179,8 @@ struct Level {
   Stage stage;
   LatticePattern pattern;
 };
-Level level(const Problem& p, const OptimizeRequest& r, double cells) {
-  Level at{stage_of(p, r, cells), {}};
+Level level(const Problem& p, const OptimizeRequest& r, double cells, bool cracks) {
+  Level at{stage_of(p, r, cells, cracks), {}};
   at.pattern = lattice_pattern(at.stage.lattice);
   return at;
 }
@@ -193,23 +198,20 @@ Densities minimized(const Level& at, const Schedule& how) {
   return (plain ? optimality_criteria : moving_asymptotes)(at.stage.lattice, at.pattern, at.stage.goal, how);
 }
 
-/// Weight favors less of everything and knows many local optima: smaller steps, a law that ends sharper.
 Schedule schedule(const Run& run, bool weight) {
   Schedule how{.first_radius = run.first_radius,
                .radius = radius,
                .first_exponent = run.first_exponent,
                .change_steps = run.change_steps,
                .most_steps = coarse_steps};
-  if (!weight) return how;
-  how.first_exponent = 3;
-  how.exponent = 30;
-  how.change_steps = 80;
-  how.most_steps = 100;
-  how.move = 0.1;
+  if (weight) how.exponent = 30, how.most_steps = 100, how.move = 0.1;
   return how;
 }
 
-std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels, const Run& run) {
+using Levels = std::array<Level, 2>;  // coarse, fine
+
+/// Judged by another lattice with as many cells.
+std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level& judge, const Run& run) {
   Schedule how = schedule(run, !levels[0].stage.lattice.body.empty());
   const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
@@ -220,7 +222,7 @@ std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels
     how.start[c] = l.solid[static_cast<std::size_t>(c)] ? 1 : density_at(coarse, l.origin + l.cell * l.center(c));
   const Densities found = minimized(levels[1], how);
   DensityDesign d = drawn(l, found);
-  const BlackWhite bw = judged(levels[1].stage, levels[1].pattern, found.density);
+  const BlackWhite bw = judged(judge.stage, judge.pattern, found.density);
   d.compliance = l.compliance_unit * bw.goal;
   d.volume_fraction = bw.area / l.part.sum();
   d.filter = radius;
@@ -234,12 +236,20 @@ std::pair<DensityDesign, BlackWhite> designed(const std::array<Level, 2>& levels
 
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
   const double cells = cells_of(p, r);
-  const std::array<Level, 2> levels{level(p, r, coarse_share * cells), level(p, r, cells)};
-  if (const auto why = no_stage(p, r, levels[0].stage))
+  const bool cracked = has_cracks(p);
+  std::vector<Levels> levels;  // without cracks, with them
+  for (int cracks = 0; cracks < (cracked ? 2 : 1); ++cracks)
+    levels.push_back({level(p, r, coarse_share * cells, cracks != 0), level(p, r, cells, cracks != 0)});
+  if (const auto why = no_stage(p, r, levels[0][0].stage))
     throw Error(Fault::Usage, fmt::format("no density stage: {}", *why));
+  const std::array<Run, 2>& runs = !levels[0][0].stage.lattice.body.empty() ? weights
+                                   : cracked                                ? with_and_without_cracks
+                                                                            : filters;
   std::vector<std::pair<DensityDesign, BlackWhite>> designs(runs.size());
   parallel_tasks(static_cast<Index>(runs.size()), p.threads, [&](Index i) {
-    designs[static_cast<std::size_t>(i)] = designed(levels, runs[static_cast<std::size_t>(i)]);
+    const Run& run = runs[static_cast<std::size_t>(i)];
+    designs[static_cast<std::size_t>(i)] = designed(levels[run.cracks ? 1 : 0], levels.back()[1], run);
+    if (cracked) designs[static_cast<std::size_t>(i)].first.name += run.cracks ? ", cracks weak" : ", no cracks";
   });
   std::stable_sort(designs.begin(), designs.end(), [](const auto& a, const auto& b) {
     return std::pair(a.second.violation, a.first.compliance) < std::pair(b.second.violation, b.first.compliance);

@@ -29,7 +29,8 @@ std::optional<std::string> no_density_stage(const Problem& p, const OptimizeRequ
 
 /// A design per way of filtering, best first (those that keep the bounds before those that do not). What the lattice
 /// does not know (norms of stresses, energy release rates, tracking) gets designs of least compliance instead, if the
-/// area is bounded; cracks are left out. p.threads run them side by side; the same bits for any number of threads.
+/// area is bounded. Of a frame with cracks one design takes them for lines of weak cells, one leaves them out; both are
+/// judged with them. p.threads run them side by side; the same bits for any number of threads.
 /// Throws Error(Usage) where there is no density stage, Error(Numerics) when the lattice cannot be solved.
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r);
 

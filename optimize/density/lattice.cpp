@@ -13,12 +13,13 @@ namespace kerf {
 
 namespace {
 
-constexpr double grid = 0x1p36;       // places, moduli and forces are multiples of 1/grid of the largest
-constexpr double snap = 1e-6;         // of a cell: nearer to a line of the lattice lies on it
-constexpr double least_part = 1e-4;   // cells with less of the body do not count
-constexpr double loaded_part = 0.05;  // of the stiffness of a cell with loads or supports, at least
-constexpr double hold = 1e3;          // stiffness of supports per length, relative to the material's over a cell
-constexpr double stiffest_bulk = 5;   // of bulk against shear modulus: nu = 0.4 in plane strain, against locking
+constexpr double grid = 0x1p36;           // places, moduli and forces are multiples of 1/grid of the largest
+constexpr double snap = 1e-6;             // of a cell: nearer to a line of the lattice lies on it
+constexpr double least_part = 1e-4;       // cells with less of the body do not count
+constexpr double loaded_part = 0.05;      // of the stiffness of a cell with loads or supports, at least
+constexpr double hold = 1e3;              // stiffness of supports per length, relative to the material's over a cell
+constexpr double crack_stiffness = 1e-2;  // of cells on a crack
+constexpr double stiffest_bulk = 5;       // of bulk against shear modulus: nu = 0.4 in plane strain, against locking
 
 double rounded(double x) {
   return std::round(x * grid) / grid;
@@ -169,7 +170,7 @@ double signed_distance(const std::vector<Vec2>& polygon, const Vec2& x) {
 class Builder {
  public:
   Builder(const Problem& p, const OptimizeRequest& r, double cells);
-  Lattice build();
+  Lattice build(bool cracks);
 
  private:
   Vec2 in_cells(const Vec2& x) const {
@@ -185,6 +186,7 @@ class Builder {
   void loads();
   void solids();
   void neighbors();
+  void weaken_cracks();
   template <typename Visit>
   void at_gauss_points(Index label, const Visit& visit) const;
 
@@ -338,6 +340,28 @@ void Builder::solids() {
       l_.solid[static_cast<std::size_t>(piece.cell)] = 1;
 }
 
+/// Cells through which a crack runs, whether it opens or closes.
+void Builder::weaken_cracks() {
+  std::vector<char> weak(static_cast<std::size_t>(l_.part.size()), 0);
+  for (std::size_t k = 0; k < p_.frame.cracks.size(); ++k) {
+    if (k < p_.scene.laws.size() && p_.scene.laws[k].kind == CrackLaw::Kind::Bonded) continue;
+    const Crack& crack = p_.frame.cracks[k];
+    const std::vector<Vec2> path = crack.arc ? points_on(*crack.arc, 64) : crack.points;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Vec2 a = in_cells(path[i - 1]), b = in_cells(path[i]);
+      const int samples = 1 + static_cast<int>(std::ceil(20 * (b - a).norm()));
+      for (int s = 0; s <= samples; ++s) {
+        const Vec2 x = a + (b - a) * s / samples;
+        const Index column = std::clamp<Index>(static_cast<Index>(std::floor(x.x())), 0, l_.columns - 1);
+        const Index row = std::clamp<Index>(static_cast<Index>(std::floor(x.y())), 0, l_.rows - 1);
+        weak[static_cast<std::size_t>(column + l_.columns * row)] = 1;
+      }
+    }
+  }
+  for (const Index c : l_.cells)
+    if (weak[static_cast<std::size_t>(c)]) l_.mu[c] *= crack_stiffness, l_.lambda[c] *= crack_stiffness;
+}
+
 /// The nearest cell of the body for every cell, by a front from all of them.
 void Builder::neighbors() {
   l_.inside.assign(static_cast<std::size_t>(l_.part.size()), none);
@@ -355,8 +379,9 @@ void Builder::neighbors() {
   }
 }
 
-Lattice Builder::build() {
+Lattice Builder::build(bool cracks) {
   materials();
+  if (cracks) weaken_cracks();
   supports();
   loads();
   solids();
@@ -368,8 +393,13 @@ Lattice Builder::build() {
 
 }  // namespace
 
-Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells) {
-  return Builder(p, r, cells).build();
+Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells, bool cracks) {
+  return Builder(p, r, cells).build(cracks);
+}
+
+bool has_cracks(const Problem& p) {
+  const auto opens = [](const CrackLaw& law) { return law.kind != CrackLaw::Kind::Bonded; };
+  return std::any_of(p.scene.laws.begin(), p.scene.laws.end(), opens);
 }
 
 std::optional<std::string> unsupported(const Lattice& l) {

@@ -40,8 +40,11 @@ struct Lattice {
 
 /// Of the frame with the supports and load cases of an optimization, with about that many cells inside: such that sides
 /// parallel to the axes lie on lines of the lattice where that can be. What stays solid: closed areas, cells along
-/// labels, discs.
-Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells);
+/// labels, discs. `cracks`: those that are not bonded become lines of weak cells; otherwise there are none.
+Lattice make_lattice(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false);
+
+/// Whether a frame has cracks that a lattice can draw.
+bool has_cracks(const Problem& p);
 
 /// Why the supports do not hold the body in place, or cannot be put on a lattice; or nothing.
 std::optional<std::string> unsupported(const Lattice& lattice);

@@ -43,6 +43,22 @@ SparseMatrix lower_grid(Index side, Index dense) {
   return a;
 }
 
+TEST(Factor, OtherValuesInTheSamePattern) {
+  const Index dense = 3;
+  SparseMatrix lower = lower_grid(8, dense);
+  Factor factor(lower_triangle(lower), dense);
+  for (Index k = 0; k < static_cast<Index>(lower.cols()); ++k) lower.coeffRef(k, k) += 1 + k % 3;
+  factor.refactor(lower_triangle(lower));
+  const Factor fresh(lower_triangle(lower), dense);
+  const Eigen::MatrixXd full = Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>();
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(full.cols(), -1, 2);
+  EXPECT_LT((full * factor.solve(b) - b).norm(), 1e-12);
+  EXPECT_EQ(factor.contact_factor(), fresh.contact_factor());
+  EXPECT_THROW(factor.refactor(lower_triangle(lower_grid(7, dense))), std::invalid_argument);
+  lower.coeffRef(3, 3) = -1;
+  EXPECT_THROW(factor.refactor(lower_triangle(lower)), Error);
+}
+
 TEST(Factor, TrailingBlockIsTheFactorOfTheSchurComplement) {
   const Index dense = 5;
   const SparseMatrix lower = lower_grid(9, dense);
