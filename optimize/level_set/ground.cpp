@@ -3,6 +3,7 @@
 #include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
 #include "optimize/ersatz.hpp"
+#include "optimize/level_set/solid.hpp"
 
 #include <fmt/core.h>
 
@@ -18,33 +19,6 @@ namespace {
 constexpr double fine = 0.5;         // the canvas against the mesh of the body
 constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
 constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
-
-Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
-  // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
-  Solid solid{.width = width};
-  for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, width / 3);
-  for (const Loop& loop : p.frame.regions) solid.loops.emplace_back(loop, width);
-  const auto stays = [&solid](Index label) {
-    if (label != none && std::find(solid.labels.begin(), solid.labels.end(), label) == solid.labels.end())
-      solid.labels.push_back(label);
-  };
-  for (const Scene& scene : scenes_of(p, r))
-    for (const Traction& t : scene.tractions) stays(t.label);
-  for (const Support& support : p.scene.supports) solid.held.push_back(support.label);
-  std::vector<const Functional*> all{&p.objective};
-  for (const FunctionalBound& b : r.bounds) all.push_back(&b.functional);
-  for (const Functional* j : all)
-    for (const Term& term : j->terms) {
-      stays(term.label);
-      if (term.measured) stays(term.measured->label);
-      if (term.feature_radius > 0) {
-        solid.discs.emplace_back(term.feature, term.feature_radius);
-        notes.push_back(fmt::format("the ring of {} around ({:.4g}, {:.4g}) stays solid", term.kind, term.feature.x(),
-                                    term.feature.y()));
-      }
-    }
-  return solid;
-}
 
 /// Of volume terms in J.
 double price_of_volume(const Problem& p, const OptimizeRequest& r) {
