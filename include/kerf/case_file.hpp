@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,12 @@ struct Elastic {
   double young = 1, poisson = 0.3;
 };
 
+/// An inverse problem ends with least squares of the readings.
+struct FitRequest {
+  double noise = 0;         // standard deviation of every component; 0: that of [synthetic], or estimated
+  int defects_at_most = 0;  // count them, up to so many; 0: as many as are drawn
+};
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -72,9 +79,18 @@ struct Case {
   std::vector<Probe> probes;
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
+  std::optional<FitRequest> fit;
+  Readings readings;                   // of a table of measured displacements
   std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
   std::string fingerprint;             // of all that an optimization depends on, but for how long it may go on
+  std::map<std::string, std::string> places;  // where every key and table stands: "hole[0].circle" "a.toml:12:10"
 };
+
+/// "file:line:column" of a key, or of the nearest table around it that there is.
+std::string place_of(const Case& c, std::string key);
+
+/// What [optimize] asks about. `threads` of all that is solved.
+Problem problem_of(const Case& c, int threads = 1);
 
 /// The scene with the loads of the first load case, if there are load cases.
 Scene loaded_scene(const Case& c);

@@ -10,6 +10,7 @@
 #include "optimize/level_set/speed.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/loop/history_text.hpp"
+#include "optimize/refuse.hpp"
 #include "solver/stress.hpp"
 #include "topo/map_at_centroids.hpp"
 
@@ -203,15 +204,6 @@ LevelSetRun::LevelSetRun(const Problem& p, const OptimizeRequest& r, const Obser
   double cases = r.load_cases.empty() ? 1 : 0;
   for (const LoadCase& load : r.load_cases) cases += load.weight;
   price_ *= cases;
-  if (!r.volume_at_most && !(r.volume_penalty > 0) && !(price_ > 0 && !r.bounds.empty()))
-    throw Error(
-        Fault::Usage,
-        "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
-        "[[optimize.bound]]");
-  require(p.element, can_optimize);
-  if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
-    throw Error(Fault::Usage,
-                "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
   if (p.sizing.size <= 0) fitted_.sizing.size = extent(p.frame) / 40;
   size_ = fitted_.sizing.size;
   fitted_.sizing.across = 1;
@@ -783,6 +775,7 @@ bool LevelSetRun::restore() {
 
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place) {
+  refuse_wrong(p, r);
   return LevelSetRun(p, r, see, place).run();
 }
 

@@ -343,12 +343,15 @@ void write_page(const std::filesystem::path& path, const Result& result,
     const std::string text = escape_html(caption);
     const std::string name = file.filename().string();
     (name == "validate.png"                             ? validation_figure
-     : name == "evolution.png" || name == "history.png" ? optimize_figures
+     : name == "evolution.png" || name == "history.png" || name == "found.png" ? optimize_figures
                                                         : out) +=
         fmt::format("<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
                     text, base64(read_file(file)), text);
   }
   if (result.optimize) out += optimize_section(*result.optimize, result.optimize_names, optimize_figures);
+  if (result.fit)
+    for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))
+      out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(line));
   for (const Identified& i : result.identified)
     out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(in_words(i)));
   out += mesh_and_state(result) + contact_and_cracks(result);
