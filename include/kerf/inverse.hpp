@@ -158,8 +158,9 @@ struct Counted {
 };
 
 /// How many are there: fits with 0, 1, ... at_most copies of the one thing that the design draws, each begun from the
-/// map (initial_guess), until the criterion has risen twice in a row. The least criterion counts: `chosen` in `tried`.
-/// A count is not chosen when one of its things is smaller than twice the deviation of its size: a phantom.
+/// map (initial_guess), until two in a row have not been better. `chosen` in `tried` is the least count that no larger
+/// one beats by 6. A count with a phantom is not chosen: a thing that is smaller than twice the deviation of its size,
+/// or as small as its box allows.
 struct Count {
   std::vector<Counted> tried;
   std::size_t chosen = 0;

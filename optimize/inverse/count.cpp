@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr int rises = 2;          // of the criterion in a row, after which nothing better is expected
 constexpr double trusted = 2;     // deviations that the size of a thing must have
+constexpr double strong = 6;      // evidence that one more thing needs: as much lower [Kass, Raftery 1995]
 
 /// The sum of squares of the body without anything.
 LeastSquares of_none(const Problem& p, const Readings& readings) {
@@ -44,7 +45,7 @@ double criterion(const LeastSquares& fit, int variables, double noise) {
   return (noise > 0 ? fit.end / (noise * noise) : n * std::log(fit.end / n)) + price;
 }
 
-/// A thing whose size the readings do not tell from nothing.
+/// A thing whose size the readings do not tell from nothing, or want smaller than its box allows.
 bool has_phantom(const Design& d, const LeastSquares& fit) {
   Eigen::Index first = 0;
   for (const Drawn& one : d.drawn) {
@@ -67,7 +68,9 @@ bool has_phantom(const Design& d, const LeastSquares& fit) {
       size = v[2];
       variance = C(2, 2);
     }
-    if (size < trusted * std::sqrt(variance)) return true;
+    const bool smallest = shape_of(one).part != BodyPart::Crack && one.kind != Drawn::Kind::Spline &&
+                          one.lower[2] < one.upper[2] && v[2] <= one.lower[2];
+    if (smallest || size < trusted * std::sqrt(variance)) return true;
     first += v.size();
   }
   return false;
@@ -133,7 +136,7 @@ Count count_defects(const Problem& problem, const OptimizeRequest& request, cons
   for (int k = 0; k <= at_most && risen < rises; ++k) {
     out.tried.push_back(fit_of(problem, request, readings, k));
     const Counted& one = out.tried.back();
-    if (one.failure.empty() && one.criterion < least) {
+    if (one.failure.empty() && one.criterion < least - (k > 0 ? strong : 0)) {
       least = one.criterion;
       out.chosen = static_cast<std::size_t>(k);
       risen = 0;

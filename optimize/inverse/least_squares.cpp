@@ -20,9 +20,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double difference = 1e-5;  // of a box: steps of difference quotients
-constexpr double settled = 1e-4;     // cosine between misfit and derivative, and share of a deviation that a step moves
+constexpr double settled = 1e-3;     // of the variance: what a step must gain, or it moves nothing by 3 % of a deviation
 constexpr double first_damping = 1e-3;
-constexpr int most_steps = 60, most_rounds = 8, most_trials = 8;
+constexpr int most_steps = 40, most_rounds = 8, most_trials = 8;
 
 /// The misfit r = u - m and J = dr/dx in an orthonormal basis Q of what they span: r = Q p, J = Q G'.
 struct Linearized {
@@ -207,12 +207,11 @@ double Fit::optimality(const Linearized& l, const VectorXd& x) const {
 bool Fit::improve(VectorXd& x, VectorXd& r) {
   const Linearized l = linearize(x, r);
   out_.optimality = optimality(l, x);
-  if (out_.optimality <= settled) return false;
   const double allowed = violation(x);
   for (int trial = 0; trial < most_trials; ++trial, damping_ = std::max(10 * damping_, 1e-6)) {
     const VectorXd d = step(l, x, damping_), y = (x + d).cwiseMax(lower_).cwiseMin(upper_);
     const double predicted = l.p.squaredNorm() - (l.p + l.G.transpose() * d).squaredNorm();
-    if (!(predicted > 1e-9 * l.p.squaredNorm())) return false;
+    if (!(predicted > settled * l.p.squaredNorm() / static_cast<double>(r.size()))) return false;
     if (violation(y) > allowed) continue;
     const std::optional<VectorXd> other = try_at(y);
     if (!other || !(other->squaredNorm() < r.squaredNorm())) continue;

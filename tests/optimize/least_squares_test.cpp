@@ -65,7 +65,7 @@ TEST(LeastSquares, FindsAHoleFromAFarStart) {
   const LeastSquares fit = least_squares(p, r, Eigen::Vector3d(0.4, 0.4, 0.05), exact.with_noise(0, 1));
   EXPECT_LT((fit.variables - Eigen::Vector3d(0.62, 0.57, 0.08)).norm(), 0.03 * plate.size) << fit.variables.transpose();
   EXPECT_LT(fit.end, 1e-3 * fit.start);
-  EXPECT_LT(fit.optimality, 1e-3);
+  EXPECT_LT(fit.optimality, 5e-3);
   EXPECT_TRUE(fit.estimated);
   EXPECT_EQ(fit.readings, 2 * static_cast<int>(exact.with_noise(0, 1).at.size()));
 }
