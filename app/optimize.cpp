@@ -88,8 +88,8 @@ void fit_readings(const OptimizeTask& task, const OptimizeRequest& request, cons
     return;
   }
   DrawnBody body = body_of(request.design, out.fit->variables, task.problem);
-  r.notes.push_back(fmt::format("the design is that of least squares of the readings, begun from that of the misfit ({:.6g})",
-                                r.objective));
+  r.notes.push_back(fmt::format(
+      "the design is that of least squares of the readings, begun from that of the misfit ({:.6g})", r.objective));
   r.objective = objective_of(task.problem, body.shape, body.scene);
   r.variables = out.fit->variables;
   r.shape = std::move(body.shape);
@@ -171,7 +171,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
   recorder.start();
   out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
-                                             : optimize_parameters(task.problem, request, see, place);
+                                                          : optimize_parameters(task.problem, request, see, place);
   out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
   if (task.fit && !recorder.stopped()) fit_readings(task, request, journal, out);
   if (task.truth && !request.design.drawn.empty())

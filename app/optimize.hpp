@@ -17,7 +17,7 @@ struct OptimizeTask {
   std::optional<Synthetic> truth;  // what synthetic data come from
   std::optional<FitRequest> fit;   // of an inverse problem, by its readings
   Readings readings;
-  std::string fingerprint;         // of the case, for its checkpoint
+  std::string fingerprint;  // of the case, for its checkpoint
 };
 
 /// The case with the data of the body that is known, in its functional and as readings, and in measured.csv. Throws as

@@ -80,9 +80,9 @@ struct Case {
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
   std::optional<FitRequest> fit;
-  Readings readings;                   // of a table of measured displacements
-  std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
-  std::string fingerprint;             // of all that an optimization depends on, but for how long it may go on
+  Readings readings;                          // of a table of measured displacements
+  std::optional<Synthetic> synthetic;         // the misfit of the functional then waits for its data
+  std::string fingerprint;                    // of all that an optimization depends on, but for how long it may go on
   std::map<std::string, std::string> places;  // where every key and table stands: "hole[0].circle" "a.toml:12:10"
 };
 

@@ -125,13 +125,13 @@ struct UncertaintyEllipse {
 /// chi2 = sum of |u(x_i) - m_i|^2 over the sensors, and where it is least.
 struct LeastSquares {
   Eigen::VectorXd variables;
-  int readings = 0;                    // components
-  double start = nan, end = nan;       // chi2, each on a mesh of its own
-  double noise = 0;                    // given, or sqrt(end / (readings - variables that are free))
-  bool estimated = false;              // the latter
+  int readings = 0;               // components
+  double start = nan, end = nan;  // chi2, each on a mesh of its own
+  double noise = 0;               // given, or sqrt(end / (readings - variables that are free))
+  bool estimated = false;         // the latter
   int steps = 0, state_solves = 0;
-  double optimality = nan;             // largest cosine between the misfit and a column of its derivative
-  Eigen::MatrixXd covariance;          // noise^2 (J'J)^-1; zero for variables that are fixed or at a bound
+  double optimality = nan;     // largest cosine between the misfit and a column of its derivative
+  Eigen::MatrixXd covariance;  // noise^2 (J'J)^-1; zero for variables that are fixed or at a bound
   std::vector<UncertaintyEllipse> ellipses;
   std::string stopped;  // why it ended, in words
 };
@@ -151,9 +151,9 @@ std::vector<std::string> in_words(const LeastSquares& fit, const std::vector<std
 /// The fit with so many of what the design draws.
 struct Counted {
   int count = 0;
-  Design design;            // its starts are what was found
-  LeastSquares fit = {};    // of none: no variables
-  double criterion = nan;   // of Bayes and Schwarz [theory: I.7]
+  Design design;             // its starts are what was found
+  LeastSquares fit = {};     // of none: no variables
+  double criterion = nan;    // of Bayes and Schwarz [theory: I.7]
   std::string failure = {};  // why there is no fit; empty mostly
 };
 

@@ -488,7 +488,8 @@ constexpr Key rows[] = {
     {"optimize.least_squares",
      Boolean | Table,
      {.with = drawn},
-     "Inverse problems: after the misfit the sum of squares of the readings is minimized, with the uncertainty of what is "
+     "Inverse problems: after the misfit the sum of squares of the readings is minimized, with the uncertainty of what "
+     "is "
      "found.",
      "{ noise = 1e-4 }",
      "false"},

@@ -114,8 +114,7 @@ void read_level_set(const Value& table, const std::vector<Loop>& frozen, const C
         fail(item.node->position, fmt::format("{}: region {} appears twice", item.name, quote(name)));
       seen.push_back(name);
       r.frozen.push_back(*std::find_if(frozen.begin(), frozen.end(), [&](const Loop& l) { return l.name == name; }));
-      if (const auto why = wrong_mask(c.shape, r.frozen.back()))
-        fail(item.node->position, item.name + ": " + *why);
+      if (const auto why = wrong_mask(c.shape, r.frozen.back())) fail(item.node->position, item.name + ": " + *why);
     }
   }
 }
@@ -162,8 +161,9 @@ void read_fit(const Value& document, const Value& table, const std::filesystem::
     fit.defects_at_most = whole_number(need(*defects, "at_most"));
     if (r.design.drawn.size() != 1 || !r.design.drawn[0].from_map)
       fail(defects->node->position,
-           defects->name + " goes with one [[optimize.hole]], [[optimize.crack]] or [[optimize.region]] with start = "
-                           "\"map\", of which it makes copies");
+           defects->name +
+               " goes with one [[optimize.hole]], [[optimize.crack]] or [[optimize.region]] with start = "
+               "\"map\", of which it makes copies");
   }
   bool wanted = defects.has_value();
   if (squares && squares->node->kind == Node::Kind::Table) {

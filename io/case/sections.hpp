@@ -42,8 +42,8 @@ Functional read_functional_table(const Value& table, const std::filesystem::path
 /// The key `measured` of [functional] that asks for synthetic data.
 std::optional<Value> synthetic_misfit(const Value& document);
 
-/// The readings behind a misfit: of its table of measured displacements; none of synthetic ones, which are made up later.
-/// `blamed` is told where there is no misfit, or one that is no table.
+/// The readings behind a misfit: of its table of measured displacements; none of synthetic ones, which are made up
+/// later. `blamed` is told where there is no misfit, or one that is no table.
 Readings read_readings(const Value& document, const std::filesystem::path& folder, const Value& blamed, const Case& c);
 
 /// [synthetic]. After [functional], [mesh] and [solver].

@@ -211,8 +211,8 @@ Json identified_section(const std::vector<Identified>& all) {
 }
 
 Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
-  Json out = {{"readings", fit.readings},   {"start", number(fit.start)},       {"end", number(fit.end)},
-              {"noise", number(fit.noise)}, {"estimated", fit.estimated},       {"steps", fit.steps},
+  Json out = {{"readings", fit.readings},         {"start", number(fit.start)},           {"end", number(fit.end)},
+              {"noise", number(fit.noise)},       {"estimated", fit.estimated},           {"steps", fit.steps},
               {"state_solves", fit.state_solves}, {"optimality", number(fit.optimality)}, {"stopped", fit.stopped}};
   for (Eigen::Index i = 0; i < fit.variables.size(); ++i)
     out["variables"].push_back({{"name", names.variables.at(static_cast<std::size_t>(i))},
@@ -232,7 +232,9 @@ Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
 Json count_section(const Count& count) {
   Json out = {{"count", count.tried.at(count.chosen).count}, {"tried", Json::array()}};
   for (const Counted& one : count.tried) {
-    Json row = {{"count", one.count}, {"criterion", number(one.criterion)}, {"squares", number(one.fit.end)},
+    Json row = {{"count", one.count},
+                {"criterion", number(one.criterion)},
+                {"squares", number(one.fit.end)},
                 {"variables", numbers_of(one.fit.variables)}};
     if (!one.failure.empty()) row["failure"] = one.failure;
     out["tried"].push_back(std::move(row));
@@ -243,9 +245,8 @@ Json count_section(const Count& count) {
 Json starts_section(const std::vector<StartTried>& starts) {
   Json out = Json::array();
   for (const StartTried& t : starts) {
-    Json row = {{"from", numbers_of(t.from)},   {"reached", numbers_of(t.variables)},
-                {"merit", number(t.merit)},     {"violation", number(t.violation)},
-                {"state_solves", t.state_solves}, {"in_full", t.in_full}};
+    Json row = {{"from", numbers_of(t.from)},       {"reached", numbers_of(t.variables)}, {"merit", number(t.merit)},
+                {"violation", number(t.violation)}, {"state_solves", t.state_solves},     {"in_full", t.in_full}};
     if (!t.failure.empty()) row["failure"] = t.failure;
     out.push_back(std::move(row));
   }

@@ -14,9 +14,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int rises = 2;          // of the criterion in a row, after which nothing better is expected
-constexpr double trusted = 2;     // deviations that the size of a thing must have
-constexpr double strong = 6;      // evidence that one more thing needs: as much lower [Kass, Raftery 1995]
+constexpr int rises = 2;       // of the criterion in a row, after which nothing better is expected
+constexpr double trusted = 2;  // deviations that the size of a thing must have
+constexpr double strong = 6;   // evidence that one more thing needs: as much lower [Kass, Raftery 1995]
 
 /// The sum of squares of the body without anything.
 LeastSquares of_none(const Problem& p, const Readings& readings) {

@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double difference = 1e-5;  // of a box: steps of difference quotients
-constexpr double settled = 1e-3;     // of the variance: what a step must gain, or it moves nothing by 3 % of a deviation
+constexpr double settled = 1e-3;  // of the variance: what a step must gain, or it moves nothing by 3 % of a deviation
 constexpr double first_damping = 1e-3;
 constexpr int most_steps = 40, most_rounds = 8, most_trials = 8;
 
@@ -131,7 +131,8 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(r.size(), qr.rank());
   const auto asked = [&](const Model& m) {
     std::vector<Functional> all;
-    for (Eigen::Index k = 0; k < basis.cols(); ++k) all.push_back({"reading", {here_.sensors->weighted(m, basis.col(k))}});
+    for (Eigen::Index k = 0; k < basis.cols(); ++k)
+      all.push_back({"reading", {here_.sensors->weighted(m, basis.col(k))}});
     return all;
   };
   const auto nothing = [](const Model&, const Field&) { return VectorXd(); };
@@ -249,12 +250,11 @@ void Fit::describe(const Linearized& l) {
       out_.covariance(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(k)]) =
           out_.noise * out_.noise * inverse(i, k) / (size[i] * size[k]);
   // The 95 % quantile of chi2 with two degrees of freedom; of 2 F(2, left) where the noise is estimated.
-  const double quantile =
-      out_.estimated ? left * (std::pow(0.05, -2 / left) - 1) : -2 * std::log(0.05);
+  const double quantile = out_.estimated ? left * (std::pow(0.05, -2 / left) - 1) : -2 * std::log(0.05);
   Eigen::Index first = 0;
   for (const Drawn& one : request_.design.drawn) {
     const DrawnShape& shape = shape_of(one);
-    const Eigen::Index places = one.kind == Drawn::Kind::Crack ? one.lower.size() / 2
+    const Eigen::Index places = one.kind == Drawn::Kind::Crack    ? one.lower.size() / 2
                                 : one.kind == Drawn::Kind::Spline ? 0
                                                                   : 1;
     for (Eigen::Index k = 0; k < places; ++k) {
@@ -292,10 +292,9 @@ LeastSquares Fit::run(const VectorXd& start) {
   out_.optimality = optimality(l, x);
   out_.variables = x;
   out_.end = r.squaredNorm();
-  out_.stopped = out_.steps >= most_steps ? fmt::format("all {} steps are used", most_steps)
-                 : out_.optimality <= 0.01
-                     ? "the misfit is orthogonal to what the variables change"
-                     : "no step within the constraints makes the misfit smaller";
+  out_.stopped = out_.steps >= most_steps  ? fmt::format("all {} steps are used", most_steps)
+                 : out_.optimality <= 0.01 ? "the misfit is orthogonal to what the variables change"
+                                           : "no step within the constraints makes the misfit smaller";
   describe(l);
   return std::move(out_);
 }

@@ -123,7 +123,7 @@ Measurement measure(const Synthetic& s, int threads) {
         out.at.push_back(point_at(curve, length * i / intervals));
         out.exact.push_back(trace_at(model, state, edges, length, out.at.back()));
         out.known.push_back((i == 0 && is_supported(s.true_scene, curve.beside[0])) ||
-                        (i == intervals && is_supported(s.true_scene, curve.beside[1])));
+                            (i == intervals && is_supported(s.true_scene, curve.beside[1])));
         if (joint != none) at_joint[static_cast<std::size_t>(joint)] = sensor;
       }
       samples.sensor.push_back(sensor);
@@ -134,8 +134,8 @@ Measurement measure(const Synthetic& s, int threads) {
   out.scale = std::sqrt(out.scale / (2.0 * static_cast<double>(out.exact.size())));
   const std::vector<double> noise = normal_numbers(s.seed, 2 * out.at.size());
   for (std::size_t i = 0; i < out.at.size(); ++i)
-    out.displacement.push_back(out.known[i] ? out.exact[i]
-                                            : out.exact[i] + s.noise * out.scale * Vec2(noise[2 * i], noise[2 * i + 1]));
+    out.displacement.push_back(
+        out.known[i] ? out.exact[i] : out.exact[i] + s.noise * out.scale * Vec2(noise[2 * i], noise[2 * i + 1]));
   data->u = out.displacement;
   out.field = [data](const Vec2& x, const Vec2&) {
     const Place place = nearest_place(data->line, x);

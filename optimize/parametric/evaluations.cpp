@@ -353,7 +353,8 @@ Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& rea
     const Base::Built& base = s.built(*s.nearest(x));
     std::optional<Mesh> mesh = moved(base, s.design, x);
     if (!mesh) throw Error(Fault::Geometry, "the mesh cannot follow the design so far");
-    Model model = prepare(std::move(*mesh), s.problem.element, body_of(s.design, x, s.problem).scene, s.problem.threads);
+    Model model =
+        prepare(std::move(*mesh), s.problem.element, body_of(s.design, x, s.problem).scene, s.problem.threads);
     const State state = kerf::solve(model, s.problem.contact);
     if (!certified(state)) throw Error(Fault::Numerics, "the state could not be solved for");
     out.values = reading(model, state);

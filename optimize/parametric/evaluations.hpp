@@ -51,8 +51,8 @@ class Evaluations {
   /// Designs that cannot be drawn, meshed or solved come back with Evaluation::failure, and what is known of them.
   DesignEvaluation evaluate(const Eigen::VectorXd& x, bool gradients);
   /// Numbers read off the state of a design, and derivatives by x of functionals of it, one column each, exact as those
-  /// of `evaluate`. Under the loads of the scene. On the mesh of the nearest design of the round, moved: `failure` where
-  /// that cannot be, or where the state cannot be solved for; a round's first design is meshed.
+  /// of `evaluate`. Under the loads of the scene. On the mesh of the nearest design of the round, moved: `failure`
+  /// where that cannot be, or where the state cannot be solved for; a round's first design is meshed.
   struct Response {
     Eigen::VectorXd values;
     Eigen::MatrixXd gradients;  // variables x functionals

@@ -366,7 +366,8 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
   std::vector<StartTried>& all = result_.starts;
   for (std::size_t i = 0; checkpoint_.numbers.contains(key(i)); ++i) {
     const auto failure = checkpoint_.texts.find(key(i));
-    all.push_back(start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
+    all.push_back(
+        start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
   }
   if (all.empty()) all = try_starts(problem_, request_, given);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -379,8 +380,8 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
   if (best == all.end() || best->variables.size() != given.size())
     throw Error(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
   result_.notes.push_back(
-      fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}", all.size(),
-                  best - all.begin() + 1, best->merit,
+      fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}",
+                  all.size(), best - all.begin() + 1, best->merit,
                   std::isnan(all[0].merit) ? "nothing: " + all[0].failure : fmt::format("{:.6g}", all[0].merit)));
   return best->variables;
 }

@@ -39,8 +39,9 @@ std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& 
   const auto look = [&discs](const Functional& j) {
     for (const Term& term : j.terms)
       if (term.feature_radius > 0)
-        discs.push_back({fmt::format("the ring of {} at ({:.4g}, {:.4g})", term.kind, term.feature.x(), term.feature.y()),
-                         term.feature, term.feature_radius});
+        discs.push_back(
+            {fmt::format("the ring of {} at ({:.4g}, {:.4g})", term.kind, term.feature.x(), term.feature.y()),
+             term.feature, term.feature_radius});
   };
   look(p.objective);
   for (const FunctionalBound& bound : r.bounds) look(bound.functional);

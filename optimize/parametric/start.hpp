@@ -14,8 +14,8 @@ double least_distance(const Problem& p, const OptimizeRequest& r);
 /// The rings of the functionals of a request.
 std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& r);
 
-/// Point `number` of a sequence that fills a box evenly, the middle first: the additive recurrence of the inverse powers
-/// of the root of g^(n+1) = g + 1 [Roberts 2018].
+/// Point `number` of a sequence that fills a box evenly, the middle first: the additive recurrence of the inverse
+/// powers of the root of g^(n+1) = g + 1 [Roberts 2018].
 Eigen::VectorXd place_in(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, int number);
 
 /// The design that is nearest to x (in boxes) among those that keep all constraints on the geometry, as far as a

@@ -17,9 +17,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double coarser = 1.5;             // meshes, where designs are compared
+constexpr double coarser = 1.5;                   // meshes, where designs are compared
 constexpr int first_look = 12, second_look = 40;  // evaluations
-constexpr double bearable = 1e-3;           // violations up to here do not make one design worse than another
+constexpr double bearable = 1e-3;                 // violations up to here do not make one design worse than another
 
 /// The given design first.
 std::vector<VectorXd> places(const Problem& p, const OptimizeRequest& r, const VectorXd& given) {

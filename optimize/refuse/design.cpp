@@ -45,9 +45,10 @@ Written written(const Design& d, std::size_t k) {
 std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
   const VectorXd &l = d.lower, &u = d.upper;
   const auto no_room = [](double radius) {
-    return fmt::format("nowhere in its box is there room in the body for a radius of {:g}; move the box, or allow it "
-                       "to be smaller",
-                       radius);
+    return fmt::format(
+        "nowhere in its box is there room in the body for a radius of {:g}; move the box, or allow it "
+        "to be smaller",
+        radius);
   };
   switch (d.kind) {
     case Drawn::Kind::Circle:
@@ -190,9 +191,10 @@ bool look_at_each(const Problem& p, const OptimizeRequest& r, bool drawable, std
 std::optional<std::string> wrong_design(const OptimizeRequest& r) {
   if (r.method == OptimizeMethod::LevelSet) return std::nullopt;
   if (r.design.drawn.empty())
-    return fmt::format("[optimize]: method = \"{}\" needs something that it can move: add [[optimize.hole]], "
-                       "[[optimize.crack]] or [[optimize.region]], or use method = \"level-set\"",
-                       word(r.method));
+    return fmt::format(
+        "[optimize]: method = \"{}\" needs something that it can move: add [[optimize.hole]], "
+        "[[optimize.crack]] or [[optimize.region]], or use method = \"level-set\"",
+        word(r.method));
   if (std::ranges::none_of(r.design.drawn, [](const Drawn& d) { return (d.lower.array() < d.upper.array()).any(); }))
     return "[optimize]: every variable of the design is fixed; give at least one a box [low, high]";
   return std::nullopt;

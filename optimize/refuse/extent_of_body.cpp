@@ -16,7 +16,8 @@ Depth::Depth(const Loop& loop, double chord) : chord_(chord) {
 
 void Depth::add(const Loop& loop) {
   const Polygon p = flatten(loop, chord_, infinity);
-  for (std::size_t i = 0; i < p.points.size(); ++i) sides_.push_back({p.points[i], p.points[(i + 1) % p.points.size()]});
+  for (std::size_t i = 0; i < p.points.size(); ++i)
+    sides_.push_back({p.points[i], p.points[(i + 1) % p.points.size()]});
 }
 
 double Depth::operator()(const Vec2& x) const {

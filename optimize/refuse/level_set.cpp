@@ -124,13 +124,14 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
       const auto at = static_cast<std::size_t>(l.at(i, k));
       if (l.depth[at] < -slack) continue;
       const Vec2 x = l.middle(i, k);
-      unholed[at] = std::ranges::none_of(
-          discs, [&](const Disc& d) { return (x - d.center).norm() < d.radius - slack; });
+      unholed[at] =
+          std::ranges::none_of(discs, [&](const Disc& d) { return (x - d.center).norm() < d.radius - slack; });
       solid[at] = unholed[at] || near_loads.away(x) < strip ||
                   std::ranges::any_of(masks, [&](const Depth& m) { return m(x) > -slack; });
     }
   const auto refuse = [&all](const char* what) {
-    all.push_back({"optimize.start", fmt::format("start in [optimize]: the holes {}; use fewer or smaller ones", what)});
+    all.push_back(
+        {"optimize.start", fmt::format("start in [optimize]: the holes {}; use fewer or smaller ones", what)});
   };
   if (std::ranges::none_of(unholed, [](bool here) { return here; })) return refuse("leave no body to begin with");
   std::vector<Index> held;
@@ -163,8 +164,8 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
   std::vector<Depth> masks;
   for (std::size_t k = 0; k < r.level_set.frozen.size(); ++k) {
     if (auto why = wrong_mask(p.frame, r.level_set.frozen[k]))
-      all.push_back({fmt::format("optimize.frozen[{}]", k),
-                     fmt::format("entry {} of frozen in [optimize]: {}", k + 1, *why)});
+      all.push_back(
+          {fmt::format("optimize.frozen[{}]", k), fmt::format("entry {} of frozen in [optimize]: {}", k + 1, *why)});
     else
       masks.emplace_back(r.level_set.frozen[k], chord);
   }
@@ -180,8 +181,9 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
       everything = everything && in;
     }
   if (everything)
-    all.push_back({"optimize.frozen", "frozen in [optimize]: the regions together cover the whole body: nothing is "
-                                      "left to design"});
+    all.push_back({"optimize.frozen",
+                   "frozen in [optimize]: the regions together cover the whole body: nothing is "
+                   "left to design"});
   const double share = frozen / area(p.frame);
   if (!everything && r.volume_at_most && share > *r.volume_at_most)
     all.push_back({"optimize.volume.at_most",
@@ -216,9 +218,10 @@ void look_at_boundary(const Problem& p, const OptimizeRequest& r, std::vector<Wr
                                [&](const Side& s) { return std::ranges::find(solid, s.label) != solid.end(); });
   };
   if (stays(p.frame.outline) && std::ranges::all_of(p.frame.holes, stays))
-    all.push_back({"optimize.nucleate", "nucleate in [optimize] = false: no side of the body is free of loads, and "
-                                        "without holes nothing can move; leave it out, or add start = { holes = "
-                                        "[columns, rows], radius = r }"});
+    all.push_back({"optimize.nucleate",
+                   "nucleate in [optimize] = false: no side of the body is free of loads, and "
+                   "without holes nothing can move; leave it out, or add start = { holes = "
+                   "[columns, rows], radius = r }"});
 }
 
 }  // namespace
@@ -227,11 +230,13 @@ void look_at_level_set(const Problem& p, const OptimizeRequest& r, bool drawable
   const LevelSetRequest& how = r.level_set;
   if (const auto why = refusal(p.element, can_optimize)) all.push_back({"solver.element", *why});
   if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
-    all.push_back({"optimize.ersatz", "ersatz in [optimize]: a weak phase is moved by the fixed point only; add move = "
-                                      "\"fixed-point\", or leave ersatz out"});
+    all.push_back({"optimize.ersatz",
+                   "ersatz in [optimize]: a weak phase is moved by the fixed point only; add move = "
+                   "\"fixed-point\", or leave ersatz out"});
   if (how.ersatz > 0 && !p.frame.regions.empty())
-    all.push_back({"optimize.ersatz", "ersatz in [optimize] does not go with [[region]], which has a material of its "
-                                      "own; remove one of them"});
+    all.push_back({"optimize.ersatz",
+                   "ersatz in [optimize] does not go with [[region]], which has a material of its "
+                   "own; remove one of them"});
   if (how.nucleate_every > 0 && !(how.nucleate_fraction > 0 && how.nucleate_fraction <= 0.5))
     all.push_back({"optimize.nucleate.fraction",
                    fmt::format("fraction in nucleate in [optimize] = {:g} is the share of the area that one nucleation "

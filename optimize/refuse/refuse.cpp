@@ -59,10 +59,10 @@ void look_at_loads(const Problem& p, const OptimizeRequest& r, std::vector<Wrong
   for (std::size_t l = 0; l < scenes.size(); ++l) {
     if (!nothing_acts(scenes[l], p.frame)) continue;
     const bool cases = !r.load_cases.empty();
-    const std::string key = cases                                  ? fmt::format("load_case[{}]", l)
-                            : !p.scene.tractions.empty()           ? "boundary"
-                            : p.scene.body                         ? "body.force"
-                                                                   : "optimize";
+    const std::string key = cases                        ? fmt::format("load_case[{}]", l)
+                            : !p.scene.tractions.empty() ? "boundary"
+                            : p.scene.body               ? "body.force"
+                                                         : "optimize";
     all.push_back({key, fmt::format("{}: nothing acts on the body, and every design is as good as another; give it a "
                                     "traction, a pressure, a body force or a prescribed displacement that is not 0",
                                     cases ? fmt::format("[[load_case]] \"{}\"", r.load_cases[l].name) : "[optimize]")});
@@ -92,12 +92,12 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
   for (std::size_t k = 0; k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k) {
     const CrackLaw& law = p.scene.laws[k];
     if (!has_friction(law)) continue;
-    all.push_back({fmt::format("crack[{}].{}", k, law.friction > 0 ? "friction" : "tresca"),
-                   fmt::format("crack \"{}\" slides against friction, and {} needs cracks without: the state does not "
-                               "minimize an energy; remove friction and tresca{}, or [optimize] (kerf solve)",
-                               p.frame.cracks[k].name,
-                               level_set ? "a level set" : fmt::format("method = \"{}\"", word(r.method)),
-                               level_set ? "" : ", or use method = \"cobyla\"")});
+    all.push_back(
+        {fmt::format("crack[{}].{}", k, law.friction > 0 ? "friction" : "tresca"),
+         fmt::format("crack \"{}\" slides against friction, and {} needs cracks without: the state does not "
+                     "minimize an energy; remove friction and tresca{}, or [optimize] (kerf solve)",
+                     p.frame.cracks[k].name, level_set ? "a level set" : fmt::format("method = \"{}\"", word(r.method)),
+                     level_set ? "" : ", or use method = \"cobyla\"")});
   }
 }
 

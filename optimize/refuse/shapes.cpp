@@ -58,9 +58,10 @@ std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror)
                                  [](const Vec2& p, double limit) { return p.x() < limit; });
     while (near != points.end() && near->x() < image.x() + step && !((*near - image).norm() < step)) ++near;
     if (near == points.end() || !(near->x() < image.x() + step))
-      return fmt::format("the body is not its own mirror image about that line: nothing is drawn at ({:.6g}, {:.6g}), "
-                         "the image of ({:.6g}, {:.6g})",
-                         image.x(), image.y(), x.x(), x.y());
+      return fmt::format(
+          "the body is not its own mirror image about that line: nothing is drawn at ({:.6g}, {:.6g}), "
+          "the image of ({:.6g}, {:.6g})",
+          image.x(), image.y(), x.x(), x.y());
   }
   return std::nullopt;
 }

@@ -63,10 +63,13 @@ INSTANTIATE_TEST_SUITE_P(
     LevelSet, CheckOfOptimize,
     testing::Values(
         Refused{pulled + volume, {"nothing"}},
-        Refused{pulled + volume + "ersatz = 1e-3", {"a.toml:17:10: ersatz in [optimize]: a weak phase is moved by the "
-                                                    "fixed point only; add move = \"fixed-point\""}},
-        Refused{pulled + "[[region]]\nname = \"r\"\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 3\npoisson = "
-                         "0.3\n" + volume + "move = \"fixed-point\"\nersatz = 1e-3",
+        Refused{pulled + volume + "ersatz = 1e-3",
+                {"a.toml:17:10: ersatz in [optimize]: a weak phase is moved by the "
+                 "fixed point only; add move = \"fixed-point\""}},
+        Refused{pulled +
+                    "[[region]]\nname = \"r\"\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 3\npoisson = "
+                    "0.3\n" +
+                    volume + "move = \"fixed-point\"\nersatz = 1e-3",
                 {"a.toml:23:10: ersatz in [optimize] does not go with [[region]]"}},
         Refused{pulled + slit + "friction = 0.3\n" + volume,
                 {"a.toml:18:12: crack \"c\" slides against friction, and a level set needs cracks without"}},
@@ -95,30 +98,39 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{pulled + volume + "start = { random = 500, radius = 0.4 }",
                 {"a.toml:17:9: start in [optimize]: the holes leave no body"}},
         Refused{pulled + volume + "start = { holes = [4, 2], radius = 0.1 }", {"nothing"}},
-        Refused{pulled + volume + "min_feature = 1.2",
-                {"a.toml:17:15: min_feature in [optimize] = 1.2 is more than the body is wide anywhere (1.03 at most)"}},
+        Refused{
+            pulled + volume + "min_feature = 1.2",
+            {"a.toml:17:15: min_feature in [optimize] = 1.2 is more than the body is wide anywhere (1.03 at most)"}},
         Refused{pulled + volume + "nucleate = { fraction = 0.7 }",
                 {"a.toml:17:25: fraction in nucleate in [optimize] = 0.7 is the share of the area"}},
         Refused{pulled + volume + "symmetry = { x = 0.7 }",
                 {"a.toml:17:12: symmetry in [optimize]: the body is not its own mirror image"}},
-        Refused{pulled + volume + "frozen = [\"pad\"]\n[[region]]\nname = \"pad\"\npolygon = [[0, 0], [1.2, 0], [1.2, "
-                                  "1], [0, 1]]",
-                {"a.toml:16:22: at_most in volume in [optimize] = 0.5 is less than the share of the body that is frozen, at least 0.57"}},
-        Refused{pulled + volume + "frozen = [\"a\", \"b\"]\n[[region]]\nname = \"a\"\npolygon = [[-1, -1], [1.2, -1], "
-                                  "[1.2, 2], [-1, 2]]\n[[region]]\nname = \"b\"\npolygon = [[1, -1], [3, -1], [3, 2], "
-                                  "[1, 2]]",
+        Refused{pulled + volume +
+                    "frozen = [\"pad\"]\n[[region]]\nname = \"pad\"\npolygon = [[0, 0], [1.2, 0], [1.2, "
+                    "1], [0, 1]]",
+                {"a.toml:16:22: at_most in volume in [optimize] = 0.5 is less than the share of the body that is "
+                 "frozen, at least 0.57"}},
+        Refused{pulled + volume +
+                    "frozen = [\"a\", \"b\"]\n[[region]]\nname = \"a\"\npolygon = [[-1, -1], [1.2, -1], "
+                    "[1.2, 2], [-1, 2]]\n[[region]]\nname = \"b\"\npolygon = [[1, -1], [3, -1], [3, 2], "
+                    "[1, 2]]",
                 {"a.toml:17:10: frozen in [optimize]: the regions together cover the whole body"}},
-        Refused{pulled + volume + "frozen = [\"pad\"]\n[[region]]\nname = \"pad\"\ncircle = { center = [3, 3], radius "
-                                  "= 0.1 }",
+        Refused{pulled + volume +
+                    "frozen = [\"pad\"]\n[[region]]\nname = \"pad\"\ncircle = { center = [3, 3], radius "
+                    "= 0.1 }",
                 {"a.toml:17:11: entry 1 of frozen in [optimize]: region \"pad\" lies outside the body"}},
-        Refused{square + "[functional]\nkind = \"displacement_tracking\"\ntarget = [0, 0]\n[[boundary]]\non = "
-                         "\"right\"\ntraction = [1, 0]\n" + volume,
+        Refused{square +
+                    "[functional]\nkind = \"displacement_tracking\"\ntarget = [0, 0]\n[[boundary]]\non = "
+                    "\"right\"\ntraction = [1, 0]\n" +
+                    volume,
                 {"a.toml:7:1: [functional]: \"displacement_tracking\" sees rigid motions, and nothing supports"}},
         Refused{square + "[functional]\nkind = \"displacement_tracking\"\ntarget = [0, 0]\n[[boundary]]\non = "
                          "\"left\"\ndisplacement = [0, 0]\n[[boundary]]\non = \"right\"\ntraction = [1, 0]\n[optimize]",
                 {"a.toml:16:1: [optimize]: a level set needs something that says how much material"}},
-        Refused{square + "[functional]\nkind = \"compliance\"\n[[boundary]]\non = [\"left\", \"right\", \"top\", "
-                         "\"bottom\"]\ntraction = [\"nx\", \"ny\"]\n" + volume + "nucleate = false",
+        Refused{square +
+                    "[functional]\nkind = \"compliance\"\n[[boundary]]\non = [\"left\", \"right\", \"top\", "
+                    "\"bottom\"]\ntraction = [\"nx\", \"ny\"]\n" +
+                    volume + "nucleate = false",
                 {"a.toml:14:12: nucleate in [optimize] = false: no side of the body is free of loads"}},
         // All that is wrong at once.
         Refused{pulled + slit + "friction = 0.3\n[solver]\nelement = \"p2\"\n" + volume +
@@ -138,24 +150,29 @@ INSTANTIATE_TEST_SUITE_P(
                 {"a.toml:16:11: [[optimize.crack]]: element \"p2\" cannot do contact on cracks"}},
         Refused{pulled + "[solver]\nelement = \"p2\"\n[optimize]\nmethod = \"cobyla\"\n" + hole + "start = \"map\"",
                 {"a.toml:16:11: start = \"map\": element \"p2\" has no adjoint"}},
-        Refused{pulled + slit + "friction = 0.3\n[optimize]\nmethod = \"mma\"\n[[optimize.hole]]\ncircle = { center = [[0.2, 0.4], 0.5], "
-                                                           "radius = [0.05, 0.1] }\n",
+        Refused{pulled + slit +
+                    "friction = 0.3\n[optimize]\nmethod = \"mma\"\n[[optimize.hole]]\ncircle = { center = [[0.2, 0.4], "
+                    "0.5], "
+                    "radius = [0.05, 0.1] }\n",
                 {"a.toml:18:12: crack \"c\" slides against friction, and method = \"mma\" needs cracks without"}},
         Refused{pulled + mma + "[[optimize.hole]]\ncircle = { center = [[3, 4], [3, 4]], radius = [0.05, 0.2] }\n",
                 {"a.toml:19:21: center in circle in [[optimize.hole]]: nowhere in its box is there room"}},
-        Refused{pulled + mma + hole + "[[optimize.hole]]\nellipse = { center = [[0.3, 1.7], [-0.5, -0.1]], semi_axes = "
-                                      "[[0.05, 0.2], 0.1] }\n",
+        Refused{pulled + mma + hole +
+                    "[[optimize.hole]]\nellipse = { center = [[0.3, 1.7], [-0.5, -0.1]], semi_axes = "
+                    "[[0.05, 0.2], 0.1] }\n",
                 {"a.toml:21:22: center in ellipse in [[optimize.hole]]: nowhere in its box is there room"}},
-        Refused{pulled + mma + "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], [0.3, 0.7]], radius = [0.6, 0.8] }\n",
-                {"a.toml:19:21: center in circle in [[optimize.hole]]: nowhere in its box is there room in the body "
-                 "for a radius of 0.6"}},
+        Refused{
+            pulled + mma + "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], [0.3, 0.7]], radius = [0.6, 0.8] }\n",
+            {"a.toml:19:21: center in circle in [[optimize.hole]]: nowhere in its box is there room in the body "
+             "for a radius of 0.6"}},
         Refused{pulled + "[[hole]]\nname = \"h\"\ncircle = { center = [1, 0.5], radius = 0.3 }\n" + mma +
                     "[[optimize.hole]]\ncircle = { center = [[0.9, 1.1], [0.4, 0.6]], radius = [0.05, 0.1] }\n",
                 {"a.toml:22:21: center in circle in [[optimize.hole]]: nowhere in its box is there room"}},
         Refused{pulled + mma + "[[optimize.crack]]\npath = [[[0.5, 0.9], 0.5], [[2.1, 2.5], 0.5]]",
                 {"a.toml:19:8: path in [[optimize.crack]]: the box of point 2 lies outside the body"}},
-        Refused{pulled + mma + "[[optimize.region]]\ncircle = { center = [[5, 6], 0.5], radius = 0.1 }\nyoung = [1, "
-                               "9]\npoisson = 0.3",
+        Refused{pulled + mma +
+                    "[[optimize.region]]\ncircle = { center = [[5, 6], 0.5], radius = 0.1 }\nyoung = [1, "
+                    "9]\npoisson = 0.3",
                 {"a.toml:19:21: center in circle in [[optimize.region]]: nowhere in its box"}},
         Refused{pulled + "[optimize]\nmethod = \"mma\"\nvolume = { at_most = 0.5 }\n" + hole,
                 {"a.toml:17:22: at_most in volume in [optimize] = 0.5: the largest holes that the boxes allow leave "
@@ -164,23 +181,26 @@ INSTANTIATE_TEST_SUITE_P(
                 {"a.toml:21:11: at_most in [[optimize.bound]] = 1: the largest holes that the boxes allow leave an "
                  "area of 1.874"}},
         // Two discs that must overlap: their boxes are too small.
-        Refused{pulled + mma + "[[optimize.hole]]\ncircle = { center = [[0.9, 1.1], 0.5], radius = 0.2 }\n"
-                               "[[optimize.hole]]\ncircle = { center = [[0.9, 1.1], 0.5], radius = 0.2 }\n",
+        Refused{pulled + mma +
+                    "[[optimize.hole]]\ncircle = { center = [[0.9, 1.1], 0.5], radius = 0.2 }\n"
+                    "[[optimize.hole]]\ncircle = { center = [[0.9, 1.1], 0.5], radius = 0.2 }\n",
                 {"a.toml:15:1: [optimize]: the design cannot be drawn where it starts, and nowhere near is one that "
                  "can: hole"}},
         // Two that overlap at first and need not.
-        Refused{pulled + mma + "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], 0.5], radius = 0.2 }\n"
-                               "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], 0.5], radius = 0.2 }\n",
+        Refused{pulled + mma +
+                    "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], 0.5], radius = 0.2 }\n"
+                    "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], 0.5], radius = 0.2 }\n",
                 {"nothing"}},
         Refused{pulled + "[[hole]]\nname = \"h\"\ncircle = { center = [1, 0.5], radius = 0.3 }\n" + mma +
                     "min_distance = 0.5\n[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], 0.5], radius = [0.05, "
                     "0.2] }\nstart = { center = [0.4, 0.5] }\n",
                 {"a.toml:18:1: [optimize]: the design cannot be drawn where it starts"}},
-        Refused{square + slit + "[[boundary]]\non = \"left\"\ndisplacement = [0, 0]\n[[boundary]]\non = "
-                                "\"right\"\ntraction = [0, 1]\n[functional]\nkind = \"energy_release_rate\"\ncrack = "
-                                "\"c\"\ntip = \"end\"\nring = [0.06, 0.2]\n[optimize]\nmethod = "
-                                "\"mma\"\n[[optimize.crack]]\npath = [[[1.2, 1.3], 0.6], [[1.2, 1.4], 0.9]]\nstart = { "
-                                "path = [[1.25, 0.6], [1.3, 0.9]] }",
+        Refused{square + slit +
+                    "[[boundary]]\non = \"left\"\ndisplacement = [0, 0]\n[[boundary]]\non = "
+                    "\"right\"\ntraction = [0, 1]\n[functional]\nkind = \"energy_release_rate\"\ncrack = "
+                    "\"c\"\ntip = \"end\"\nring = [0.06, 0.2]\n[optimize]\nmethod = "
+                    "\"mma\"\n[[optimize.crack]]\npath = [[[1.2, 1.3], 0.6], [[1.2, 1.4], 0.9]]\nstart = { "
+                    "path = [[1.25, 0.6], [1.3, 0.9]] }",
                 {"a.toml:24:8: crack 'crack_1' moves with the design, and the ring of \"energy_release_rate\""}}));
 
 /// What the loops say without a case file is the same.

@@ -16,8 +16,8 @@ using Eigen::VectorXd;
 using inverse::Plate;
 
 OptimizeRequest request(const Design& design) {
-  return {.method = OptimizeMethod::Slsqp, .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02,
-          .design = design};
+  return {
+      .method = OptimizeMethod::Slsqp, .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02, .design = design};
 }
 
 /// The exact readings of a body, to which noise is added.

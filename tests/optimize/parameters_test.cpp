@@ -411,7 +411,8 @@ TEST(Parameters, SeveralStartsStoppedAndResumedEndWithTheSameBits) {
   const OptimizeResult whole = quietly(p, r);
   const CheckpointPlace place{folder.path / "checkpoint", "case", true};
   int shown = 0;
-  optimize_parameters(p, r, [&](const Iterate&) { return ++shown < 2; }, place);
+  optimize_parameters(
+      p, r, [&](const Iterate&) { return ++shown < 2; }, place);
   const OptimizeResult resumed = optimize_parameters(p, r, {}, place);
   expect_same(resumed, whole);
   ASSERT_EQ(resumed.starts.size(), whole.starts.size());

@@ -353,8 +353,9 @@ TEST(Fingerprint, DependsOnWhatTheOptimizationDependsOn) {
 
   // Measured data count, too.
   const TemporaryFolder folder;
-  const std::string inverse = square + "[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n" + pull +
-                              "[functional]\nkind = 'misfit'\non = 'right'\nmeasured = 'u.csv'\n[optimize]\nvolume = { at_most = 0.5 }\n";
+  const std::string inverse =
+      square + "[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n" + pull +
+      "[functional]\nkind = 'misfit'\non = 'right'\nmeasured = 'u.csv'\n[optimize]\nvolume = { at_most = 0.5 }\n";
   const auto file = folder.write("a.toml", inverse);
   folder.write("u.csv", "x,y,u_x,u_y\n2,0,0,0\n2,1,0,0\n");
   const std::string before = read_case(file).fingerprint;
@@ -429,7 +430,8 @@ poisson = 0.2
 
 TEST(LeastSquares, AreAskedForAndFindTheirReadings) {
   const std::string hole = "[[synthetic.hole]]\nname = 'h'\ncircle = { center = [1.2, 0.5], radius = 0.15 }\n";
-  const std::string sought = "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], [0.3, 0.7]], radius = [0.05, 0.2] }\n";
+  const std::string sought =
+      "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], [0.3, 0.7]], radius = [0.05, 0.2] }\n";
   const auto with = [&](const std::string& keys, const std::string& start = "start = 'map'\n") {
     return inverse + hole + "[optimize]\nmethod = 'mma'\n" + keys + sought + start;
   };
