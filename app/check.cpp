@@ -1,3 +1,4 @@
+#include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
 #include "solver/resultants.hpp"
@@ -173,6 +174,7 @@ void note_loads(Notes& notes, const Scene& scene) {
 }  // namespace
 
 std::string check(const Case& c) {
+  if (c.optimize) refuse_optimization(c);
   const Mesh mesh = triangulate(c.shape, c.sizing);
   Lines out;
   Notes notes = crowded_tips(c.shape, c.sizing);

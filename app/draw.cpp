@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace kerf {
@@ -185,6 +187,47 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   if (!p.supports.empty() || !p.rollers.empty()) mention("blue: supports");
   if (!p.arrows.empty()) mention("orange: loads");
   if (!p.cracks.empty()) mention("red: cracks");
+  return p;
+}
+
+Picture found_picture(const std::string& title, const Found& found) {
+  Picture p{.title = title, .subtitle = "blue: found, gray: start"};
+  const double size = extent(found.frame), chord = 1e-4 * size;
+  const auto closed = [&](const Loop& loop) {
+    std::vector<Vec2> line = flatten(loop, chord, size).points;
+    line.push_back(line.front());
+    return line;
+  };
+  const auto add = [&](const Shape& shape, std::uint32_t rgb, double width, bool dashed) {
+    for (std::size_t i = found.frame.holes.size(); i < shape.holes.size(); ++i)
+      p.traces.push_back({closed(shape.holes[i]), rgb, width, dashed});
+    for (std::size_t i = found.frame.regions.size(); i < shape.regions.size(); ++i)
+      p.traces.push_back({closed(shape.regions[i]), rgb, width, dashed});
+    for (std::size_t i = found.frame.cracks.size(); i < shape.cracks.size(); ++i)
+      p.traces.push_back({shape.cracks[i].points, rgb, width, dashed});
+  };
+  p.outlines.push_back(closed(found.frame.outline));
+  p.points = p.outlines.back();
+  for (const Loop& hole : found.frame.holes) p.outlines.push_back(closed(hole));
+  for (const Crack& crack : found.frame.cracks) p.cracks.push_back(crack.points);
+  constexpr std::uint32_t gray = 0x9aa4ae, blue = 0x0072b2, orange = 0xd55e00, green = 0x009e73;
+  add(found.start, gray, 2.5, true);
+  if (found.truth) {
+    add(*found.truth, green, 7, false);
+    p.subtitle += ", green: true";
+  }
+  add(found.found, blue, 3, false);
+  if (!found.ellipses.empty()) p.subtitle += ", orange: 95 % of the uncertainty of centers and points";
+  for (const UncertaintyEllipse& e : found.ellipses) {
+    const Mat2 turn = Eigen::Rotation2Dd(e.angle).toRotationMatrix();
+    std::vector<Vec2> line;
+    constexpr int pieces = 48;
+    for (int i = 0; i <= pieces; ++i) {
+      const double t = 2 * pi * i / pieces;
+      line.push_back(e.at + turn * Vec2(e.semi_axes.x() * std::cos(t), e.semi_axes.y() * std::sin(t)));
+    }
+    p.traces.push_back({std::move(line), orange, 2.5, false});
+  }
   return p;
 }
 

@@ -16,4 +16,13 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
 Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& scene,
                        std::span<const LoadCase> further, double size);
 
+/// An inverse problem: what was found over what is true, where that is known, and where it began.
+struct Found {
+  const Shape& frame;
+  Shape found, start;
+  std::optional<Shape> truth = {};
+  std::vector<UncertaintyEllipse> ellipses = {};
+};
+Picture found_picture(const std::string& title, const Found& found);
+
 }  // namespace kerf

@@ -1,7 +1,9 @@
 #include "app/optimize.hpp"
 
+#include "app/draw.hpp"
 #include "app/recorder.hpp"
 #include "io/history.hpp"
+#include "kerf/analysis.hpp"
 #include "optimize/checkpoint.hpp"
 #include "plot/charts.hpp"
 
@@ -40,6 +42,61 @@ std::vector<std::string> fill_in_start(const Problem& problem, OptimizeRequest& 
   return in_words(guess, request.design);
 }
 
+/// How many there are; their starts are then what fits the readings best.
+std::vector<std::string> count_things(const OptimizeTask& task, OptimizeRequest& request, const Journal& journal,
+                                      OptimizeSection& out) {
+  if (!task.fit || task.fit->defects_at_most == 0) return {};
+  if (journal.options.on_phase) journal.options.on_phase("count the defects");
+  out.counted = count_defects(task.problem, request, task.readings, task.fit->defects_at_most);
+  request.design = out.counted->tried[out.counted->chosen].design;
+  return {in_words(*out.counted)};
+}
+
+/// The objective of a body.
+double objective_of(const Problem& p, const Shape& shape, const Scene& scene) {
+  const Model m = prepare(triangulate(shape, p.sizing), p.element, scene, p.threads);
+  const State s = solve(m, p.contact);
+  return certified(s) ? analyze(p.objective, m, s, true).value : nan;
+}
+
+/// The readings tell of nothing: the body as it is drawn.
+OptimizeSection nothing_found(const OptimizeTask& task, std::vector<std::string> notes, OptimizeSection out) {
+  out.names = optimize_names({});
+  OptimizeResult& r = out.result;
+  r.method = task.request.method;
+  r.stopped = fmt::format("{}: the readings tell of no defect, and there is nothing to move", word(r.ending));
+  r.state_solves = 1;
+  r.volume_fraction = 1;
+  r.objective = objective_of(task.problem, task.problem.frame, task.problem.scene);
+  r.notes = std::move(notes);
+  r.shape = task.problem.frame;
+  r.scene = task.problem.scene;
+  out.fit = out.counted->tried[0].fit;
+  return out;
+}
+
+/// Least squares of the readings from where the misfit has led to; the design is then what they found.
+void fit_readings(const OptimizeTask& task, const OptimizeRequest& request, const Journal& journal,
+                  OptimizeSection& out) {
+  if (journal.options.on_phase) journal.options.on_phase("fit the readings");
+  OptimizeResult& r = out.result;
+  try {
+    out.fit = least_squares(task.problem, request, r.variables, task.readings);
+  } catch (const Error& e) {
+    if (e.fault != Fault::Geometry && e.fault != Fault::Numerics) throw;
+    r.notes.push_back(fmt::format("the readings could not be fitted: {}", e.what()));
+    return;
+  }
+  DrawnBody body = body_of(request.design, out.fit->variables, task.problem);
+  r.notes.push_back(fmt::format(
+      "the design is that of least squares of the readings, begun from that of the misfit ({:.6g})", r.objective));
+  r.objective = objective_of(task.problem, body.shape, body.scene);
+  r.variables = out.fit->variables;
+  r.shape = std::move(body.shape);
+  r.scene = std::move(body.scene);
+  r.state_solves += out.fit->state_solves;
+}
+
 /// The checkpoint is that of the last iteration before the stop, or none.
 void keep_stop(const fs::path& checkpoint, const fs::path& stop) {
   std::error_code ignored;
@@ -47,6 +104,16 @@ void keep_stop(const fs::path& checkpoint, const fs::path& stop) {
     move_file(stop, checkpoint);
   else
     fs::remove(checkpoint, ignored);
+}
+
+Picture found_picture(const OptimizeTask& task, const OptimizeRequest& request, const OptimizeSection& out,
+                      const std::string& title) {
+  Found found{.frame = task.problem.frame,
+              .found = out.result.shape,
+              .start = body_of(request.design, start_of(request.design), task.problem).shape};
+  if (task.truth) found.truth = task.truth->true_shape;
+  if (out.fit) found.ellipses = out.fit->ellipses;
+  return found_picture(title, found);
 }
 
 void draw_optimization(const OptimizeSection& section, const Recorder& recorder, Journal& journal) {
@@ -72,18 +139,27 @@ void check_checkpoint(const fs::path& folder, const std::string& fingerprint) {
                                           path.string()));
 }
 
-Functional with_data(Functional j, const Synthetic& truth, const RunOptions& options) {
-  const Measurement m = measure(truth, options.threads);
+Case with_data(Case c, const RunOptions& options) {
+  const Measurement m = measure(*c.synthetic, options.threads);
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < m.at.size(); ++i)
     rows.push_back({m.at[i].x(), m.at[i].y(), m.displacement[i].x(), m.displacement[i].y()});
   write_csv(options.folder / "measured.csv", {"x", "y", "u_x", "u_y"}, rows);
-  return with_measured(std::move(j), truth.label, m.field);
+  c.functional = with_measured(std::move(c.functional), c.synthetic->label, m.field);
+  const double given = c.readings.noise;
+  c.readings = readings_of(m, *c.synthetic);
+  if (given > 0) c.readings.noise = given;
+  return c;
 }
 
 OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   journal.begin("optimize");
-  OptimizeSection out{.names = optimize_names(task.request)};
+  OptimizeRequest request = task.request;
+  OptimizeSection out;
+  std::vector<std::string> notes = count_things(task, request, journal, out);
+  if (out.counted && request.design.drawn.empty()) return nothing_found(task, std::move(notes), std::move(out));
+  for (std::string& note : fill_in_start(task.problem, request, journal)) notes.push_back(std::move(note));
+  out.names = optimize_names(request);
   Recorder recorder(task, out.names, journal);
   const RunOptions& options = journal.options;
   const fs::path checkpoint = checkpoint_file(options.folder), stop = stop_file(options.folder);
@@ -91,20 +167,21 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
     if (fs::exists(stop)) move_file(stop, checkpoint);
     if (fs::exists(checkpoint)) recorder.restore();
   }
-  OptimizeRequest request = task.request;
-  const std::vector<std::string> notes = fill_in_start(task.problem, request, journal);
   const CheckpointPlace place{checkpoint, task.fingerprint, options.resume};
   const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
   recorder.start();
   out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
-                                             : optimize_parameters(task.problem, request, see, place);
+                                                          : optimize_parameters(task.problem, request, see, place);
   out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
+  if (task.fit && !recorder.stopped()) fit_readings(task, request, journal, out);
   if (task.truth && !request.design.drawn.empty())
     out.identified = identified(request.design, out.result.variables, task.problem, *task.truth);
   if (recorder.stopped()) keep_stop(checkpoint, stop);
   recorder.finish(out.result.history);
   journal.seconds.optimize = journal.lap() - recorder.output();
   draw_optimization(out, recorder, journal);
+  if (task.truth || out.fit)
+    journal.picture("found.png", "What was found", [&] { return found_picture(task, request, out, journal.title); });
   journal.seconds.output += recorder.output() + journal.lap();
   if (recorder.stopped())
     throw Error(Fault::Numerics, fmt::format("stopped after iteration {}; --resume goes on from there",

@@ -2,6 +2,7 @@
 // An optimization with everything that it leaves behind.
 
 #include "app/journal.hpp"
+#include "kerf/case_file.hpp"
 
 namespace kerf {
 
@@ -14,17 +15,22 @@ struct OptimizeTask {
   Problem problem;
   OptimizeRequest request;
   std::optional<Synthetic> truth;  // what synthetic data come from
-  std::string fingerprint;         // of the case, for its checkpoint
+  std::optional<FitRequest> fit;   // of an inverse problem, by its readings
+  Readings readings;
+  std::string fingerprint;  // of the case, for its checkpoint
 };
 
-/// The functional with the data of a body that is known, which also go to measured.csv. Throws as measure does.
-Functional with_data(Functional j, const Synthetic& truth, const RunOptions& options);
+/// The case with the data of the body that is known, in its functional and as readings, and in measured.csv. Throws as
+/// measure does.
+Case with_data(Case c, const RunOptions& options);
 
 /// What a result says about an optimization. `identified`: with synthetic data.
 struct OptimizeSection {
   OptimizeResult result;
   OptimizeNames names;
   std::vector<Identified> identified = {};
+  std::optional<Count> counted = {};
+  std::optional<LeastSquares> fit = {};
 };
 
 /// Every accepted iterate leaves design_NNNN.vtu, optimize.pvd and history.csv; the loops keep checkpoint.bin. Resumed,

@@ -1,6 +1,8 @@
 #include "app/refuse.hpp"
 
-#include <fmt/core.h>
+#include "optimize/refuse.hpp"
+
+#include <fmt/format.h>
 
 namespace kerf {
 
@@ -14,10 +16,11 @@ void refuse_friction(const Shape& shape, const Scene& scene, const char* job, co
                       job, shape.cracks[k].name, table));
 }
 
-void refuse_optimization(const Problem& problem, OptimizeMethod method) {
-  if (method != OptimizeMethod::LevelSet) return;
-  refuse_friction(problem.frame, problem.scene, "level set", "optimize");
-  require(problem.element, can_optimize);
+void refuse_optimization(const Case& c) {
+  std::vector<std::string> lines;
+  for (const Wrong& wrong : find_wrong(problem_of(c), *c.optimize))
+    lines.push_back(fmt::format("{}: {}", place_of(c, wrong.key), wrong.what));
+  if (!lines.empty()) throw Error(Fault::Usage, fmt::format("{}", fmt::join(lines, "\n")));
 }
 
 void refuse_map(const Element& e, const MapRequest& request) {

@@ -1,9 +1,9 @@
 #pragma once
 // What cannot be had is refused before anything is solved. All throw Error(Usage).
 
+#include "kerf/case_file.hpp"
 #include "kerf/element.hpp"
 #include "kerf/map.hpp"
-#include "kerf/optimize.hpp"
 
 namespace kerf {
 
@@ -11,8 +11,9 @@ namespace kerf {
 /// an energy, and only the value of a functional is to be had.
 void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table);
 
-/// The loops over variables say themselves what they need; cobyla needs no derivatives.
-void refuse_optimization(const Problem& problem, OptimizeMethod method);
+/// Everything in a case that [optimize] cannot do and that is known before anything is solved: a line each, with its
+/// place in the file.
+void refuse_optimization(const Case& c);
 
 /// Elements without error bars for the map.
 void refuse_map(const Element& e, const MapRequest& request);

@@ -45,16 +45,11 @@ MapTask map_task(const Case& c) {
 }
 
 OptimizeTask optimize_task(const Case& c, int threads) {
-  return {.problem = {.frame = c.shape,
-                      .scene = c.scene,
-                      .sizing = c.sizing,
-                      .element = c.element,
-                      .objective = c.functional,
-                      .contact = c.contact,
-                      .plane_strain = c.plane_strain,
-                      .threads = threads},
+  return {.problem = problem_of(c, threads),
           .request = *c.optimize,
           .truth = c.synthetic,
+          .fit = c.fit,
+          .readings = c.readings,
           .fingerprint = c.fingerprint};
 }
 
@@ -95,7 +90,7 @@ Jobs jobs_of(const Case& c, Job job) {
 void refuse(const Case& c, const Jobs& jobs) {
   if (jobs.map) refuse_friction(c.shape, c.scene, "map", "map");
   if (jobs.validate) refuse_friction(c.shape, c.scene, "validation", "validate");
-  if (jobs.optimize) refuse_optimization(optimize_task(c, 1).problem, c.optimize->method);
+  if (jobs.optimize) refuse_optimization(c);
   const Element& e = c.element;
   if (jobs.map) refuse_map(e, c.map_request);
   if (jobs.validate) refuse_validation(e);
@@ -191,6 +186,8 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   r.optimize = std::move(found.result);
   r.optimize_names = std::move(found.names);
   r.identified = std::move(found.identified);
+  r.counted = std::move(found.counted);
+  r.fit = std::move(found.fit);
   return design;
 }
 
@@ -294,7 +291,7 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   Case given = read;
   if (read.synthetic) {
     journal.begin("make up the measurements");
-    given.functional = with_data(std::move(given.functional), *read.synthetic, options);
+    given = with_data(std::move(given), options);
   }
   journal.seconds.solve += journal.lap();
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);

@@ -128,6 +128,7 @@ optimize.volume.at_most
 optimize.volume.penalty
 optimize.max_iterations
 optimize.tolerance
+optimize.starts
 optimize.bound[0].kind
 optimize.bound[0].on
 optimize.bound[0].crack
@@ -167,6 +168,9 @@ optimize.start.seed
 optimize.start.radius
 optimize.ersatz
 optimize.min_distance
+optimize.least_squares
+optimize.least_squares.noise
+optimize.defects.at_most
 optimize.hole[0].name
 optimize.hole[0].circle.center
 optimize.hole[0].circle.radius

@@ -142,6 +142,8 @@ struct Result {
   std::optional<ValidationResult> validate;
   std::optional<OptimizeResult> optimize;  // mesh, state, ... are then those of its design
   OptimizeNames optimize_names;
+  std::optional<LeastSquares> fit;     // of readings, at the end of an inverse problem
+  std::optional<Count> counted;        // where defects were counted
   std::vector<Identified> identified;  // what was found beside what is true, with synthetic data
   Seconds seconds;
   double peak_memory_mb = 0;

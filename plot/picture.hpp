@@ -4,6 +4,7 @@
 #include "kerf/types.hpp"
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -14,6 +15,14 @@ namespace kerf {
 enum class Scale {
   Linear,     // viridis-like, from the clipped minimum to the clipped maximum
   Diverging,  // blue - white - red, symmetric about 0
+};
+
+/// A line over everything else.
+struct Trace {
+  std::vector<Vec2> line;
+  std::uint32_t rgb = 0;
+  double width = 3;
+  bool dashed = false;
 };
 
 struct Picture {
@@ -36,6 +45,7 @@ struct Picture {
   bool solid = false;                                // one dark color, no triangles; cracks red
   std::vector<std::vector<Vec2>> supports, rollers;  // the body to the left; all or one component held
   std::vector<std::array<Vec2, 2>> arrows;           // loads: from, to
+  std::vector<Trace> traces;
 };
 
 /// Throws Error(Files) naming the path. Values that are not finite are drawn in gray.

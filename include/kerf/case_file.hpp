@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -55,6 +56,12 @@ struct Elastic {
 
 struct Node;  // of a TOML document: not for users
 
+/// An inverse problem ends with least squares of the readings.
+struct FitRequest {
+  double noise = 0;         // standard deviation of every component; 0: that of [synthetic], or estimated
+  int defects_at_most = 0;  // count them, up to so many; 0: as many as are drawn
+};
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -75,11 +82,20 @@ struct Case {
   std::vector<Probe> probes;
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
-  std::optional<Synthetic> synthetic;  // the misfit of the functional then waits for its data
+  std::optional<FitRequest> fit;
+  Readings readings;                          // of a table of measured displacements
+  std::optional<Synthetic> synthetic;         // the misfit of the functional then waits for its data
   std::shared_ptr<const Node> document = {};  // as read, with its overrides
   std::filesystem::path folder = {};          // where files lie that it names
-  std::string fingerprint;             // of all that an optimization depends on, but for how long it may go on
+  std::string fingerprint;                    // of all that an optimization depends on, but for how long it may go on
+  std::map<std::string, std::string> places;  // where every key and table stands: "hole[0].circle" "a.toml:12:10"
 };
+
+/// "file:line:column" of a key, or of the nearest table around it that there is.
+std::string place_of(const Case& c, std::string key);
+
+/// What [optimize] asks about. `threads` of all that is solved.
+Problem problem_of(const Case& c, int threads = 1);
 
 /// The scene with the loads of the first load case, if there are load cases.
 Scene loaded_scene(const Case& c);

@@ -25,6 +25,7 @@ struct Synthetic {
 /// What sensors read, and the field between them.
 struct Measurement {
   std::vector<Vec2> at, exact, displacement;  // per sensor: place, u of the true body, the same with noise
+  std::vector<bool> known;                    // per sensor: without noise
   double scale = 0;                           // root mean square of the components of `exact`
   BoundaryField field;
 };
@@ -102,5 +103,72 @@ std::vector<Identified> identified(const Design& design, const Eigen::VectorXd& 
 
 /// "hole 'a': center (0.621, 0.569), radius 0.0801; true: ..., off by 0.0012 and +0.0001".
 std::string in_words(const Identified& i);
+
+// Least squares of the readings.
+
+/// Numbers to be met: displacements of points of a labeled part of the boundary.
+struct Readings {
+  Index label = none;
+  std::vector<Vec2> at, displacement;
+  double noise = 0;  // standard deviation of every component; 0: not known
+};
+/// Those of sensors that are not exact.
+Readings readings_of(const Measurement& m, const Synthetic& s);
+
+/// 95 % of such ellipses hold the true place [theory: I.6].
+struct UncertaintyEllipse {
+  std::string name;  // "hole 'a'", "crack 'c', point 2"
+  Vec2 at = Vec2::Zero(), semi_axes = Vec2::Zero();
+  double angle = 0;  // radians, of the first axis
+};
+
+/// chi2 = sum of |u(x_i) - m_i|^2 over the sensors, and where it is least.
+struct LeastSquares {
+  Eigen::VectorXd variables;
+  int readings = 0;               // components
+  double start = nan, end = nan;  // chi2, each on a mesh of its own
+  double noise = 0;               // given, or sqrt(end / (readings - variables that are free))
+  bool estimated = false;         // the latter
+  int steps = 0, state_solves = 0;
+  double optimality = nan;     // largest cosine between the misfit and a column of its derivative
+  Eigen::MatrixXd covariance;  // noise^2 (J'J)^-1; zero for variables that are fixed or at a bound
+  std::vector<UncertaintyEllipse> ellipses;
+  std::string stopped;  // why it ended, in words
+};
+
+/// Levenberg and Marquardt from `start` over the free variables of the design, within its bounds and the constraints
+/// that keep designs meshable [theory: I.4]. Derivatives are exact: difference quotients find the space that the
+/// columns of the derivative span, adjoints their components in it [theory: I.5]. Never ends with a larger sum than it
+/// began with. Faces of cracks that touch stay in touch in derivatives. Throws Error(Usage) for elements without
+/// derivatives, Error(Geometry) or Error(Numerics) when the start cannot be meshed or solved.
+LeastSquares least_squares(const Problem& problem, const OptimizeRequest& request, const Eigen::VectorXd& start,
+                           const Readings& readings);
+
+/// "sum of squares 0.012 to 3.4e-05 over 242 readings, noise 0.00051 (estimated)", and a line per variable with its
+/// deviation; `names` of the variables.
+std::vector<std::string> in_words(const LeastSquares& fit, const std::vector<std::string>& names);
+
+/// The fit with so many of what the design draws.
+struct Counted {
+  int count = 0;
+  Design design;             // its starts are what was found
+  LeastSquares fit = {};     // of none: no variables
+  double criterion = nan;    // of Bayes and Schwarz [theory: I.7]
+  std::string failure = {};  // why there is no fit; empty mostly
+};
+
+/// How many are there: fits with 0, 1, ... at_most copies of the one thing that the design draws, each begun from the
+/// map (initial_guess), until two in a row have not been better. `chosen` in `tried` is the least count that no larger
+/// one beats by 6. A count with a phantom is not chosen: a thing that is smaller than twice the deviation of its size,
+/// or as small as its box allows.
+struct Count {
+  std::vector<Counted> tried;
+  std::size_t chosen = 0;
+};
+Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most);
+/// "2 defects by the criterion of Bayes and Schwarz: 0: 812.4, 1: 130.2, 2: 101.0, ...".
+std::string in_words(const Count& count);
+/// `count` copies of the one thing that the design draws, named "<name>_1", ...; one keeps its name.
+Design copies(const Design& design, int count);
 
 }  // namespace kerf

@@ -88,6 +88,7 @@ struct OptimizeRequest {
   double volume_penalty = 0;             // J + penalty * area
   int max_iterations = 100;              // of the level set; state evaluations of the others
   double tolerance = 1e-3;               // relative change, KKT residual
+  int starts = 0;                        // designs to begin with, the given one first; 0: what is usual for the method
   double min_distance = 0;               // NLopt methods: between holes, and from holes to cracks and the outline
   std::vector<FunctionalBound> bounds;
   std::vector<LoadCase> load_cases;  // empty: the loads of the scene alone
@@ -150,6 +151,15 @@ struct Iterate {
 /// with a level set where that is not the last one. false: stop here.
 using Observer = std::function<bool(const Iterate&)>;
 
+/// One of several designs to begin with.
+struct StartTried {
+  Eigen::VectorXd from = {}, variables = {};  // NLopt methods: where it began, and what it had reached when it ended
+  double merit = nan, violation = nan;        // then; NaN: it could not be evaluated
+  bool in_full = false;                       // went on to the end; otherwise it was only ranked, on a coarse mesh
+  int state_solves = 0;
+  std::string failure = {};  // why it could not be evaluated; empty mostly
+};
+
 struct OptimizeResult {
   OptimizeMethod method = OptimizeMethod::LevelSet;
   int iterations = 0, state_solves = 0;
@@ -164,6 +174,7 @@ struct OptimizeResult {
   Shape shape;                     // the last one
   Scene scene;                     // of it: laws and regions may be fewer or more than those of the case
   Eigen::VectorXd variables = {};  // NLopt methods
+  std::vector<StartTried> starts;  // where there were several: ranked ones, then those that went on
 };
 
 // The loops.

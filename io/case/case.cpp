@@ -57,6 +57,18 @@ void read_output(const Value& document, Case& c) {
   take(*output, "html", c.output.html);
 }
 
+/// Of keys, and of the entries of lists that are no numbers.
+void note_places(const Node& node, const std::string& path, std::map<std::string, std::string>& places) {
+  const auto note = [&places](const std::string& at, const Node& value) {
+    places[at] = to_string(value.position);
+    note_places(value, at, places);
+  };
+  for (const Entry& entry : node.entries) note(path.empty() ? entry.key : path + "." + entry.key, entry.value);
+  for (std::size_t i = 0; i < node.items.size(); ++i)
+    if (const Node::Kind kind = node.items[i].kind; kind == Node::Kind::Table || kind == Node::Kind::String)
+      note(fmt::format("{}[{}]", path, i), node.items[i]);
+}
+
 }  // namespace
 
 Material elastic(const Value& table, double young, double poisson, bool in_plane_strain) {
@@ -91,22 +103,43 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   c.title = title ? text(*title) : c.name;
   read_shape(document, c);
   read_material(document, c);
-  std::vector<Loop> frozen = read_regions(document, c);
+  const std::vector<Loop> frozen = read_regions(document, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
   read_functional(document, path.parent_path(), definitions, c);
   read_mesh(document, c);
   read_solver(document, c);
   read_synthetic(document, c);
-  read_optimize(document, path.parent_path(), std::move(frozen), definitions, c);
+  read_optimize(document, path.parent_path(), frozen, definitions, c);
   check_all_used(definitions);
   read_map(document, c);
   read_probes(document, path.parent_path(), c);
   read_output(document, c);
   c.folder = path.parent_path();
   if (c.optimize) c.fingerprint = fingerprint(root, c.folder);
+  c.places[""] = path.string() + ":1:1";
+  note_places(root, "", c.places);
   c.document = std::make_shared<const Node>(std::move(root));
   return c;
+}
+
+std::string place_of(const Case& c, std::string key) {
+  while (true) {
+    if (const auto found = c.places.find(key); found != c.places.end()) return found->second;
+    const std::size_t last = key.find_last_of(".[");
+    key.erase(last == std::string::npos ? 0 : last);
+  }
+}
+
+Problem problem_of(const Case& c, int threads) {
+  return {.frame = c.shape,
+          .scene = c.scene,
+          .sizing = c.sizing,
+          .element = c.element,
+          .objective = c.functional,
+          .contact = c.contact,
+          .plane_strain = c.plane_strain,
+          .threads = threads};
 }
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include "io/case/formula.hpp"
 #include "io/case/measured.hpp"
+#include "io/case/table.hpp"
 #include "io/case/tip.hpp"
 #include "io/words.hpp"
 
@@ -210,14 +211,46 @@ void read_functional(const Value& document, const std::filesystem::path& folder,
   c.functional = table ? read_functional_table(*table, folder, definitions, c) : Functional{.terms = {energy()}};
 }
 
-std::optional<Value> synthetic_misfit(const Value& document) {
+namespace {
+
+/// All keys `measured` of [functional].
+std::vector<Value> all_measured(const Value& document) {
   const auto table = find_table(document, "functional");
-  if (!table) return std::nullopt;
-  std::vector<Value> tables = {*table};
+  if (!table) return {};
+  std::vector<Value> tables = {*table}, out;
   if (const auto terms = find(*table, "terms")) tables = items(*terms);
   for (const Value& part : tables)
-    if (const auto measured = find(part, "measured"); measured && is_synthetic(*measured)) return measured;
+    if (const auto measured = find(part, "measured")) out.push_back(*measured);
+  return out;
+}
+
+}  // namespace
+
+std::optional<Value> synthetic_misfit(const Value& document) {
+  for (const Value& measured : all_measured(document))
+    if (is_synthetic(measured)) return measured;
   return std::nullopt;
+}
+
+Readings read_readings(const Value& document, const std::filesystem::path& folder, const Value& blamed, const Case& c) {
+  Readings out;
+  for (const Term& term : c.functional.terms)
+    if (term.measured) out.label = term.measured->label;
+  const std::vector<Value> all = all_measured(document);
+  if (all.empty())
+    fail(blamed.node->position,
+         fmt::format("{} goes with measured displacements: kind = \"misfit\" in [functional]", blamed.name));
+  const Value& measured = all.front();
+  if (is_synthetic(measured)) return out;
+  if (measured.node->kind != Node::Kind::String)
+    fail(blamed.node->position, fmt::format("{} needs readings at points: measured = \"file.csv\" (columns "
+                                            "x,y,u_x,u_y) or \"synthetic\" in [functional]",
+                                            blamed.name));
+  for (const std::vector<double>& row : read_table(folder / text(measured), measured, {"x", "y", "u_x", "u_y"})) {
+    out.at.emplace_back(row[0], row[1]);
+    out.displacement.emplace_back(row[2], row[3]);
+  }
+  return out;
 }
 
 }  // namespace kerf

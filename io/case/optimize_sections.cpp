@@ -1,6 +1,6 @@
-#include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
+#include "optimize/refuse.hpp"
 
 #include <fmt/format.h>
 
@@ -99,38 +99,6 @@ StartHoles read_start(const Value& field, double size) {
   return start;
 }
 
-/// Points along all loops and cracks.
-std::vector<Vec2> points_along(const Shape& shape, double step) {
-  std::vector<Vec2> out;
-  const auto add = [&](const Vec2& a, const Vec2& b) {
-    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
-    for (int k = 0; k < pieces; ++k) out.push_back(a + (b - a) * k / pieces);
-  };
-  const auto add_loop = [&](const Loop& loop) {
-    const Polygon p = flatten(loop, 1e-3 * step, step);
-    for (std::size_t i = 0; i < p.points.size(); ++i) add(p.points[i], p.points[(i + 1) % p.points.size()]);
-  };
-  add_loop(shape.outline);
-  for (const auto* loops : {&shape.holes, &shape.regions})
-    for (const Loop& loop : *loops) add_loop(loop);
-  for (const Crack& crack : shape.cracks) {
-    if (crack.arc) {
-      const int pieces = std::max(1, static_cast<int>(std::ceil(path_length(crack) / step)));
-      const std::vector<Vec2> points = points_on(*crack.arc, pieces);
-      out.insert(out.end(), points.begin(), points.end());
-      continue;
-    }
-    for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) add(crack.points[i], crack.points[i + 1]);
-    out.push_back(crack.points.back());
-  }
-  return out;
-}
-
-Vec2 reflected(const Mirror& mirror, const Vec2& x) {
-  const Vec2 away = x - mirror.point;
-  return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;
-}
-
 Mirror read_mirror(const Value& field, const Case& c) {
   Mirror mirror;
   const std::string kind = one_of(field);
@@ -148,50 +116,8 @@ Mirror read_mirror(const Value& field, const Case& c) {
     mirror.direction = kind == "x" ? Vec2::UnitY() : Vec2::UnitX();
   }
   if (find_problem(c.shape)) return mirror;  // which is what the user will hear of
-  // The body must be its own mirror image: each point's image lies near some other point, as near as they lie.
-  const double size = extent(c.shape), step = 0.005 * size;
-  std::vector<Vec2> points = points_along(c.shape, step);
-  std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
-  for (const Vec2& x : points) {
-    const Vec2 image = reflected(mirror, x);
-    auto near = std::lower_bound(points.begin(), points.end(), image.x() - step,
-                                 [](const Vec2& p, double limit) { return p.x() < limit; });
-    while (near != points.end() && near->x() < image.x() + step && !((*near - image).norm() < step)) ++near;
-    if (near == points.end() || !(near->x() < image.x() + step))
-      fail(
-          field.node->position,
-          fmt::format("{}: the body is not its own mirror image about that line: nothing is drawn at ({:.6g}, {:.6g}), "
-                      "the image of ({:.6g}, {:.6g})",
-                      field.name, image.x(), image.y(), x.x(), x.y()));
-  }
+  if (const auto why = wrong_mirror(c.shape, mirror)) fail(field.node->position, field.name + ": " + *why);
   return mirror;
-}
-
-/// A mask may leave the body, but it must have an inside, some of the body in it and some outside.
-void check_frozen(const Value& field, const Loop& loop, const Case& c) {
-  Shape alone;
-  alone.outline = loop;
-  if (auto problem = find_problem(alone)) {
-    const std::string blamed = "the outline";
-    for (std::size_t at; (at = problem->find(blamed)) != std::string::npos;)
-      problem->replace(at, blamed.size(), "its border");
-    fail(field.node->position, fmt::format("{}: region {}: {}", field.name, quote(loop.name), *problem));
-  }
-  if (find_problem(c.shape)) return;  // which is what the user will hear of
-  const double step = 0.005 * extent(c.shape), own_step = 0.005 * extent(alone);
-  Shape body;
-  body.outline = c.shape.outline;
-  const std::vector<Vec2> border = points_along(body, step), mask = points_along(alone, own_step);
-  const auto count = [](const std::vector<Vec2>& points, const std::vector<Vec2>& polygon) {
-    return std::count_if(points.begin(), points.end(), [&](const Vec2& x) { return inside(polygon, x); });
-  };
-  const auto in_mask = count(border, mask);
-  if (in_mask == 0 && count(mask, border) == 0)
-    fail(field.node->position,
-         fmt::format("{}: region {} lies outside the body: there is nothing to freeze", field.name, quote(loop.name)));
-  if (in_mask == static_cast<std::ptrdiff_t>(border.size()))
-    fail(field.node->position,
-         fmt::format("{}: region {} covers the whole body: nothing is left to design", field.name, quote(loop.name)));
 }
 
 void read_level_set(const Value& table, const std::filesystem::path& folder, std::vector<Loop> frozen, const Case& c,
@@ -221,27 +147,10 @@ void read_level_set(const Value& table, const std::filesystem::path& folder, std
       if (std::find(seen.begin(), seen.end(), name) != seen.end())
         fail(item.node->position, fmt::format("{}: region {} appears twice", item.name, quote(name)));
       seen.push_back(name);
-      check_frozen(item, *std::find_if(frozen.begin(), frozen.end(), [&](const Loop& l) { return l.name == name; }), c);
+      r.frozen.push_back(*std::find_if(frozen.begin(), frozen.end(), [&](const Loop& l) { return l.name == name; }));
+      if (const auto why = wrong_mask(c.shape, r.frozen.back())) fail(item.node->position, item.name + ": " + *why);
     }
   }
-  r.frozen = std::move(frozen);
-}
-
-/// Without anything that holds the volume down, the full body is best for what only loses by holes.
-void require_volume(const Value& table, const Case& c, const OptimizeRequest& r) {
-  if (r.volume_at_most || r.volume_penalty > 0) return;
-  const auto& terms = c.functional.terms;
-  const bool stiffness = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.work && t.factor > 0; });
-  if (stiffness)
-    fail(table.node->position,
-         "[optimize]: without volume = { at_most = ... } or { penalty = ... } the full body has the least compliance, "
-         "and "
-         "there is nothing to optimize; add one of them");
-  const bool area = std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.volume; });
-  if (area && r.bounds.empty())
-    fail(table.node->position,
-         "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body "
-         "has to bear, such as kind = \"compliance\" with at_most");
 }
 
 std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesystem::path& folder,
@@ -274,24 +183,38 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
   return bounds;
 }
 
-/// Terms that know one set of loads only.
-void check_load_cases(const Value& document, const Case& c, const OptimizeRequest& r) {
-  if (r.load_cases.empty()) return;
-  const Position& position = find_tables(document, "load_case").front().node->position;
-  const bool forces = std::any_of(r.load_cases.begin(), r.load_cases.end(),
-                                  [](const LoadCase& load_case) { return static_cast<bool>(load_case.body); });
-  const auto check = [&](const Functional& j) {
-    for (const Term& term : j.terms) {
-      if (term.measured)
-        fail(position, "[[load_case]]: a misfit belongs to one set of loads; write them as [[boundary]] and [body]");
-      if (term.feature_radius > 0 && forces)
-        fail(position,
-             "[[load_case]]: energy_release_rate takes no body forces of load cases; write the loads as "
-             "[[boundary]] and [body]");
-    }
-  };
-  check(c.functional);
-  for (const FunctionalBound& bound : r.bounds) check(bound.functional);
+/// least_squares and defects: how an inverse problem ends.
+void read_fit(const Value& document, const Value& table, const std::filesystem::path& folder, const OptimizeRequest& r,
+              Case& c) {
+  const auto squares = find(table, "least_squares"), defects = find(table, "defects");
+  FitRequest fit;
+  if (defects) {
+    if (defects->node->kind != Node::Kind::Table)
+      fail(defects->node->position, defects->name + " must be { at_most = 5 }");
+    allow_only(*defects);
+    fit.defects_at_most = whole_number(need(*defects, "at_most"));
+    if (r.design.drawn.size() != 1 || !r.design.drawn[0].from_map)
+      fail(defects->node->position,
+           defects->name +
+               " goes with one [[optimize.hole]], [[optimize.crack]] or [[optimize.region]] with start = "
+               "\"map\", of which it makes copies");
+  }
+  bool wanted = defects.has_value();
+  if (squares && squares->node->kind == Node::Kind::Table) {
+    allow_only(*squares);
+    take(*squares, "noise", fit.noise);
+    wanted = true;
+  } else if (squares && squares->node->kind == Node::Kind::Boolean) {
+    if (!squares->node->boolean && defects)
+      fail(squares->node->position, squares->name + " = false does not go with defects, which are counted by it");
+    wanted = wanted || squares->node->boolean;
+  } else if (squares) {
+    fail(squares->node->position, squares->name + " must be true, false or { noise = 1e-4 }");
+  }
+  if (!wanted) return;
+  c.readings = read_readings(document, folder, defects ? *defects : *squares, c);
+  c.readings.noise = fit.noise;
+  c.fit = fit;
 }
 
 void refuse_keys_of_other_methods(const Value& table, OptimizeMethod method) {
@@ -311,7 +234,7 @@ void refuse_keys_of_other_methods(const Value& table, OptimizeMethod method) {
 
 }  // namespace
 
-void read_optimize(const Value& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
+void read_optimize(const Value& document, const std::filesystem::path& folder, const std::vector<Loop>& frozen,
                    Definitions& definitions, Case& c) {
   std::vector<LoadCase> load_cases = read_load_cases(document, definitions, c);
   const auto found = find_table(document, "optimize");
@@ -335,26 +258,20 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, s
   if (const auto volume = find(table, "volume")) read_volume(*volume, r);
   take(table, "max_iterations", r.max_iterations);
   take(table, "tolerance", r.tolerance);
+  take(table, "starts", r.starts);
   r.bounds = read_bounds(table, folder, definitions, c);
   r.load_cases = std::move(load_cases);
-  check_load_cases(document, c, r);
+  if (const auto why = wrong_load_cases(c.functional, r))
+    fail(find_tables(document, "load_case").front().node->position, *why);
   if (level_set) {
     read_level_set(table, folder, std::move(frozen), c, r);
-    require_volume(table, c, r);
   } else {
     if (const auto distance = find(table, "min_distance")) r.min_distance = length(*distance, extent(c.shape));
     r.design = read_design(table, c);
-    if (r.design.drawn.empty())
-      fail(table.node->position, fmt::format("[optimize]: method = \"{}\" needs something that it can move: add "
-                                             "[[optimize.hole]], [[optimize.crack]] or [[optimize.region]], or use "
-                                             "method = \"level-set\"",
-                                             word(r.method)));
-    const bool free = std::any_of(r.design.drawn.begin(), r.design.drawn.end(),
-                                  [](const Drawn& d) { return (d.lower.array() < d.upper.array()).any(); });
-    if (!free)
-      fail(table.node->position,
-           "[optimize]: every variable of the design is fixed; give at least one a box [low, high]");
+    read_fit(document, table, folder, r, c);
   }
+  for (const auto& why : {wrong_volume(c.functional, r), wrong_design(r)})
+    if (why) fail(table.node->position, *why);
   c.optimize = std::move(r);
 }
 

@@ -42,6 +42,10 @@ Functional read_functional_table(const Value& table, const std::filesystem::path
 /// The key `measured` of [functional] that asks for synthetic data.
 std::optional<Value> synthetic_misfit(const Value& document);
 
+/// The readings behind a misfit: of its table of measured displacements; none of synthetic ones, which are made up
+/// later. `blamed` is told where there is no misfit, or one that is no table.
+Readings read_readings(const Value& document, const std::filesystem::path& folder, const Value& blamed, const Case& c);
+
 /// [synthetic]. After [functional], [mesh] and [solver].
 void read_synthetic(const Value& document, Case& c);
 
@@ -49,7 +53,7 @@ void read_synthetic(const Value& document, Case& c);
 std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c);
 
 /// [optimize] with [[load_case]]. After all that these refer to; `frozen` comes from read_regions.
-void read_optimize(const Value& document, const std::filesystem::path& folder, std::vector<Loop> frozen,
+void read_optimize(const Value& document, const std::filesystem::path& folder, const std::vector<Loop>& frozen,
                    Definitions& definitions, Case& c);
 
 /// [[optimize.hole]], [[optimize.crack]] and [[optimize.region]].

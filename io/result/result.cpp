@@ -192,20 +192,64 @@ Json validate_section(const ValidationResult& validation) {
   return points;
 }
 
+Json numbers_of(const Eigen::VectorXd& x) {
+  Json out = Json::array();
+  for (const double value : x) out.push_back(number(value));
+  return out;
+}
+
 Json identified_section(const std::vector<Identified>& all) {
-  const auto values = [](const Eigen::VectorXd& x) {
-    Json out = Json::array();
-    for (const double value : x) out.push_back(number(value));
-    return out;
-  };
   Json out = Json::array();
   for (const Identified& i : all)
     out.push_back({{"name", i.name},
-                   {"found", values(i.found)},
+                   {"found", numbers_of(i.found)},
                    {"truth", i.truth},
-                   {"exact", values(i.exact)},
+                   {"exact", numbers_of(i.exact)},
                    {"position_error", i.truth.empty() ? Json(nullptr) : number(i.position_error)},
                    {"size_error", i.truth.empty() ? Json(nullptr) : number(i.size_error)}});
+  return out;
+}
+
+Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
+  Json out = {{"readings", fit.readings},         {"start", number(fit.start)},           {"end", number(fit.end)},
+              {"noise", number(fit.noise)},       {"estimated", fit.estimated},           {"steps", fit.steps},
+              {"state_solves", fit.state_solves}, {"optimality", number(fit.optimality)}, {"stopped", fit.stopped}};
+  for (Eigen::Index i = 0; i < fit.variables.size(); ++i)
+    out["variables"].push_back({{"name", names.variables.at(static_cast<std::size_t>(i))},
+                                {"value", number(fit.variables[i])},
+                                {"deviation", number(std::sqrt(fit.covariance(i, i)))}});
+  for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i)
+    out["covariance"].push_back(numbers_of(fit.covariance.row(i).transpose()));
+  for (const UncertaintyEllipse& e : fit.ellipses)
+    out["ellipses"].push_back({{"name", e.name},
+                               {"at", place(e.at)},
+                               {"semi_axes", place(e.semi_axes)},
+                               {"angle_deg", number(e.angle * 180 / pi)},
+                               {"probability", 0.95}});
+  return out;
+}
+
+Json count_section(const Count& count) {
+  Json out = {{"count", count.tried.at(count.chosen).count}, {"tried", Json::array()}};
+  for (const Counted& one : count.tried) {
+    Json row = {{"count", one.count},
+                {"criterion", number(one.criterion)},
+                {"squares", number(one.fit.end)},
+                {"variables", numbers_of(one.fit.variables)}};
+    if (!one.failure.empty()) row["failure"] = one.failure;
+    out["tried"].push_back(std::move(row));
+  }
+  return out;
+}
+
+Json starts_section(const std::vector<StartTried>& starts) {
+  Json out = Json::array();
+  for (const StartTried& t : starts) {
+    Json row = {{"from", numbers_of(t.from)},       {"reached", numbers_of(t.variables)}, {"merit", number(t.merit)},
+                {"violation", number(t.violation)}, {"state_solves", t.state_solves},     {"in_full", t.in_full}};
+    if (!t.failure.empty()) row["failure"] = t.failure;
+    out.push_back(std::move(row));
+  }
   return out;
 }
 
@@ -249,6 +293,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   for (std::size_t i = 0; i < std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size())); ++i)
     out["variables"].push_back(
         {{"name", names.variables[i]}, {"value", number(o.variables[static_cast<Eigen::Index>(i)])}});
+  if (!o.starts.empty()) out["starts"] = starts_section(o.starts);
   if (!o.notes.empty()) out["notes"] = o.notes;
   return out;
 }
@@ -272,6 +317,8 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.map) out["map"] = map_section(*result.map);
   if (result.validate) out["validate"] = validate_section(*result.validate);
   if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
+  if (result.fit) out["optimize"]["least_squares"] = fit_section(*result.fit, result.optimize_names);
+  if (result.counted) out["optimize"]["defects"] = count_section(*result.counted);
   if (!result.identified.empty()) out["optimize"]["identified"] = identified_section(result.identified);
   out["time_s"] = time_section(result.seconds);
   out["peak_memory_mb"] = number(result.peak_memory_mb);

@@ -262,6 +262,9 @@ std::string summary(const Result& result) {
   if (result.map) add_map(out, *result.map);
   if (result.validate) add_validation(out, *result.validate);
   if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names);
+  if (result.fit)
+    for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))
+      add_sentence(out, "fit", line);
   for (const Identified& i : result.identified) add_sentence(out, "found", in_words(i));
   add_times(out, result);
   return out;

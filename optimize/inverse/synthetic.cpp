@@ -107,7 +107,6 @@ Measurement measure(const Synthetic& s, int threads) {
 
   Measurement out;
   std::vector<std::size_t> at_joint(static_cast<std::size_t>(data->line.joints), std::size_t(-1));
-  std::vector<bool> known;  // no noise
   for (const BoundaryCurve& curve : data->line.curves) {
     const double length = curve.arc.back();
     const double wanted = std::max(1.0, std::round(length / spacing));
@@ -123,8 +122,8 @@ Measurement measure(const Synthetic& s, int threads) {
         sensor = out.at.size();
         out.at.push_back(point_at(curve, length * i / intervals));
         out.exact.push_back(trace_at(model, state, edges, length, out.at.back()));
-        known.push_back((i == 0 && is_supported(s.true_scene, curve.beside[0])) ||
-                        (i == intervals && is_supported(s.true_scene, curve.beside[1])));
+        out.known.push_back((i == 0 && is_supported(s.true_scene, curve.beside[0])) ||
+                            (i == intervals && is_supported(s.true_scene, curve.beside[1])));
         if (joint != none) at_joint[static_cast<std::size_t>(joint)] = sensor;
       }
       samples.sensor.push_back(sensor);
@@ -135,14 +134,24 @@ Measurement measure(const Synthetic& s, int threads) {
   out.scale = std::sqrt(out.scale / (2.0 * static_cast<double>(out.exact.size())));
   const std::vector<double> noise = normal_numbers(s.seed, 2 * out.at.size());
   for (std::size_t i = 0; i < out.at.size(); ++i)
-    out.displacement.push_back(known[i] ? out.exact[i]
-                                        : out.exact[i] + s.noise * out.scale * Vec2(noise[2 * i], noise[2 * i + 1]));
+    out.displacement.push_back(
+        out.known[i] ? out.exact[i] : out.exact[i] + s.noise * out.scale * Vec2(noise[2 * i], noise[2 * i + 1]));
   data->u = out.displacement;
   out.field = [data](const Vec2& x, const Vec2&) {
     const Place place = nearest_place(data->line, x);
     return interpolate(data->samples[static_cast<std::size_t>(place.curve)], data->u, place.arc);
   };
   return out;
+}
+
+Readings readings_of(const Measurement& m, const Synthetic& s) {
+  Readings r{.label = s.label, .at = {}, .displacement = {}, .noise = s.noise * m.scale};
+  for (std::size_t i = 0; i < m.at.size(); ++i)
+    if (!m.known[i]) {
+      r.at.push_back(m.at[i]);
+      r.displacement.push_back(m.displacement[i]);
+    }
+  return r;
 }
 
 Functional with_measured(Functional j, Index label, const BoundaryField& measured) {

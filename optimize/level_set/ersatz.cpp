@@ -15,8 +15,6 @@ Material weak_material(const Material& solid, double share) {
 
 Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const BackgroundMesh& background,
                           const Eigen::VectorXd& phi) {
-  if (!p.frame.regions.empty())
-    throw Error(Fault::Usage, "a weak phase (optimize.ersatz) does not go with [[region]]: remove one of them");
   Mesh mesh = background.mesh;
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

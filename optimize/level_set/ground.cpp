@@ -101,15 +101,6 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   Ground g{.p = p, .r = r};
   const LevelSetRequest& how = r.level_set;
   const double of_volume = price_of_volume(p, r);
-  if (!r.volume_at_most && !(r.volume_penalty > 0) && !(of_volume > 0 && !r.bounds.empty()))
-    throw Error(
-        Fault::Usage,
-        "a level set needs optimize.volume: { at_most = ... } or { penalty = ... }; or kind = \"volume\" under an "
-        "[[optimize.bound]]");
-  require(p.element, can_optimize);
-  if (how.ersatz > 0 && how.move != LevelSetRequest::Move::FixedPoint)
-    throw Error(Fault::Usage,
-                "a weak phase (optimize.ersatz) is moved by the fixed point only: move = \"fixed-point\"");
   g.size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
   g.price = of_volume + r.volume_penalty;
   g.limited = r.volume_at_most && *r.volume_at_most < 1;

@@ -2,6 +2,7 @@
 #include "optimize/level_set/end.hpp"
 #include "optimize/level_set/finishing.hpp"
 #include "optimize/level_set/starts.hpp"
+#include "optimize/refuse.hpp"
 
 #include <fmt/core.h>
 
@@ -132,6 +133,7 @@ bool LevelSetRun::restore() {
 
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place) {
+  refuse_wrong(p, r);
   return LevelSetRun(p, r, see, place).run();
 }
 

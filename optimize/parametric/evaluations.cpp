@@ -4,6 +4,7 @@
 #include "kerf/shape_gradient.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/parametric/followers.hpp"
+#include "optimize/parametric/start.hpp"
 #include "solver/system.hpp"
 #include "topo/young_gradient.hpp"
 
@@ -65,23 +66,6 @@ std::optional<std::string> why_blind(const Problem& p, const Design& d) {
   return refusal(p.element, can_optimize);
 }
 
-/// A tip that moves leaves the ring of its functional behind.
-void refuse_moving_tips(const Functional& j, const Design& d) {
-  for (const Term& term : j.terms) {
-    if (!(term.feature_radius > 0)) continue;
-    for (const Drawn& one : d.drawn) {
-      if (shape_of(one).part != BodyPart::Crack) continue;
-      for (Eigen::Index i = 0; i < one.start.size(); i += 2)
-        if ((one.start.segment<2>(i) - term.feature).norm() < term.feature_radius &&
-            one.lower.segment<2>(i) != one.upper.segment<2>(i))
-          throw Error(Fault::Usage,
-                      fmt::format("{} moves with the design, and the ring of \"{}\" around its tip does not: fix that "
-                                  "point of the crack, or take the tip of another crack",
-                                  name(one), term.kind));
-    }
-  }
-}
-
 }  // namespace
 
 struct Evaluations::Impl {
@@ -113,21 +97,6 @@ struct Evaluations::Impl {
       loads[l].tractions = scenes[l].tractions;
       loads[l].body = scenes[l].body;
     }
-    std::vector<Forbidden> forbidden;
-    const auto look_at = [&](const Functional& j) {
-      refuse_moving_tips(j, design);
-      for (const Term& term : j.terms)
-        if (term.measured && !r.load_cases.empty())
-          throw Error(Fault::Usage,
-                      "a misfit compares with displacements that one load caused: leave out the load cases");
-      for (const Term& term : j.terms)
-        if (term.feature_radius > 0)
-          forbidden.push_back(
-              {fmt::format("the ring of {} at ({:.4g}, {:.4g})", term.kind, term.feature.x(), term.feature.y()),
-               term.feature, term.feature_radius});
-    };
-    look_at(p.objective);
-    for (const FunctionalBound& bound : r.bounds) look_at(bound.functional);
     if (r.volume_at_most) names.push_back(fmt::format("the volume fraction exceeds {:g}", *r.volume_at_most));
     for (const FunctionalBound& bound : r.bounds) {
       for (const LoadCase& load : loads)
@@ -135,8 +104,7 @@ struct Evaluations::Impl {
                                     loads.size() > 1 ? fmt::format(" under {}", load.name) : ""));
       bound_scale.push_back(std::abs(bound.at_most));
     }
-    const double size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
-    geometric = kerf::constraints(design, p, r.min_distance > 0 ? r.min_distance : size / 2, forbidden);
+    geometric = kerf::constraints(design, p, least_distance(p, r), forbidden_discs(p, r));
     for (const Constraint& c : geometric) names.push_back(c.name);
     blind = why_blind(p, design);
   }
@@ -346,6 +314,35 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
     s.last.reset();
   }
   return result;
+}
+
+Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& reading, const Asked& asked) {
+  Impl& s = *impl_;
+  Response out;
+  try {
+    if (s.bases.empty()) s.bases.push_back({x, build(s.design, x, s.problem, body_of(s.design, x, s.problem).shape)});
+    const Base::Built& base = s.built(*s.nearest(x));
+    std::optional<Mesh> mesh = moved(base, s.design, x);
+    if (!mesh) throw Error(Fault::Geometry, "the mesh cannot follow the design so far");
+    Model model =
+        prepare(std::move(*mesh), s.problem.element, body_of(s.design, x, s.problem).scene, s.problem.threads);
+    const State state = kerf::solve(model, s.problem.contact);
+    if (!certified(state)) throw Error(Fault::Numerics, "the state could not be solved for");
+    out.values = reading(model, state);
+    if (!asked) return out;
+    const std::vector<Functional> functionals = asked(model);
+    out.gradients.resize(x.size(), static_cast<Eigen::Index>(functionals.size()));
+    for (std::size_t k = 0; k < functionals.size(); ++k) {
+      VectorXd by;
+      s.value_of(functionals[k], model, state, base, x, &by);
+      out.gradients.col(static_cast<Eigen::Index>(k)) = by;
+    }
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    out.failure = error.what();
+    out.fault = error.fault;
+  }
+  return out;
 }
 
 void Evaluations::replay(const DesignEvaluation& known) {

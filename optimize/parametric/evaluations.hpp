@@ -37,8 +37,7 @@ struct SolvedDesign {
 /// function with an exact derivative. Where that would leave angles below 13 degrees, a fresh mesh is made.
 class Evaluations {
  public:
-  /// Both must outlive it. Throws Error(Usage) for what cannot be optimized: check_design; functionals of a tip that
-  /// moves; a misfit together with load cases.
+  /// Both must outlive it. Throws Error(Usage) as check_design does; what else cannot be optimized, refuse_wrong says.
   Evaluations(const Problem& problem, const OptimizeRequest& request);
   ~Evaluations();
 
@@ -51,6 +50,19 @@ class Evaluations {
   void begin_round();
   /// Designs that cannot be drawn, meshed or solved come back with Evaluation::failure, and what is known of them.
   DesignEvaluation evaluate(const Eigen::VectorXd& x, bool gradients);
+  /// Numbers read off the state of a design, and derivatives by x of functionals of it, one column each, exact as those
+  /// of `evaluate`. Under the loads of the scene. On the mesh of the nearest design of the round, moved: `failure`
+  /// where that cannot be, or where the state cannot be solved for; a round's first design is meshed.
+  struct Response {
+    Eigen::VectorXd values;
+    Eigen::MatrixXd gradients;  // variables x functionals
+    std::string failure = {};
+    Fault fault = Fault::Geometry;
+  };
+  using Reading = std::function<Eigen::VectorXd(const Model&, const Field&)>;
+  using Asked = std::function<std::vector<Functional>(const Model&)>;
+  Response respond(const Eigen::VectorXd& x, const Reading& reading, const Asked& asked = {});
+
   /// Takes note of an evaluation that an earlier run made, instead of making it.
   void replay(const DesignEvaluation& known);
   /// The body of a design of this round or the one before and its state, solved for again unless it was the last one to

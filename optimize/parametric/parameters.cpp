@@ -3,6 +3,9 @@
 #include "optimize/checkpoint.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/parametric/evaluations.hpp"
+#include "optimize/parametric/start.hpp"
+#include "optimize/parametric/starts.hpp"
+#include "optimize/refuse.hpp"
 
 #include <fmt/core.h>
 
@@ -62,6 +65,25 @@ DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   return t;
 }
 
+VectorXd packed(const StartTried& t) {
+  VectorXd v(5 + t.from.size() + t.variables.size());
+  v << t.merit, t.violation, t.in_full ? 1 : 0, t.state_solves, static_cast<double>(t.from.size()), t.from, t.variables;
+  return v;
+}
+
+StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
+  const Eigen::Index n = v.size() < 5 ? 0 : static_cast<Eigen::Index>(v[4]);
+  if (n < 1 || v.size() < 5 + n)
+    throw Error(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
+  return {.from = v.segment(5, n),
+          .variables = v.tail(v.size() - 5 - n),
+          .merit = v[0],
+          .violation = v[1],
+          .in_full = v[2] != 0,
+          .state_solves = static_cast<int>(v[3]),
+          .failure = failure};
+}
+
 double violation_of(const Evaluation& e) {
   return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
 }
@@ -96,6 +118,7 @@ class Rounds {
   bool look_at(const Evaluation& e, double kkt);
   void show(const Iteration& row, const DesignEvaluation& design);
   void keep();
+  void write();
   void restore();
   Program program(std::optional<DesignEvaluation>& begun);
   std::optional<DesignEvaluation> begin_round(int round, const VectorXd& x, Minimum& found);
@@ -105,6 +128,8 @@ class Rounds {
   bool wants_gradients() const {
     return request_.method != OptimizeMethod::Cobyla;
   }
+  VectorXd begin();
+  VectorXd best_of_starts(const VectorXd& given);
   int left() const {  // of the evaluations
     return request_.max_iterations - static_cast<int>(next_);
   }
@@ -153,8 +178,6 @@ void Rounds::restore() {
 /// Everything that was evaluated so far goes to disk.
 void Rounds::keep() {
   if (place_.path.empty() || done_.empty()) return;
-  checkpoint_.fingerprint = place_.fingerprint;
-  checkpoint_.texts["method"] = word(request_.method);
   if (checked_) {
     checkpoint_.texts["checked"] = *checked_;
     checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);
@@ -163,6 +186,13 @@ void Rounds::keep() {
   const std::string key = fmt::format("trial {:06}", i);
   checkpoint_.numbers[key] = packed(done_[i]);
   if (!done_[i].evaluation.failure.empty()) checkpoint_.texts[key] = done_[i].evaluation.failure;
+  write();
+}
+
+void Rounds::write() {
+  if (place_.path.empty()) return;
+  checkpoint_.fingerprint = place_.fingerprint;
+  checkpoint_.texts["method"] = word(request_.method);
   write_checkpoint(place_.path, checkpoint_);
 }
 
@@ -320,17 +350,49 @@ std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x
   return begun;
 }
 
+/// The start of the design; where that cannot be drawn, the nearest one that can.
+VectorXd Rounds::begin() {
+  const VectorXd given = start_of(request_.design);
+  std::string obstacle;
+  const std::optional<VectorXd> x = repaired(given, problem_, request_, &obstacle);
+  if (!x) return given;
+  if (*x != given) result_.notes.push_back(fmt::format("the start was moved to where it can be drawn: {}", obstacle));
+  return *x;
+}
+
+/// Where the best of several starts has got to; from the checkpoint where it is there.
+VectorXd Rounds::best_of_starts(const VectorXd& given) {
+  const auto key = [](std::size_t i) { return fmt::format("start {:06}", i); };
+  std::vector<StartTried>& all = result_.starts;
+  for (std::size_t i = 0; checkpoint_.numbers.contains(key(i)); ++i) {
+    const auto failure = checkpoint_.texts.find(key(i));
+    all.push_back(
+        start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
+  }
+  if (all.empty()) all = try_starts(problem_, request_, given);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    checkpoint_.numbers[key(i)] = packed(all[i]);
+    if (!all[i].failure.empty()) checkpoint_.texts[key(i)] = all[i].failure;
+    state_solves_ += all[i].state_solves;
+  }
+  write();
+  const auto best = std::ranges::find_if(all, [](const StartTried& t) { return t.in_full; });
+  if (best == all.end() || best->variables.size() != given.size())
+    throw Error(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
+  result_.notes.push_back(
+      fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}",
+                  all.size(), best - all.begin() + 1, best->merit,
+                  std::isnan(all[0].merit) ? "nothing: " + all[0].failure : fmt::format("{:.6g}", all[0].merit)));
+  return best->variables;
+}
+
 OptimizeResult Rounds::run() {
   restore();
   const OptimizeMethod method = request_.method;
-  if (wants_gradients() && evaluations_.blind())
-    throw Error(Fault::Usage, fmt::format("method \"{}\" needs derivatives: {}; or use method = \"cobyla\"",
-                                          word(method), *evaluations_.blind()));
-  if (request_.max_iterations < 1)
-    throw Error(Fault::Usage, "the optimization may not evaluate anything; raise max_iterations");
   std::optional<DesignEvaluation> begun;
   const Program asked = program(begun);
-  VectorXd x = start_of(request_.design);
+  VectorXd x = begin();
+  if (request_.starts > 1) x = best_of_starts(x);
   Minimum found;
   std::size_t best = 0;  // row of the history
   double scale = 0;      // of derivatives, at the start of all
@@ -397,6 +459,7 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
 
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
                                    const CheckpointPlace& place) {
+  refuse_wrong(problem, request);
   return Rounds(problem, request, see, place).run();
 }
 

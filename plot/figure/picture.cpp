@@ -115,6 +115,14 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   for (const auto& line : picture.rollers) draw_support(pen, layout, line, false);
   for (const auto& line : picture.supports) draw_support(pen, layout, line, true);
   for (const auto& [from, to] : picture.arrows) draw_arrow(pen, layout.place(from), layout.place(to));
+  for (const Trace& one : picture.traces) {
+    constexpr double dash[] = {14, 9};
+    cairo_set_dash(pen, dash, one.dashed ? 2 : 0, 0);
+    cairo_new_path(pen);
+    trace(pen, layout, one.line);
+    stroke(pen, one.width, one.rgb);
+  }
+  cairo_set_dash(pen, nullptr, 0, 0);
 }
 
 bool apart(const Box& a, const Box& b) {

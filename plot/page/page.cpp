@@ -152,7 +152,8 @@ std::string mesh_and_state(const Result& result) {
     if (s.displacement) add_peak(facts, "largest displacement", *s.displacement);
     if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
     if (s.energy_bounds)
-      facts.add(s.of_polygon ? "energy of the polygon between" : "energy between", pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
+      facts.add(s.of_polygon ? "energy of the polygon between" : "energy between",
+                pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
     if (result.functional) {
       facts.add("functional " + result.functional->kind, pretty(result.functional->value));
       for (const auto& term : result.functional->terms)
@@ -250,8 +251,8 @@ std::string validation_section(const ValidationResult& validation, const std::st
     out += fmt::format("<p class=\"note{}\">{}</p>\n", v.verdict == Verdict::Fails ? " bad" : "",
                        escape_html(sentence(v)));
     if (rows.size() < most_rows)
-      rows.push_back({at(v.at), std::string(word(v.verdict)), pretty(v.coefficient), pretty(v.intercept), pretty(v.order),
-                      pretty(v.plateau), pretty(v.c2), pretty(v.c3)});
+      rows.push_back({at(v.at), std::string(word(v.verdict)), pretty(v.coefficient), pretty(v.intercept),
+                      pretty(v.order), pretty(v.plateau), pretty(v.c2), pretty(v.c3)});
   }
   out += table({"point", "expansion", "T", "intercept", "order", "plateau", "c<sub>2</sub>", "c<sub>3</sub>"}, rows);
   out +=
@@ -342,13 +343,16 @@ void write_page(const std::filesystem::path& path, const Result& result,
   for (const auto& [caption, file] : pictures) {
     const std::string text = escape_html(caption);
     const std::string name = file.filename().string();
-    (name == "validate.png"                             ? validation_figure
-     : name == "evolution.png" || name == "history.png" ? optimize_figures
-                                                        : out) +=
+    (name == "validate.png"                                                    ? validation_figure
+     : name == "evolution.png" || name == "history.png" || name == "found.png" ? optimize_figures
+                                                                               : out) +=
         fmt::format("<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
                     text, base64(read_file(file)), text);
   }
   if (result.optimize) out += optimize_section(*result.optimize, result.optimize_names, optimize_figures);
+  if (result.fit)
+    for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))
+      out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(line));
   for (const Identified& i : result.identified)
     out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(in_words(i)));
   out += mesh_and_state(result) + contact_and_cracks(result);

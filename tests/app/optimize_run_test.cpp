@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -357,6 +358,61 @@ TEST_F(Optimize, WhatCannotBeDoneIsSaid) {
   EXPECT_EQ(result("bad")["status"], "infeasible");
   EXPECT_FALSE(result("bad")["optimize"]["feasible"].get<bool>());
   EXPECT_TRUE(fs::exists(folder / "bad/report.html"));
+}
+
+// An inverse problem: how many, where, how sure.
+TEST_F(Optimize, ReadingsAreFittedAndCounted) {
+  write("a.toml", R"([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["bottom", "m", "m", "m"]
+[material]
+young = 1
+poisson = 0.3
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "m"
+traction = ["0.5*nx", "ny"]
+[mesh]
+size = 0.1
+[functional]
+kind = "misfit"
+on = "m"
+measured = "synthetic"
+[synthetic]
+element = "p2"
+noise = 0.01
+spacing = 0.05
+[[synthetic.hole]]
+name = "true"
+circle = { center = [0.6, 0.55], radius = 0.12 }
+[optimize]
+method = "mma"
+max_iterations = 15
+tolerance = 0.05
+defects = { at_most = 2 }
+[[optimize.hole]]
+name = "h"
+circle = { center = [[0.2, 0.8], [0.2, 0.8]], radius = [0.05, 0.2] }
+start = "map"
+)");
+  ASSERT_EQ(kerf({"optimize", "a.toml"}), 0) << error();
+  const json optimize = result("out/a")["optimize"];
+  EXPECT_EQ(optimize["defects"]["count"], 1);
+  EXPECT_GE(optimize["defects"]["tried"].size(), 2u);
+  const json& fit = optimize["least_squares"];
+  EXPECT_LE(fit["end"].get<double>(), fit["start"].get<double>());
+  ASSERT_EQ(fit["variables"].size(), 3u);
+  EXPECT_EQ(fit["variables"][0]["name"], "h.x");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(optimize["variables"][i]["value"], fit["variables"][i]["value"]);
+    const double truth[] = {0.6, 0.55, 0.12};
+    EXPECT_LT(std::abs(fit["variables"][i]["value"].get<double>() - truth[i]),
+              4 * fit["variables"][i]["deviation"].get<double>());
+  }
+  EXPECT_EQ(fit["ellipses"][0]["name"], "hole 'h'");
+  EXPECT_TRUE(fs::exists(folder / "out/a/found.png"));
 }
 
 }  // namespace

@@ -79,6 +79,8 @@ OptimizeRequest hole(const Eigen::Vector3d& start, const Eigen::Vector3d& low, c
   return r;
 }
 
+void expect_same(const OptimizeResult& a, const OptimizeResult& b);
+
 OptimizeResult quietly(const Problem& p, const OptimizeRequest& r) {
   return optimize_parameters(p, r, {}, {});
 }
@@ -219,7 +221,7 @@ TEST(Parameters, LoadCasesAddUp) {
 
 TEST(Parameters, ImpossibleConstraintsEndInfeasible) {
   OptimizeRequest r = hole({0, 0, 0.15}, {-0.3, -0.3, 0.1}, {0.3, 0.3, 0.3});
-  r.volume_at_most = 0.5;  // a hole of radius 0.3 leaves 0.93
+  r.bounds = {{"compliance", {"compliance", {compliance()}}, 0.5}};  // the full plate has several times that
   r.max_iterations = 25;
   const OptimizeResult found = quietly(plate(), r);
   EXPECT_FALSE(found.feasible);
@@ -262,13 +264,51 @@ TEST(Parameters, WhatDoesNotFitIsRefused) {
   r.design.drawn[0].start[2] = 0.05;
   EXPECT_THROW(quietly(p, r), Error);
   r = hole({0.95, 0, 0.15}, {-0.3, -0.3, 0.1}, {1, 0.3, 0.3});  // crosses the outline
-  try {
-    quietly(p, r);
-    ADD_FAILURE();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.fault, Fault::Geometry);
-    EXPECT_NE(std::string(e.what()).find("start of the design"), std::string::npos) << e.what();
+  r.max_iterations = 3;
+  const OptimizeResult moved = quietly(p, r);
+  EXPECT_EQ(moved.notes.front().rfind("the start was moved to where it can be drawn: hole 'h'", 0), 0u)
+      << moved.notes.front();
+  EXPECT_LT(moved.history.front().variables[0] + moved.history.front().variables[2], 1 - p.sizing.size / 2);
+  r.design.drawn[0].lower[0] = 0.95;  // no way back
+  EXPECT_THROW(quietly(p, r), Error);
+}
+
+// Two discs at the same place do not know which way to go.
+TEST(Parameters, OverlappingStartsAreRepaired) {
+  OptimizeRequest r = hole({0.1, 0.1, 0.2}, {-0.6, -0.6, 0.2}, {0.6, 0.6, 0.2});
+  for (const char* name : {"g", "k"}) {
+    r.design.drawn.push_back(r.design.drawn[0]);
+    r.design.drawn.back().name = name;
   }
+  r.min_distance = 0.1;
+  r.max_iterations = 2;
+  const OptimizeResult found = quietly(plate(), r);
+  const VectorXd& x = found.history.front().variables;
+  for (const auto& [i, k] : {std::pair(0, 3), std::pair(0, 6), std::pair(3, 6)})
+    EXPECT_GE((x.segment<2>(i) - x.segment<2>(k)).norm(), 0.4 + 0.1 - 1e-9);
+}
+
+// A fixed hole in the middle keeps the drawn one on the side where it begins, which bears more; a start on the other
+// side ends where it weakens the plate less.
+TEST(Parameters, SeveralStartsFindTheBetterSide) {
+  Problem p = plate();
+  p.frame.labels.push_back("hole:fixed");
+  p.frame.holes = {circle("fixed", Vec2(0, 0), 0.2, static_cast<Index>(p.frame.labels.size()) - 1)};
+  p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0, 1 + 0.6 * x.x()); }}};
+  OptimizeRequest r = hole({0.6, 0, 0.15}, {-0.7, 0, 0.15}, {0.7, 0, 0.15});
+  r.min_distance = 0.1;
+  const OptimizeResult alone = quietly(p, r);
+  EXPECT_GT(alone.variables[0], 0.4);
+  r.starts = 4;
+  const OptimizeResult best = quietly(p, r);
+  ASSERT_EQ(best.starts.size(), 4u);
+  EXPECT_EQ(best.starts[0].from, start_of(r.design));
+  EXPECT_LT(best.variables[0], -0.4);
+  EXPECT_LT(best.objective, 0.99 * alone.objective);
+  EXPECT_EQ(std::ranges::count_if(best.starts, [](const StartTried& t) { return t.in_full; }), 1);
+  // The same bits on any number of threads.
+  p.threads = 3;
+  expect_same(quietly(p, r), best);
 }
 
 TEST(Parameters, CobylaDoesWithoutDerivatives) {
@@ -357,6 +397,30 @@ TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
     EXPECT_EQ(shown, 1);
     place.fingerprint = "another";
     EXPECT_THROW(optimize_parameters(p, r, {}, place), Error);
+  }
+}
+
+// The comparison of starts is part of the checkpoint.
+TEST(Parameters, SeveralStartsStoppedAndResumedEndWithTheSameBits) {
+  const Folder folder;
+  const Problem p = plate();
+  OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
+  r.volume_at_most = 0.92;
+  r.max_iterations = 12;
+  r.starts = 3;
+  const OptimizeResult whole = quietly(p, r);
+  const CheckpointPlace place{folder.path / "checkpoint", "case", true};
+  int shown = 0;
+  optimize_parameters(
+      p, r, [&](const Iterate&) { return ++shown < 2; }, place);
+  const OptimizeResult resumed = optimize_parameters(p, r, {}, place);
+  expect_same(resumed, whole);
+  ASSERT_EQ(resumed.starts.size(), whole.starts.size());
+  for (std::size_t i = 0; i < whole.starts.size(); ++i) {
+    EXPECT_EQ(resumed.starts[i].from, whole.starts[i].from);
+    EXPECT_EQ(resumed.starts[i].variables, whole.starts[i].variables);
+    EXPECT_EQ(resumed.starts[i].merit, whole.starts[i].merit);
+    EXPECT_EQ(resumed.starts[i].in_full, whole.starts[i].in_full);
   }
 }
 

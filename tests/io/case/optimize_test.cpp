@@ -140,7 +140,13 @@ TEST(Optimize, AVolumeIsNotNeededWhereSomethingElseHoldsItDown) {
   EXPECT_TRUE(read(body + "[functional]\nkind = 'sum'\nterms = [{ kind = 'compliance' }, { kind = 'volume', factor = 9 "
                           "}]\n[optimize]")
                   .optimize);
-  EXPECT_TRUE(read(body + "[functional]\nkind = 'displacement_tracking'\ntarget = [0, 0]\n[optimize]").optimize);
+  EXPECT_TRUE(read(body + "[functional]\nkind = 'displacement_tracking'\ntarget = [0, 0]\n[optimize]\nvolume = { "
+                          "penalty = 1 }")
+                  .optimize);
+  // The loop has always refused this, after the meshing.
+  EXPECT_NE(error(body + "[functional]\nkind = 'displacement_tracking'\ntarget = [0, 0]\n[optimize]")
+                .find("a level set needs something that says how much material"),
+            std::string::npos);
 }
 
 TEST(Optimize, DesignVariablesInTheirOrder) {
@@ -347,8 +353,9 @@ TEST(Fingerprint, DependsOnWhatTheOptimizationDependsOn) {
 
   // Measured data count, too.
   const TemporaryFolder folder;
-  const std::string inverse = square + "[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n" + pull +
-                              "[functional]\nkind = 'misfit'\non = 'right'\nmeasured = 'u.csv'\n[optimize]\n";
+  const std::string inverse =
+      square + "[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n" + pull +
+      "[functional]\nkind = 'misfit'\non = 'right'\nmeasured = 'u.csv'\n[optimize]\nvolume = { at_most = 0.5 }\n";
   const auto file = folder.write("a.toml", inverse);
   folder.write("u.csv", "x,y,u_x,u_y\n2,0,0,0\n2,1,0,0\n");
   const std::string before = read_case(file).fingerprint;
@@ -419,6 +426,52 @@ poisson = 0.2
   EXPECT_EQ(read(inverse + "[synthetic]\nelement = 'p2'\n" + hole).synthetic->element.name, "p2");
   // Without [mesh]: of the default size.
   EXPECT_DOUBLE_EQ(read(inverse + hole).synthetic->sizing.size, 0.7 * extent(c.shape) / 40);
+}
+
+TEST(LeastSquares, AreAskedForAndFindTheirReadings) {
+  const std::string hole = "[[synthetic.hole]]\nname = 'h'\ncircle = { center = [1.2, 0.5], radius = 0.15 }\n";
+  const std::string sought =
+      "[[optimize.hole]]\ncircle = { center = [[0.3, 1.7], [0.3, 0.7]], radius = [0.05, 0.2] }\n";
+  const auto with = [&](const std::string& keys, const std::string& start = "start = 'map'\n") {
+    return inverse + hole + "[optimize]\nmethod = 'mma'\n" + keys + sought + start;
+  };
+  EXPECT_FALSE(read(with("")).fit);
+  EXPECT_FALSE(read(with("least_squares = false\n")).fit);
+  const Case plain = read(with("least_squares = true\nstarts = 4\n"));
+  ASSERT_TRUE(plain.fit);
+  EXPECT_EQ(plain.optimize->starts, 4);
+  EXPECT_EQ(plain.fit->defects_at_most, 0);
+  EXPECT_EQ(plain.readings.noise, 0);
+  EXPECT_EQ(plain.readings.label, plain.synthetic->label);
+  EXPECT_EQ(read(with("least_squares = { noise = 0.01 }\n")).readings.noise, 0.01);
+  EXPECT_EQ(read(with("defects = { at_most = 5 }\n")).fit->defects_at_most, 5);
+
+  // Lines 20 and 22.
+  EXPECT_EQ(error(with("defects = { at_most = 0 }\n")),
+            "a.toml:22:23: at_most in defects in [optimize] must be between 1 and 20, not 0");
+  EXPECT_EQ(error(with("defects = 3\n")), "a.toml:22:11: defects in [optimize] must be { at_most = 5 }");
+  EXPECT_EQ(error(with("starts = 0\n")), "a.toml:22:10: starts in [optimize] must be between 1 and 1000, not 0");
+  EXPECT_EQ(error(with("defects = { at_most = 3 }\n", "")).substr(0, 70),
+            "a.toml:22:11: defects in [optimize] goes with one [[optimize.hole]], [");
+  EXPECT_EQ(error(with("least_squares = false\ndefects = { at_most = 3 }\n")),
+            "a.toml:22:17: least_squares in [optimize] = false does not go with defects, which are counted by it");
+  EXPECT_EQ(error(with("least_squares = 1\n")),
+            "a.toml:22:17: least_squares in [optimize] must be true, false or { noise = 1e-4 }");
+  EXPECT_EQ(error(plate + pull + "[optimize]\nmethod = 'mma'\nleast_squares = true\n" + sought),
+            "a.toml:17:17: least_squares in [optimize] goes with measured displacements: kind = \"misfit\" in "
+            "[functional]");
+
+  const TemporaryFolder folder;
+  folder.write("u.csv", "x,y,u_x,u_y\n2,0,0,0\n2,0.5,0.1,0\n2,1,0,0.1\n");
+  std::string measured = inverse + "[optimize]\nmethod = 'mma'\nleast_squares = true\n" + sought;
+  measured.replace(measured.find("\"synthetic\""), 11, "\"u.csv\"");
+  const Case c = read_case(folder.write("a.toml", measured));
+  ASSERT_EQ(c.readings.at.size(), 3u);
+  EXPECT_EQ(c.readings.at[1], Vec2(2, 0.5));
+  EXPECT_EQ(c.readings.displacement[2], Vec2(0, 0.1));
+  measured.replace(measured.find("\"u.csv\""), 7, "[\"0\", \"0\"]");
+  EXPECT_NE(error(measured).find("least_squares in [optimize] needs readings at points"), std::string::npos)
+      << error(measured);
 }
 
 TEST(Synthetic, WrongOnesAreNamed) {

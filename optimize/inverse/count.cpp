@@ -1,0 +1,152 @@
+#include "kerf/inverse.hpp"
+#include "optimize/inverse/sensors.hpp"
+#include "optimize/parametric/followers.hpp"
+#include "optimize/parametric/shapes/shape.hpp"
+#include "optimize/parametric/start.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr int rises = 2;       // of the criterion in a row, after which nothing better is expected
+constexpr double trusted = 2;  // deviations that the size of a thing must have
+constexpr double strong = 6;   // evidence that one more thing needs: as much lower [Kass, Raftery 1995]
+
+/// The sum of squares of the body without anything.
+LeastSquares of_none(const Problem& p, const Readings& readings) {
+  const Model m = prepare(triangulate(p.frame, p.sizing), p.element, p.scene, p.threads);
+  const State s = solve(m, p.contact);
+  if (!certified(s)) throw Error(Fault::Numerics, "the body without defects could not be solved");
+  VectorXd measured(2 * static_cast<Eigen::Index>(readings.at.size()));
+  for (std::size_t i = 0; i < readings.at.size(); ++i)
+    measured.segment<2>(2 * static_cast<Eigen::Index>(i)) = readings.displacement[i];
+  LeastSquares fit{.readings = static_cast<int>(measured.size()), .state_solves = 1, .stopped = "nothing to fit"};
+  fit.start = fit.end = (Sensors(m.mesh, readings).read(m, s) - measured).squaredNorm();
+  fit.estimated = !(readings.noise > 0);
+  fit.noise = fit.estimated ? std::sqrt(fit.end / fit.readings) : readings.noise;
+  return fit;
+}
+
+int free_variables(const Design& d) {
+  int count = 0;
+  for (const Drawn& one : d.drawn) count += static_cast<int>((one.lower.array() < one.upper.array()).count());
+  return count;
+}
+
+/// For normal noise, less what is the same for all counts [Schwarz 1978; theory: I.7].
+double criterion(const LeastSquares& fit, int variables, double noise) {
+  const double n = fit.readings, price = variables * std::log(n);
+  return (noise > 0 ? fit.end / (noise * noise) : n * std::log(fit.end / n)) + price;
+}
+
+/// A thing whose size the readings do not tell from nothing, or want smaller than its box allows.
+bool has_phantom(const Design& d, const LeastSquares& fit) {
+  Eigen::Index first = 0;
+  for (const Drawn& one : d.drawn) {
+    const VectorXd v = fit.variables.segment(first, one.lower.size());
+    const Eigen::MatrixXd C = fit.covariance.block(first, first, v.size(), v.size());
+    double size = 0, variance = 0;
+    if (shape_of(one).part == BodyPart::Crack) {  // from end to end
+      const Eigen::Index last = v.size() - 2;
+      const Vec2 along = v.segment<2>(last) - v.head<2>();
+      size = along.norm();
+      VectorXd by = VectorXd::Zero(v.size());
+      by.head<2>() = -along / size;
+      by.segment<2>(last) = along / size;
+      variance = by.dot(C * by);
+    } else if (one.kind == Drawn::Kind::Spline) {
+      VectorXd by;
+      size = area_of_holes({{one}}, v, &by);
+      variance = by.dot(C * by);
+    } else {
+      size = v[2];
+      variance = C(2, 2);
+    }
+    const bool smallest = shape_of(one).part != BodyPart::Crack && one.kind != Drawn::Kind::Spline &&
+                          one.lower[2] < one.upper[2] && v[2] <= one.lower[2];
+    if (smallest || size < trusted * std::sqrt(variance)) return true;
+    first += v.size();
+  }
+  return false;
+}
+
+Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings& readings, int count) {
+  Counted one{.count = count};
+  try {
+    if (count == 0) {
+      one.fit = of_none(p, readings);
+    } else {
+      OptimizeRequest r = request;
+      r.design = copies(request.design, count);
+      for (Drawn& d : r.design.drawn) d.from_map = true;
+      const InitialGuess guess = initial_guess(p, r.design, least_distance(p, r));
+      r.design = guess.design;
+      one.fit = least_squares(p, r, repaired(start_of(r.design), p, r).value_or(start_of(r.design)), readings);
+      one.fit.state_solves += guess.solves;
+      one.design = std::move(r.design);
+      Eigen::Index first = 0;
+      for (Drawn& d : one.design.drawn) {
+        d.start = one.fit.variables.segment(first, d.start.size());
+        d.from_map = false;
+        first += d.start.size();
+      }
+    }
+    one.criterion = criterion(one.fit, free_variables(one.design), readings.noise);
+    if (count > 0 && has_phantom(one.design, one.fit))
+      one.failure = "the readings do not tell the size of one of them from nothing";
+  } catch (const Error& error) {
+    if (error.fault == Fault::Files) throw;
+    one.failure = error.what();
+  }
+  return one;
+}
+
+}  // namespace
+
+std::string in_words(const Count& c) {
+  std::string all;
+  for (const Counted& one : c.tried)
+    all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", one.count,
+                       one.failure.empty() ? fmt::format("{:.1f}", one.criterion) : "none (" + one.failure + ")");
+  const int count = c.tried.at(c.chosen).count;
+  return fmt::format("{} defect{} by the criterion of Bayes and Schwarz: {}", count, count == 1 ? "" : "s", all);
+}
+
+Design copies(const Design& design, int count) {
+  Design out;
+  for (int k = 1; k <= count; ++k) {
+    out.drawn.push_back(design.drawn.at(0));
+    if (count > 1) out.drawn.back().name = fmt::format("{}_{}", design.drawn[0].name, k);
+  }
+  return out;
+}
+
+Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most) {
+  if (request.design.drawn.size() != 1)
+    throw Error(Fault::Usage, "to count defects the design draws one of them, which is copied");
+  Count out;
+  double least = infinity;
+  int risen = 0;
+  for (int k = 0; k <= at_most && risen < rises; ++k) {
+    out.tried.push_back(fit_of(problem, request, readings, k));
+    const Counted& one = out.tried.back();
+    if (one.failure.empty() && one.criterion < least - (k > 0 ? strong : 0)) {
+      least = one.criterion;
+      out.chosen = static_cast<std::size_t>(k);
+      risen = 0;
+    } else {
+      ++risen;
+    }
+  }
+  if (least == infinity)
+    throw Error(Fault::Numerics, fmt::format("no number of defects could be fitted: {}", out.tried[0].failure));
+  return out;
+}
+
+}  // namespace kerf

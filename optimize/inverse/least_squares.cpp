@@ -1,0 +1,330 @@
+#include "kerf/inverse.hpp"
+#include "optimize/inverse/sensors.hpp"
+#include "optimize/parametric/evaluations.hpp"
+#include "optimize/parametric/shapes/shape.hpp"
+#include "optimize/parametric/start.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double difference = 1e-5;  // of a box: steps of difference quotients
+constexpr double settled = 1e-3;  // of the variance: what a step must gain, or it moves nothing by 3 % of a deviation
+constexpr double first_damping = 1e-3;
+constexpr int most_steps = 40, most_rounds = 8, most_trials = 8;
+
+/// The misfit r = u - m and J = dr/dx in an orthonormal basis Q of what they span: r = Q p, J = Q G'.
+struct Linearized {
+  VectorXd p;  // Q'r
+  MatrixXd G;  // variables x columns of Q; zero rows for fixed variables
+};
+
+class Fit {
+ public:
+  Fit(const Problem& p, const OptimizeRequest& r, const Readings& readings)
+      : problem_(p), request_(r), readings_(readings) {
+    for (Meshed* m : {&here_, &there_}) m->evaluations = std::make_unique<Evaluations>(problem_, request_);
+    lower_ = lower_bounds(r.design);
+    upper_ = upper_bounds(r.design);
+    geometric_ = constraints(r.design, p, least_distance(p, r), forbidden_discs(p, r));
+    measured_.resize(2 * static_cast<Eigen::Index>(readings.at.size()));
+    for (std::size_t i = 0; i < readings.at.size(); ++i)
+      measured_.segment<2>(2 * static_cast<Eigen::Index>(i)) = readings.displacement[i];
+  }
+
+  LeastSquares run(const VectorXd& start);
+
+ private:
+  bool is_free(Eigen::Index i) const {
+    return upper_[i] > lower_[i];
+  }
+  /// A mesh that moves with the design, and the sensors on it.
+  struct Meshed {
+    std::unique_ptr<Evaluations> evaluations;
+    std::unique_ptr<Sensors> sensors;
+    void begin() {
+      evaluations->begin_round();
+      sensors.reset();
+    }
+  };
+  std::optional<VectorXd> misfit(Meshed& on, const VectorXd& x);
+  std::optional<VectorXd> try_at(const VectorXd& x);
+  VectorXd begin_round(const VectorXd& x);
+  Linearized linearize(const VectorXd& x, const VectorXd& r);
+  double violation(const VectorXd& x) const;
+  bool improve(VectorXd& x, VectorXd& r);
+  VectorXd step(const Linearized& l, const VectorXd& x, double damping) const;
+  double optimality(const Linearized& l, const VectorXd& x) const;
+  void describe(const Linearized& l);
+
+  Problem problem_;
+  OptimizeRequest request_;
+  const Readings& readings_;
+  Meshed here_, there_;  // of the round, of trials that it cannot follow
+  std::vector<Constraint> geometric_;
+  VectorXd lower_, upper_, measured_;
+  std::string failure_;
+  Fault fault_ = Fault::Geometry;
+  bool fresh_ = false;
+  double damping_ = first_damping;
+  LeastSquares out_;
+};
+
+/// u - m at a design on a mesh that is moved there, or nothing.
+std::optional<VectorXd> Fit::misfit(Meshed& on, const VectorXd& x) {
+  const auto reading = [this, &on](const Model& m, const Field& s) -> VectorXd {
+    ++out_.state_solves;
+    if (!on.sensors) on.sensors = std::make_unique<Sensors>(m.mesh, readings_);
+    return on.sensors->read(m, s);
+  };
+  const Evaluations::Response found = on.evaluations->respond(x, reading);
+  failure_ = found.failure;
+  fault_ = found.fault;
+  if (!failure_.empty()) return std::nullopt;
+  return found.values - measured_;
+}
+
+/// The same, on a fresh mesh (`there_`) where the one of the round cannot follow.
+std::optional<VectorXd> Fit::try_at(const VectorXd& x) {
+  if (const std::optional<VectorXd> r = misfit(here_, x)) {
+    fresh_ = false;
+    return r;
+  }
+  there_.begin();
+  fresh_ = true;
+  return misfit(there_, x);
+}
+
+/// A fresh mesh, and the misfit on it.
+VectorXd Fit::begin_round(const VectorXd& x) {
+  here_.begin();
+  const std::optional<VectorXd> r = misfit(here_, x);
+  if (!r) throw Error(fault_, fmt::format("the design to fit to the readings cannot be solved: {}", failure_));
+  return *r;
+}
+
+Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
+  MatrixXd quotients(r.size(), x.size() + 1);
+  Eigen::Index columns = 0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    if (!is_free(i)) continue;
+    VectorXd y = x;
+    const double h = difference * (upper_[i] - lower_[i]);
+    y[i] += y[i] + h <= upper_[i] ? h : -h;
+    if (const std::optional<VectorXd> other = misfit(here_, y)) quotients.col(columns++) = (*other - r) / (y[i] - x[i]);
+  }
+  quotients.col(columns++) = r;
+  for (Eigen::Index k = 0; k < columns; ++k)
+    if (const double size = quotients.col(k).norm(); size > 0) quotients.col(k) /= size;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(quotients.leftCols(columns));
+  const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(r.size(), qr.rank());
+  const auto asked = [&](const Model& m) {
+    std::vector<Functional> all;
+    for (Eigen::Index k = 0; k < basis.cols(); ++k)
+      all.push_back({"reading", {here_.sensors->weighted(m, basis.col(k))}});
+    return all;
+  };
+  const auto nothing = [](const Model&, const Field&) { return VectorXd(); };
+  ++out_.state_solves;
+  const Evaluations::Response found = here_.evaluations->respond(x, nothing, asked);
+  if (!found.failure.empty())
+    throw Error(found.fault, fmt::format("the readings have no derivative at the design: {}", found.failure));
+  Linearized l{.p = basis.transpose() * r, .G = found.gradients};
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    if (!is_free(i)) l.G.row(i).setZero();
+  return l;
+}
+
+double Fit::violation(const VectorXd& x) const {
+  double most = 0;
+  for (const Constraint& c : geometric_) most = std::max(most, c.value(x, nullptr));
+  return most;
+}
+
+/// min |p + G'd|^2 + damping |D d|^2, D the sizes of the rows of G, over x + d within the bounds: variables that a step
+/// would take across one stop there.
+VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const {
+  const VectorXd size = l.G.rowwise().norm();
+  VectorXd d = VectorXd::Zero(x.size());
+  std::vector<bool> held(static_cast<std::size_t>(x.size()));
+  for (Eigen::Index i = 0; i < x.size(); ++i) held[static_cast<std::size_t>(i)] = !(size[i] > 0);
+  for (Eigen::Index round = 0; round <= x.size(); ++round) {
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (!held[static_cast<std::size_t>(i)]) free.push_back(i);
+    if (free.empty()) break;
+    const auto n = static_cast<Eigen::Index>(free.size());
+    VectorXd rhs = l.p;
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (held[static_cast<std::size_t>(i)]) rhs += d[i] * l.G.row(i).transpose();
+    MatrixXd A(l.p.size() + n, n);
+    A.setZero();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      A.col(k).head(l.p.size()) = l.G.row(free[static_cast<std::size_t>(k)]) / size[free[static_cast<std::size_t>(k)]];
+      A(l.p.size() + k, k) = std::sqrt(damping);
+    }
+    VectorXd b = VectorXd::Zero(A.rows());
+    b.head(l.p.size()) = -rhs;
+    const VectorXd z = A.colPivHouseholderQr().solve(b);
+    bool across = false;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Index i = free[static_cast<std::size_t>(k)];
+      d[i] = z[k] / size[i];
+      if (x[i] + d[i] >= lower_[i] && x[i] + d[i] <= upper_[i]) continue;
+      d[i] = std::clamp(x[i] + d[i], lower_[i], upper_[i]) - x[i];
+      held[static_cast<std::size_t>(i)] = across = true;
+    }
+    if (!across) break;
+  }
+  return d;
+}
+
+/// The largest cosine between the misfit and what a variable that may move changes it by.
+double Fit::optimality(const Linearized& l, const VectorXd& x) const {
+  double most = 0;
+  const double size = l.p.norm();
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double row = l.G.row(i).norm();
+    if (!(row > 0) || !(size > 0)) continue;
+    const double cosine = l.G.row(i).dot(l.p) / (row * size);
+    if ((x[i] <= lower_[i] && cosine > 0) || (x[i] >= upper_[i] && cosine < 0)) continue;
+    most = std::max(most, std::abs(cosine));
+  }
+  return most;
+}
+
+/// One step that lowers the sum; false: none found.
+bool Fit::improve(VectorXd& x, VectorXd& r) {
+  const Linearized l = linearize(x, r);
+  out_.optimality = optimality(l, x);
+  const double allowed = violation(x);
+  for (int trial = 0; trial < most_trials; ++trial, damping_ = std::max(10 * damping_, 1e-6)) {
+    const VectorXd d = step(l, x, damping_), y = (x + d).cwiseMax(lower_).cwiseMin(upper_);
+    const double predicted = l.p.squaredNorm() - (l.p + l.G.transpose() * d).squaredNorm();
+    if (!(predicted > settled * l.p.squaredNorm() / static_cast<double>(r.size()))) return false;
+    if (violation(y) > allowed) continue;
+    const std::optional<VectorXd> other = try_at(y);
+    if (!other || !(other->squaredNorm() < r.squaredNorm())) continue;
+    if (r.squaredNorm() - other->squaredNorm() > 0.5 * predicted) damping_ *= 0.1;
+    if (fresh_) std::swap(here_, there_);
+    x = y;
+    r = *other;
+    ++out_.steps;
+    return true;
+  }
+  return false;
+}
+
+/// Noise, covariance and ellipses at the end.
+void Fit::describe(const Linearized& l) {
+  const VectorXd& x = out_.variables;
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    if (is_free(i) && x[i] > lower_[i] && x[i] < upper_[i] && l.G.row(i).norm() > 0) free.push_back(i);
+  const auto n = static_cast<Eigen::Index>(free.size());
+  out_.readings = static_cast<int>(measured_.size());
+  out_.estimated = !(readings_.noise > 0);
+  const double left = std::max(1.0, static_cast<double>(measured_.size() - n));
+  out_.noise = out_.estimated ? std::sqrt(out_.end / left) : readings_.noise;
+  out_.covariance = MatrixXd::Zero(x.size(), x.size());
+  MatrixXd J(l.p.size(), n);
+  VectorXd size(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    size[k] = l.G.row(free[static_cast<std::size_t>(k)]).norm();
+    J.col(k) = l.G.row(free[static_cast<std::size_t>(k)]).transpose() / size[k];
+  }
+  const MatrixXd inverse = (J.transpose() * J).ldlt().solve(MatrixXd::Identity(n, n));
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < n; ++k)
+      out_.covariance(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(k)]) =
+          out_.noise * out_.noise * inverse(i, k) / (size[i] * size[k]);
+  // The 95 % quantile of chi2 with two degrees of freedom; of 2 F(2, left) where the noise is estimated.
+  const double quantile = out_.estimated ? left * (std::pow(0.05, -2 / left) - 1) : -2 * std::log(0.05);
+  Eigen::Index first = 0;
+  for (const Drawn& one : request_.design.drawn) {
+    const DrawnShape& shape = shape_of(one);
+    const Eigen::Index places = one.kind == Drawn::Kind::Crack    ? one.lower.size() / 2
+                                : one.kind == Drawn::Kind::Spline ? 0
+                                                                  : 1;
+    for (Eigen::Index k = 0; k < places; ++k) {
+      const Eigen::SelfAdjointEigenSolver<Mat2> axes(Mat2(out_.covariance.block<2, 2>(first + 2 * k, first + 2 * k)));
+      const Vec2 along = axes.eigenvectors().col(1);
+      out_.ellipses.push_back(
+          {.name = shape.part == BodyPart::Crack ? fmt::format("{}, point {}", name(one), k + 1) : name(one),
+           .at = x.segment<2>(first + 2 * k),
+           .semi_axes = (quantile * axes.eigenvalues().reverse().cwiseMax(0)).cwiseSqrt(),
+           .angle = std::remainder(std::atan2(along.y(), along.x()), pi)});
+    }
+    first += one.lower.size();
+  }
+}
+
+LeastSquares Fit::run(const VectorXd& start) {
+  VectorXd x = start, r = begin_round(x);
+  out_.start = r.squaredNorm();
+  for (int round = 0; round < most_rounds; ++round) {
+    const VectorXd before = x;
+    if (round > 0) r = begin_round(x);
+    damping_ = first_damping;  // what shortened the steps may have been the mesh
+    while (out_.steps < most_steps && improve(x, r)) {
+    }
+    const VectorXd moved = (x - before).cwiseAbs();
+    const VectorXd width = upper_ - lower_;
+    if (out_.steps >= most_steps) break;
+    if ((moved.array() <= 1e-3 * width.array()).all()) break;
+  }
+  if (r.squaredNorm() > out_.start) {  // on meshes of their own: what was gained was less than they differ
+    x = start;
+    r = begin_round(x);
+  }
+  const Linearized l = linearize(x, r);
+  out_.optimality = optimality(l, x);
+  out_.variables = x;
+  out_.end = r.squaredNorm();
+  out_.stopped = out_.steps >= most_steps  ? fmt::format("all {} steps are used", most_steps)
+                 : out_.optimality <= 0.01 ? "the misfit is orthogonal to what the variables change"
+                                           : "no step within the constraints makes the misfit smaller";
+  describe(l);
+  return std::move(out_);
+}
+
+}  // namespace
+
+std::vector<std::string> in_words(const LeastSquares& fit, const std::vector<std::string>& names) {
+  std::vector<std::string> lines{fmt::format("least squares: {:.4g} to {:.4g} over {} readings, noise {:.3g}{}; {}",
+                                             fit.start, fit.end, fit.readings, fit.noise,
+                                             fit.estimated ? " (estimated)" : "", fit.stopped)};
+  for (Eigen::Index i = 0; i < fit.variables.size(); ++i)
+    if (const double deviation = std::sqrt(fit.covariance(i, i)); deviation > 0)
+      lines.push_back(
+          fmt::format("{} {:.5g} +- {:.2g}", names.at(static_cast<std::size_t>(i)), fit.variables[i], deviation));
+  for (const UncertaintyEllipse& e : fit.ellipses)
+    if (e.semi_axes.x() > 0)
+      lines.push_back(fmt::format("{}: 95 % ellipse {:.2g} by {:.2g}, long axis at {:.0f} degrees", e.name,
+                                  e.semi_axes.x(), e.semi_axes.y(), e.angle * 180 / pi));
+  return lines;
+}
+
+LeastSquares least_squares(const Problem& problem, const OptimizeRequest& request, const VectorXd& start,
+                           const Readings& readings) {
+  if (const auto why = refusal(problem.element, can_optimize)) throw Error(Fault::Usage, *why);
+  if (readings.at.empty()) throw Error(Fault::Usage, "least squares need readings: there are none");
+  // The objective is not asked for: nothing of it is evaluated.
+  OptimizeRequest r = request;
+  r.bounds.clear();
+  r.load_cases.clear();
+  return Fit(problem, r, readings).run(start);
+}
+
+}  // namespace kerf

@@ -1,0 +1,99 @@
+#include "optimize/parametric/starts.hpp"
+
+#include "optimize/parametric/evaluations.hpp"
+#include "optimize/parametric/shapes/shape.hpp"
+#include "optimize/parametric/start.hpp"
+#include "solver/parallel.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double coarser = 1.5;                   // meshes, where designs are compared
+constexpr int first_look = 12, second_look = 40;  // evaluations
+constexpr double bearable = 1e-3;                 // violations up to here do not make one design worse than another
+
+/// The given design first.
+std::vector<VectorXd> places(const Problem& p, const OptimizeRequest& r, const VectorXd& given) {
+  const VectorXd lower = lower_bounds(r.design), upper = upper_bounds(r.design);
+  const VectorXd width = (upper - lower).unaryExpr([](double w) { return w > 0 ? w : 1.0; });
+  constexpr double same = 1e-3;  // of the boxes
+  std::vector<VectorXd> all{given};
+  for (int k = 1; static_cast<int>(all.size()) < r.starts && k < 20 * r.starts; ++k) {
+    const std::optional<VectorXd> x = repaired(place_in(lower, upper, k), p, r);
+    if (x && std::ranges::none_of(all, [&](const VectorXd& other) {
+          return (*x - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < same;
+        }))
+      all.push_back(*x);
+  }
+  return all;
+}
+
+/// Minimizes from tried.from for so many evaluations.
+void follow(const Problem& p, const OptimizeRequest& r, int evaluations, StartTried& tried) {
+  Evaluations all(p, r);
+  all.begin_round();
+  const bool gradients = r.method != OptimizeMethod::Cobyla;
+  const VectorXd from = tried.variables.size() > 0 ? tried.variables : tried.from;
+  std::optional<DesignEvaluation> begun = all.evaluate(from, gradients);
+  tried.state_solves += begun->state_solves;
+  if (!begun->evaluation.failure.empty()) {
+    tried.failure = begun->evaluation.failure;
+    return;
+  }
+  Program program{.lower = lower_bounds(r.design), .upper = upper_bounds(r.design), .constraints = all.constraints()};
+  program.gradients = !all.blind();
+  program.evaluate = [&](const VectorXd& x, bool with) {
+    if (begun) return std::exchange(begun, std::nullopt)->evaluation;
+    const DesignEvaluation e = all.evaluate(x, with);
+    tried.state_solves += e.state_solves;
+    return e.evaluation;
+  };
+  const Minimum found = minimize(program, from, r.method, {.evaluations = evaluations, .kkt = r.tolerance});
+  tried.variables = found.best.x;
+  tried.merit = found.best.values[0];
+  tried.violation = found.violation;
+}
+
+bool better(const StartTried& a, const StartTried& b) {
+  if (std::isnan(a.merit) || std::isnan(b.merit)) return !std::isnan(a.merit) && std::isnan(b.merit);
+  const double more_a = std::max(0.0, a.violation - bearable), more_b = std::max(0.0, b.violation - bearable);
+  return more_a != more_b ? more_a < more_b : a.merit < b.merit;
+}
+
+}  // namespace
+
+std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest& request, const VectorXd& given) {
+  Problem p = problem;
+  OptimizeRequest r = request;
+  r.min_distance = least_distance(problem, request);  // which does not grow with the mesh size
+  p.sizing.size = coarser * mesh_size(problem);
+  p.sizing.crack_tip_size *= coarser;
+  p.threads = 1;
+  std::vector<StartTried> all;
+  for (const VectorXd& x : places(p, r, given)) all.push_back({.from = x});
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto look = [&](int evaluations) {
+    parallel_tasks(static_cast<Index>(order.size()), problem.threads,
+                   [&](Index i) { follow(p, r, evaluations, all[order[static_cast<std::size_t>(i)]]); });
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return better(all[a], all[b]); });
+  };
+  look(std::min(first_look, r.max_iterations));
+  if (std::isnan(all[order[0]].merit))
+    throw Error(Fault::Geometry, fmt::format("no start of the design can be evaluated: {}", all[0].failure));
+  order.resize(std::clamp<std::size_t>((order.size() + 2) / 3, std::min<std::size_t>(2, order.size()), 4));
+  look(std::min(second_look, r.max_iterations));
+  all[order[0]].in_full = true;
+  return all;
+}
+
+}  // namespace kerf

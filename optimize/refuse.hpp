@@ -1,0 +1,39 @@
+#pragma once
+// What is wrong with an optimization and can be known before anything is meshed or solved. The only home of these
+// rules: kerf check, the reader of case files and the loops ask here.
+
+#include "kerf/optimize.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+/// `key`: where it would be written in a case file: "optimize.ersatz", "optimize.hole[0].circle.center",
+/// "crack[1].friction"; numbers count from 0 in the order of the problem and the request.
+struct Wrong {
+  std::string key, what;
+};
+
+/// Everything that is wrong: empty where nothing is. Of a body that cannot be drawn (find_problem), only what does not
+/// depend on its shape. Nothing is refused on a sample alone: what is said of shapes, boxes and loads holds.
+std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r);
+/// Throws Error(Usage) with all of it, a line each.
+void refuse_wrong(const Problem& p, const OptimizeRequest& r);
+
+// Some of the rules by themselves: what is wrong, or nothing.
+
+/// The body must be its own mirror image.
+std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror);
+/// A frozen part may leave the body, but it must have an inside, some of the body in it and some outside.
+std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask);
+/// Without anything that holds the volume down, the full body is best for what only loses by holes, and a level set has
+/// nothing to stop at.
+std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r);
+/// Functionals that know one set of loads only.
+std::optional<std::string> wrong_load_cases(const Functional& objective, const OptimizeRequest& r);
+/// There must be something that can move.
+std::optional<std::string> wrong_design(const OptimizeRequest& r);
+
+}  // namespace kerf

@@ -1,0 +1,175 @@
+#include "optimize/refuse.hpp"
+
+#include "optimize/loop/evaluate.hpp"
+#include "optimize/refuse/methods.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+bool is_zero(const Interval& i) {
+  return i.low == 0 && i.high == 0;
+}
+bool is_zero(const std::array<Interval, 2>& value) {
+  return is_zero(value[0]) && is_zero(value[1]);
+}
+
+/// Whether data are known to vanish on all of a label.
+bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
+  if (!f.known()) return false;
+  std::vector<const Loop*> loops{&body.outline};
+  for (const Loop& hole : body.holes) loops.push_back(&hole);
+  for (const Loop* loop : loops)
+    for (std::size_t i = 0; i < loop->sides.size(); ++i) {
+      const Side& side = loop->sides[i];
+      if (side.label != label) continue;
+      if (side.arc) {
+        const double r = largest_radius(*side.arc);
+        const Vec2& c = side.arc->center;
+        if (!is_zero(f.known()->over({c.x() - r, c.x() + r}, {c.y() - r, c.y() + r}))) return false;
+        continue;
+      }
+      const Vec2 &a = side.start, &b = loop->sides[(i + 1) % loop->sides.size()].start, along = (b - a).normalized();
+      if (!is_zero(f.known()->along({a, b, Vec2(along.y(), -along.x())}, 0, 1).value)) return false;
+    }
+  return true;
+}
+
+bool vanishes(const VectorField& f, const Shape& body) {
+  if (!f.known()) return false;
+  const auto [low, high] = box_of(body.outline);
+  return is_zero(f.known()->over({low.x(), high.x()}, {low.y(), high.y()}));
+}
+
+bool nothing_acts(const Scene& scene, const Shape& body) {
+  return std::ranges::all_of(scene.tractions, [&](const Traction& t) { return vanishes(t.value, body, t.label); }) &&
+         (!scene.body || vanishes(scene.body, body)) &&
+         std::ranges::all_of(scene.supports, [&](const Support& s) { return vanishes(s.value, body, s.label); });
+}
+
+/// Without loads nothing moves, whatever the design; measured displacements move the body of a misfit.
+void look_at_loads(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
+  if (std::ranges::any_of(p.objective.terms, [](const Term& t) { return t.measured.has_value(); })) return;
+  const std::vector<Scene> scenes = scenes_of(p, r);
+  for (std::size_t l = 0; l < scenes.size(); ++l) {
+    if (!nothing_acts(scenes[l], p.frame)) continue;
+    const bool cases = !r.load_cases.empty();
+    const std::string key = cases                        ? fmt::format("load_case[{}]", l)
+                            : !p.scene.tractions.empty() ? "boundary"
+                            : p.scene.body               ? "body.force"
+                                                         : "optimize";
+    all.push_back({key, fmt::format("{}: nothing acts on the body, and every design is as good as another; give it a "
+                                    "traction, a pressure, a body force or a prescribed displacement that is not 0",
+                                    cases ? fmt::format("[[load_case]] \"{}\"", r.load_cases[l].name) : "[optimize]")});
+  }
+}
+
+void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
+  if (!p.scene.supports.empty()) return;
+  const auto look = [&](const Functional& j, const std::string& key, const std::string& where) {
+    for (const Term& term : j.terms)
+      if (term.uses_displacement || term.on_boundary) {
+        all.push_back({key, fmt::format("{}: \"{}\" sees rigid motions, and nothing supports the body; add a "
+                                        "[[boundary]] with a displacement, or use a functional of stresses, energies "
+                                        "or cracks",
+                                        where, term.kind)});
+        return;
+      }
+  };
+  look(p.objective, "functional", "[functional]");
+  for (std::size_t b = 0; b < r.bounds.size(); ++b)
+    look(r.bounds[b].functional, fmt::format("optimize.bound[{}]", b), "[[optimize.bound]]");
+}
+
+void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
+  const bool level_set = r.method == OptimizeMethod::LevelSet;
+  if (r.method == OptimizeMethod::Cobyla && !wants_map(r.design)) return;
+  for (std::size_t k = 0; k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k) {
+    const CrackLaw& law = p.scene.laws[k];
+    if (!has_friction(law)) continue;
+    all.push_back(
+        {fmt::format("crack[{}].{}", k, law.friction > 0 ? "friction" : "tresca"),
+         fmt::format("crack \"{}\" slides against friction, and {} needs cracks without: the state does not "
+                     "minimize an energy; remove friction and tresca{}, or [optimize] (kerf solve)",
+                     p.frame.cracks[k].name, level_set ? "a level set" : fmt::format("method = \"{}\"", word(r.method)),
+                     level_set ? "" : ", or use method = \"cobyla\"")});
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r) {
+  if (r.method != OptimizeMethod::LevelSet) return std::nullopt;
+  if ((r.volume_at_most && *r.volume_at_most < 1) || r.volume_penalty > 0) return std::nullopt;
+  const auto& terms = objective.terms;
+  if (std::ranges::all_of(terms, [](const Term& t) { return t.work && t.factor > 0; }))
+    return r.volume_at_most
+               ? "[optimize]: volume.at_most = 1 leaves the full body, which has the least compliance, and there is "
+                 "nothing to optimize; ask for less"
+               : "[optimize]: without volume = { at_most = ... } or { penalty = ... } the full body has the least "
+                 "compliance, and there is nothing to optimize; add one of them";
+  double price = 0;
+  for (const Term& t : terms)
+    if (t.volume) price += t.factor;
+  const bool area = std::ranges::all_of(terms, [](const Term& t) { return t.volume; });
+  if (area && r.bounds.empty())
+    return "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body has to bear, "
+           "such as kind = \"compliance\" with at_most";
+  if (!r.volume_at_most && !(price > 0))
+    return "[optimize]: a level set needs something that says how much material there may be: add volume = { at_most "
+           "= ... } or { penalty = ... }, or minimize a sum with kind = \"volume\"";
+  return std::nullopt;
+}
+
+std::optional<std::string> wrong_load_cases(const Functional& objective, const OptimizeRequest& r) {
+  if (r.load_cases.empty()) return std::nullopt;
+  const bool forces = std::ranges::any_of(r.load_cases, [](const LoadCase& l) { return static_cast<bool>(l.body); });
+  const auto wrong = [&](const Functional& j) -> std::optional<std::string> {
+    for (const Term& term : j.terms) {
+      if (term.measured)
+        return "[[load_case]]: a misfit belongs to one set of loads; write them as [[boundary]] and [body]";
+      if (term.feature_radius > 0 && forces)
+        return "[[load_case]]: energy_release_rate takes no body forces of load cases; write the loads as "
+               "[[boundary]] and [body]";
+    }
+    return std::nullopt;
+  };
+  if (auto why = wrong(objective)) return why;
+  for (const FunctionalBound& bound : r.bounds)
+    if (auto why = wrong(bound.functional)) return why;
+  return std::nullopt;
+}
+
+std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
+  std::vector<Wrong> all;
+  const bool drawable = !find_problem(p.frame);
+  if (r.max_iterations < 1)
+    all.push_back({"optimize.max_iterations", "max_iterations in [optimize] must be at least 1"});
+  if (r.starts < 0) all.push_back({"optimize.starts", "starts in [optimize] must be at least 1"});
+  if (auto why = wrong_load_cases(p.objective, r)) all.push_back({"load_case[0]", *why});
+  if (auto why = wrong_volume(p.objective, r))
+    all.push_back({r.volume_at_most ? "optimize.volume.at_most" : "optimize", *why});
+  look_at_cracks(p, r, all);
+  look_at_rigid_motions(p, r, all);
+  if (drawable) look_at_loads(p, r, all);
+  if (r.method == OptimizeMethod::LevelSet)
+    look_at_level_set(p, r, drawable, all);
+  else
+    look_at_design(p, r, drawable, all);
+  return all;
+}
+
+void refuse_wrong(const Problem& p, const OptimizeRequest& r) {
+  const std::vector<Wrong> all = find_wrong(p, r);
+  if (all.empty()) return;
+  std::vector<std::string> lines;
+  for (const Wrong& wrong : all) lines.push_back(wrong.what);
+  throw Error(Fault::Usage, fmt::format("{}", fmt::join(lines, "\n")));
+}
+
+}  // namespace kerf

@@ -1,0 +1,94 @@
+// The body against what is asked of it: mirrors and frozen parts.
+
+#include "geometry/plane.hpp"
+#include "optimize/refuse.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// Points along all loops and cracks.
+std::vector<Vec2> points_along(const Shape& shape, double step) {
+  std::vector<Vec2> out;
+  const auto add = [&](const Vec2& a, const Vec2& b) {
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
+    for (int k = 0; k < pieces; ++k) out.push_back(a + (b - a) * k / pieces);
+  };
+  const auto add_loop = [&](const Loop& loop) {
+    const Polygon p = flatten(loop, 1e-3 * step, step);
+    for (std::size_t i = 0; i < p.points.size(); ++i) add(p.points[i], p.points[(i + 1) % p.points.size()]);
+  };
+  add_loop(shape.outline);
+  for (const auto* loops : {&shape.holes, &shape.regions})
+    for (const Loop& loop : *loops) add_loop(loop);
+  for (const Crack& crack : shape.cracks) {
+    if (crack.arc) {
+      const int pieces = std::max(1, static_cast<int>(std::ceil(path_length(crack) / step)));
+      const std::vector<Vec2> points = points_on(*crack.arc, pieces);
+      out.insert(out.end(), points.begin(), points.end());
+      continue;
+    }
+    for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) add(crack.points[i], crack.points[i + 1]);
+    out.push_back(crack.points.back());
+  }
+  return out;
+}
+
+Vec2 reflected(const Mirror& mirror, const Vec2& x) {
+  const Vec2 away = x - mirror.point;
+  return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;
+}
+
+}  // namespace
+
+std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror) {
+  if (!(std::abs(mirror.direction.norm() - 1) < 1e-9)) return "the direction of the mirror line must have length 1";
+  // Each point's image lies near some other point, as near as they lie.
+  const double size = extent(body), step = 0.005 * size;
+  std::vector<Vec2> points = points_along(body, step);
+  std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
+  for (const Vec2& x : points) {
+    const Vec2 image = reflected(mirror, x);
+    auto near = std::lower_bound(points.begin(), points.end(), image.x() - step,
+                                 [](const Vec2& p, double limit) { return p.x() < limit; });
+    while (near != points.end() && near->x() < image.x() + step && !((*near - image).norm() < step)) ++near;
+    if (near == points.end() || !(near->x() < image.x() + step))
+      return fmt::format(
+          "the body is not its own mirror image about that line: nothing is drawn at ({:.6g}, {:.6g}), "
+          "the image of ({:.6g}, {:.6g})",
+          image.x(), image.y(), x.x(), x.y());
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask) {
+  Shape alone;
+  alone.outline = mask;
+  if (auto problem = find_problem(alone)) {
+    const std::string blamed = "the outline";
+    for (std::size_t at; (at = problem->find(blamed)) != std::string::npos;)
+      problem->replace(at, blamed.size(), "its border");
+    return fmt::format("region \"{}\": {}", mask.name, *problem);
+  }
+  if (find_problem(body)) return std::nullopt;  // which is what the user will hear of
+  const double step = 0.005 * extent(body), own_step = 0.005 * extent(alone);
+  Shape outline;
+  outline.outline = body.outline;
+  const std::vector<Vec2> border = points_along(outline, step), own = points_along(alone, own_step);
+  const auto count = [](const std::vector<Vec2>& points, const std::vector<Vec2>& polygon) {
+    return std::count_if(points.begin(), points.end(), [&](const Vec2& x) { return inside(polygon, x); });
+  };
+  const auto in_mask = count(border, own);
+  if (in_mask == 0 && count(own, border) == 0)
+    return fmt::format("region \"{}\" lies outside the body: there is nothing to freeze", mask.name);
+  if (in_mask == static_cast<std::ptrdiff_t>(border.size()))
+    return fmt::format("region \"{}\" covers the whole body: nothing is left to design", mask.name);
+  return std::nullopt;
+}
+
+}  // namespace kerf
