@@ -74,6 +74,18 @@ std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
   return solid;
 }
 
+/// What must stay solid inside the body: frozen loops, and the rings of functionals.
+std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
+  std::vector<Loop> all = r.level_set.frozen;
+  const auto add = [&](const Functional& j) {
+    for (const Term& term : j.terms)
+      if (term.feature_radius > 0) all.push_back(circle("ring", term.feature, term.feature_radius, none));
+  };
+  add(p.objective);
+  for (const FunctionalBound& b : r.bounds) add(b.functional);
+  return all;
+}
+
 double size_of(const Problem& p, const CurvesRequest& how) {
   if (how.size > 0) return how.size;
   return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
@@ -153,6 +165,7 @@ class CurvesRun {
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_radius * size_;
+    solid_ = solid_loops(p, r);
   }
 
   FinishedCurves run();
@@ -189,6 +202,7 @@ class CurvesRun {
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false;
+  std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
   std::shared_ptr<Base> base_;
   Point x_;  // the present one
@@ -305,9 +319,8 @@ double CurvesRun::violation(const Point& x) const {
 
 Linearized CurvesRun::linearized(const Point& x) const {
   const double least = how_.min_feature > 0 ? how_.min_feature : size_;
-  const LinearRows geometry =
-      clearance_rows(x.curves, p_.frame, r_.level_set.frozen,
-                     {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
+  const LinearRows geometry = clearance_rows(
+      x.curves, p_.frame, solid_, {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
   const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
   Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
                VectorXd(front + Eigen::Index(geometry.row.size()))};
