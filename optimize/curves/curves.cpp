@@ -13,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 namespace kerf {
 
@@ -22,7 +23,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
-constexpr double fit_tolerance = 0.2, knot_spacing = 2;
+constexpr double fit_tolerance = 0.2, knot_spacing = 3;
 constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
 constexpr double least_radius = 0.4;                                                // of arcs, so that meshes can tell
 constexpr double largest_angle = 0.35;                                              // a knot may turn by in a step
@@ -201,7 +202,7 @@ class CurvesRun {
   const CurvesObserver& see_;
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
-  bool bounded_ = false;
+  bool bounded_ = false, forgotten_ = false;
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
   std::shared_ptr<Base> base_;
@@ -505,6 +506,13 @@ bool CurvesRun::iterate() {
     last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
     const double fall = predicted(x_, step);
     if (!(fall > too_little * std::abs(x_.J))) {
+      // What was learned may be wrong, on other meshes or far from here: once more without it.
+      if (!std::exchange(forgotten_, true)) {
+        const VectorXd dearest = dearest_;
+        begin_curvature(x_);
+        dearest_ = dearest;
+        continue;
+      }
       out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
       return false;
     }
@@ -528,6 +536,7 @@ bool CurvesRun::iterate() {
     if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_radius * size_);
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, smallest_radius * size_);
     x_ = std::move(*y);
+    forgotten_ = false;
     return show();
   }
 }
