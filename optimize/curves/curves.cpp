@@ -31,6 +31,7 @@ constexpr double sharpest = 0.9;                                                
 constexpr double area_error = 1e-7;                                                 // of the area wanted
 constexpr double mesh_noise = 2e-3;                                                 // of J between meshes of like size
 constexpr double too_little = 1e-9;  // of J, predicted: nothing is to be gained
+constexpr double no_price = 0.05;    // of J per area: below, that is what residuals are relative to
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
@@ -355,8 +356,8 @@ void CurvesRun::weigh(Point& x) const {
       quadratic_step(M, gradient(x), all.A(active, Eigen::all), VectorXd::Zero(Eigen::Index(active.size())));
   x.price = volume_price_;
   if (bounded_ && !active.empty() && active.front() == 0) x.price += s.multiplier[0];
-  const double unit = std::max(x.price, 0.05 * std::abs(x.J) / x.area);
-  x.residual = M.matrixL().transpose().operator*(s.step).norm() / std::sqrt(moves.length) / unit;
+  const double of_all = std::abs(x.J) / x.area, unit = x.price > no_price * of_all ? x.price : of_all;
+  x.residual = VectorXd(M.matrixL().transpose() * s.step).norm() / std::sqrt(moves.length) / unit;
 }
 
 double CurvesRun::merit(const Point& x) const {
@@ -555,6 +556,7 @@ bool CurvesRun::remesh() {
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
+  if (r_.level_set.mirror) out_.notes.push_back("the curves need not be their own mirror image");
   std::optional<Point> first = evaluate(start, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);
