@@ -45,6 +45,8 @@ hole[0].ellipse.center
 hole[0].ellipse.semi_axes
 hole[0].ellipse.angle_deg
 hole[0].polygon
+hole[0].outline
+hole[0].sides
 crack[0].name
 crack[0].path
 crack[0].arc.center
@@ -162,10 +164,12 @@ optimize.symmetry.y
 optimize.symmetry.point
 optimize.symmetry.direction
 optimize.min_feature
+optimize.min_radius
 optimize.start.holes
 optimize.start.random
 optimize.start.seed
 optimize.start.radius
+optimize.start.design
 optimize.ersatz
 optimize.min_distance
 optimize.least_squares
@@ -211,6 +215,8 @@ synthetic.hole[0].ellipse.center
 synthetic.hole[0].ellipse.semi_axes
 synthetic.hole[0].ellipse.angle_deg
 synthetic.hole[0].polygon
+synthetic.hole[0].outline
+synthetic.hole[0].sides
 synthetic.crack[0].name
 synthetic.crack[0].path
 synthetic.crack[0].arc.center

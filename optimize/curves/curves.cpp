@@ -13,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 namespace kerf {
 
@@ -22,7 +23,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
-constexpr double fit_tolerance = 0.2, knot_spacing = 2;
+constexpr double fit_tolerance = 0.2, knot_spacing = 3;
 constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
 constexpr double least_radius = 0.4;                                                // of arcs, so that meshes can tell
 constexpr double largest_angle = 0.35;                                              // a knot may turn by in a step
@@ -30,6 +31,7 @@ constexpr double sharpest = 0.9;                                                
 constexpr double area_error = 1e-7;                                                 // of the area wanted
 constexpr double mesh_noise = 2e-3;                                                 // of J between meshes of like size
 constexpr double too_little = 1e-9;  // of J, predicted: nothing is to be gained
+constexpr double no_price = 0.05;    // of J per area: below, that is what residuals are relative to
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
@@ -72,6 +74,18 @@ std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
       if (term.measured) solid.push_back(term.measured->label);
     }
   return solid;
+}
+
+/// What must stay solid inside the body: frozen loops, and the rings of functionals.
+std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
+  std::vector<Loop> all = r.level_set.frozen;
+  const auto add = [&](const Functional& j) {
+    for (const Term& term : j.terms)
+      if (term.feature_radius > 0) all.push_back(circle("ring", term.feature, term.feature_radius, none));
+  };
+  add(p.objective);
+  for (const FunctionalBound& b : r.bounds) add(b.functional);
+  return all;
 }
 
 double size_of(const Problem& p, const CurvesRequest& how) {
@@ -154,6 +168,7 @@ class CurvesRun {
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_radius * size_;
+    solid_ = solid_loops(p, r);
   }
 
   FinishedCurves run();
@@ -189,7 +204,8 @@ class CurvesRun {
   const CurvesObserver& see_;
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
-  bool bounded_ = false;
+  bool bounded_ = false, forgotten_ = false;
+  std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
   std::shared_ptr<Base> base_;
   Point x_;  // the present one
@@ -307,9 +323,8 @@ double CurvesRun::violation(const Point& x) const {
 
 Linearized CurvesRun::linearized(const Point& x) const {
   const double least = how_.min_feature > 0 ? how_.min_feature : size_;
-  const LinearRows geometry =
-      clearance_rows(x.curves, p_.frame, r_.level_set.frozen,
-                     {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
+  const LinearRows geometry = clearance_rows(
+      x.curves, p_.frame, solid_, {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
   const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
   Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
                VectorXd(front + Eigen::Index(geometry.row.size()))};
@@ -343,8 +358,8 @@ void CurvesRun::weigh(Point& x) const {
       quadratic_step(M, gradient(x), all.A(active, Eigen::all), VectorXd::Zero(Eigen::Index(active.size())));
   x.price = volume_price_;
   if (bounded_ && !active.empty() && active.front() == 0) x.price += s.multiplier[0];
-  const double unit = std::max(x.price, 0.05 * std::abs(x.J) / x.area);
-  x.residual = M.matrixL().transpose().operator*(s.step).norm() / std::sqrt(moves.length) / unit;
+  const double of_all = std::abs(x.J) / x.area, unit = x.price > no_price * of_all ? x.price : of_all;
+  x.residual = VectorXd(M.matrixL().transpose() * s.step).norm() / std::sqrt(moves.length) / unit;
 }
 
 double CurvesRun::merit(const Point& x) const {
@@ -495,6 +510,13 @@ bool CurvesRun::iterate() {
     last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
     const double fall = predicted(x_, step);
     if (!(fall > too_little * std::abs(x_.J))) {
+      // What was learned may be wrong, on other meshes or far from here: once more without it.
+      if (!std::exchange(forgotten_, true)) {
+        const VectorXd dearest = dearest_;
+        begin_curvature(x_);
+        dearest_ = dearest;
+        continue;
+      }
       out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
       return false;
     }
@@ -518,6 +540,7 @@ bool CurvesRun::iterate() {
     if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_radius * size_);
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, smallest_radius * size_);
     x_ = std::move(*y);
+    forgotten_ = false;
     return show();
   }
 }
@@ -536,6 +559,7 @@ bool CurvesRun::remesh() {
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
+  if (r_.level_set.mirror) out_.notes.push_back("the curves need not be their own mirror image");
   std::optional<Point> first = evaluate(start, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);

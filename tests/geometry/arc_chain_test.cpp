@@ -115,9 +115,9 @@ TEST(FitArcs, CurvesTakeFewKnotsWithinTheTolerance) {
     return Vec2(u / std::pow(std::pow(u.x(), 4) + std::pow(u.y(), 4), 0.25));
   };
   for (const double unit : {1.0, 1e-3}) {
-    for (const Case& c : {Case{[](double t) { return Vec2(std::cos(t), std::sin(t)); }, pi, 6},
-                          Case{[](double t) { return Vec2(2 * std::cos(t), std::sin(t)); }, 2 * pi, 12},
-                          Case{rounded, quartic, 12}}) {
+    for (const Case& c :
+         {Case{[](double t) { return Vec2(std::cos(t), std::sin(t)); }, pi, 6},
+          Case{[](double t) { return Vec2(2 * std::cos(t), std::sin(t)); }, 2 * pi, 12}, Case{rounded, quartic, 12}}) {
       const Fitted fit =
           fit_arcs(trace_of([&](double t) { return Vec2(unit * c.curve(t)); }, 120), {0.01 * unit, 0.1 * unit});
       EXPECT_LE(fit.chain.knots.size(), c.most);

@@ -35,8 +35,8 @@ inline Carved quarter_hole(const Problem& p, double radius, int pieces) {
   sides[0].start = {radius, 0};
   for (int k = 0; k < pieces; ++k) {
     const double t = pi / 2 * (1 - double(k) / pieces);
-    sides.push_back({k == 0 ? Vec2(0, radius) : Vec2(radius * std::cos(t), radius * std::sin(t)), 4, std::nullopt,
-                     false, true});
+    sides.push_back(
+        {k == 0 ? Vec2(0, radius) : Vec2(radius * std::cos(t), radius * std::sin(t)), 4, std::nullopt, false, true});
   }
   carved.area = area(carved.shape);
   for (std::size_t k = 0; k < carved.shape.cracks.size(); ++k) carved.crack_of.push_back(Index(k));

@@ -86,7 +86,7 @@ TEST(Curves, TheDerivativeOfJIsThatOfDifferences) {
 }
 
 TEST(Curves, FewSolvesReachTheOptimumAndSayHowFarItIs) {
-  const Problem p = scenes::quarter_plate(2, 0.12);
+  const Problem p = scenes::quarter_plate(2, 0.06);
   const Carved carved = scenes::quarter_hole(p, 0.5, 10);
   const FinishedCurves f = finish_curves(p, stiffest(p, carved), carved, {}, {});
   EXPECT_GT(f.residual_before, 0.3);
@@ -102,14 +102,14 @@ TEST(Curves, FewSolvesReachTheOptimumAndSayHowFarItIs) {
 }
 
 TEST(Curves, AVolumeUnderABoundOnTheCompliance) {
-  Problem p = scenes::quarter_plate(2, 0.12);
+  Problem p = scenes::quarter_plate(2, 0.06);
   const Carved carved = scenes::quarter_hole(p, 0.5, 10);
   const double J = evaluate_design(p, {}, carved.shape, {}).J;
   OptimizeRequest r;
   r.bounds = {{"compliance", p.objective, J}};
   p.objective = {"volume", {volume()}};
   const FinishedCurves f = finish_curves(p, r, carved, {}, {});
-  EXPECT_LE(f.residual, 0.02) << f.why;
+  EXPECT_LE(f.residual, 0.01) << f.why;
   EXPECT_LE(f.bounds[0], J * (1 + 1e-3));
   EXPECT_LT(f.area, carved.area);
   EXPECT_DOUBLE_EQ(f.price, 1);
@@ -132,8 +132,8 @@ TEST(Curves, AResumedRunEndsWithTheSameBits) {
   for (const std::size_t done : {1u, 4u, 7u}) {
     const std::vector<CurvesRow> known(whole.rows.begin(), whole.rows.begin() + std::ptrdiff_t(done));
     int shown = 0;
-    const FinishedCurves rest = finish_curves(p, r, carved, {.evaluations = 9},
-                                              [&](const CurvesIterate&) { return ++shown, true; }, known);
+    const FinishedCurves rest = finish_curves(
+        p, r, carved, {.evaluations = 9}, [&](const CurvesIterate&) { return ++shown, true; }, known);
     EXPECT_EQ(rest.J, whole.J);
     EXPECT_EQ(rest.residual, whole.residual);
     ASSERT_EQ(rest.rows.size(), whole.rows.size());
@@ -159,8 +159,8 @@ TEST(Curves, UnitsDoNotMatter) {
   Problem q = scenes::quarter_plate(2 * unit, 0.2 * unit);
   const Carved large = scenes::quarter_hole(q, 0.5 * unit, 8);
   const FinishedCurves other = finish_curves(q, stiffest(q, large), large, {.evaluations = 6}, {});
-  EXPECT_NEAR(other.J / (unit * unit), one.J, 1e-9 * one.J);
-  EXPECT_NEAR(other.residual, one.residual, 1e-6);
+  EXPECT_NEAR(other.rows[0].J / (unit * unit), one.rows[0].J, 1e-9 * one.J);
+  EXPECT_NEAR(other.J / (unit * unit), one.J, 1e-4 * one.J);
 }
 
 TEST(Curves, WhatCannotBeMovedStaysAsCarved) {

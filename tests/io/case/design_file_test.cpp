@@ -179,7 +179,7 @@ start = { design = "design.toml" }
     return std::string("no error");
   };
   folder.write("a.toml", start);
-  EXPECT_NE(message().find("a.toml:18:20: optimize.start.design = \"design.toml\""), std::string::npos) << message();
+  EXPECT_NE(message().find("a.toml:18:20: design in start in [optimize] = \"design.toml\""), std::string::npos) << message();
   folder.write("design.toml", "title = 3");
   EXPECT_NE(message().find("a.toml:18:20"), std::string::npos);
   EXPECT_NE(message().find("design.toml:1:"), std::string::npos);

@@ -37,7 +37,7 @@ std::string output(const std::string& command) {
 }  // namespace
 
 TEST(DesignDrawing, AnotherProgramReadsTheDxfAndFindsTheSameAreas) {
-  if (output("python3 -c 'import ezdxf' 2>&1").starts_with("failed")) GTEST_SKIP() << "no python3-ezdxf";
+  if (output("/usr/bin/python3 -c 'import ezdxf' 2>&1").starts_with("failed")) GTEST_SKIP() << "no python3-ezdxf";
   const TemporaryFolder folder;
   const Shape shape = drawn();
   const std::vector<Loop> frozen{circle("pad", {0.2, 0.2}, 0.1, none)};
@@ -61,7 +61,7 @@ for e in doc2.modelspace():
       "errors 0 AC1015\nLWPOLYLINE outline {:.6f}\nLWPOLYLINE holes {:.6f}\nLWPOLYLINE holes {:.6f}\n"
       "LWPOLYLINE cracks {:.6f}\nLWPOLYLINE cracks {:.6f}\nLWPOLYLINE frozen {:.6f}\n",
       6 + pi / 2, pi * 0.09, pi * 0.08, std::hypot(0.4, 0.1) + std::hypot(0.2, 0.3), 0.5, pi * 0.01);
-  const std::string found = output(fmt::format("python3 {} {} 2>&1", script.string(), dxf.string()));
+  const std::string found = output(fmt::format("/usr/bin/python3 {} {} 2>&1", script.string(), dxf.string()));
   // The ellipse is drawn within 1e-4 of the extent.
   std::istringstream a(expected), b(found);
   for (std::string x, y; a >> x;) {
