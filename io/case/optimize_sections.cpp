@@ -1,3 +1,4 @@
+#include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
 #include "optimize/refuse.hpp"

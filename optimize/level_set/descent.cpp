@@ -84,11 +84,12 @@ void Descent::begin(const Eigen::VectorXd& start) {
     wanted = g_.target;
     phi = with_area(g_.background, phi, g_.target);
   }
-  ++s_.solves;
+  s_.solves = 1 + rules_.solves;
   DrawnLevelSet drawing = draw(g_, phi, g_.weak() ? std::nullopt : wanted, rules_.coarse);
   s_.phi = std::move(drawing.phi);
   s_.drawn = std::move(drawing.notes);
-  show(std::move(drawing.design), {});
+  show(std::move(drawing.design),
+       rules_.from.empty() ? std::vector<std::string>{} : std::vector{"from " + rules_.from});
   keep_if_best();
 }
 

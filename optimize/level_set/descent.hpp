@@ -12,6 +12,8 @@ struct DescentRules {
   int iterations = 100;       // at most
   double radius = 1;          // of the first step, in mesh sizes
   double residual = 0.1;      // of the shape: the descent has done its part
+  std::string from = {};      // the start, in words
+  int solves = 0;             // made before
   bool explore = false;       // a start without holes: they appear on the way
   int trials = 1;             // nucleations tried at the end
   std::vector<double> tight;  // share of every bound that this mesh may use

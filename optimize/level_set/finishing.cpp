@@ -95,7 +95,10 @@ Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int 
 
 FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& see,
                       const std::vector<CurvesRow>& known) {
-  CurvesRequest how{.size = g.size, .min_feature = g.r.level_set.min_feature, .residual = residual};
+  CurvesRequest how{.size = g.size,
+                    .min_radius = g.r.level_set.min_radius,
+                    .min_feature = g.r.level_set.min_feature,
+                    .residual = residual};
   how.evaluations = std::min(most_evaluations, std::max(1, g.r.max_iterations - d.progress().iteration));
   Problem fitted = g.p;  // one edge across thin members, as on the way
   fitted.sizing.size = g.size;

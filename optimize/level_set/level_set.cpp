@@ -40,6 +40,8 @@ void LevelSetRun::begin() {
   const LevelSetStart start = best_start(ground_);
   DescentRules rules = rules_of(ground_);
   rules.explore = start.explore;
+  rules.from = start.name;
+  rules.solves = start.solves;
   if (!start.explore) rules.radius = 0.25;
   descent_ = std::make_unique<Descent>(ground_, rules, start.phi);
 }

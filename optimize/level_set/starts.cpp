@@ -4,6 +4,9 @@
 #include "optimize/density/density.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
+#include "solver/parallel.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +14,39 @@
 
 namespace kerf {
 
+namespace {
+
+/// Signed distance to a body inside the frame.
+Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
+  std::vector<Polygon> loops;
+  const auto add = [&](const Loop& loop) {
+    loops.push_back(flatten(loop, 0.01 * g.size, extent({.outline = loop}) / 20));
+  };
+  add(body.outline);
+  for (const Loop& hole : body.holes) add(hole);
+  Eigen::VectorXd phi(g.background.lumped.size());
+  for (Eigen::Index v = 0; v < phi.size(); ++v) {
+    const Vec2& x = g.background.mesh.points[static_cast<std::size_t>(v)];
+    double least = infinity;
+    bool in = false;  // an odd number of loops
+    for (const Polygon& loop : loops) {
+      in = in != inside(loop.points, x);
+      for (std::size_t i = 0; i < loop.points.size(); ++i)
+        least = std::min(least, distance(x, loop.points[i], loop.points[(i + 1) % loop.points.size()]));
+    }
+    phi[v] = in ? -std::max(least, 1e-3 * g.background.size) : least;
+  }
+  return phi;
+}
+
+}  // namespace
+
 LevelSetStart given_start(const Ground& g) {
   const BackgroundMesh& b = g.background;
+  if (g.r.level_set.start_design) return {"the design given", distance_to(g, *g.r.level_set.start_design), 0, false};
   LevelSetStart start{"the full body",
-                      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(b.mesh.points.size()), -1e3 * g.size), true};
+                      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(b.mesh.points.size()), -1e3 * g.size), 0,
+                      true};
   if (!g.r.level_set.start) return start;
   start.name = "the holes given";
   Vec2 low = b.mesh.points[0], high = low;
@@ -30,7 +62,7 @@ constexpr int ranking_steps = 6, exploring_steps = 60;
 
 /// A density's own area, or the one wanted.
 LevelSetStart of_density(const Ground& g, const DensityDesign& d) {
-  LevelSetStart start{d.name, Eigen::VectorXd(g.background.lumped.size()), false};
+  LevelSetStart start{d.name, Eigen::VectorXd(g.background.lumped.size()), 0, false};
   for (Eigen::Index v = 0; v < start.phi.size(); ++v)
     start.phi[v] = 0.5 - density_at(d, g.background.mesh.points[static_cast<std::size_t>(v)]);
   start.phi =
@@ -69,18 +101,28 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
 }  // namespace
 
 LevelSetStart best_start(const Ground& g) {
+  const bool given = g.r.level_set.start || g.r.level_set.start_design;
+  const auto most = static_cast<std::size_t>(std::max(1, g.r.starts));
   std::vector<LevelSetStart> all;
   if (!no_density_stage(g.p, g.r) && !g.weak() && !g.turns())
-    all.push_back(of_density(g, density_designs(g.p, g.r).front()));
-  if (all.empty() || g.r.level_set.start) all.push_back(given_start(g));
+    for (const DensityDesign& d : density_designs(g.p, g.r))
+      if (all.size() < most) all.push_back(of_density(g, d));
+  if (all.empty() || given || all.size() < most) all.push_back(given_start(g));
   if (all.size() == 1) return all.front();
-  std::vector<Ranked> ranked;
-  for (const LevelSetStart& start : all) ranked.push_back(rank(g, start));
+  const auto n = static_cast<Index>(all.size());
+  std::vector<Ranked> ranked(all.size());
+  parallel_tasks(n, g.p.threads, [&](Index i) {
+    ranked[static_cast<std::size_t>(i)] = rank(g, all[static_cast<std::size_t>(i)]);
+  });
+  const auto key = [&](std::size_t k) { return std::tuple(!ranked[k].good, !ranked[k].feasible, ranked[k].merit); };
   std::size_t best = 0;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    const auto key = [&](std::size_t k) { return std::tuple(!ranked[k].good, !ranked[k].feasible, ranked[k].merit); };
+  int solves = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
     if (key(i) < key(best)) best = i;
+    solves += ranked[i].solves;
   }
+  all[best].solves = solves;
+  all[best].name += fmt::format(", the best of {} starts", all.size());
   return all[best];
 }
 

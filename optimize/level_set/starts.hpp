@@ -8,6 +8,7 @@ namespace kerf {
 struct LevelSetStart {
   std::string name;      // in messages
   Eigen::VectorXd phi;   // on the canvas
+  int solves = 0;        // that choosing it took
   bool explore = false;  // without the holes that it needs: they appear on the way
 };
 
