@@ -48,7 +48,7 @@ double largest_turn(const ArcChain& chain);
 std::vector<Side> sides(const ArcChain& chain, Index label);
 
 /// The shape with parts of ellipses as chains within the tolerance, with `ellipses` whole ones, too; and with arcs of
-/// loops of several sides that turn by no more than a third of a turn.
+/// loops of several sides that turn by less than half a turn.
 Shape circular(Shape shape, double tolerance, bool ellipses = false);
 
 /// A line to be followed by a chain: a polygon, open or closed.

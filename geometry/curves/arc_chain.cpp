@@ -10,7 +10,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double straight = 1e-7;  // half a turn below which an arc is drawn as its chord: off by 2e-8 of its length
+constexpr double straight = 4e-6;  // half a turn below which an arc is drawn as its chord: off by 1e-6 of its length
 
 template <typename S>
 struct Pair {

@@ -8,7 +8,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double longest_turn = 2 * pi / 3 + 1e-9;  // of an arc of a loop of several sides
+constexpr double longest_turn = 0.95 * pi;  // of an arc of a loop of several sides: files say the shorter way round
 
 bool is_circle(const Arc& arc) {
   const double radius = arc.axes.col(0).norm();

@@ -1,4 +1,4 @@
-#include "optimize/curves/curves.hpp"
+#include "optimize/curves.hpp"
 
 #include "kerf/shape_gradient.hpp"
 #include "optimize/curves/boundary.hpp"

@@ -92,7 +92,7 @@ TEST(ArcChain, StraightLinesAndCirclesAreExact) {
 
 TEST(ArcChain, TheNearestPlaceIsTheFootOfAPerpendicular) {
   const ArcChain chain = wavy(true);
-  for (const Vec2 x : {Vec2(1.5, 0.9), Vec2(-0.3, 0.4), Vec2(0, -2)}) {
+  for (const Vec2& x : {Vec2(1.5, 0.9), Vec2(-0.3, 0.4), Vec2(0, -2)}) {
     const ChainPoint p = point_on(chain, nearest(chain, x));
     double least = infinity;
     for (std::size_t arc = 0; arc < 14; ++arc)
@@ -158,5 +158,7 @@ TEST(Circular, PartsOfEllipsesBecomeArcs) {
   EXPECT_FALSE(find_problem(arcs));
   EXPECT_NEAR(area(arcs), pi, 1e-3);
   for (const Side& side : arcs.outline.sides)
-    if (side.arc) EXPECT_NEAR(smallest_radius(*side.arc), largest_radius(*side.arc), 1e-12);
+    if (side.arc) {
+      EXPECT_NEAR(smallest_radius(*side.arc), largest_radius(*side.arc), 1e-12);
+    }
 }

@@ -1,7 +1,7 @@
 // The hole of a given size that weakens a plate the least is an ellipse whose axes are as the stresses at infinity, and
 // the hoop stress around it is constant, their sum [Cherepanov 1974]. Told by displacement elements on a fine mesh.
 
-#include "optimize/curves/curves.hpp"
+#include "optimize/curves.hpp"
 #include "kerf/recover.hpp"
 #include "tests/optimize/curves.hpp"
 

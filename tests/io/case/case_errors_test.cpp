@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Missing, WrongCase,
     testing::Values(
-        Wrong{"[[hole]]\nname = 'h'", "a.toml:7:1: [[hole]] needs one of circle, ellipse, polygon"},
+        Wrong{"[[hole]]\nname = 'h'", "a.toml:7:1: [[hole]] needs one of circle, ellipse, polygon, outline"},
         Wrong{"[[hole]]\nname = 'h'\ncircle = { radius = 1 }",
               "a.toml:9:10: missing key \"center\" in circle in [[hole]]; add it"},
         Wrong{"[[crack]]\nname = 'c'", "a.toml:7:1: [[crack]] needs one of path, arc"},

@@ -3,7 +3,9 @@
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
+#include "optimize/curves.hpp"
 #include "tests/io/case/case_files.hpp"
+#include "tests/optimize/curves.hpp"
 
 #include <gtest/gtest.h>
 
@@ -97,6 +99,40 @@ TEST(DesignFile, ComesBackAsTheSameBodyUnderTheSameLoads) {
   EXPECT_EQ(back.scene.tractions[0].value({2, 0.7}, {1, 0}), Vec2(0.7, 0));
 }
 
+TEST(DesignFile, ItsStateHasTheJThatTheCurvesEndWith) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", R"([domain]
+outline = [[0, 0], [2, 0], [2, 2], [0, 2]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 1
+poisson = 0.3
+state = "plane stress"
+[[boundary]]
+on = "bottom"
+displacement_y = 0
+[[boundary]]
+on = "left"
+displacement_x = 0
+[[boundary]]
+on = "right"
+traction = [2, 0]
+[functional]
+kind = "compliance"
+[mesh]
+size = 0.15
+[optimize]
+volume = { at_most = 0.95 }
+)"));
+  const Problem p{
+      .frame = c.shape, .scene = c.scene, .sizing = c.sizing, .element = c.element, .objective = c.functional};
+  const FinishedCurves f = finish_curves(p, *c.optimize, scenes::quarter_hole(p, 0.5, 9), {.evaluations = 3}, {});
+  const Case back = read_case(folder.write("design.toml", design_case(c, {f.shape, {}, {}, {}}, folder.path)));
+  const Model model = prepare(triangulate(back.shape, back.sizing), back.element, back.scene, 1);
+  const State state = solve(model);
+  EXPECT_NEAR(analyze(back.functional, model, state, true).value, f.J, 1e-10 * f.J);
+}
+
 TEST(DesignFile, LoadCasesKeepTheirTables) {
   const TemporaryFolder folder;
   const Case c = read_case(folder.write("a.toml", square + R"([[boundary]]
@@ -179,7 +215,8 @@ start = { design = "design.toml" }
     return std::string("no error");
   };
   folder.write("a.toml", start);
-  EXPECT_NE(message().find("a.toml:18:20: design in start in [optimize] = \"design.toml\""), std::string::npos) << message();
+  EXPECT_NE(message().find("a.toml:18:20: design in start in [optimize] = \"design.toml\""), std::string::npos)
+      << message();
   folder.write("design.toml", "title = 3");
   EXPECT_NE(message().find("a.toml:18:20"), std::string::npos);
   EXPECT_NE(message().find("design.toml:1:"), std::string::npos);

@@ -602,7 +602,7 @@ INSTANTIATE_TEST_SUITE_P(
             "[optimize]\nvolume = { at_most = 0.5 }\nstart = { random = 10, radius = 5 }",
             "a.toml:17:33: radius in start in [optimize] = 5 must be smaller than the body, whose diagonal is 2.23607"},
         Wrong{"[optimize]\nvolume = { at_most = 0.5 }\nstart = {}",
-              "a.toml:17:9: start in [optimize] needs one of holes, random"},
+              "a.toml:17:9: start in [optimize] needs one of holes, random, design"},
         Wrong{"[optimize]\nvolume = { at_most = 0.5 }\nfrozen = ['pad']",
               "a.toml:17:11: entry 1 of frozen in [optimize]: there is no [[region]] \"pad\"; the case has none"},
         Wrong{"[optimize]\nvolume = { at_most = 0.5 }\nfrozen = []",
