@@ -52,7 +52,7 @@ std::vector<Side> sides(const ArcChain& chain, Index label);
 Shape circular(Shape shape, double tolerance, bool ellipses = false);
 
 /// A line to be followed by a chain: a polygon, open or closed.
-struct Trace {
+struct ChainTrace {
   std::vector<Vec2> points;
   bool closed = false;
   std::vector<bool> pinned;  // points that the chain must meet exactly; the ends of an open line are
@@ -68,6 +68,6 @@ struct Fitted {
   std::vector<Index> point;  // per knot the pinned point that it is, or none
   double distance = 0;       // of the line, the largest
 };
-Fitted fit_arcs(const Trace& trace, const ArcFit& how);
+Fitted fit_arcs(const ChainTrace& trace, const ArcFit& how);
 
 }  // namespace kerf

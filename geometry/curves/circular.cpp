@@ -19,7 +19,7 @@ bool is_circle(const Arc& arc) {
 std::vector<Side> as_chain(const Side& side, double tolerance, bool whole) {
   const Arc& arc = *side.arc;
   const int n = 16 + int(128 * std::abs(arc.to - arc.from) / (2 * pi));
-  Trace trace{points_on(arc, n), whole, {}};
+  ChainTrace trace{points_on(arc, n), whole, {}};
   trace.points.front() = side.start;
   if (whole) trace.points.pop_back();
   const double spacing = smallest_radius(arc) * smallest_radius(arc) / largest_radius(arc) / 8;

@@ -37,7 +37,7 @@ struct Line {
   }
 };
 
-Line line_of(const Trace& trace) {
+Line line_of(const ChainTrace& trace) {
   Line line{trace.points, {0}, trace.closed};
   if (trace.closed) line.points.push_back(trace.points.front());
   for (std::size_t k = 1; k < line.points.size(); ++k)
@@ -281,7 +281,7 @@ bool halve(Fit& fit, const ArcFit& how) {
 
 }  // namespace
 
-Fitted fit_arcs(const Trace& trace, const ArcFit& how) {
+Fitted fit_arcs(const ChainTrace& trace, const ArcFit& how) {
   if (trace.points.size() < (trace.closed ? 3u : 2u)) throw std::invalid_argument("too few points for a chain of arcs");
   const Line line = line_of(trace);
   const std::vector<Sample> samples = samples_of(line);

@@ -75,8 +75,8 @@ std::vector<Vec2> crack_ends(const Shape& shape) {
 }
 
 /// The polygon with mouths of cracks among its points, and which those are.
-Trace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<Vec2>& ends, double near) {
-  Trace trace{std::move(points), closed, {}};
+ChainTrace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<Vec2>& ends, double near) {
+  ChainTrace trace{std::move(points), closed, {}};
   trace.pinned.assign(trace.points.size(), false);
   for (const Vec2& end : ends) {
     const std::size_t n = trace.points.size();
@@ -195,7 +195,7 @@ class Builder {
     const std::size_t n = loop.sides.size();
     std::vector<Vec2> points;
     for (std::size_t i = begin; i < end + (closed ? 0 : 1); ++i) points.push_back(loop.sides[i % n].start);
-    const Trace trace = with_mouths(std::move(points), closed, ends_, near_);
+    const ChainTrace trace = with_mouths(std::move(points), closed, ends_, near_);
     Fitted fitted = fit_arcs(trace, {how_.tolerance, how_.least_spacing});
     std::vector<KnotHold> holds(fitted.chain.knots.size());
     for (std::size_t k = 0; k < holds.size(); ++k)

@@ -19,33 +19,6 @@ namespace {
 constexpr double of_curves = 2e-2, of_level_set = 0.1;  // largest shape residual of what is called optimal
 constexpr double binding = 1e-2;                        // of a bound, relative: nearer than this it has a price
 
-/// The design that is the result.
-struct Final {
-  std::shared_ptr<const Evaluated> design;  // on a mesh of its own
-  double residual = nan, asked = of_level_set;
-  std::string failure;  // why there is no such design
-};
-
-Final final_design(const LevelSetEnd& end) {
-  Final f;
-  if (!curves_are_better(end)) {
-    f.design = std::shared_ptr<const Evaluated>(std::shared_ptr<void>(), &end.descent.design());
-    f.residual = end.g.turns() ? nan : end.descent.measure().residual;
-    return f;
-  }
-  Problem p = end.g.p;
-  p.sizing.size = end.g.size;
-  f.residual = end.curves.residual;
-  f.asked = of_curves;
-  try {
-    f.design = std::make_shared<Evaluated>(evaluate_design(p, end.g.r, end.curves.shape, end.curves.crack_of));
-  } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
-    f.failure = error.what();
-  }
-  return f;
-}
-
 /// Prices of area and of the bounds that bind: those that balance the rates along the boundary best.
 struct Prices {
   double area = 0;
@@ -135,9 +108,12 @@ void weigh_holes(const Ground& g, const Evaluated& e, HoleMargin& holes, LoopEnd
     end.evidence = fmt::format("no small hole pays: T is at least {:.2g} of the price, at {}", 1 + holes.least, place);
 }
 
-LoopEnd loop_end(const LevelSetEnd& end, const Final& last, bool go_on, OptimizeResult& result) {
+LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
   const DescentState& s = end.descent.progress();
-  LoopEnd out{.row = result.history.back(), .residual = last.residual, .asked = last.asked, .kind = "shape residual"};
+  LoopEnd out{.row = result.history.back(), .kind = "shape residual"};
+  out.asked = end.last ? of_curves : of_level_set;
+  if (go_on && (end.last || !end.g.turns()))
+    out.residual = end.last ? end.curves.residual : end.descent.measure().residual;
   out.why = join({s.ended, end.curves.why.empty() ? "" : "curves: " + end.curves.why});
   out.budget_used = !go_on || s.ended.starts_with("the iterations asked for");
   if (!go_on) {
@@ -146,10 +122,8 @@ LoopEnd loop_end(const LevelSetEnd& end, const Final& last, bool go_on, Optimize
     out.kind = "angle";
     out.residual = s.rows.back().optimality;
     out.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
-  } else if (last.design) {
-    weigh_holes(end.g, *last.design, result.holes, out);
   } else {
-    out.obstacle = "the curves cannot be solved again: " + last.failure;
+    weigh_holes(end.g, design, result.holes, out);
   }
   return out;
 }
@@ -203,10 +177,18 @@ bool curves_are_better(const LevelSetEnd& end) {
   return c.J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J);
 }
 
+std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {
+  Problem p = end.g.p;
+  p.sizing.size = end.g.size;
+  return std::make_shared<const Evaluated>(evaluate_design(p, end.g.r, end.curves.shape, end.curves.crack_of));
+}
+
 OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   const DescentState& s = end.descent.progress();
+  const Evaluated& design = end.last ? *end.last : end.descent.design();
   OptimizeResult result{.method = OptimizeMethod::LevelSet};
   result.notes = end.g.notes;
+  result.notes.insert(result.notes.end(), end.curves.notes.begin(), end.curves.notes.end());
   result.history = s.rows;
   result.history.insert(result.history.end(), end.finishing.begin(), end.finishing.end());
   const Iteration& row = result.history.back();
@@ -214,16 +196,13 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   result.state_solves = row.state_solves;
   result.objective = row.objective;
   result.volume_fraction = row.volume_fraction;
-  const Final last = final_design(end);
-  const bool curves = curves_are_better(end);
-  result.shape = curves ? end.curves.shape : end.descent.design().shape;
-  result.scene = curves ? with_cracks(scenes_of(end.g.p, end.g.r).front(), end.curves.crack_of)
-                        : end.descent.design().cases.front().model.scene;
-  const LoopEnd judged = loop_end(end, last, go_on, result);
+  result.shape = design.shape;
+  result.scene = design.cases.front().model.scene;
+  const LoopEnd judged = loop_end(end, design, go_on, result);
   if (end.g.weak())
     take_strong_phase(end, go_on, result);
-  else if (go_on && last.design)
-    solve_on_finer_mesh(end.g, *last.design, result);
+  else if (go_on)
+    solve_on_finer_mesh(end.g, design, result);
   judge(result, end.g.r, judged);
   return result;
 }

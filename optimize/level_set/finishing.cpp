@@ -10,7 +10,7 @@ namespace kerf {
 
 namespace {
 
-constexpr int most_evaluations = 30;
+constexpr int most_evaluations = 30, least_evaluations = 4;
 constexpr double residual = 1e-2;  // of the shape
 
 void append(std::vector<double>& all, const Eigen::VectorXd& v) {
@@ -73,7 +73,7 @@ std::vector<CurvesRow> read_curves(const Checkpoint& c) {
 }
 
 bool can_finish(const Ground& g, const Descent& d) {
-  return !g.weak() && d.settled();
+  return !g.weak() && d.settled() && g.r.max_iterations - d.progress().iteration > least_evaluations;
 }
 
 Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int cases) {
@@ -99,7 +99,7 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                     .min_radius = g.r.level_set.min_radius,
                     .min_feature = g.r.level_set.min_feature,
                     .residual = residual};
-  how.evaluations = std::min(most_evaluations, std::max(1, g.r.max_iterations - d.progress().iteration));
+  how.evaluations = std::min(most_evaluations, g.r.max_iterations - d.progress().iteration - 1);
   Problem fitted = g.p;  // one edge across thin members, as on the way
   fitted.sizing.size = g.size;
   fitted.sizing.across = 1;

@@ -1,7 +1,7 @@
 #pragma once
 // The last part of a level-set run: its design as smooth curves, moved to an optimum of first order.
 
-#include "optimize/curves/curves.hpp"
+#include "optimize/curves.hpp"
 #include "optimize/level_set/descent.hpp"
 
 namespace kerf {
@@ -10,7 +10,7 @@ namespace kerf {
 void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows);
 std::vector<CurvesRow> read_curves(const Checkpoint& c);
 
-/// Whether the design of a descent becomes curves: not with a weak phase.
+/// Whether the design of a descent becomes curves: not with a weak phase, and not without iterations left.
 bool can_finish(const Ground& g, const Descent& d);
 
 /// A row of the history for an evaluation; `number` of the last row of the descent, `before` it.

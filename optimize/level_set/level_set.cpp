@@ -21,6 +21,7 @@ class LevelSetRun {
   bool restore();
   bool show_new();
   bool make_curves(FinishedCurves& finished);
+  void show_last(LevelSetEnd& end, bool go_on) const;
   void save() const;
 
   const Observer& see_;
@@ -97,17 +98,44 @@ OptimizeResult LevelSetRun::run() {
   save();
   FinishedCurves finished;
   if (go_on && can_finish(ground_, *descent_)) go_on = make_curves(finished);
-  const LevelSetEnd end{ground_, *descent_, finished, finishing_};
-  if (!finishing_.empty() && go_on && !curves_are_better(end)) {
-    Iteration row = descent_->progress().rows.back();
-    row.number = finishing_.back().number + 1;
-    row.state_solves = finishing_.back().state_solves;
-    row.note = "the design as carved: its curves are no better";
-    finishing_.push_back(row);
-    const Iterate carved = descent_->iterate();
-    if (see_) see_({finishing_.back(), carved.shape, carved.model, carved.state});
-  }
+  LevelSetEnd end{ground_, *descent_, finished, finishing_};
+  if (!finishing_.empty()) show_last(end, go_on);
   return result_of(end, go_on);
+}
+
+/// The result as a row of its own: the curves on the mesh that the case asks for, or the carved design.
+void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
+  const int number = end.finishing.back().number + 1, solves = end.finishing.back().state_solves;
+  const auto show = [&](Iteration row, const Iterate& i) {
+    row.number = number;
+    end.finishing.push_back(std::move(row));
+    if (see_ && go_on) see_({end.finishing.back(), i.shape, i.model, i.state});
+  };
+  std::string why = "its curves are no better";
+  if (curves_are_better(end)) try {
+      end.last = solve_again(end);
+      const SolvedCase& c = end.last->cases.front();
+      Iteration row = end.finishing.back();
+      row.objective = row.merit = end.last->J;
+      row.volume_fraction = end.last->area / ground_.whole;
+      row.bounds = end.last->bounds;
+      row.violation = violation_of(ground_.r, row.bounds, row.volume_fraction);
+      row.optimality = end.curves.residual;
+      row.step = 0;
+      row.triangles = static_cast<Index>(c.model.mesh.triangles.size());
+      row.state_solves = solves + 1;
+      row.accepted = true;
+      row.note = "the curves, meshed as kerf solve does";
+      return show(std::move(row), {end.finishing.back(), end.last->shape, c.model, c.state});
+    } catch (const Error& error) {
+      if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+      why = error.what();
+    }
+  const Iterate carved = descent_->iterate();
+  Iteration row = carved.row;
+  row.state_solves = solves;
+  row.note = "the design as carved: " + why;
+  show(std::move(row), carved);
 }
 
 void LevelSetRun::save() const {

@@ -111,9 +111,8 @@ LevelSetStart best_start(const Ground& g) {
   if (all.size() == 1) return all.front();
   const auto n = static_cast<Index>(all.size());
   std::vector<Ranked> ranked(all.size());
-  parallel_tasks(n, g.p.threads, [&](Index i) {
-    ranked[static_cast<std::size_t>(i)] = rank(g, all[static_cast<std::size_t>(i)]);
-  });
+  parallel_tasks(n, g.p.threads,
+                 [&](Index i) { ranked[static_cast<std::size_t>(i)] = rank(g, all[static_cast<std::size_t>(i)]); });
   const auto key = [&](std::size_t k) { return std::tuple(!ranked[k].good, !ranked[k].feasible, ranked[k].merit); };
   std::size_t best = 0;
   int solves = 0;

@@ -24,8 +24,8 @@ ArcChain wavy(bool closed) {
   return chain;
 }
 
-Trace trace_of(const std::function<Vec2(double)>& curve, int n) {
-  Trace trace{{}, true, {}};
+ChainTrace trace_of(const std::function<Vec2(double)>& curve, int n) {
+  ChainTrace trace{{}, true, {}};
   for (int k = 0; k < n; ++k) trace.points.push_back(curve(2 * pi * k / n));
   return trace;
 }
@@ -134,7 +134,7 @@ TEST(FitArcs, CurvesTakeFewKnotsWithinTheTolerance) {
 }
 
 TEST(FitArcs, PinnedPointsAreMetExactly) {
-  Trace trace{{}, false, {}};
+  ChainTrace trace{{}, false, {}};
   for (int k = 0; k <= 40; ++k) trace.points.push_back({0.05 * k, 0.2 * std::sin(0.15 * k)});
   trace.pinned.assign(41, false);
   trace.pinned[17] = true;
