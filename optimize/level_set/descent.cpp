@@ -35,6 +35,8 @@ constexpr int exploring = 12;      // steps at the final area in which holes sti
 constexpr double stride = 0.01;    // of the merit in one step, without which that time runs
 constexpr double pays = 0.7;       // T against the price where a hole is tried
 
+constexpr const char* out_of_iterations = "the iterations asked for are done";
+
 Eigen::VectorXd vector_of(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
@@ -65,6 +67,7 @@ Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& sta
 Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
     : g_(g), rules_(std::move(rules)), s_(std::move(progress)) {
   if (rules_.tight.empty()) rules_.tight.assign(g.r.bounds.size(), 1);
+  if (s_.ended.starts_with(out_of_iterations) && s_.iteration < rules_.iterations) s_.ended.clear();
   const auto drawn = [&](const Eigen::VectorXd& phi) {
     return phi.size() == 0 ? nullptr : draw(g_, phi, {}, rules_.coarse).design;
   };
@@ -561,7 +564,7 @@ bool Descent::advance() {
       s_.best = s_.anchor;
       best_ = anchored_;
     }
-    s_.ended = fmt::format("the iterations asked for are done ({})", rules_.iterations);
+    s_.ended = fmt::format("{} ({})", out_of_iterations, rules_.iterations);
     if (best_ && best_ != design_) go_back(s_.best, "the best design");
     return false;
   }
