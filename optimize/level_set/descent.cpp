@@ -93,7 +93,7 @@ void Descent::begin(const Eigen::VectorXd& start) {
   s_.drawn = std::move(drawing.notes);
   show(std::move(drawing.design),
        rules_.from.empty() ? std::vector<std::string>{} : std::vector{"from " + rules_.from});
-  keep_if_best();
+  if (!g_.turns()) keep_if_best();  // the fixed point leaves its start, whatever that costs
 }
 
 bool Descent::settled() const {
@@ -102,7 +102,8 @@ bool Descent::settled() const {
 
 Iterate Descent::iterate() const {
   const SolvedCase& c = design_->cases.front();
-  return {s_.rows.back(), design_->shape, c.model, c.state};
+  const auto row = std::find_if(s_.rows.rbegin(), s_.rows.rend(), [](const Iteration& r) { return r.accepted; });
+  return {*row, design_->shape, c.model, c.state};
 }
 
 /// (value - what this mesh may use of the bound) / |bound|.
@@ -140,7 +141,7 @@ bool Descent::keeps_bounds(const Evaluated& e) const {
 }
 
 bool Descent::appearing() const {
-  return rules_.explore && s_.settled < exploring;
+  return rules_.explore && !g_.turns() && s_.settled < exploring;
 }
 
 /// The fixed point follows rises for a while.
@@ -361,7 +362,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
   constexpr double more = 1.4, less = 0.6, good = 0.6, bad = 0.1;
   double factor = 1;
   if (!settled() || t.nucleated || g_.turns()) {
-    factor = g_.turns() ? 1.2 : 1;
+    factor = g_.turns() && after < std::min(before, value(s_.best)) ? 1.2 : 1;
   } else {
     std::vector<double> bounds = design_->bounds;
     for (std::size_t i = 0; i < t.step.bounded.size(); ++i)
@@ -508,7 +509,7 @@ bool Descent::follow_up() {
       return true;
     case Next::End:
       s_.next = static_cast<int>(Next::Nucleate);
-      if (!best_ || best_ == design_) return follow_up();
+      if (!best_ || (best_ == design_ && s_.rows.back().accepted)) return follow_up();
       // What the step from the best design said of it.
       for (const Iteration& row : s_.rows)
         if (row.number == s_.best.iteration + 1) residual_ = row.optimality;
@@ -528,7 +529,7 @@ void Descent::step() {
   Tried t = attempt();
   judge(t);
   if (!t.drawing.design) return refuse(t, nan);
-  const double before = merit(), rise = value(*t.drawing.design) - before;
+  const double before = g_.turns() && settled() ? value(s_.best) : merit(), rise = value(*t.drawing.design) - before;
   if (free || t.allowed < s_.allowed || t.nucleated ? rise > jump * std::abs(before) : !(rise <= noise()))
     refuse(t, rise);
   else
@@ -553,6 +554,7 @@ void Descent::decide() {
   if (const std::string why = reason_to_end(); !why.empty()) return then(Next::End, why);
   if (!appearing() && s_.since >= patience && best_ && best_ != design_) {
     s_.radius *= 0.5;
+    s_.turn *= 0.5;
     then(Next::BackToBest, fmt::format("no better design in {} steps", patience));
   }
 }
@@ -565,7 +567,7 @@ bool Descent::advance() {
       best_ = anchored_;
     }
     s_.ended = fmt::format("{} ({})", out_of_iterations, rules_.iterations);
-    if (best_ && best_ != design_) go_back(s_.best, "the best design");
+    if (best_ && (best_ != design_ || !s_.rows.back().accepted)) go_back(s_.best, "the best design");
     return false;
   }
   if (follow_up()) return s_.ended.empty();

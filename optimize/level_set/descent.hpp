@@ -35,7 +35,7 @@ class Descent {
   const Evaluated& design() const {
     return *design_;
   }
-  /// The present row, with its design, for those who watch.
+  /// The present design and its row, for those who watch.
   Iterate iterate() const;
   bool settled() const;
   bool keeps_bounds(const Evaluated& e) const;

@@ -1,5 +1,6 @@
 #include "optimize/level_set/finishing.hpp"
 
+#include "optimize/loop/finish.hpp"
 #include "optimize/loop/history_text.hpp"
 
 #include <fmt/core.h>
@@ -22,6 +23,26 @@ Eigen::VectorXd taken(const Eigen::VectorXd& all, Eigen::Index& at) {
   Eigen::VectorXd v = all.segment(at, n);
   at += n;
   return v;
+}
+
+/// Bounds that leave room for what a finer mesh says more than the one of the curves does.
+OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carved, const CurvesRequest& how) {
+  constexpr double most = 0.2;
+  OptimizeRequest r = g.r;
+  if (r.bounds.empty()) return r;
+  const Shape shape = fit_curves(p, r, carved, how);
+  const Evaluated here = evaluate_design(p, r, shape, carved.crack_of);
+  Problem judged = p;
+  judged.scene.laws = here.cases.front().model.scene.laws;
+  judged.objective = here.objective;
+  OptimizeRequest asked = r;
+  for (std::size_t k = 0; k < asked.bounds.size(); ++k) asked.bounds[k].functional = here.bounded[k];
+  const FinerDesign finer = solve_finer(std::move(judged), asked, shape, g.whole);
+  for (std::size_t k = 0; k < finer.bounds.size(); ++k) {
+    const double excess = (finer.bounds[k] - here.bounds[k]) / std::max(std::abs(here.bounds[k]), 1e-300);
+    if (excess > 0) r.bounds[k].at_most -= std::min(excess, most) * std::abs(r.bounds[k].at_most);
+  }
+  return r;
 }
 
 }  // namespace
@@ -104,7 +125,8 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
   fitted.sizing.size = g.size;
   fitted.sizing.across = 1;
   try {
-    return finish_curves(fitted, g.r, carved_again(g, d.progress().phi), how, see, known);
+    const Carved carved = carved_again(g, d.progress().phi);
+    return finish_curves(fitted, with_room(g, fitted, carved, how), carved, how, see, known);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     FinishedCurves out;

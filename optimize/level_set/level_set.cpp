@@ -117,7 +117,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
       const SolvedCase& c = end.last->cases.front();
       Iteration row = end.finishing.back();
       row.objective = row.merit = end.last->J;
-      row.volume_fraction = end.last->area / ground_.whole;
+      row.volume_fraction = area(end.last->shape) / ground_.whole;  // arcs, not their chords
       row.bounds = end.last->bounds;
       row.violation = violation_of(ground_.r, row.bounds, row.volume_fraction);
       row.optimality = end.curves.residual;
