@@ -236,7 +236,7 @@ std::string design_svg(const Shape& shape, std::span<const Loop> frozen, const s
       low.x() - margin, -high.y() - margin, size.x(), size.y(), 1000.0, escaped(title), 0.1 * margin);
   // The body with its holes cut out, then lines.
   std::string body = svg_path(layers[0].paths.front());
-  for (const Path& hole : layers[1].paths) body += " " + svg_path(hole);
+  for (const Path& hole : layers[1].paths) body.append(" ").append(svg_path(hole));
   out += fmt::format("<path id=\"body\" d=\"{}\" fill=\"#d0d8e0\" fill-rule=\"evenodd\" stroke=\"none\"/>\n", body);
   for (const Layer& layer : layers) {
     out += fmt::format("<g id=\"{}\" fill=\"none\" stroke=\"{}\">\n", layer.name, layer.stroke);

@@ -559,7 +559,7 @@ bool CurvesRun::remesh() {
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
-  if (r_.level_set.mirror) out_.notes.push_back("the curves need not be their own mirror image");
+  if (r_.level_set.mirror) out_.notes.emplace_back("the curves need not be their own mirror image");
   std::optional<Point> first = evaluate(start, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);
