@@ -174,8 +174,8 @@ bool curves_are_better(const LevelSetEnd& end) {
                after = violation_of(r, c.bounds, c.area / end.g.whole);
   if (after >= feasible_violation || before >= feasible_violation) return after < before;
   // Curves leave room in bounds for what a finer mesh says, which costs J.
-  const double meshes_differ = r.bounds.empty() ? 2e-3 : 2e-2;
-  return c.J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J);
+  const double meshes_differ = r.bounds.empty() ? 8e-4 : 2e-2, J = end.last ? end.last->J : c.J;
+  return J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J);
 }
 
 std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {

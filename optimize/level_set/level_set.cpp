@@ -114,6 +114,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
   std::string why = "its curves are no better";
   if (curves_are_better(end)) try {
       end.last = solve_again(end);
+      if (!curves_are_better(end)) throw Error(Fault::Numerics, why);
       const SolvedCase& c = end.last->cases.front();
       Iteration row = end.finishing.back();
       row.objective = row.merit = end.last->J;
@@ -130,6 +131,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
     } catch (const Error& error) {
       if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
       why = error.what();
+      end.last = nullptr;
     }
   const Iterate carved = descent_->iterate();
   Iteration row = carved.row;
