@@ -67,7 +67,8 @@ OptimizeResult checked_run(const Problem& p, const OptimizeRequest& r) {
   EXPECT_LT(result.objective, first->objective);
   for (auto i = first; i != result.history.end(); ++i)
     if (at_volume(*i) && i->accepted) {
-      EXPECT_LE(result.objective, i->objective * (1 + 1e-3)) << i->number;
+      // Rows lie on meshes of their own, which change J by up to 0.2 %.
+      EXPECT_LE(result.objective, i->objective * (1 + 2e-3)) << i->number;
     }
   return result;
 }
