@@ -21,6 +21,7 @@ namespace {
 
 // Lengths relative to the mesh size, areas to that of the frame.
 constexpr double largest_radius = 1, smallest_radius = 0.05;
+constexpr double first_radius = 0.25;                        // where the start has its holes
 constexpr double largest_turn = 0.5, smallest_turn = 0.015;  // of the fixed point
 constexpr double drop = 0.03;                                // of the area that is taken away in one step
 constexpr double redrawing = 2e-3;                           // what drawing and meshing anew changes of J
@@ -34,8 +35,6 @@ constexpr std::size_t window = 8;  // steps over which a small change means that
 constexpr int exploring = 12;      // steps at the final area in which holes still appear by themselves
 constexpr double stride = 0.01;    // of the merit in one step, without which that time runs
 constexpr double pays = 0.7;       // T against the price where a hole is tried
-
-constexpr const char* out_of_iterations = "the iterations asked for are done";
 
 Eigen::VectorXd vector_of(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
@@ -53,10 +52,17 @@ Eigen::VectorXd from_nothing(const Ground& g, Eigen::VectorXd phi) {
   return signed_distance(g.background, constrained(g.background, std::move(phi)));
 }
 
+constexpr const char* no_iterations = "the iterations asked for are done";
+
 }  // namespace
 
+bool out_of_iterations(const DescentState& s) {
+  return s.ended.starts_with(no_iterations);
+}
+
 Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& start) : g_(g), rules_(std::move(rules)) {
-  s_.radius = rules_.radius * g.size;
+  s_.explore = rules_.explore;
+  s_.radius = (s_.explore ? largest_radius : first_radius) * g.size;
   s_.turn = largest_turn;
   s_.weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(g.r.bounds.size()));
   s_.faith = Eigen::VectorXd::Ones(s_.weight.size());
@@ -67,7 +73,7 @@ Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& sta
 Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
     : g_(g), rules_(std::move(rules)), s_(std::move(progress)) {
   if (rules_.tight.empty()) rules_.tight.assign(g.r.bounds.size(), 1);
-  if (s_.ended.starts_with(out_of_iterations) && s_.iteration < rules_.iterations) s_.ended.clear();
+  if (out_of_iterations(s_) && s_.iteration < rules_.iterations) s_.ended.clear();
   const auto drawn = [&](const Eigen::VectorXd& phi) {
     return phi.size() == 0 ? nullptr : draw(g_, phi, {}, rules_.coarse).design;
   };
@@ -141,7 +147,7 @@ bool Descent::keeps_bounds(const Evaluated& e) const {
 }
 
 bool Descent::appearing() const {
-  return rules_.explore && !g_.turns() && s_.settled < exploring;
+  return s_.explore && !g_.turns() && s_.settled < exploring;
 }
 
 /// The fixed point follows rises for a while.
@@ -176,7 +182,7 @@ Eigen::VectorXd Descent::derivative() const {
   return T;
 }
 
-const Descent::Rates& Descent::rates() {
+const Descent::Rates& Descent::rates() const {
   constexpr double far = 0.1;  // below the worst load case: does not count
   if (rates_) return *rates_;
   const Evaluated& e = *design_;
@@ -212,11 +218,10 @@ StepLimits Descent::limits(double radius, double allowed) const {
 }
 
 BoundaryStep Descent::measure() const {
-  Descent at = *this;
-  const Rates& r = at.rates();
+  const Rates& r = rates();
   const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
   return constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
-                          at.limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity), nullptr);
+                          limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity), nullptr);
 }
 
 void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
@@ -243,10 +248,9 @@ void Descent::move_boundary(Tried& t) {
   const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
   t.step = constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
                             limits(s_.radius, t.allowed), g_.elastic.get());
-  residual_ = t.step.residual;
+  s_.residual = t.step.residual;
   t.phi = distance - t.step.on_background;
-  if (rules_.explore && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0 && s_.settled < exploring)
-    nucleate(t, distance);
+  if (appearing() && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0) nucleate(t, distance);
   t.phi = constrained(g_.background, t.phi);
   drop_islands(g_.background, g_.loaded, t.phi);
 }
@@ -272,7 +276,7 @@ Descent::Tried Descent::attempt() {
   try {
     if (g_.turns()) {
       turn(t);
-      residual_ = t.step.residual;
+      s_.residual = t.step.residual;
     } else {
       move_boundary(t);
     }
@@ -316,7 +320,7 @@ void Descent::show(Design design, std::vector<std::string> notes) {
                      .bounds = design_->bounds,
                      .violation = violation_of(g_.r, design_->bounds, design_->area / g_.whole),
                      .step = g_.turns() ? s_.turn : s_.radius,
-                     .optimality = residual_,
+                     .optimality = s_.residual,
                      .holes = static_cast<int>(design_->shape.holes.size()),
                      .triangles = static_cast<Index>(design_->cases.front().model.mesh.triangles.size()),
                      .state_solves = s_.solves,
@@ -352,7 +356,7 @@ void Descent::take(Tried& t) {
   if (g_.turns()) s_.psi = t.psi;
   s_.drawn = std::move(t.drawing.notes);
   s_.allowed = t.allowed;
-  if (settled() && !(rules_.explore && after < before - stride * std::abs(before))) ++s_.settled;
+  if (settled() && !(s_.explore && after < before - stride * std::abs(before))) ++s_.settled;
   show(std::move(t.drawing.design), std::move(notes));
   keep_if_best();
 }
@@ -435,8 +439,8 @@ void Descent::go_back(const KeptDesign& to, const std::string& why) {
 std::string Descent::reason_to_end() const {
   if (!settled() || s_.best.phi.size() == 0 || appearing()) return {};
   const std::size_t n = s_.track.size();
-  if (!g_.turns() && s_.settled > 2 && residual_ <= rules_.residual && keeps_bounds(*best_))
-    return fmt::format("shape residual {:.2g}", residual_);
+  if (!g_.turns() && s_.settled > 2 && s_.residual <= rules_.residual && keeps_bounds(*best_))
+    return fmt::format("shape residual {:.2g}", s_.residual);
   const double little = g_.turns() ? g_.r.tolerance : redrawing;
   if (n > window && s_.track[n - 1 - window] - s_.track.back() < little * std::abs(s_.track.back()))
     return fmt::format("the best merit fell by less than {:.1g} of it in {} steps", little, window);
@@ -512,7 +516,7 @@ bool Descent::follow_up() {
       if (!best_ || (best_ == design_ && s_.rows.back().accepted)) return follow_up();
       // What the step from the best design said of it.
       for (const Iteration& row : s_.rows)
-        if (row.number == s_.best.iteration + 1) residual_ = row.optimality;
+        if (row.number == s_.best.iteration + 1) s_.residual = row.optimality;
       go_back(s_.best, s_.why);
       return true;
     case Next::Nucleate:
@@ -566,7 +570,7 @@ bool Descent::advance() {
       s_.best = s_.anchor;
       best_ = anchored_;
     }
-    s_.ended = fmt::format("{} ({})", out_of_iterations, rules_.iterations);
+    s_.ended = fmt::format("{} ({})", no_iterations, rules_.iterations);
     if (best_ && (best_ != design_ || !s_.rows.back().accepted)) go_back(s_.best, "the best design");
     return false;
   }

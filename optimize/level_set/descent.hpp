@@ -10,7 +10,6 @@ namespace kerf {
 struct DescentRules {
   double coarse = 1;          // mesh size against the one asked for
   int iterations = 100;       // at most
-  double radius = 1;          // of the first step, in mesh sizes
   double residual = 0.1;      // of the shape: the descent has done its part
   std::string from = {};      // the start, in words
   int solves = 0;             // made before
@@ -18,6 +17,9 @@ struct DescentRules {
   int trials = 1;             // nucleations tried at the end
   std::vector<double> tight;  // share of every bound that this mesh may use
 };
+
+/// Whether that is why it ended.
+bool out_of_iterations(const DescentState& s);
 
 class Descent {
  public:
@@ -65,7 +67,7 @@ class Descent {
   };
 
   void begin(const Eigen::VectorXd& start);
-  const Rates& rates();
+  const Rates& rates() const;
   StepLimits limits(double radius, double allowed) const;
   Tried attempt();
   void move_boundary(Tried& t);
@@ -95,8 +97,7 @@ class Descent {
   DescentRules rules_;
   DescentState s_;
   Design design_, best_, anchored_;
-  std::optional<Rates> rates_;
-  double residual_ = nan;  // of the present design, once a step from it was thought of
+  mutable std::optional<Rates> rates_;  // of the present design, once asked for
 };
 
 }  // namespace kerf

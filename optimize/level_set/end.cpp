@@ -115,7 +115,7 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
   if (go_on && (end.last || !end.g.turns()))
     out.residual = end.last ? end.curves.residual : end.descent.measure().residual;
   out.why = join({s.ended, end.curves.why.empty() ? "" : "curves: " + end.curves.why});
-  out.budget_used = !go_on || s.ended.starts_with("the iterations asked for");
+  out.budget_used = !go_on || out_of_iterations(s);
   if (!go_on) {
     out.why = out.obstacle = "stopped as asked";
   } else if (end.g.weak()) {

@@ -43,7 +43,6 @@ void LevelSetRun::begin() {
   rules.explore = start.explore;
   rules.from = start.name;
   rules.solves = start.solves;
-  if (!start.explore) rules.radius = 0.25;
   descent_ = std::make_unique<Descent>(ground_, rules, start.phi);
 }
 

@@ -32,6 +32,8 @@ struct DescentState {
   int since = 0;                   // steps since the best, or of the trial
   int trials = 0;                  // nucleations tried
   int settled = 0;                 // iterations since the area is the one wanted
+  bool explore = false;            // a start without holes: they appear on the way
+  double residual = nan;           // of the present design, once a step from it was thought of
   int next = 0;                    // a Next
   std::string why;                 // of it, in words
   std::vector<double> track;       // merit of the best after every step at the final area

@@ -76,7 +76,6 @@ struct Ranked {
   bool good = false, feasible = false;
   double merit = infinity;
   int solves = 0;
-  std::string failure;
 };
 Ranked rank(const Ground& g, const LevelSetStart& start) {
   Ranked ranked;
@@ -84,16 +83,14 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
     Descent d(g,
               {.coarse = coarse,
                .iterations = start.explore ? exploring_steps : ranking_steps,
-               .radius = start.explore ? 1 : 0.25,
                .explore = start.explore,
                .trials = 0},
               start.phi);
     while (d.advance()) {
     }
-    ranked = {true, d.keeps_bounds(d.design()), d.merit(), d.progress().solves, {}};
+    ranked = {true, d.keeps_bounds(d.design()), d.merit(), d.progress().solves};
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
-    ranked.failure = error.what();
   }
   return ranked;
 }
