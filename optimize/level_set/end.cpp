@@ -128,16 +128,6 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
   return out;
 }
 
-void solve_on_finer_mesh(const Ground& g, const Evaluated& e, OptimizeResult& result) {
-  Problem judged = g.p;
-  judged.scene.laws = e.cases.front().model.scene.laws;
-  judged.objective = e.objective;
-  OptimizeRequest asked = g.r;
-  for (std::size_t k = 0; k < asked.bounds.size(); ++k) asked.bounds[k].functional = e.bounded[k];
-  result.finer = solve_finer(std::move(judged), asked, e.shape, g.whole);
-  ++result.state_solves;
-}
-
 /// What the phases stand for, as a body.
 void take_strong_phase(const LevelSetEnd& end, bool go_on, OptimizeResult& result) {
   const Ground& g = end.g;
@@ -200,10 +190,12 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   result.shape = design.shape;
   result.scene = design.cases.front().model.scene;
   const LoopEnd judged = loop_end(end, design, go_on, result);
-  if (end.g.weak())
+  if (end.g.weak()) {
     take_strong_phase(end, go_on, result);
-  else if (go_on)
-    solve_on_finer_mesh(end.g, design, result);
+  } else if (go_on) {
+    result.finer = solve_finer(end.g.p, end.g.r, design, end.g.whole);
+    ++result.state_solves;
+  }
   judge(result, end.g.r, judged);
   return result;
 }

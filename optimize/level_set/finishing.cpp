@@ -32,12 +32,7 @@ OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carve
   if (r.bounds.empty()) return r;
   const Shape shape = fit_curves(p, r, carved, how);
   const Evaluated here = evaluate_design(p, r, shape, carved.crack_of);
-  Problem judged = p;
-  judged.scene.laws = here.cases.front().model.scene.laws;
-  judged.objective = here.objective;
-  OptimizeRequest asked = r;
-  for (std::size_t k = 0; k < asked.bounds.size(); ++k) asked.bounds[k].functional = here.bounded[k];
-  const FinerDesign finer = solve_finer(std::move(judged), asked, shape, g.whole);
+  const FinerDesign finer = solve_finer(p, r, here, g.whole);
   for (std::size_t k = 0; k < finer.bounds.size(); ++k) {
     const double excess = (finer.bounds[k] - here.bounds[k]) / std::max(std::abs(here.bounds[k]), 1e-300);
     if (excess > 0) r.bounds[k].at_most -= std::min(excess, most) * std::abs(r.bounds[k].at_most);

@@ -63,6 +63,13 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
   return finer;
 }
 
+FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole) {
+  p.scene.laws = e.cases.front().model.scene.laws;
+  p.objective = e.objective;
+  for (std::size_t k = 0; k < r.bounds.size(); ++k) r.bounds[k].functional = e.bounded[k];
+  return solve_finer(std::move(p), r, e.shape, whole);
+}
+
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;

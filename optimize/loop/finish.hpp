@@ -17,6 +17,9 @@ std::string violated(const OptimizeRequest& r, std::span<const double> bounds, d
 /// solved comes back as `failure`.
 FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole);
 
+/// The same of a design that was solved: its laws and functionals are those of its shape.
+FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole);
+
 /// The design as its loop leaves it.
 struct LoopEnd {
   const Iteration& row;   // of the history
