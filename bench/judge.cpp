@@ -46,20 +46,6 @@ double mean_edge(const Mesh& mesh) {
   return sum / static_cast<double>(mesh.edges.size());
 }
 
-double polygon_area(const Loop& loop) {
-  double twice = 0;
-  const auto& sides = loop.sides;
-  for (std::size_t i = 0; i < sides.size(); ++i) twice += cross(sides[i].start, sides[(i + 1) % sides.size()].start);
-  return std::abs(twice) / 2;
-}
-
-/// No side of these shapes is an arc.
-double polygon_area(const Shape& shape) {
-  double area = polygon_area(shape.outline);
-  for (const Loop& hole : shape.holes) area -= polygon_area(hole);
-  return area;
-}
-
 // Of the last mesh: the compliance errs by about its square.
 constexpr double stress_error = 5e-3;
 
@@ -106,11 +92,11 @@ Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double t
 }  // namespace
 
 double frame_area(const OptimizeProblem& p) {
-  return polygon_area(p.problem.frame);
+  return area(p.problem.frame);
 }
 
 double volume_fraction(const OptimizeProblem& p, const Shape& shape) {
-  return polygon_area(shape) / polygon_area(p.problem.frame);
+  return area(shape) / area(p.problem.frame);
 }
 
 Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background) {
@@ -130,7 +116,7 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
     how.holding.push_back(s.label);
   }
   // What is dropped is made up for by a larger area below the level.
-  const double wanted = p.volume * polygon_area(p.problem.frame);
+  const double wanted = p.volume * area(p.problem.frame);
   double target = wanted;
   for (int round = 0;; ++round) {
     double below = low, above = high;
@@ -139,7 +125,7 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
       (negative_area(background, at(level)) > target ? above : below) = level;
     }
     Carved carved = carve(p.problem.frame, background, at(0.5 * (below + above)), how);
-    const double lacking = wanted - polygon_area(carved.shape);
+    const double lacking = wanted - area(carved.shape);
     if (std::abs(lacking) < 1e-5 * wanted || round == 8) return carved.shape;
     target += lacking;
   }

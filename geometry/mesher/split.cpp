@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -72,6 +73,65 @@ std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
   return factor;
 }
 
+constexpr double same_direction = 1e-6;  // sine of the angle between tangents
+
+/// Points of smooth curves that may leave them, where two pieces of arcs follow each other without a corner.
+std::vector<bool> free_points(const Drawing& drawing, const Pieces& all) {
+  struct Ends {
+    int count = 0;
+    bool arcs = true;
+    std::array<Vec2, 2> tangent;
+  };
+  std::vector<Ends> at(all.points.size());
+  for (const Piece& piece : all.pieces) {
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
+    const bool arc = strand.arc && strand.from != strand.to && strand.loop != none;
+    for (const auto& [v, s] : {std::pair{piece.a, piece.from}, std::pair{piece.b, piece.to}}) {
+      Ends& ends = at[std::size_t(v)];
+      ends.arcs = ends.arcs && arc;
+      if (arc && ends.count < 2) ends.tangent[std::size_t(ends.count)] = velocity(drawing, strand, s).normalized();
+      ++ends.count;
+    }
+  }
+  std::vector<bool> free(at.size());
+  for (std::size_t v = 0; v < free.size(); ++v)
+    free[v] = at[v].arcs && at[v].count == 2 && std::abs(cross(at[v].tangent[0], at[v].tangent[1])) < same_direction &&
+              at[v].tangent[0].dot(at[v].tangent[1]) > 0;
+  // An arc of its own stays as drawn.
+  std::vector<bool> joined(drawing.strands.size(), false);
+  for (std::size_t k = 0; k < joined.size(); ++k)
+    joined[k] = free[std::size_t(drawing.strands[k].from)] || free[std::size_t(drawing.strands[k].to)];
+  for (const Piece& piece : all.pieces)
+    for (const Index v : {piece.a, piece.b})
+      if (!joined[std::size_t(piece.strand)]) free[std::size_t(v)] = false;
+  return free;
+}
+
+/// Moves points of smooth curves off their arcs, so that the polygon has the area that the arcs enclose, up to the
+/// fourth power of the turn of a piece: the area between each chord and its arc goes to the ends that may move.
+void keep_area(const Drawing& drawing, Pieces& all) {
+  const std::vector<bool> free = free_points(drawing, all);
+  std::vector<double> lacking(all.points.size(), 0.0);
+  std::vector<Vec2> across(all.points.size(), Vec2::Zero());  // from the point before to the one after
+  for (const Piece& piece : all.pieces) {
+    const Strand& strand = drawing.strands[std::size_t(piece.strand)];
+    const auto a = std::size_t(piece.a), b = std::size_t(piece.b);
+    if (!free[a] && !free[b]) continue;
+    const Vec2 chord = all.points[b] - all.points[a];
+    across[a] += chord;
+    across[b] += chord;
+    const Arc& arc = *strand.arc;
+    const double between = (cross(arc.center - all.points[a], chord) +
+                            determinant(arc) * (arc.to - arc.from) * (piece.to - piece.from)) /
+                           2;
+    for (const auto end : {a, b})
+      if (free[end]) lacking[end] += free[a] && free[b] ? between / 2 : between;
+  }
+  for (std::size_t v = 0; v < free.size(); ++v)
+    if (free[v] && lacking[v] != 0)
+      all.points[v] += 2 * lacking[v] / across[v].squaredNorm() * Vec2(across[v].y(), -across[v].x());
+}
+
 }  // namespace
 
 Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) {
@@ -100,6 +160,7 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) 
       previous = next;
     }
   }
+  keep_area(drawing, all);
   return all;
 }
 
