@@ -121,9 +121,9 @@ void keep_area(const Drawing& drawing, Pieces& all) {
     across[a] += chord;
     across[b] += chord;
     const Arc& arc = *strand.arc;
-    const double between = (cross(arc.center - all.points[a], chord) +
-                            determinant(arc) * (arc.to - arc.from) * (piece.to - piece.from)) /
-                           2;
+    const double between =
+        (cross(arc.center - all.points[a], chord) + determinant(arc) * (arc.to - arc.from) * (piece.to - piece.from)) /
+        2;
     for (const auto end : {a, b})
       if (free[end]) lacking[end] += free[a] && free[b] ? between / 2 : between;
   }

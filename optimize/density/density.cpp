@@ -64,6 +64,14 @@ double cells_of(const Problem& p, const OptimizeRequest& r) {
   return thin > 0 ? std::clamp(area(p.frame) / (thin * thin), fine_cells, most_cells) : fine_cells;
 }
 
+}  // namespace
+
+double lattice_cell(const Shape& frame) {
+  return std::sqrt(area(frame) / fine_cells);
+}
+
+namespace {
+
 /// The problem in the units of its lattice.
 struct Stage {
   Lattice lattice;

@@ -21,6 +21,9 @@ struct DensityDesign {
   std::string name;  // "density, filter 1.4"; "density of the compliance, ..." where J is something else
 };
 
+/// Edge of the lattice's cells where no finer members are asked for.
+double lattice_cell(const Shape& frame);
+
 /// At a place: bilinear between the centers of cells.
 double density_at(const DensityDesign& d, const Vec2& x);
 

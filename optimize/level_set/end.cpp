@@ -170,7 +170,7 @@ bool curves_are_better(const LevelSetEnd& end) {
 
 std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {
   Problem p = end.g.p;
-  p.sizing.size = end.g.size;
+  p.sizing.size = end.g.mesh_size;
   return std::make_shared<const Evaluated>(evaluate_design(p, end.g.r, end.curves.shape, end.curves.crack_of));
 }
 

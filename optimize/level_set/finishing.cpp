@@ -117,7 +117,7 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                     .residual = residual};
   how.evaluations = std::min(most_evaluations, g.r.max_iterations - d.progress().iteration - 1);
   Problem fitted = g.p;  // one edge across thin members, as on the way
-  fitted.sizing.size = g.size;
+  fitted.sizing.size = g.mesh_size;
   fitted.sizing.across = 1;
   try {
     const Carved carved = carved_again(g, d.progress().phi);

@@ -2,6 +2,7 @@
 
 #include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
+#include "optimize/density/density.hpp"
 #include "optimize/ersatz.hpp"
 #include "optimize/level_set/solid.hpp"
 
@@ -15,7 +16,7 @@ namespace kerf {
 
 namespace {
 
-// Lengths relative to the mesh size.
+// Lengths relative to the smallest length of designs.
 constexpr double fine = 0.5;         // the canvas against the mesh of the body
 constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
 constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
@@ -95,13 +96,21 @@ void hollow_corners(Ground& g) {
   }
 }
 
+/// The mesh size; where that is coarser than what the density stage tells apart, down to half of it: a design must not
+/// lose its thin members to a coarse mesh.
+double length_of_designs(const Shape& frame, double mesh_size) {
+  constexpr double cells = 1.25;
+  return std::min(mesh_size, std::max(mesh_size / 2, cells * lattice_cell(frame)));
+}
+
 }  // namespace
 
 Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   Ground g{.p = p, .r = r};
   const LevelSetRequest& how = r.level_set;
   const double of_volume = price_of_volume(p, r);
-  g.size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  g.mesh_size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  g.size = g.weak() || g.turns() ? g.mesh_size : length_of_designs(p.frame, g.mesh_size);
   g.price = of_volume + r.volume_penalty;
   g.limited = r.volume_at_most && *r.volume_at_most < 1;
   Sizing even = p.sizing;
@@ -142,7 +151,7 @@ DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> w
     settle(g.background, carved.inside, phi);
   }
   Problem fitted = g.p;  // one edge across thin members
-  fitted.sizing.size = coarse * g.size;
+  fitted.sizing.size = coarse * g.mesh_size;
   fitted.sizing.across = 1;
   auto design =
       std::make_shared<const Evaluated>(evaluate_design(fitted, g.r, std::move(carved.shape), carved.crack_of));

@@ -10,7 +10,8 @@ struct Ground {
   const Problem& p;
   const OptimizeRequest& r;
   BackgroundMesh background;
-  double size = 0;             // of the mesh of the body
+  double size = 0;             // smallest length of designs: of the mesh size, or finer
+  double mesh_size = 0;        // of the mesh of the body
   double whole = 0;            // area of the frame
   double target = 0;           // largest area
   double price = 0;            // per area: of volume in J, and the penalty
