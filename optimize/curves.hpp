@@ -26,6 +26,7 @@ struct CurvesRow {
   Index triangles = 0;
   int holes = 0, state_solves = 0;       // solves so far
   bool accepted = false, fresh = false;  // fresh: on a mesh made for it
+  bool rebased = false;                  // on a mesh made where its step begins
   std::string note;
   std::string failure;                       // why there are no values; empty mostly
   Eigen::VectorXd knots, values, gradients;  // for a replay

@@ -241,6 +241,40 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
   }
 }
 
+/// Sides of the frame between chains lose at most half of their length in a step and gain no more than it: their
+/// vertices share what their ends do.
+void add_lengths(const DesignCurves& d, LinearRows& rows) {
+  constexpr double loss = 0.5, gain = 1;
+  const Shape shape = shape_of(d);
+  for (std::size_t l = 0; l < d.loops.size(); ++l) {
+    const std::vector<LoopPiece>& pieces = d.loops[l].pieces;
+    const Loop& drawn = l == 0 ? shape.outline : shape.holes[l - 1];
+    const std::size_t n = pieces.size();
+    for (std::size_t i = 0, side = 0; i < n; ++i) {
+      if (pieces[i].chain != none) {
+        side += 2 * segment_count(d.chains[std::size_t(pieces[i].chain)]);
+        continue;
+      }
+      const Vec2 a = drawn.sides[side].start, b = drawn.sides[(side + 1) % drawn.sides.size()].start;
+      ++side;
+      const Index before = pieces[(i + n - 1) % n].chain, after = pieces[(i + 1) % n].chain;
+      VectorXd longer = VectorXd::Zero(d.variables);
+      const auto add = [&](Index chain, std::size_t knot, const Vec2& outwards) {
+        const KnotHold& hold = d.holds[std::size_t(chain)][knot];
+        if (hold.kind != KnotHold::Kind::Slides) return;
+        const Rail& rail = d.rails[std::size_t(hold.rail)];
+        const Vec2 along = rail.velocity(rail.at(d.chains[std::size_t(chain)].knots[knot].at));
+        longer[hold.offset] += along.dot(outwards) > 0 ? 1 : -1;
+      };
+      if (before != none) add(before, d.holds[std::size_t(before)].size() - 1, a - b);
+      if (after != none) add(after, 0, b - a);
+      if (longer.isZero(0)) continue;
+      rows.add(longer, gain * (b - a).norm());
+      rows.add(-longer, loss * (b - a).norm());
+    }
+  }
+}
+
 /// Chains leave what they end on into the frame.
 void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearRows& rows) {
   constexpr double least = 0.05;  // sine of the angle to the frame
@@ -373,6 +407,7 @@ LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::
   add_widths(d, samples, how, rows);
   add_fixed(d, samples, frame, frozen, how, rows);
   add_rails(d, rows);
+  add_lengths(d, rows);
   add_leaving(d, frame, how.size, rows);
   if (how.min_radius > 0) add_radii(d, how, rows);
   return rows;

@@ -25,13 +25,18 @@ using Eigen::VectorXd;
 // Lengths relative to the mesh size.
 constexpr double fit_tolerance = 0.2, knot_spacing = 3;
 constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
-constexpr double least_radius = 0.4;                                                // of arcs, so that meshes can tell
-constexpr double largest_angle = 0.35;                                              // a knot may turn by in a step
-constexpr double sharpest = 0.9;                                                    // turn of an arc, in half turns
-constexpr double area_error = 1e-7;                                                 // of the area wanted
-constexpr double mesh_noise = 2e-3;                                                 // of J between meshes of like size
-constexpr double too_little = 1e-9;  // of J, predicted: nothing is to be gained
-constexpr double no_price = 0.05;    // of J per area: below, that is what residuals are relative to
+constexpr double shortest_strained = 0.1;  // steps beyond which a mesh that does not follow is no reason for a new one
+constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
+constexpr double sliding = 2;              // times the radius, of ends along the frame
+constexpr double largest_angle = 0.35;     // a knot may turn by in a step
+constexpr double sharpest = 0.9;           // turn of an arc, in half turns
+constexpr double area_error = 1e-7;        // of the area wanted
+constexpr double mesh_noise = 1e-3;        // of J between meshes of like size
+constexpr double too_little = 1e-9;        // of J, predicted: nothing is to be gained
+constexpr double no_price = 0.05;          // of J per area: below, that is what residuals are relative to
+constexpr const char* own_mesh = "a mesh of its own";
+constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
+constexpr double slow = 2e-4;
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
@@ -45,7 +50,7 @@ struct Base {
 struct Point {
   DesignCurves curves;
   std::shared_ptr<Base> base;
-  bool fresh = false;
+  bool fresh = false, rebased = false;
   double J = 0, area = 0;
   VectorXd by_J, by_area;
   VectorXd bound;     // per bound and load case, relative to what it may be
@@ -76,6 +81,13 @@ std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
   return solid;
 }
 
+std::vector<Index> held_labels(const Problem& p, const OptimizeRequest& r) {
+  std::vector<Index> held;
+  for (const Scene& scene : scenes_of(p, r))
+    for (const Support& support : scene.supports) held.push_back(support.label);
+  return held;
+}
+
 /// What must stay solid inside the body: frozen loops, and the rings of functionals.
 std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
   std::vector<Loop> all = r.level_set.frozen;
@@ -101,7 +113,8 @@ DesignCurves fitted(const Problem& p, const OptimizeRequest& r, const Carved& ca
   std::string problem;
   for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.6, spacing *= 0.6) {
     const double gap = how.min_feature > 0 ? how.min_feature : size;
-    DesignCurves d = design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r)});
+    DesignCurves d =
+        design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r), held_labels(p, r)});
     // Where the offset finds no way the first step makes up for the area.
     if (DesignCurves exact = d; offset_to_area(exact, carved.area)) d = std::move(exact);
     const auto found = find_problem(shape_of(d));
@@ -119,12 +132,6 @@ double sum_of_weights(const OptimizeRequest& r) {
   double sum = r.load_cases.empty() ? 1 : 0;
   for (const LoadCase& load : r.load_cases) sum += load.weight;
   return sum;
-}
-
-DesignCurves after(const DesignCurves& d, const VectorXd& step) {
-  DesignCurves next = moved(d, step);
-  even_out(next);
-  return next;
 }
 
 bool is_shape(const DesignCurves& d) {
@@ -146,13 +153,18 @@ LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const Vector
     const double sign = move[i + k] > 0 ? 1 : -1;
     rows.add(sign * moves.by.row(i + k).transpose(), most);
   }
+  const auto limit = [&](Index variable, double most) {
+    if (variable == none || std::abs(step[variable]) <= slack * most) return;
+    VectorXd row = VectorXd::Zero(d.variables);
+    row[variable] = step[variable] > 0 ? 1 : -1;
+    rows.add(std::move(row), most);
+  };
   for (std::size_t c = 0; c < d.holds.size(); ++c)
-    for (const KnotHold& hold : d.holds[c])
-      if (std::abs(step[hold.angle]) > slack * turn[c]) {
-        VectorXd row = VectorXd::Zero(d.variables);
-        row[hold.angle] = step[hold.angle] > 0 ? 1 : -1;
-        rows.add(std::move(row), turn[c]);
-      }
+    for (const KnotHold& hold : d.holds[c]) {
+      limit(hold.angle, turn[c]);
+      // Ends that graze the frame slide far where the curve hardly moves: the mesh has to follow.
+      if (hold.kind == KnotHold::Kind::Slides) limit(hold.offset, sliding * radius[c]);
+    }
   return rows;
 }
 
@@ -175,6 +187,8 @@ class CurvesRun {
 
  private:
   std::optional<Point> evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base, std::string& failure);
+  std::optional<Mesh> carried(const std::shared_ptr<Base>& base, const DesignCurves& d) const;
+  Mesh mesh_for(Point& x);
   void solve(Point& x);
   void recall(const CurvesRow& row, Point& x) const;
   CurvesRow row_of(const Point& x) const;
@@ -191,7 +205,8 @@ class CurvesRun {
   VectorXd step_within(const Point& x, double radius);
   VectorXd step_to_shape();
   bool iterate();
-  bool remesh();
+  bool remesh(const DesignCurves& d, const std::string& note);
+  bool space_anew();
   bool show();
   Eigen::Index first_bound() const {
     return bounded_ ? 1 : 0;
@@ -218,18 +233,33 @@ class CurvesRun {
   FinishedCurves out_;
 };
 
-void CurvesRun::solve(Point& x) {
-  Mesh mesh;
-  bool have = false;
+/// The mesh of `base` moved to the curves, or nothing where that strains it too much.
+std::optional<Mesh> CurvesRun::carried(const std::shared_ptr<Base>& base, const DesignCurves& d) const {
+  if (!base) return std::nullopt;
+  if (!base->built) base->built = std::make_unique<CurveMesh>(curve_mesh(base->curves, p_.sizing));
+  return moved(*base->built, d);
+}
+
+/// A mesh for a point: that of its base, or one made where the step begins; one of its own for short steps and where
+/// nothing else is known.
+Mesh CurvesRun::mesh_for(Point& x) {
+  if (auto there = carried(x.base, x.curves)) return std::move(*there);
   if (x.base) {
-    if (!x.base->built) x.base->built = std::make_unique<CurveMesh>(curve_mesh(x.base->curves, p_.sizing));
-    if (auto there = moved(*x.base->built, x.curves)) mesh = std::move(*there), have = true;
+    x.base = std::make_shared<Base>(Base{x_.curves});
+    x.rebased = !x_.fresh;  // that is a mesh of its own already
+    if (auto there = x.rebased ? carried(x.base, x.curves) : std::nullopt) return std::move(*there);
+    x.rebased = false;
+    if (last_step_ > shortest_strained * size_)
+      throw Error(Fault::Geometry, fmt::format("no mesh follows a step of {:.2g}", last_step_));
   }
-  x.fresh = !have;
-  if (!have) {
-    x.base = std::make_shared<Base>(Base{x.curves, std::make_unique<CurveMesh>(curve_mesh(x.curves, p_.sizing))});
-    mesh = x.base->built->mesh;
-  }
+  x.fresh = true;
+  x.base = std::make_shared<Base>(Base{x.curves, std::make_unique<CurveMesh>(curve_mesh(x.curves, p_.sizing))});
+  return x.base->built->mesh;
+}
+
+void CurvesRun::solve(Point& x) {
+  Mesh mesh = mesh_for(x);
+  solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
   const CurveMesh& follows = *x.base->built;
   auto e = std::make_shared<Evaluated>(evaluate_mesh(p_, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
   x.J = e->J;
@@ -255,7 +285,9 @@ void CurvesRun::solve(Point& x) {
 
 void CurvesRun::recall(const CurvesRow& row, Point& x) const {
   x.fresh = row.fresh;
+  x.rebased = row.rebased;
   if (row.fresh) x.base = std::make_shared<Base>(Base{x.curves});
+  if (row.rebased) x.base = std::make_shared<Base>(Base{x_.curves});
   x.J = row.J;
   x.bounds = row.bounds;
   x.triangles = row.triangles;
@@ -271,9 +303,9 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
                                          std::string& failure) {
   Point x{.curves = d, .base = base};
   const auto number = std::size_t(evaluations_++);
-  solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
   const bool replay = number < known_.size();
   if (replay) {
+    solves_ = known_[number].state_solves;
     failure = known_[number].failure;
     if (failure.empty()) recall(known_[number], x);
   } else {
@@ -309,6 +341,7 @@ CurvesRow CurvesRun::row_of(const Point& x) const {
                 .holes = int(x.curves.loops.size()) - 1,
                 .state_solves = solves_,
                 .fresh = x.fresh,
+                .rebased = x.rebased,
                 .knots = pack(x.curves),
                 .values = x.bound};
   MatrixXd all(x.curves.variables, 1 + x.bound.size());
@@ -351,7 +384,7 @@ void CurvesRun::weigh(Point& x) const {
   const Eigen::Index front = first_bound() + x.bound.size();
   std::vector<Eigen::Index> active;
   for (Eigen::Index k = 0; k < all.room.size(); ++k) {
-    const double slack = k >= front ? 0.01 * size_ : k < first_bound() ? 2e-3 * most_ : 2e-3;
+    const double slack = k >= front ? 0.05 * size_ : k < first_bound() ? 2e-3 * most_ : 2e-3;
     if (all.room[k] <= slack) active.push_back(k);
   }
   const QuadraticStep s =
@@ -374,7 +407,7 @@ double CurvesRun::merit(const Point& x) const {
 double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
   if (bounded_) {
-    const double there = area_of(after(x.curves, step), nullptr);
+    const double there = area_of(moved(x.curves, step), nullptr);
     fall += multiplier_[0] * (there - x.area - x.by_area.dot(step));
     fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, there - most_));
   }
@@ -452,7 +485,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
     } else {
       // The area is curved: that is taken from its room.
       if (!bounded_ || bends++ == 3) break;
-      const double area = area_of(after(x.curves, s.step), nullptr), room = most_ - area + x.by_area.dot(s.step);
+      const double area = area_of(moved(x.curves, s.step), nullptr), room = most_ - area + x.by_area.dot(s.step);
       if (std::abs(room - l.room[0]) <= area_error * most_) break;
       l.room[0] = room;
     }
@@ -478,7 +511,7 @@ bool CurvesRun::show() {
 VectorXd CurvesRun::step_to_shape() {
   constexpr int most = 5;
   VectorXd step = step_within(x_, radius_);
-  for (int k = 0; k < most && !is_shape(after(x_.curves, step)); ++k) {
+  for (int k = 0; k < most && !is_shape(moved(x_.curves, step)); ++k) {
     bool found = false;
     for (std::size_t c = 0; c < share_.size(); ++c) {
       VectorXd alone = VectorXd::Zero(step.size());
@@ -486,7 +519,7 @@ VectorXd CurvesRun::step_to_shape() {
         if (hold.offset != none) alone[hold.offset] = step[hold.offset];
         alone[hold.angle] = step[hold.angle];
       }
-      if (is_shape(after(x_.curves, alone))) continue;
+      if (is_shape(moved(x_.curves, alone))) continue;
       share_[c] *= 0.3;
       found = true;
     }
@@ -494,7 +527,7 @@ VectorXd CurvesRun::step_to_shape() {
       for (double& part : share_) part *= 0.3;
     step = step_within(x_, radius_);
   }
-  for (int k = 0; k < 2 * most && !is_shape(after(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
+  for (int k = 0; k < 2 * most && !is_shape(moved(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
   for (double& part : share_) part = std::min(1.0, 2 * part);
   return step;
 }
@@ -520,7 +553,7 @@ bool CurvesRun::iterate() {
       out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
       return false;
     }
-    const DesignCurves next = after(x_.curves, step);
+    const DesignCurves next = moved(x_.curves, step);
     std::string failure;
     std::optional<Point> y = evaluate(next, x_.base, failure);
     const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
@@ -541,19 +574,28 @@ bool CurvesRun::iterate() {
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, smallest_radius * size_);
     x_ = std::move(*y);
     forgotten_ = false;
-    return show();
+    return show() && space_anew();
   }
 }
 
-/// The present curves on a mesh of their own; false: the end.
-bool CurvesRun::remesh() {
+/// Curves on a mesh of their own; false: the end.
+bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
   std::string failure;
   last_step_ = 0;
-  std::optional<Point> y = evaluate(x_.curves, nullptr, failure);
+  std::optional<Point> y = evaluate(d, nullptr, failure);
   if (!y) throw Error(Fault::Geometry, failure);
-  out_.rows.back().note = "a mesh of its own";
+  out_.rows.back().note = note;
   x_ = std::move(*y);
   return show();
+}
+
+/// Knots that have come too close together or too far apart get even distances, which no mesh can follow.
+bool CurvesRun::space_anew() {
+  DesignCurves even = x_.curves;
+  even_out(even);
+  if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= how_.evaluations) return true;
+  if (!offset_to_area(even, x_.area) || !is_shape(even)) return true;
+  return remesh(even, "knots spaced anew");
 }
 
 FinishedCurves CurvesRun::run() {
@@ -568,19 +610,26 @@ FinishedCurves CurvesRun::run() {
   share_.assign(x_.curves.chains.size(), 1.0);
   bool go_on = show();
   int meshes = 0;
+  std::vector<double> track;
   while (go_on) {
+    track.push_back(merit(x_));
+    if (track.size() > window && *(track.end() - 1 - window) - track.back() < slow * std::abs(x_.J) &&
+        x_.residual > how_.residual) {
+      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
+      break;
+    }
     if (x_.residual <= how_.residual && violation(x_) < feasible_violation) {
       if (x_.fresh) {
         out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
         break;
       }
       if (meshes++ == most_meshes_at_end) break;
-      go_on = remesh();
+      go_on = remesh(x_.curves, own_mesh);
       continue;
     }
     if (!iterate()) break;
   }
-  if (!x_.fresh && !stopped_) remesh();
+  if (!x_.fresh && !stopped_) remesh(x_.curves, own_mesh);
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;

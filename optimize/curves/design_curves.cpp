@@ -147,6 +147,8 @@ class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
     d_.carved = circular(carved.shape, 1e-3 * how.size);
+    drop_short_sides(d_.carved.outline);
+    for (Loop& hole : d_.carved.holes) drop_short_sides(hole);
     d_.label = carved.design_label;
     near_ = same * extent(frame);
     ends_ = crack_ends(carved.shape);
@@ -162,6 +164,26 @@ class Builder {
   }
 
  private:
+  /// Ends of chains that lie right beside a corner of the frame go there: what is left of the side in between would be
+  /// an edge of the mesh that no step may stretch.
+  void drop_short_sides(Loop& loop) const {
+    constexpr double shortest = 0.3;  // mesh sizes
+    const auto design = [&](const Side& side) { return side.label == d_.label && !side.arc; };
+    for (std::size_t i = 0; i < loop.sides.size() && loop.sides.size() > 4;) {
+      const std::size_t n = loop.sides.size();
+      const Side &side = loop.sides[i], &before = loop.sides[(i + n - 1) % n];
+      Side& after = loop.sides[(i + 1) % n];
+      const bool joins = design(before) != design(after);
+      if (design(side) || !joins || side.arc || side.keep || listed(how_.solid, side.label) ||
+          listed(how_.held, side.label) || (after.start - side.start).norm() > shortest * how_.size) {
+        ++i;
+        continue;
+      }
+      if (design(after)) after.start = side.start;
+      loop.sides.erase(loop.sides.begin() + std::ptrdiff_t(i));
+    }
+  }
+
   void add_loop(const Loop& loop) {
     const std::size_t n = loop.sides.size();
     const auto design = [&](std::size_t i) { return loop.sides[i % n].label == d_.label && !loop.sides[i % n].arc; };
@@ -230,7 +252,9 @@ class Builder {
     const std::optional<FrameSide> on = side_with(frame_, side, other.at, x);
     if (!on) return;
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
-    if ((at - on->lower) * unit < near_ || (on->upper - at) * unit < near_) return;
+    // At a corner of the frame it may move away from it, along this side.
+    const double away = on->rail.at(other.at) - at;
+    if (std::abs(away) * unit < near_) return;
     KnotHold& hold = d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
     hold.kind = KnotHold::Kind::Slides;
     const auto known = rails_.find(on->number);

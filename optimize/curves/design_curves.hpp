@@ -62,6 +62,7 @@ struct DesignCurves {
 struct CurveRules {
   double size, tolerance, least_spacing, least_gap;
   std::vector<Index> solid;
+  std::vector<Index> held = {};  // labels of supports
 };
 DesignCurves design_curves(const Shape& frame, const Carved& carved, const CurveRules& how);
 

@@ -2,6 +2,7 @@
 
 #include "kerf/map.hpp"
 #include "optimize/ersatz.hpp"
+#include "optimize/level_set/dangling.hpp"
 #include "optimize/level_set/fixed_point.hpp"
 #include "optimize/level_set/nucleate.hpp"
 #include "optimize/loop/finish.hpp"
@@ -84,6 +85,7 @@ Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
 
 void Descent::begin(const Eigen::VectorXd& start) {
   Eigen::VectorXd phi = from_nothing(g_, start);
+  if (!g_.turns()) drop_idle(phi);
   const double area = negative_area(g_.background.mesh, phi);
   s_.allowed = g_.limited ? std::max(g_.target, area) : infinity;
   // A start that has about the area wanted is shifted to it.
@@ -240,6 +242,12 @@ void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
   t.nucleated = true;
 }
 
+void Descent::drop_idle(Eigen::VectorXd& phi) const {
+  std::vector<Index> bearing = g_.loaded;
+  bearing.insert(bearing.end(), g_.holding.begin(), g_.holding.end());
+  drop_dangling(g_.background, bearing, 0.5 * g_.size, phi);
+}
+
 void Descent::move_boundary(Tried& t) {
   const LevelSetRequest& how = g_.r.level_set;
   const Rates& r = rates();
@@ -253,6 +261,7 @@ void Descent::move_boundary(Tried& t) {
   if (appearing() && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0) nucleate(t, distance);
   t.phi = constrained(g_.background, t.phi);
   drop_islands(g_.background, g_.loaded, t.phi);
+  drop_idle(t.phi);
 }
 
 void Descent::turn(Tried& t) const {

@@ -70,6 +70,7 @@ class Descent {
   const Rates& rates() const;
   StepLimits limits(double radius, double allowed) const;
   Tried attempt();
+  void drop_idle(Eigen::VectorXd& phi) const;
   void move_boundary(Tried& t);
   void turn(Tried& t) const;
   void nucleate(Tried& t, const Eigen::VectorXd& distance);

@@ -11,7 +11,7 @@ namespace kerf {
 
 namespace {
 
-constexpr int most_evaluations = 30, least_evaluations = 4;
+constexpr int most_evaluations = 60, least_evaluations = 4;
 constexpr double residual = 1e-2;  // of the shape
 
 void append(std::vector<double>& all, const Eigen::VectorXd& v) {
@@ -46,8 +46,9 @@ void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
   std::vector<double> all;
   std::string texts;
   for (const CurvesRow& r : rows) {
-    for (const double x : {r.J, r.area, r.area_fraction, r.violation, r.residual, r.price, r.step, double(r.triangles),
-                           double(r.holes), double(r.state_solves), double(r.accepted), double(r.fresh)})
+    for (const double x :
+         {r.J, r.area, r.area_fraction, r.violation, r.residual, r.price, r.step, double(r.triangles), double(r.holes),
+          double(r.state_solves), double(r.accepted), double(r.fresh), double(r.rebased)})
       all.push_back(x);
     for (const Eigen::VectorXd& v : {Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
                                          r.bounds.data(), static_cast<Eigen::Index>(r.bounds.size()))),
@@ -76,6 +77,7 @@ std::vector<CurvesRow> read_curves(const Checkpoint& c) {
     r.state_solves = static_cast<int>(all[i++]);
     r.accepted = all[i++] != 0;
     r.fresh = all[i++] != 0;
+    r.rebased = all[i++] != 0;
     const Eigen::VectorXd bounds = taken(all, i);
     r.bounds.assign(bounds.begin(), bounds.end());
     r.knots = taken(all, i);

@@ -1,6 +1,7 @@
 #include "optimize/level_set/background.hpp"
 
 #include "kerf/mesher.hpp"
+#include "optimize/level_set/dangling.hpp"
 #include "optimize/level_set/fixed_point.hpp"
 #include "optimize/level_set/nucleate.hpp"
 #include "optimize/level_set/regularize.hpp"
@@ -181,6 +182,50 @@ TEST(Nucleation, TakesTheLeastDerivativesThatHaveRoom) {
       EXPECT_GT((discs[i].center - discs[k].center).norm(), discs[k].radius + 3 * discs[i].radius - 1e-12);
   }
   EXPECT_TRUE(places_to_nucleate(c, d, c.mesh, T, {.multiplier = 0, .area = 1, .least = 0.05, .most = 0.08}).empty());
+}
+
+/// Signed distance to rectangles {low, high}, the union.
+double to_bars(const Vec2& x, const std::vector<std::array<Vec2, 2>>& bars) {
+  double least = infinity;
+  for (const auto& [low, high] : bars) {
+    const Vec2 middle = 0.5 * (low + high), away = (x - middle).cwiseAbs() - 0.5 * (high - low);
+    least = std::min(least, std::min(away.maxCoeff(), 0.0) + away.cwiseMax(0).norm());
+  }
+  return least;
+}
+
+TEST(BackgroundMesh, WhatHangsOnAThinNeckAndBearsNothingGoes) {
+  const BackgroundMesh c = rectangle_mesh({.held = {3}}, {}, 0.02);
+  const std::vector<Index> bearing{3, 1};  // left and right
+  Eigen::VectorXd phi = sample(c, [](const Vec2& x) {
+    return to_bars(x, {{{{0, 0.3}, {1.2, 0.5}}},     // thick, from the support
+                       {{{1.2, 0.38}, {2, 0.42}}},   // thin, to the load: stays
+                       {{{0.2, 0.5}, {0.24, 0.9}}},  // a mast
+                       {{{0.6, 0.5}, {0.64, 0.7}}},  // a stalk
+                       {{{0.5, 0.7}, {0.74, 0.9}}},  // with a blob
+                       {{{0.3, 0.1}, {0.34, 0.3}}},  // a handle
+                       {{{0.3, 0.08}, {0.9, 0.12}}},
+                       {{{0.86, 0.1}, {0.9, 0.3}}}});
+  });
+  const Eigen::VectorXd before = phi;
+  drop_dangling(c, bearing, 0.04, phi);
+  const auto there = [&](const Vec2& x) { return value_at(c, phi, x) < 0; };
+  EXPECT_FALSE(there({0.22, 0.8}));
+  EXPECT_FALSE(there({0.62, 0.8}));
+  EXPECT_FALSE(there({0.62, 0.62}));
+  EXPECT_TRUE(there({0.6, 0.4}));
+  EXPECT_TRUE(there({1.6, 0.4}));
+  EXPECT_TRUE(there({1.95, 0.4}));
+  EXPECT_TRUE(there({0.6, 0.1}));
+  EXPECT_TRUE(there({0.32, 0.2}));
+  // Once is enough, and where nothing hangs nothing changes.
+  Eigen::VectorXd again = phi;
+  drop_dangling(c, bearing, 0.04, again);
+  EXPECT_EQ(again, phi);
+  // Without a neck that is thin it stays.
+  Eigen::VectorXd thick = before;
+  drop_dangling(c, bearing, 0.015, thick);
+  EXPECT_EQ(thick, before);
 }
 
 }  // namespace

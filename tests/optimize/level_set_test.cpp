@@ -56,7 +56,10 @@ OptimizeResult checked_run(const Problem& p, const OptimizeRequest& r) {
                          {});
   EXPECT_EQ(seen,
             std::count_if(result.history.begin(), result.history.end(), [](const Iteration& i) { return i.accepted; }));
-  EXPECT_GE(result.state_solves, result.iterations);
+  // A step that no mesh can follow is a row without a solve.
+  const auto unsolved = std::count_if(result.history.begin(), result.history.end(),
+                                      [](const Iteration& i) { return i.note.find("not evaluated") != i.note.npos; });
+  EXPECT_GE(result.state_solves + unsolved, result.iterations);
   EXPECT_TRUE(result.feasible) << result.stopped;
   EXPECT_NEAR(result.volume_fraction, *r.volume_at_most, 1e-4 * *r.volume_at_most);
   // The result is the best of the designs at the volume, and better than the first of them.

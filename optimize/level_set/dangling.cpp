@@ -1,0 +1,146 @@
+#include "optimize/level_set/dangling.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace kerf {
+
+namespace {
+
+using Flags = std::vector<char>;
+
+std::span<const Index> neighbors(const BackgroundMesh& b, Index v) {
+  const auto k = static_cast<std::size_t>(v);
+  return {b.around.data() + b.start[k], static_cast<std::size_t>(b.start[k + 1] - b.start[k])};
+}
+
+/// Vertices of the material that discs of radius half_width inside it cover, up to an edge of the canvas.
+Flags thick_parts(const BackgroundMesh& b, double half_width, const Eigen::VectorXd& phi) {
+  Flags thick(b.mesh.points.size(), 0);
+  std::vector<Index> seen;
+  const double reach = half_width + b.size;
+  for (std::size_t center = 0; center < thick.size(); ++center) {
+    if (!(phi[static_cast<Eigen::Index>(center)] < -half_width)) continue;
+    // The disc around it, within the material: across a slit lies something else.
+    seen.assign(1, static_cast<Index>(center));
+    thick[center] = 1;
+    for (std::size_t k = 0; k < seen.size(); ++k)
+      for (const Index w : neighbors(b, seen[k])) {
+        const auto at = static_cast<std::size_t>(w);
+        if (!(phi[w] < 0) || (b.mesh.points[at] - b.mesh.points[center]).norm() > reach ||
+            std::find(seen.begin(), seen.end(), w) != seen.end())
+          continue;
+        seen.push_back(w);
+        thick[at] = 1;
+      }
+  }
+  return thick;
+}
+
+/// Parts of the material, each all thick or all thin.
+struct Parts {
+  std::vector<Index> of;  // per vertex; none in the void
+  Flags thin, bears;      // per part
+};
+
+Parts parts_of(const BackgroundMesh& b, const Flags& thick, const Flags& bearing, const Eigen::VectorXd& phi) {
+  Parts parts{std::vector<Index>(thick.size(), none), {}, {}};
+  std::vector<Index> open;
+  for (std::size_t v = 0; v < thick.size(); ++v) {
+    if (!(phi[static_cast<Eigen::Index>(v)] < 0) || parts.of[v] != none) continue;
+    const auto number = static_cast<Index>(parts.thin.size());
+    parts.thin.push_back(!thick[v]);
+    parts.bears.push_back(0);
+    open.assign(1, static_cast<Index>(v));
+    parts.of[v] = number;
+    while (!open.empty()) {
+      const Index at = open.back();
+      open.pop_back();
+      parts.bears.back() = parts.bears.back() || bearing[static_cast<std::size_t>(at)];
+      for (const Index w : neighbors(b, at)) {
+        const auto k = static_cast<std::size_t>(w);
+        if (!(phi[w] < 0) || parts.of[k] != none || thick[k] != thick[v]) continue;
+        parts.of[k] = number;
+        open.push_back(w);
+      }
+    }
+  }
+  return parts;
+}
+
+/// Where a thin part meets thick ones: the part that it meets, once per connected place.
+std::vector<std::vector<Index>> joints(const BackgroundMesh& b, const Parts& parts) {
+  std::vector<std::map<Index, Index>> touched(parts.thin.size());  // per thin part: thick vertices -> group
+  for (std::size_t v = 0; v < parts.of.size(); ++v) {
+    if (parts.of[v] == none || !parts.thin[static_cast<std::size_t>(parts.of[v])]) continue;
+    for (const Index w : neighbors(b, static_cast<Index>(v)))
+      if (const Index other = parts.of[static_cast<std::size_t>(w)]; other != none && other != parts.of[v])
+        touched[static_cast<std::size_t>(parts.of[v])][w] = none;
+  }
+  std::vector<std::vector<Index>> met(parts.thin.size());
+  std::vector<Index> open;
+  for (std::size_t p = 0; p < touched.size(); ++p)
+    for (auto& [vertex, group] : touched[p]) {
+      if (group != none) continue;
+      group = vertex;
+      met[p].push_back(parts.of[static_cast<std::size_t>(vertex)]);
+      open.assign(1, vertex);
+      while (!open.empty()) {
+        const Index at = open.back();
+        open.pop_back();
+        for (const Index w : neighbors(b, at))
+          if (const auto found = touched[p].find(w); found != touched[p].end() && found->second == none) {
+            found->second = group;
+            open.push_back(w);
+          }
+      }
+    }
+  return met;
+}
+
+Flags bearing_vertices(const BackgroundMesh& b, std::span<const Index> labels) {
+  Flags bearing(b.mesh.points.size(), 0);
+  for (std::size_t e = 0; e < b.mesh.edges.size(); ++e)
+    if (b.mesh.label[e] != none && std::find(labels.begin(), labels.end(), b.mesh.label[e]) != labels.end())
+      for (const Index v : b.mesh.edges[e]) bearing[static_cast<std::size_t>(v)] = 1;
+  for (Eigen::Index v = 0; v < b.frozen.size(); ++v)
+    if (b.frozen[v] <= 0) bearing[static_cast<std::size_t>(v)] = 1;
+  return bearing;
+}
+
+}  // namespace
+
+void drop_dangling(const BackgroundMesh& b, std::span<const Index> labels, double half_width, Eigen::VectorXd& phi) {
+  const Flags bearing = bearing_vertices(b, labels);
+  if (std::find(bearing.begin(), bearing.end(), 1) == bearing.end()) return;
+  const Parts parts = parts_of(b, thick_parts(b, half_width, phi), bearing, phi);
+  std::vector<std::vector<Index>> met = joints(b, parts);
+  // Of thick parts the joints are those of the thin ones; leaves go until there are none.
+  std::vector<int> count(met.size(), 0);
+  for (std::size_t p = 0; p < met.size(); ++p) {
+    count[p] += static_cast<int>(met[p].size());
+    for (const Index other : met[p]) ++count[static_cast<std::size_t>(other)];
+  }
+  Flags gone(met.size(), 0);
+  for (bool again = true; std::exchange(again, false);)
+    for (std::size_t p = 0; p < met.size(); ++p) {
+      if (gone[p] || parts.bears[p] || count[p] > 1) continue;
+      gone[p] = 1;
+      again = true;
+      for (std::size_t q = 0; q < met.size(); ++q)
+        if (!gone[q]) {
+          if (parts.thin[p] && !parts.thin[q])
+            count[q] -= static_cast<int>(std::count(met[p].begin(), met[p].end(), static_cast<Index>(q)));
+          if (parts.thin[q] && !parts.thin[p])
+            count[q] -= static_cast<int>(std::count(met[q].begin(), met[q].end(), static_cast<Index>(p)));
+        }
+    }
+  for (std::size_t v = 0; v < parts.of.size(); ++v)
+    if (parts.of[v] != none && gone[static_cast<std::size_t>(parts.of[v])]) {
+      double& value = phi[static_cast<Eigen::Index>(v)];
+      value = std::max(-value, 0.1 * b.size);
+    }
+}
+
+}  // namespace kerf
