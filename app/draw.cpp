@@ -190,6 +190,21 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   return p;
 }
 
+Picture optimality_picture(const std::string& title, const HoleMargin& holes) {
+  Picture p = mesh_picture(title, *holes.mesh);
+  p.edges = false;
+  p.subtitle = "a small hole against what its area is worth; blue: it pays, gray: not looked at";
+  p.value_label = "(T - price of area) / price";
+  p.scale = Scale::Diverging;
+  p.values.resize(3, static_cast<Eigen::Index>(holes.margin.size()));
+  for (Eigen::Index t = 0; t < p.values.cols(); ++t)
+    p.values.col(t).setConstant(holes.margin[static_cast<std::size_t>(t)]);
+  p.clip = 0;
+  p.range = {-2, 2};  // a bar of even stress has T of three prices
+  p.marks.emplace_back(holes.at, fmt::format("least, {:.2g}", holes.least));
+  return p;
+}
+
 Picture found_picture(const std::string& title, const Found& found) {
   Picture p{.title = title, .subtitle = "blue: found, gray: start"};
   const double size = extent(found.frame), chord = 1e-4 * size;

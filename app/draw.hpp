@@ -16,6 +16,9 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
 Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& scene,
                        std::span<const LoadCase> further, double size);
 
+/// (T - price of area) / price over a level set's design, and where it is least.
+Picture optimality_picture(const std::string& title, const HoleMargin& holes);
+
 /// An inverse problem: what was found over what is true, where that is known, and where it began.
 struct Found {
   const Shape& frame;

@@ -78,9 +78,10 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
     const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
                          name == "optimize.pvd" || name == "history.csv";
     if (resumed && !resume) old.push_back(entry.path());
-    for (const char* known : {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png",
-                              "measured.csv", "von_mises.png", "map.png", "validate.png", "report.html", "design.png",
-                              "evolution.png", "history.png", "design.toml", "design.svg", "design.dxf"})
+    for (const char* known :
+         {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png", "measured.csv", "von_mises.png",
+          "map.png", "validate.png", "report.html", "design.png", "evolution.png", "history.png", "optimality.png",
+          "design.toml", "design.svg", "design.dxf"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }

@@ -121,6 +121,9 @@ void draw_optimization(const OptimizeSection& section, const Recorder& recorder,
   journal.picture("evolution.png", "Evolution of the design", evolution);
   journal.picture("history.png", "Objective and volume",
                   [&] { return history_curves(section.result, section.names, journal.title); });
+  if (section.result.holes.mesh)
+    journal.picture("optimality.png", "Whether small holes pay",
+                    [&] { return optimality_picture(journal.title, section.result.holes); });
 }
 
 }  // namespace

@@ -6,9 +6,11 @@
 #include "kerf/functional.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/state.hpp"
+#include "kerf/validate.hpp"
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 
 namespace kerf {
@@ -75,7 +77,7 @@ struct LevelSetRequest {
   std::optional<Mirror> mirror;
   std::optional<StartHoles> start;
   std::optional<Shape> start_design;  // a body inside the frame to begin with, instead of start
-  double ersatz = 0;  // weak phase instead of void: its stiffness relative to the body's; 0: none
+  double ersatz = 0;                  // weak phase instead of void: its stiffness relative to the body's; 0: none
 };
 
 inline constexpr std::array<std::string_view, 2> move_words{"shape-gradient", "fixed-point"};
@@ -138,6 +140,10 @@ struct FinerDesign {
 struct HoleMargin {
   double least = nan;
   Vec2 at = Vec2::Zero();
+  std::shared_ptr<const Mesh> mesh = {};  // of the design; none where nothing was looked at
+  std::vector<double> margin = {};        // per triangle, not a number where no hole may be
+  /// T at that place by holes really made there [theory: V.1]: the verdict on the first load case that does not hold.
+  std::optional<Verdict> proof = {};
 };
 
 /// An accepted iterate; model and state are those of the first load case.

@@ -277,7 +277,10 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"ending", word(o.ending)},
               {"converged", o.ending == Ending::Optimal},
               {"optimality", number(o.optimality)}};
-  if (std::isfinite(o.holes.least)) out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
+  if (std::isfinite(o.holes.least)) {
+    out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
+    if (o.holes.proof) out["hole_margin"]["proof"] = word(*o.holes.proof);
+  }
   if (o.finer.size > 0) out["finer"] = finer_section(o.finer, names);
   if (!o.history.empty()) {
     const Iteration &first = o.history.front(), &last = o.history.back();

@@ -37,6 +37,7 @@ constexpr double no_price = 0.05;          // of J per area: below, that is what
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
 constexpr double slow = 2e-4;
+constexpr double settled = 0.05;  // residual below which knots stay where they are
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
@@ -591,6 +592,7 @@ bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
 
 /// Knots that have come too close together or too far apart get even distances, which no mesh can follow.
 bool CurvesRun::space_anew() {
+  if (x_.residual < settled) return true;
   DesignCurves even = x_.curves;
   even_out(even);
   if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= how_.evaluations) return true;
@@ -613,19 +615,22 @@ FinishedCurves CurvesRun::run() {
   std::vector<double> track;
   while (go_on) {
     track.push_back(merit(x_));
-    if (track.size() > window && *(track.end() - 1 - window) - track.back() < slow * std::abs(x_.J) &&
-        x_.residual > how_.residual) {
-      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
-      break;
-    }
-    if (x_.residual <= how_.residual && violation(x_) < feasible_violation) {
+    const bool no_gain = track.size() > window && *(track.end() - 1 - window) - track.back() < slow * std::abs(x_.J);
+    // A mesh of its own says what is true of the design; twice what was aimed at on the way is good there.
+    const double enough = x_.fresh || no_gain ? 2 * how_.residual : how_.residual;
+    if (x_.residual <= enough && violation(x_) < feasible_violation) {
       if (x_.fresh) {
         out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
         break;
       }
       if (meshes++ == most_meshes_at_end) break;
       go_on = remesh(x_.curves, own_mesh);
+      track.clear();
       continue;
+    }
+    if (no_gain) {
+      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
+      break;
     }
     if (!iterate()) break;
   }

@@ -118,7 +118,7 @@ Knot knot_at(const ArcChain& chain, const std::vector<double>& lengths, double s
 /// Knots first to last of a chain at the spacing they had, the two where they are; of a closed one `last` may lie
 /// beyond the number of knots.
 void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t first, std::size_t last) {
-  constexpr double close = 0.5, far = 2;
+  constexpr double close = 0.4, far = 2.5;
   const std::size_t n = segment_count(chain), knots = chain.knots.size();
   const std::vector<double> lengths = segment_lengths(chain);
   double before = 0, sum = 0, wanted = 0;

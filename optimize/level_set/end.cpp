@@ -83,16 +83,34 @@ HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices
     if (prices.bound[k] > 0) add(analyze_bound(e, k), prices.bound[k]);
   const double of_area = prices.area - (g.price - g.r.volume_penalty);  // T has what volume costs in J
   const std::vector<double> room = to_boundary(m.mesh, beside * g.size);
-  HoleMargin holes;
+  HoleMargin holes{.mesh = std::make_shared<const Mesh>(m.mesh),
+                   .margin = std::vector<double>(m.mesh.triangles.size(), nan)};
   for (Index t = 0; t < T.size(); ++t) {
     const Vec2 x = centroid(m.mesh, t);
     if (room[static_cast<std::size_t>(t)] < beside * g.size) continue;
     if (g.background.frozen.size() > 0 && value_at(g.background, g.background.frozen, x) < 0) continue;
     if (std::any_of(singular.begin(), singular.end(), [&](const Vec2& y) { return (x - y).norm() < clear * g.size; }))
       continue;
-    if (const double margin = (T[t] - of_area) / prices.area; !(margin >= holes.least)) holes = {margin, x};
+    const double margin = (T[t] - of_area) / prices.area;
+    holes.margin[static_cast<std::size_t>(t)] = margin;
+    if (!(margin >= holes.least)) holes.least = margin, holes.at = x;
   }
   return holes;
+}
+
+/// Holes really made where they would pay most, or cost least: whether T says what they bring.
+Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at) {
+  constexpr double largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
+  Sizing sizing = g.p.sizing;
+  sizing.size = g.mesh_size;
+  ValidationRequest request{.points = {at}, .radii = {}, .perturbation = {}, .threads = g.p.threads};
+  for (int k = 0; k < 5; ++k) request.radii.push_back(largest * g.size * std::pow(2.0, -k));
+  for (const SolvedCase& c : e.cases) {
+    const Verdict verdict =
+        validate({e.shape, sizing}, g.p.element, c.model.scene, e.objective, request).front().verdict;
+    if (verdict != Verdict::Holds && verdict != Verdict::Vanishes) return verdict;
+  }
+  return Verdict::Holds;
 }
 
 /// What speaks for and against "optimal" besides the shape residual.
@@ -101,7 +119,12 @@ void weigh_holes(const Ground& g, const Evaluated& e, HoleMargin& holes, LoopEnd
   if (!(prices.area > 0)) return;
   holes = hole_margin(g, e, prices);
   if (!std::isfinite(holes.least)) return;
-  const std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
+  std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
+  if (can_validate(g.p.element)) try {
+      holes.proof = proved(g, e, holes.at);
+      if (*holes.proof == Verdict::Holds) place += ", as holes made there show";
+    } catch (const Error&) {  // a functional or a place that holes cannot be tried on: no proof
+    }
   if (holes.least < 0)
     end.obstacle = fmt::format("a small hole at {} pays: T is {:.2g} of the price there", place, 1 + holes.least);
   else

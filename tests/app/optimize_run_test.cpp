@@ -233,7 +233,7 @@ TEST_F(Optimize, LeavesWhatTheInterfacePromises) {
     EXPECT_EQ(pvd.find("file=\"" + name + "\"") != std::string::npos, accepted);
   }
   for (const char* name : {"state.vtu", "checkpoint.bin", "report.html", "mesh.png", "von_mises.png", "design.png",
-                           "evolution.png", "history.png"})
+                           "evolution.png", "history.png", "optimality.png"})
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
   EXPECT_NE(read_all(folder / "out/report.html").find("<h2>Optimization</h2>"), std::string::npos);
   EXPECT_NE(read_all(folder / "stdout").find("optimize    level-set ended"), std::string::npos);
