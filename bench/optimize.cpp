@@ -18,7 +18,7 @@ namespace {
 // Sizes of the judge's meshes relative to that of the case, and triangles of the last one.
 constexpr double fine_background = 1.0 / 6, background = 1.0 / 3, fine = 2.0 / 3, medium = 0.5;
 constexpr Index fine_triangles = 100000;
-constexpr std::size_t own_points = 60, peer_points = 16;  // of a curve that are judged
+constexpr std::size_t own_points = 60, peer_points = 16, quick_points = 8;  // of a curve that are judged
 constexpr const char* spread_name = "spread";
 constexpr double near = 0.01;        // of the last value
 constexpr double at_volume = 0.005;  // relative: designs on their way to the volume are no part of a curve
@@ -102,6 +102,19 @@ class Runner {
     }
   }
 
+  /// A density holds no bound on its compliance: the volume at which it has that one, from two volumes near by.
+  void volume_peers() {
+    for (const OptimizeProblem& p : bench_.problems) {
+      const auto own = std::ranges::find(bench_.runs, p.name, &DesignRun::problem);
+      if (!is_volume(p) || !is_judged(p) || p.request.bounds.size() != 1 || own == bench_.runs.end()) continue;
+      const double bound = p.request.bounds.front().at_most, volume = own->value;
+      for (const int cells : options_.quick ? std::vector{20} : std::vector{usual_cells, 2 * usual_cells}) {
+        if (stopped()) return;
+        attempt(fmt::format("{}: {}", p.name, simp_name(cells)), [&] { volume_peer(p, cells, volume, bound); });
+      }
+    }
+  }
+
   void spreads() {
     if (std::ranges::find(options_.cases, spread_name) == options_.cases.end()) return;
     for (const OptimizeProblem& p : bench_.problems) {
@@ -126,8 +139,8 @@ class Runner {
     fitted.request.level_set.ersatz = 0;
     fitted.request.level_set.move = LevelSetRequest::Move::ShapeGradient;
     const auto run = [&](const OptimizeProblem& problem, const std::string& method) {
-      for (const std::string& start : {"full", "holes", "random 1"}) {
-        if (stopped() || (options_.quick && start != "full")) return;
+      for (const char* start : {"full", "holes", "random 1"}) {
+        if (stopped() || (options_.quick && start != std::string_view("full"))) return;
         attempt(fmt::format("published: {} from {}", method, start), [&] { published_run(problem, method, start); });
       }
     };
@@ -220,7 +233,7 @@ class Runner {
                          is_volume(p) ? s.row.volume_fraction : s.row.objective, s.row.volume_fraction});
       return curve;
     }
-    for (const std::size_t i : chosen(seen.size(), own_points)) {
+    for (const std::size_t i : chosen(seen.size(), options_.quick ? quick_points : own_points)) {
       const Judged j = judge_medium(p, seen[i].shape);
       curve.push_back({seen[i].row.number, seen[i].row.state_solves, seen[i].seconds, j.compliance, j.volume});
     }
@@ -270,7 +283,7 @@ class Runner {
                   .seconds = last.seconds,
                   .own_value = last.objective,
                   .shape = shape_of(p, peer.volume, last.field, finer)};
-    for (const std::size_t i : chosen(peer.snapshots.size(), peer_points)) {
+    for (const std::size_t i : chosen(peer.snapshots.size(), options_.quick ? quick_points : peer_points)) {
       if (stopped()) break;
       const PeerSnapshot& s = peer.snapshots[i];
       try {
@@ -280,6 +293,31 @@ class Runner {
       }
     }
     finish(p, run);
+  }
+
+  void volume_peer(const OptimizeProblem& p, int cells, double volume, double bound) {
+    const Mesh finer = triangulate(p.problem.frame, {.size = judge_size(p, fine_background)});
+    const auto at = [&](double v) {
+      const DesignPeers found = run_simp(p, v, cells, peer_options());
+      if (found.runs.empty()) throw Error(Fault::Numerics, found.notes.empty() ? "no numpy" : found.notes.front());
+      const PeerSnapshot& last = found.runs[0].snapshots.back();
+      DesignRun run{.problem = p.name,
+                    .tool = simp_name(cells),
+                    .own = false,
+                    .iterations = last.iteration,
+                    .state_solves = last.state_solves,
+                    .seconds = last.seconds,
+                    .own_value = v,
+                    .shape = shape_of(p, v, last.field, finer)};
+      run.last = judge_last(p, run.shape);
+      return run;
+    };
+    const DesignRun first = at(volume);
+    DesignRun second = at(volume * first.last.compliance / bound);
+    const double slope =
+        std::log(second.last.volume / first.last.volume) / std::log(second.last.compliance / first.last.compliance);
+    second.value = second.last.volume * std::pow(bound / second.last.compliance, slope);
+    bench_.runs.push_back(std::move(second));
   }
 
   void published_run(const OptimizeProblem& p, const std::string& method, const std::string& start) {
@@ -324,6 +362,7 @@ OptimizeBench run_optimize_bench(const BenchOptions& options) {
   Runner runner(options, bench);
   runner.own_runs();
   runner.peers();
+  runner.volume_peers();
   runner.spreads();
   runner.published();
   runner.remeshing();

@@ -55,6 +55,7 @@ Remeshing measure_remeshing(OptimizeProblem p, double size, int iterations) {
   r.volume_at_most = 0.49;
   r.max_iterations = iterations;
   r.tolerance = 0;
+  r.starts = 1;
   // The loop's own grid is twice as fine as its meshes.
   const Mesh background = triangulate(p.problem.frame, {.size = size / 2, .crack_tip_size = size / 2});
   Carving how{.spacing = size, .least_area = size * size / 4};
