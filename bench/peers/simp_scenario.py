@@ -210,11 +210,11 @@ def main(scenario, cells, iterations, path, strong):
         plain(lattice, volume, start, radius(cells), iterations, trace)
         return
     growing = lambda i: min(3.0, 1 + 0.25 * (i // 5))
-    x = plain(lattice, volume, start, radius(cells // 2), iterations, trace, growing)
+    x = plain(lattice, volume, start, radius(cells // 2), min(iterations, 60), trace, growing)
     finer = Lattice(scenario, cells)
     x = zoom(x.reshape(lattice.rows, lattice.columns), 2, order=0).ravel() * finer.active
     x[finer.solid] = 1
-    projected(finer, volume, x, 4.5, (1, 2, 4, 8, 16), 8, trace)
+    projected(finer, volume, x, 4.5, (1, 2, 4, 8, 16, 32), 4, trace)
 
 
 main(json.load(open(sys.argv[1])), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4], "--strong" in sys.argv[5:])
