@@ -78,11 +78,13 @@ std::vector<Job> prepare_freefem(const std::vector<OptimizeProblem>& problems, c
   if (options.scripts.empty()) return {};
   copy_scripts(options.scripts, options.work);
   const auto script = traced_tdopt(read_file(options.scripts / "tdopt.edp"));
-  if (!in_path(freefem))
-    result.notes.push_back("FreeFem++ is not installed: its runs are left out");
-  else if (!script)
-    result.notes.push_back("tdopt.edp has changed: its designs cannot be written down, its runs are left out");
-  if (!in_path(freefem) || !script) return {};
+  const char* missing = !in_path(freefem) ? "FreeFem++ is not installed: its runs are left out"
+                        : !script ? "tdopt.edp has changed: its designs cannot be written down, its runs are left out"
+                                  : nullptr;
+  if (missing) {
+    result.notes.emplace_back(missing);
+    return {};
+  }
   write_file(options.work / traced, *script);
   return freefem_jobs(problems, options.quick);
 }

@@ -67,10 +67,10 @@ Spread measure_spread(const OptimizeProblem& p, bool quick, const SpreadJudge& j
       run.ending = result.ending;
       run.feasible = result.feasible;
       std::tie(run.value, run.volume) = judged(p, result);
-      out.runs.push_back(std::move(run));
     } catch (const Error& e) {
       out.failures.push_back(fmt::format("{}: {}", name, e.what()));
     }
+    out.runs.push_back(std::move(run));
   }
   return out;
 }

@@ -19,7 +19,7 @@ struct SpreadRun {
 
 struct Spread {
   std::string problem;
-  std::vector<SpreadRun> runs;  // the first one: the case as it is
+  std::vector<SpreadRun> runs;  // the first one: the case as it is; of a failure the value is not a number
   std::vector<std::string> failures;
 };
 
@@ -29,7 +29,7 @@ using SpreadJudge = std::function<std::pair<double, double>(const OptimizeProble
 Spread measure_spread(const OptimizeProblem& p, bool quick, const SpreadJudge& judged,
                       const std::function<bool(const std::string& phase)>& go_on);
 
-/// Of the runs that are as strong as they were asked to be.
+/// Least and most: of the designs that hold their bounds.
 struct SpreadSummary {
   double least = nan, most = nan, usual = nan;  // usual: of the case as it is
   double rounding = nan;                        // relative change by the loads times 1 + 1e-12

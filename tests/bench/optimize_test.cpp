@@ -74,6 +74,20 @@ TEST(Judge, KnowsTheFullCantilever) {
   EXPECT_DOUBLE_EQ(j.volume, 1);
 }
 
+/// Both arms of the L thinned evenly: the field knows nothing of the notch, which stays empty.
+TEST(Judge, CutsAFieldInAFrameThatIsNotConvex) {
+  const OptimizeProblem p = problem_named("lbracket");
+  GridField arms{.columns = 51, .rows = 51, .value = {}};
+  for (int j = 0; j < arms.rows; ++j)
+    for (int i = 0; i < arms.columns; ++i)
+      arms.value.push_back(std::min(std::abs(i / 50.0 - 0.2), std::abs(j / 50.0 - 0.2)));
+  const Shape shape = shape_of(p, 0.5, arms, triangulate(p.problem.frame, {.size = 0.01}));
+  EXPECT_NEAR(volume_fraction(p, shape), 0.5, 1e-5);
+  EXPECT_FALSE(find_problem(shape));
+  for (const Side& side : shape.outline.sides)
+    EXPECT_FALSE(side.start.x() > 0.4 + 1e-9 && side.start.y() > 0.4 + 1e-9) << side.start.transpose();
+}
+
 TEST(Judge, RefusesAFieldWithoutABody) {
   const OptimizeProblem p = problem_named("cantilever");
   const Mesh background = triangulate(p.problem.frame, {.size = 0.1});
