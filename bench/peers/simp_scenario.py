@@ -27,11 +27,12 @@ def inside(points, polygon):
 
 
 def along(points, a, b):
-    """Points on a segment, in its order."""
+    """Points on a segment, in its order; where there is none, the nearest to its middle."""
     a, d = np.array(a, float), np.subtract(b, a).astype(float)
     t = (points - a) @ d / (d @ d)
     away = np.hypot(*(points - a - np.outer(t, d)).T)
     on = np.flatnonzero((away < 1e-6) & (t > -1e-6) & (t < 1 + 1e-6))
+    if not len(on): return np.array([np.argmin(np.hypot(*(points - a - d / 2).T))])
     return on[np.argsort(t[on])]
 
 
@@ -103,9 +104,9 @@ class Lattice:
             for a, b in part["segments"]:
                 on = along(points, a, b)
                 half = np.hypot(*np.diff(points[on], axis=0).T) / 2
-                for c in (0, 1):
-                    np.add.at(force, 2 * on[1:] + c, half * part["traction"][c])
-                    np.add.at(force, 2 * on[:-1] + c, half * part["traction"][c])
+                share = np.append(half, 0) + np.append(0, half) if len(on) > 1 else np.ones(1)
+                share *= np.hypot(*np.subtract(b, a)) / share.sum()  # the whole force, where ends lie between points
+                for c in (0, 1): np.add.at(force, 2 * on + c, share * part["traction"][c])
         return force
 
     def solve(self, stiffness):
