@@ -49,10 +49,6 @@ double mean_edge(const Mesh& mesh) {
 // Of the last mesh: the compliance errs by about its square.
 constexpr double stress_error = 5e-3;
 
-bool loaded(const OptimizeProblem& p, Index label) {
-  return std::ranges::any_of(p.problem.scene.tractions, [&](const Traction& t) { return t.label == label; });
-}
-
 using Segments = std::vector<std::array<Vec2, 2>>;
 
 double distance_to(const Segments& segments, const Vec2& x) {
@@ -70,9 +66,10 @@ Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double t
     return {loop.sides[i].start, loop.sides[(i + 1) % loop.sides.size()].start};
   };
   const Loop& outline = p.problem.frame.outline;
+  const std::vector<Index> loaded = loaded_labels(p);
   for (std::size_t i = 0; i < outline.sides.size(); ++i)
-    if (loaded(p, outline.sides[i].label)) loads.push_back(side(outline, i));
-  for (const Loop& loop : p.frozen) {
+    if (std::ranges::find(loaded, outline.sides[i].label) != loaded.end()) loads.push_back(side(outline, i));
+  for (const Loop& loop : p.request.level_set.frozen) {
     frozen.emplace_back();
     for (std::size_t i = 0; i < loop.sides.size(); ++i) frozen.back().push_back(side(loop, i));
   }
@@ -99,7 +96,7 @@ double volume_fraction(const OptimizeProblem& p, const Shape& shape) {
   return area(shape) / area(p.problem.frame);
 }
 
-Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background) {
+Shape shape_of(const OptimizeProblem& p, double volume, const GridField& field, const Mesh& background) {
   const Frame frame = frame_of(p);
   Eigen::VectorXd value(static_cast<Eigen::Index>(background.points.size()));
   for (Eigen::Index v = 0; v < value.size(); ++v) value[v] = interpolate(field, frame, background.points[v]);
@@ -109,14 +106,13 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
   const Eigen::VectorXd solid = solid_parts(p, background, 1.5 * edge) * (spread / edge);
   const auto at = [&](double level) -> Eigen::VectorXd { return (value.array() - level).matrix().cwiseMin(solid); };
 
-  Carving how{.tolerance = 0.1 * edge, .least_area = edge * edge};
-  for (const Traction& t : p.problem.scene.tractions) how.keep.push_back(t.label);
+  Carving how{.tolerance = 0.1 * edge, .least_area = edge * edge, .keep = loaded_labels(p)};
   for (const Support& s : p.problem.scene.supports) {
     how.keep.push_back(s.label);
     how.holding.push_back(s.label);
   }
   // What is dropped is made up for by a larger area below the level.
-  const double wanted = p.volume * area(p.problem.frame);
+  const double wanted = volume * area(p.problem.frame);
   double target = wanted;
   for (int round = 0;; ++round) {
     double below = low, above = high;
@@ -131,23 +127,33 @@ Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& bac
   }
 }
 
-Judged judge(const OptimizeProblem& p, const Shape& shape, double size, Index triangles, int threads) {
-  Judged out{.least = nan, .most = nan, .volume = volume_fraction(p, shape)};
-  const Sizing sizing{.size = size};
-  if (triangles == 0) {
-    const Model model = prepare(triangulate(shape, sizing), element("bdms"), p.problem.scene, threads);
-    out.compliance = work_of_loads(model, solve(model));
-    out.mesh = model.mesh;
-    return out;
+namespace {
+
+void judge_load(const WeightedScene& load, const Shape& shape, const JudgeMesh& mesh, Judged& out) {
+  const Sizing sizing{.size = mesh.size};
+  const bool first = out.mesh.triangles.empty();
+  if (mesh.triangles == 0) {
+    const Model model = prepare(triangulate(shape, sizing), element("bdms"), load.scene, 1);
+    out.compliance += load.weight * work_of_loads(model, solve(model));
+    if (first) out.mesh = model.mesh;
+    return;
   }
-  const Adapted best = solve_adaptively(shape, sizing, element("bdms", 2), p.problem.scene,
-                                        {.error = stress_error, .max_triangles = triangles, .threads = threads});
-  out.compliance = work_of_loads(best.model, best.state);
+  const Adapted best = solve_adaptively(shape, sizing, element("bdms", 2), load.scene,
+                                        {.error = stress_error, .max_triangles = mesh.triangles, .threads = 1});
+  out.compliance += load.weight * work_of_loads(best.model, best.state);
   // The potential energy is minus half of the compliance.
   const EnergyBounds bounds = energy_bounds(best.model, best.state);
-  out.least = -2 * bounds.upper;
-  out.most = -2 * bounds.lower;
-  out.mesh = best.model.mesh;
+  out.least += load.weight * -2 * bounds.upper;
+  out.most += load.weight * -2 * bounds.lower;
+  if (first) out.mesh = best.model.mesh;
+}
+
+}  // namespace
+
+Judged judge(const OptimizeProblem& p, const Shape& shape, const JudgeMesh& mesh) {
+  const double bound = mesh.triangles == 0 ? nan : 0;
+  Judged out{.least = bound, .most = bound, .volume = volume_fraction(p, shape)};
+  for (const WeightedScene& load : loaded_scenes(p)) judge_load(load, shape, mesh, out);
   return out;
 }
 

@@ -12,24 +12,29 @@ struct GridField {
   std::vector<double> value;    // row by row from the bottom, each from the left
 };
 
-/// The material below the level at which its area is the problem's fraction, loose pieces left out; along the loads and
-/// in frozen parts there is always some. `background` is a mesh of the frame. Throws Error(Geometry) for a field that
-/// makes no body.
-Shape shape_of(const OptimizeProblem& p, const GridField& field, const Mesh& background);
+/// The material below the level at which its area is that fraction of the frame, loose pieces left out; along the loads
+/// and in frozen parts there is always some. `background` is a mesh of the frame. Throws Error(Geometry) for a field
+/// that makes no body.
+Shape shape_of(const OptimizeProblem& p, double volume, const GridField& field, const Mesh& background);
 
 double frame_area(const OptimizeProblem& p);
 /// Area of a shape relative to the frame.
 double volume_fraction(const OptimizeProblem& p, const Shape& shape);
 
 struct Judged {
-  double compliance = 0;
+  double compliance = 0;       // load cases by their weights
   double least = 0, most = 0;  // bounds of the exact one on this shape; not a number: not asked for
   double volume = 0;           // fraction
-  Mesh mesh;
+  Mesh mesh;                   // of the first load case
 };
 
-/// On a mesh of edges `size`, elements of degree 1; with a number of `triangles` of degree 2, refined until the stress
-/// errs by less than 0.5 % or there are so many, with bounds. The shape carries the labels of the frame.
-Judged judge(const OptimizeProblem& p, const Shape& shape, double size, Index triangles, int threads = 1);
+/// Edges near `size`, elements of degree 1; with a number of `triangles` of degree 2, refined for each load case until
+/// the stress errs by less than 0.5 % or there are so many, with bounds.
+struct JudgeMesh {
+  double size = 0;
+  Index triangles = 0;
+};
+/// Of a body without cracks. The shape carries the labels of the frame.
+Judged judge(const OptimizeProblem& p, const Shape& shape, const JudgeMesh& mesh);
 
 }  // namespace kerf

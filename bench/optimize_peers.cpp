@@ -21,36 +21,101 @@ namespace fs = std::filesystem;
 struct Job {
   std::string problem, name, command;
   int cells;  // per length
+  double volume;
+  bool strong = false;
 };
 
 constexpr const char* traced = "tdopt_traced.edp";
+constexpr const char* simp_script = "simp_scenario.py";
 constexpr const char* trace_file = "trace.txt";
+constexpr double longest = 900;  // seconds that one run may take
 
-std::vector<Job> simp_jobs(bool quick) {
+Job simp_job(const OptimizeProblem& p, double volume, int cells, bool strong, const DesignPeerOptions& options) {
+  const std::string scenario = fmt::format("{}_{}.json", p.name, volume);
+  write_file(options.work / scenario, density_scenario(p, volume));
+  return {p.name,
+          simp_name(cells, strong),
+          fmt::format("{} {} {} {} {} {}{}", python, simp_script, scenario, cells, options.quick ? 10 : 100, trace_file,
+                      strong ? " --strong" : ""),
+          cells,
+          volume,
+          strong};
+}
+
+std::vector<Job> simp_jobs(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options) {
   std::vector<Job> jobs;
-  for (const OptimizeProblem& p : optimize_problems())
-    for (const int n : quick ? std::vector{20} : std::vector{50, 100})
-      jobs.push_back({p.name, fmt::format("SIMP, n = {}", n),
-                      fmt::format("{} simp_trace.py {} {} {} {}", python, p.name, n, quick ? 10 : 100, trace_file), n});
+  for (const OptimizeProblem& p : problems) {
+    if (!has_density(p)) continue;
+    const double volume = *p.request.volume_at_most;
+    for (const int cells : options.quick ? std::vector{20} : std::vector{usual_cells, 2 * usual_cells})
+      jobs.push_back(simp_job(p, volume, cells, false, options));
+    if (!options.quick && options.finest) jobs.push_back(simp_job(p, volume, 4 * usual_cells, true, options));
+  }
   return jobs;
 }
 
-std::vector<Job> freefem_jobs(bool quick) {
+/// Of the bodies that its script knows.
+std::vector<Job> freefem_jobs(const std::vector<OptimizeProblem>& problems, bool quick) {
   std::vector<Job> jobs;
-  for (const char* name : {"cantilever", "mbb"})
+  for (const OptimizeProblem& p : problems) {
+    if (p.name != "cantilever" && p.name != "mbb") continue;
     for (const int n : quick ? std::vector{20} : std::vector{50, 100})
       jobs.push_back(
-          {name, fmt::format("FreeFem++ level set, n = {}", n),
-           fmt::format("{} -nw -v 0 {} -n {} -ps 1 -case {} -maxit {}", freefem, traced, n, name, quick ? 25 : 100),
-           n});
+          {p.name, fmt::format("FreeFem++ level set, n = {}", n),
+           fmt::format("{} -nw -v 0 {} -n {} -ps 1 -case {} -maxit {}", freefem, traced, n, p.name, quick ? 25 : 100),
+           n, *p.request.volume_at_most});
+  }
   return jobs;
+}
+
+bool has_numpy() {
+  return shell(fmt::format("{} -c 'import numpy, scipy' 2>&1", python)).code == 0;
+}
+
+/// Those of FreeFem++ that can be run, or a note.
+std::vector<Job> prepare_freefem(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options,
+                                 DesignPeers& result) {
+  if (options.scripts.empty()) return {};
+  copy_scripts(options.scripts, options.work);
+  const auto script = traced_tdopt(read_file(options.scripts / "tdopt.edp"));
+  const char* missing = !in_path(freefem) ? "FreeFem++ is not installed: its runs are left out"
+                        : !script ? "tdopt.edp has changed: its designs cannot be written down, its runs are left out"
+                                  : nullptr;
+  if (missing) {
+    result.notes.emplace_back(missing);
+    return {};
+  }
+  write_file(options.work / traced, *script);
+  return freefem_jobs(problems, options.quick);
+}
+
+void run_job(const Job& job, double limit, const DesignPeerOptions& options, DesignPeers& result) {
+  if (options.on_phase) options.on_phase(fmt::format("{}: {}", job.problem, job.name));
+  const fs::path trace = options.work / trace_file;
+  fs::remove(trace);
+  const Outcome o = run_script(options.work, job.command, limit);
+  DesignPeer run{job.problem, job.name, job.strong, job.volume, {}, o.memory_mb};
+  if (fs::exists(trace)) run.snapshots = read_snapshots(read_file(trace));
+  fs::remove(trace);
+  if (o.code == 0 && !run.snapshots.empty()) {
+    result.runs.push_back(std::move(run));
+    return;
+  }
+  const bool late = o.code == 124 || o.code == 137;
+  result.notes.push_back(
+      fmt::format("\"{}\" {}", job.command,
+                  late ? "took too long" : fmt::format("failed (exit {}): {}", o.code, last_line(o.output))));
 }
 
 }  // namespace
 
+std::string simp_name(int cells, bool strong) {
+  return fmt::format("SIMP, {}n = {}", strong ? "projected, " : "", cells);
+}
+
 void require_design_scripts(const fs::path& folder) {
-  if (!fs::exists(folder / "simp.py") && !fs::exists(folder / "tdopt.edp"))
-    throw Error(Fault::Files, fmt::format("{} holds no peer scripts (simp.py, tdopt.edp)", folder.string()));
+  if (!fs::exists(folder / "tdopt.edp"))
+    throw Error(Fault::Files, fmt::format("{} does not hold the peer script tdopt.edp", folder.string()));
 }
 
 std::optional<std::string> traced_tdopt(std::string script) {
@@ -90,36 +155,18 @@ std::vector<PeerSnapshot> read_snapshots(const std::string& text) {
   }
 }
 
-DesignPeers run_design_peers(const DesignPeerOptions& options) {
+DesignPeers run_design_peers(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options) {
   DesignPeers result;
-  require_design_scripts(options.scripts);
-  copy_scripts(options.scripts, options.work);
-  std::vector<Job> jobs;
-  const auto add = [&](const std::vector<Job>& more) { jobs.insert(jobs.end(), more.begin(), more.end()); };
-  if (fs::exists(options.scripts / "tdopt.edp")) {
-    if (!in_path(freefem)) {
-      result.notes.push_back("FreeFem++ is not installed: its runs are left out");
-    } else if (const auto script = traced_tdopt(read_file(options.scripts / "tdopt.edp"))) {
-      write_file(options.work / traced, *script);
-      add(freefem_jobs(options.quick));
-    } else {
-      result.notes.push_back("tdopt.edp has changed: its designs cannot be written down, its runs are left out");
-    }
+  fs::create_directories(options.work);
+  std::vector<Job> jobs = prepare_freefem(problems, options, result);
+  if (has_numpy()) {
+    write_file(options.work / simp_script, simp_scenario_script);
+    for (Job& job : simp_jobs(problems, options)) jobs.push_back(std::move(job));
+  } else {
+    result.notes.push_back(fmt::format("{} has no numpy and scipy: SIMP is left out", python));
   }
-  if (fs::exists(options.scripts / "simp.py")) {
-    write_file(options.work / "simp_trace.py", simp_trace_script);
-    if (shell(fmt::format("{} -c 'import numpy, scipy' 2>&1", python)).code == 0)
-      add(simp_jobs(options.quick));
-    else
-      result.notes.push_back(fmt::format("{} has no numpy and scipy: SIMP is left out", python));
-  }
-  if (!options.problems.empty())
-    std::erase_if(jobs, [&](const Job& j) {
-      return std::find(options.problems.begin(), options.problems.end(), j.problem) == options.problems.end();
-    });
   // Small runs first: when time runs out, every problem has one.
   std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.cells < b.cells; });
-
   Stopwatch watch;
   double spent = 0;
   std::size_t done = 0;
@@ -127,24 +174,20 @@ DesignPeers run_design_peers(const DesignPeerOptions& options) {
     spent += watch.lap();
     if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
     ++done;
-    if (options.on_phase) options.on_phase(fmt::format("{}: {}", job.problem, job.name));
-    const fs::path trace = options.work / trace_file;
-    fs::remove(trace);
-    const Outcome o = run_script(options.work, job.command, std::clamp(options.seconds - spent, 10.0, 600.0));
-    DesignPeer run{job.problem, job.name, {}, o.memory_mb};
-    if (fs::exists(trace)) run.snapshots = read_snapshots(read_file(trace));
-    if (o.code != 0 || run.snapshots.empty()) {
-      const bool late = o.code == 124 || o.code == 137;
-      result.notes.push_back(
-          fmt::format("\"{}\" {}", job.command,
-                      late ? "took too long" : fmt::format("failed (exit {}): {}", o.code, last_line(o.output))));
-      continue;
-    }
-    result.runs.push_back(std::move(run));
+    run_job(job, std::clamp(options.seconds - spent, 10.0, longest), options, result);
   }
   if (done < jobs.size())
     result.notes.push_back(
         fmt::format("{} of {} runs of other programs were left out for time", jobs.size() - done, jobs.size()));
+  return result;
+}
+
+DesignPeers run_simp(const OptimizeProblem& p, double volume, int cells, const DesignPeerOptions& options) {
+  DesignPeers result;
+  fs::create_directories(options.work);
+  if (!has_numpy()) return result;
+  write_file(options.work / simp_script, simp_scenario_script);
+  run_job(simp_job(p, volume, cells, false, options), longest, options, result);
   return result;
 }
 

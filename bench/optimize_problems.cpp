@@ -1,165 +1,154 @@
 #include "bench/optimize_problems.hpp"
 
+#include "bench/peer_scripts.hpp"
+#include "io/files.hpp"
+#include "kerf/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace kerf {
 
 namespace {
 
-/// Sides of a polygon, each with the name of its label.
-struct NamedSide {
-  Vec2 start;
-  const char* label;
-};
-
-OptimizeProblem body(const std::string& name, const std::string& title, const std::vector<NamedSide>& sides) {
-  OptimizeProblem p{.name = name, .title = title};
-  Shape& shape = p.problem.frame;
-  shape.outline.name = "outline";
-  for (const NamedSide& s : sides) {
-    Index label = 0;
-    while (label < static_cast<Index>(shape.labels.size()) && shape.labels[label] != s.label) ++label;
-    if (label == static_cast<Index>(shape.labels.size())) shape.labels.emplace_back(s.label);
-    shape.outline.sides.push_back({s.start, label});
-  }
-  p.problem.scene.material = plane_stress(1, 0.3);
-  p.problem.plane_strain = false;
-  p.problem.objective = {"compliance", {compliance()}};
-  p.problem.sizing.size = 0.03;
-  return p;
+// JSON.
+std::string list(const std::vector<std::string>& items) {
+  return fmt::format("[{}]", fmt::join(items, ", "));
+}
+std::string point(const Vec2& x) {
+  return fmt::format("[{}, {}]", x.x(), x.y());
 }
 
-Index label(const OptimizeProblem& p, const std::string& name) {
-  const auto& labels = p.problem.frame.labels;
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    if (labels[i] == name) return static_cast<Index>(i);
-  throw std::invalid_argument("no label " + name);
+std::vector<std::array<Vec2, 2>> sides_labelled(const Loop& outline, Index label) {
+  std::vector<std::array<Vec2, 2>> all;
+  for (std::size_t i = 0; i < outline.sides.size(); ++i)
+    if (outline.sides[i].label == label)
+      all.push_back({outline.sides[i].start, outline.sides[(i + 1) % outline.sides.size()].start});
+  return all;
 }
 
-void hold(OptimizeProblem& p, const std::string& name, bool x, bool y) {
-  p.problem.scene.supports.push_back(
-      {label(p, name), false, x, y, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+std::string segments(const Loop& outline, Index label) {
+  std::vector<std::string> all;
+  for (const auto& [a, b] : sides_labelled(outline, label)) all.push_back(list({point(a), point(b)}));
+  return list(all);
 }
 
-/// 1 in all, downwards, over a length.
-void load(OptimizeProblem& p, const std::string& name, double length) {
-  const Vec2 traction(0, -1 / length);
-  p.problem.scene.tractions.push_back({label(p, name), [traction](const Vec2&, const Vec2&) { return traction; }});
+std::string tractions(const Loop& outline, const Scene& scene) {
+  std::vector<std::string> all;
+  for (const Traction& t : scene.tractions)
+    for (const auto& [a, b] : sides_labelled(outline, t.label)) {
+      const Vec2 along = (b - a).normalized(), normal(along.y(), -along.x());
+      const Vec2 value = t.value(a, normal);
+      if ((t.value(b, normal) - value).norm() > 1e-9 * value.norm())
+        throw Error(Fault::Usage, "a density is compared under constant tractions only");
+      all.push_back(fmt::format(R"({{"segments": [[{}, {}]], "traction": {}}})", point(a), point(b), point(value)));
+    }
+  return list(all);
 }
 
-OptimizeProblem cantilever(double pad) {
-  OptimizeProblem p = body("cantilever", "Cantilever 2 × 1",
-                           {{{0, 0}, "bottom"},
-                            {{2, 0}, "right"},
-                            {{2, 0.5 - pad / 2}, "load"},
-                            {{2, 0.5 + pad / 2}, "right"},
-                            {{2, 1}, "top"},
-                            {{0, 1}, "left"}});
-  hold(p, "left", true, true);
-  load(p, "load", pad);
-  p.holes = {.columns = 10, .rows = 5, .radius = 0.04};
-  p.random = {.random = 40, .seed = 1, .radius = 0.06};
-  p.mirror = Mirror{{0, 0.5}, {1, 0}};
-  return p;
-}
-
-OptimizeProblem mbb() {
-  OptimizeProblem p = body("mbb", "Half of an MBB beam, 3 × 1",
-                           {{{0, 0}, "bottom"},
-                            {{2.9, 0}, "roller"},
-                            {{3, 0}, "right"},
-                            {{3, 1}, "top"},
-                            {{0.1, 1}, "load"},
-                            {{0, 1}, "symmetry"}});
-  hold(p, "symmetry", true, false);
-  hold(p, "roller", false, true);
-  load(p, "load", 0.1);
-  p.holes = {.columns = 13, .rows = 4, .radius = 0.06};
-  p.random = {.random = 60, .seed = 2, .radius = 0.06};
-  return p;
-}
-
-OptimizeProblem lbracket() {
-  OptimizeProblem p = body("lbracket", "L-bracket",
-                           {{{0, 0}, "bottom"},
-                            {{1, 0}, "right"},
-                            {{1, 0.15}, "load"},
-                            {{1, 0.25}, "right"},
-                            {{1, 0.4}, "inner"},
-                            {{0.4, 0.4}, "inner"},
-                            {{0.4, 1}, "top"},
-                            {{0, 1}, "left"}});
-  hold(p, "top", true, true);
-  load(p, "load", 0.1);
-  p.length = 0.5;
-  p.problem.sizing.size *= p.length;
-  p.holes = {.columns = 7, .rows = 7, .radius = 0.04};
-  p.random = {.random = 40, .seed = 1, .radius = 0.04};
-  return p;
-}
-
-OptimizeProblem bridge() {
-  OptimizeProblem p = body("bridge", "Bridge 2 × 1 with a deck",
-                           {{{0, 0}, "left foot"},
-                            {{0.1, 0}, "deck"},
-                            {{1.9, 0}, "right foot"},
-                            {{2, 0}, "right"},
-                            {{2, 1}, "top"},
-                            {{0, 1}, "left"}});
-  hold(p, "left foot", true, true);
-  hold(p, "right foot", true, true);
-  load(p, "deck", 1.8);
-  p.holes = {.columns = 10, .rows = 5, .radius = 0.04};
-  p.random = {.random = 40, .seed = 1, .radius = 0.06};
-  p.mirror = Mirror{{1, 0}, {0, 1}};
-  p.frozen = {polygon("deck", {{0, 0}, {2, 0}, {2, 0.05}, {0, 0.05}}, none)};
-  return p;
+std::string polygon_of(const Loop& loop) {
+  std::vector<std::string> all;
+  for (const Side& side : loop.sides) all.push_back(point(side.start));
+  return list(all);
 }
 
 }  // namespace
 
-const std::vector<OptimizeProblem>& optimize_problems() {
-  static const std::vector<OptimizeProblem> all{cantilever(0.1), mbb(), lbracket(), bridge()};
+const std::vector<std::string>& scenario_names() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> names;
+    for (const ScenarioText& s : scenario_texts())
+      if (s.name != published_name) names.push_back(s.name);
+    return names;
+  }();
   return all;
 }
 
-const OptimizeProblem& published_problem() {
-  static const OptimizeProblem p = [] {
-    OptimizeProblem made = cantilever(0.05);
-    made.name = "published";
-    made.title = "Cantilever 2 × 1, compliance + 100 |Ω|, weak phase 10⁻³";
-    made.volume = 1;
-    made.volume_penalty = 100;
-    made.ersatz = 1e-3;
-    return made;
-  }();
-  return p;
+OptimizeProblem read_problem(const std::string& name, const std::filesystem::path& folder,
+                             std::span<const std::string> overrides) {
+  const auto found = std::ranges::find(scenario_texts(), name, &ScenarioText::name);
+  if (found == scenario_texts().end()) throw std::invalid_argument("no scenario " + name);
+  const std::filesystem::path path = folder / (name + ".toml");
+  write_file(path, std::string(found->text));
+  const Case c = read_case(path, overrides);
+  return {name, c.title, problem_of(c), c.optimize.value()};
+}
+
+bool is_judged(const OptimizeProblem& p) {
+  return (p.problem.objective.kind == "compliance" || is_volume(p)) && p.problem.frame.cracks.empty();
+}
+
+bool has_density(const OptimizeProblem& p) {
+  return is_judged(p) && !is_volume(p) && !p.problem.scene.body && p.request.bounds.empty() &&
+         p.request.volume_at_most && p.problem.frame.holes.empty();
+}
+
+std::vector<WeightedScene> loaded_scenes(const OptimizeProblem& p) {
+  std::vector<WeightedScene> all;
+  for (const LoadCase& load : p.request.load_cases) {
+    Scene scene = p.problem.scene;
+    scene.tractions.insert(scene.tractions.end(), load.tractions.begin(), load.tractions.end());
+    if (scene.body && load.body)
+      scene.body = [a = scene.body, b = load.body](const Vec2& x) -> Vec2 { return a(x) + b(x); };
+    else if (load.body)
+      scene.body = load.body;
+    all.push_back({load.weight, std::move(scene)});
+  }
+  if (all.empty()) all.push_back({1, p.problem.scene});
+  return all;
+}
+
+std::vector<Index> loaded_labels(const OptimizeProblem& p) {
+  std::vector<Index> labels;
+  for (const auto& [weight, scene] : loaded_scenes(p))
+    for (const Traction& t : scene.tractions) labels.push_back(t.label);
+  return labels;
+}
+
+std::string density_scenario(const OptimizeProblem& p, double volume) {
+  const Loop& outline = p.problem.frame.outline;
+  const Material& material = p.problem.scene.material;
+  std::vector<std::string> supports, loads, solid;
+  for (const Support& s : p.problem.scene.supports)
+    supports.push_back(
+        fmt::format(R"({{"segments": {}, "x": {}, "y": {}}})", segments(outline, s.label), s.first, s.second));
+  for (const auto& [weight, scene] : loaded_scenes(p))
+    loads.push_back(fmt::format(R"({{"weight": {}, "tractions": {}}})", weight, tractions(outline, scene)));
+  for (const Loop& loop : p.request.level_set.frozen) solid.push_back(polygon_of(loop));
+  return fmt::format(R"({{"outline": {}, "supports": {}, "loads": {}, "solid": {}, "volume": {}, "mu": {}, "c": {}}})",
+                     polygon_of(outline), list(supports), list(loads), list(solid), volume, material.mu, material.c);
 }
 
 const std::vector<std::string>& optimize_starts() {
-  static const std::vector<std::string> all{"full", "holes", "random"};
+  static const std::vector<std::string> all{"full", "few holes", "holes", "random 1", "random 2"};
   return all;
 }
 
-OptimizeRequest level_set_request(const OptimizeProblem& p, const std::string& start) {
-  OptimizeRequest r;
-  r.method = OptimizeMethod::LevelSet;
-  if (p.volume_penalty > 0)
-    r.volume_penalty = p.volume_penalty;
-  else
-    r.volume_at_most = p.volume;
-  r.max_iterations = 80;
-  r.tolerance = 5e-4;
-  r.level_set.nucleate_every = 2;
-  r.level_set.nucleate_fraction = 0.02;
-  r.level_set.frozen = p.frozen;
-  r.level_set.ersatz = p.ersatz;
-  r.level_set.mirror = p.mirror;
-  if (p.ersatz > 0) r.level_set.move = LevelSetRequest::Move::FixedPoint;
-  if (start == "holes")
-    r.level_set.start = p.holes;
-  else if (start == "random")
-    r.level_set.start = p.random;
+OptimizeRequest request_from(const OptimizeProblem& p, const std::string& start) {
+  OptimizeRequest r = p.request;
+  Vec2 low = p.problem.frame.outline.sides.front().start, high = low;
+  for (const Side& side : p.problem.frame.outline.sides) {
+    low = low.cwiseMin(side.start);
+    high = high.cwiseMax(side.start);
+  }
+  const double width = (high - low).x(), height = (high - low).y(), shorter = std::min(width, height);
+  const auto pattern = [&](int rows, double radius) -> StartHoles {
+    const double spacing = shorter / rows;
+    return {.columns = static_cast<int>(std::lround(width / spacing)),
+            .rows = static_cast<int>(std::lround(height / spacing)),
+            .radius = radius * shorter};
+  };
+  if (start == "few holes")
+    r.level_set.start = pattern(3, 0.1);
+  else if (start == "holes")
+    r.level_set.start = pattern(5, 0.04);
+  else if (start == "random 1")
+    r.level_set.start = StartHoles{.random = 40, .seed = 1, .radius = 0.06 * shorter};
+  else if (start == "random 2")
+    r.level_set.start = StartHoles{.random = 40, .seed = 2, .radius = 0.06 * shorter};
   else if (start != "full")
     throw std::invalid_argument("unknown start " + start);
   return r;

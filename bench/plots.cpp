@@ -155,10 +155,17 @@ namespace {
 
 constexpr double shown = 1.25;  // of the best: what lies above is left out of the picture
 
-std::vector<Vec2> corners(const Loop& loop) {
-  std::vector<Vec2> points;
-  for (const Side& side : loop.sides) points.push_back(side.start);
-  return points;
+Polyline corners(const Loop& loop) {
+  return flatten(loop, 1e-3, 1).points;
+}
+
+double width(const Loop& outline) {
+  double low = infinity, high = -infinity;
+  for (const Side& side : outline.sides) {
+    low = std::min(low, side.start.x());
+    high = std::max(high, side.start.x());
+  }
+  return high - low;
 }
 
 /// Sides of the frame with one of these labels.
@@ -171,55 +178,51 @@ std::vector<Polyline> sides_with(const Loop& outline, const std::vector<Index>& 
 }
 
 GalleryPanel panel_of(const OptimizeProblem& p, const DesignRun& run) {
-  GalleryPanel panel{
-      .title = run_name(run),
-      .caption = fmt::format("{:.2f}; {} solves, {:.1f} s", run.last.compliance, run.state_solves, run.seconds),
-      .body = {corners(run.shape.outline)},
-      .frame = {corners(p.problem.frame.outline)},
-      .accent = run.own};
+  GalleryPanel panel{.title = run_name(run),
+                     .caption = fmt::format("{:.5g}; {} solves, {:.1f} s", run.value, run.state_solves, run.seconds),
+                     .body = {corners(run.shape.outline)},
+                     .frame = {corners(p.problem.frame.outline)},
+                     .accent = run.own};
   for (const Loop& hole : run.shape.holes) panel.body.push_back(corners(hole));
-  std::vector<Index> held, loaded;
+  std::vector<Index> held;
   for (const Support& s : p.problem.scene.supports) held.push_back(s.label);
-  for (const Traction& t : p.problem.scene.tractions) loaded.push_back(t.label);
   panel.supports = sides_with(p.problem.frame.outline, held);
-  panel.loads = sides_with(p.problem.frame.outline, loaded);
+  panel.loads = sides_with(p.problem.frame.outline, loaded_labels(p));
   return panel;
 }
 
 }  // namespace
 
 void draw_optimize_plots(const std::filesystem::path& folder, const OptimizeBench& bench) {
-  Gallery gallery{
-      .title = "Least compliance at a volume fraction of 0.4",
-      .subtitle = "compliance on a fine body-fitted mesh, the same way for every program; processor seconds"};
-  BarChart bars{.title = "Compliance above the best design of each case",
+  Gallery gallery{.title = "Designs of each scenario",
+                  .subtitle = "J on a fine body-fitted mesh, the same way for every program; processor seconds"};
+  BarChart bars{.title = "J above the best design of each scenario",
                 .subtitle = "all designs at the same volume, on fine body-fitted meshes",
                 .x_label = "per cent above the best"};
-  for (const OptimizeProblem& p : optimize_problems()) {
+  for (const OptimizeProblem& p : bench.problems) {
     double best = 0;
     for (const DesignRun& run : bench.runs)
-      if (run.problem == p.name && (best == 0 || run.last.compliance < best)) best = run.last.compliance;
-    if (best == 0) continue;
+      if (run.problem == p.name && (best == 0 || run.value < best)) best = run.value;
+    if (!(best > 0)) continue;
     Chart chart{.title = p.title,
-                .subtitle = fmt::format("designs judged on body-fitted meshes at a volume fraction of {}; one thread",
-                                        p.volume),
+                .subtitle = "designs judged on body-fitted meshes; one thread",
                 .x_label = "processor seconds",
-                .y_label = "compliance",
+                .y_label = is_volume(p) ? "volume fraction" : "compliance",
                 .linear_y = true};
-    GalleryRow row{.title = p.title, .scale = 1 / p.length};
+    GalleryRow row{.title = p.title, .scale = 2 / width(p.problem.frame.outline)};
     BarGroup group{.title = p.title};
     std::size_t style = 0;
     for (const DesignRun& run : bench.runs) {
       if (run.problem != p.name) continue;
       Series series{.name = run_name(run), .dashed = !run.own, .style = style++, .marked_at_end = true};
       for (const DesignPoint& at : run.curve)
-        if (at.compliance <= shown * best) series.points.emplace_back(at.seconds, at.compliance);
+        if (at.value <= shown * best) series.points.emplace_back(at.seconds, at.value);
       chart.series.push_back(std::move(series));
       row.panels.push_back(panel_of(p, run));
-      const double above = 100 * (run.last.compliance / best - 1);
+      const double above = 100 * (run.value / best - 1);
       group.bars.push_back({.name = run_name(run),
                             .value = above,
-                            .text = fmt::format("{:.2f} (+{:.2f} %)", run.last.compliance, above),
+                            .text = fmt::format("{:.5g} (+{:.2f} %)", run.value, above),
                             .style = run.own ? 0u : 2u});
     }
     draw(folder / fmt::format("optimize_{}.png", p.name), chart);

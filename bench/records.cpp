@@ -69,34 +69,81 @@ Json map_section(const MapMeasurement& m) {
           {"certified", m.certified}};
 }
 
-Json design_section(const DesignRun& r) {
+Json design_section(const Row& row) {
+  const DesignRun& r = *row.run;
+  const DesignVerdict& c = r.verdict;
+  const auto over = [&](const DesignRun* other) { return other ? number(r.value / other->value) : Json(nullptr); };
+  const auto own = [&](double value) { return r.own ? number(value) : Json(nullptr); };
   return {{"case", r.problem},
           {"tool", r.tool},
-          {"start", r.start},
+          {"variant", r.variant},
           {"iterations", r.iterations},
           {"state_solves", r.state_solves},
           {"cpu_s", number(r.seconds)},
-          {"own_compliance", number(r.own_compliance)},
-          {"compliance", number(r.last.compliance)},
-          {"compliance_least", number(r.last.least)},
-          {"compliance_most", number(r.last.most)},
-          {"volume", number(r.last.volume)},
+          {"own_value", number(r.own_value)},
+          {"value", number(r.value)},
+          {"over_best_peer", over(row.peer)},
+          {"over_best_known", over(row.known)},
+          {"compliance", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.compliance)},
+          {"compliance_least", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.least)},
+          {"compliance_most", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.most)},
+          {"volume", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.volume)},
           {"triangles", r.last.mesh.triangles.size()},
           {"near_iterations", r.near.iteration},
           {"near_state_solves", r.near.state_solves},
           {"near_cpu_s", number(r.near.seconds)},
+          {"simp_50_cpu_s", row.usual ? number(row.usual->seconds) : Json(nullptr)},
+          {"shape_residual", own(c.residual)},
+          {"hole_margin", own(c.margin)},
+          {"finer_objective", own(c.finer)},
+          {"finer_change", own(c.change)},
+          {"ending", r.own ? Json(word(c.ending)) : Json(nullptr)},
+          {"feasible", r.own ? Json(c.feasible) : Json(nullptr)},
           {"stopped", r.stopped}};
+}
+
+/// Of all runs; those of other programs beside nothing.
+std::vector<Json> design_sections(const OptimizeBench& bench) {
+  std::vector<Json> out;
+  for (const Row& row : rows(bench)) out.push_back(design_section(row));
+  for (const DesignRun& r : bench.runs)
+    if (!r.own) out.push_back(design_section({.run = &r}));
+  return out;
 }
 
 Json point_section(const DesignRun& r, const DesignPoint& p) {
   return {{"case", r.problem},
           {"tool", r.tool},
-          {"start", r.start},
+          {"variant", r.variant},
           {"iteration", p.iteration},
           {"state_solves", p.state_solves},
           {"cpu_s", number(p.seconds)},
-          {"compliance", number(p.compliance)},
+          {"value", number(p.value)},
           {"volume", number(p.volume)}};
+}
+
+Json spread_run_section(const std::string& problem, const SpreadRun& r) {
+  return {{"case", problem},
+          {"start", r.start},
+          {"size", r.size},
+          {"budget", r.budget},
+          {"loads", r.loads},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"value", number(r.value)},
+          {"volume", number(r.volume)},
+          {"ending", word(r.ending)},
+          {"feasible", r.feasible}};
+}
+
+Json spread_section(const Spread& spread) {
+  const SpreadSummary s = summarize(spread);
+  Json runs = Json::array();
+  for (const SpreadRun& r : spread.runs) runs.push_back(spread_run_section(spread.problem, r));
+  return {{"case", spread.problem},      {"least", number(s.least)},
+          {"most", number(s.most)},      {"default", number(s.usual)},
+          {"infeasible", s.infeasible},  {"rounding", number(s.rounding)},
+          {"failures", spread.failures}, {"runs", runs}};
 }
 
 Json published_section(const PublishedRun& r) {
@@ -274,9 +321,8 @@ void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
 }
 
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
-  std::vector<Json> rows;
-  for (const DesignRun& r : bench.runs) rows.push_back(design_section(r));
-  write_file(path, csv(design_section({}), rows));
+  const DesignRun none;
+  write_file(path, csv(design_section({.run = &none}), design_sections(bench)));
 }
 
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
@@ -286,10 +332,18 @@ void write_optimize_curves_csv(const std::filesystem::path& path, const Optimize
   write_file(path, csv(point_section({}, {}), rows));
 }
 
+void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  std::vector<Json> rows;
+  for (const Spread& spread : bench.spreads)
+    for (const SpreadRun& r : spread.runs) rows.push_back(spread_run_section(spread.problem, r));
+  write_file(path, csv(spread_run_section({}, {}), rows));
+}
+
 void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench) {
   Json out = {{"schema", 1}, {"bench", "optimize"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
-  out["runs"] = Json::array();
-  for (const DesignRun& r : bench.runs) out["runs"].push_back(design_section(r));
+  out["runs"] = design_sections(bench);
+  out["spreads"] = Json::array();
+  for (const Spread& spread : bench.spreads) out["spreads"].push_back(spread_section(spread));
   out["published"] = {{"least_objective", published.least_value},
                       {"most_objective", published.most_value},
                       {"fewest_state_solves", published.fewest_solves},

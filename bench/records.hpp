@@ -13,6 +13,7 @@ void write_map_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_validation_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_map_json(const std::filesystem::path& path, const MapBench& bench);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
+void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench);
 

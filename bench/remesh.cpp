@@ -47,15 +47,15 @@ Eigen::VectorXd distance_to(const Shape& shape, Index design, const Mesh& backgr
 
 }  // namespace
 
-Remeshing measure_remeshing(double size, int iterations) {
-  OptimizeProblem p = optimize_problems().front();
+Remeshing measure_remeshing(OptimizeProblem p, double size, int iterations) {
   p.problem.sizing.size = size;
   // At its area from the beginning, with the boundary of a design: meshes are coarser while the area still falls.
-  OptimizeRequest r = level_set_request(p, "full");
+  OptimizeRequest r = p.request;
   r.level_set.start = StartHoles{.columns = 10, .rows = 5, .radius = 0.08};
   r.volume_at_most = 0.49;
   r.max_iterations = iterations;
   r.tolerance = 0;
+  r.starts = 1;
   // The loop's own grid is twice as fine as its meshes.
   const Mesh background = triangulate(p.problem.frame, {.size = size / 2, .crack_tip_size = size / 2});
   Carving how{.spacing = size, .least_area = size * size / 4};

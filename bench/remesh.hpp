@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// What a new mesh takes of an iteration of the cantilever.
+/// What a new mesh takes of an iteration.
 struct Remeshing {
   Index triangles = 0;
   int iterations = 0;
@@ -15,8 +15,8 @@ struct Remeshing {
     return (carve_s + mesh_s) / iteration_s;
   }
 };
-/// `size`: edges of the body's mesh; 0.0105 gives about 20,000 triangles.
-Remeshing measure_remeshing(double size, int iterations);
+/// `size`: edges of the body's mesh; 0.0105 gives about 20,000 triangles of the cantilever.
+Remeshing measure_remeshing(OptimizeProblem p, double size, int iterations);
 
 /// Seeded designs through carving and meshing: overlapping circles, slits, tangent holes, holes over cracks.
 struct RandomDesigns {
