@@ -119,16 +119,19 @@ void weigh_holes(const Ground& g, const Evaluated& e, HoleMargin& holes, LoopEnd
   if (!(prices.area > 0)) return;
   holes = hole_margin(g, e, prices);
   if (!std::isfinite(holes.least)) return;
-  std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
+  const std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
+  std::string agree;
   if (can_validate(g.p.element)) try {
       holes.proof = proved(g, e, holes.at);
-      if (*holes.proof == Verdict::Holds) place += ", as holes made there show";
+      if (*holes.proof == Verdict::Holds) agree = "; holes made there agree";
     } catch (const Error&) {  // a functional or a place that holes cannot be tried on: no proof
     }
   if (holes.least < 0)
-    end.obstacle = fmt::format("a small hole at {} pays: T is {:.2g} of the price there", place, 1 + holes.least);
+    end.obstacle =
+        fmt::format("a small hole at {} pays: T is {:.2g} of the price there{}", place, 1 + holes.least, agree);
   else
-    end.evidence = fmt::format("no small hole pays: T is at least {:.2g} of the price, at {}", 1 + holes.least, place);
+    end.evidence =
+        fmt::format("no small hole pays: T is at least {:.2g} of the price, at {}{}", 1 + holes.least, place, agree);
 }
 
 LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
