@@ -15,10 +15,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double undulation = 4;      // of the second derivative per wave number
-constexpr double thinning = 6;        // and per width
-constexpr double facing = 0.5;        // cosine between a normal and the way across, at least
-constexpr double neighborhood = 2.2;  // what is nearer along the boundary than this many distances is no other side
+constexpr double undulation = 4;       // of the second derivative per wave number
+constexpr double thinning = 6;         // and per width
+constexpr double facing = 0.5;         // cosine between a normal and the way across, at least
+constexpr double at_the_frame = 0.25;  // of the mesh size: between samples where a corner may come in between
+constexpr double neighborhood = 2.2;   // what is nearer along the boundary than this many distances is no other side
 
 constexpr std::array<std::array<double, 2>, 3> gauss{
     {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
@@ -175,30 +176,109 @@ std::vector<Line> lines_of(const Loop& loop, double chord) {
   return lines;
 }
 
+/// The nearest point of lines within a length, as the way there; zero: none.
+Vec2 way_to(const std::vector<Line>& lines, const Vec2& x, double within) {
+  Vec2 way = Vec2::Zero();
+  for (const Line& line : lines) {
+    const double part = foot(x, line.a, line.b);
+    const Vec2 there = line.a + part * (line.b - line.a) - x;
+    if (const double distance = there.norm(); distance < within && distance > 0) within = distance, way = there;
+  }
+  return way;
+}
+
 /// Distances to lines that nothing may cross.
 void keep_off(const DesignCurves& d, const Samples& samples, const std::vector<Line>& lines, double least, double reach,
               LinearRows& rows) {
   for (const Sample& s : samples.all) {
     if (s.chain == none) continue;
-    double nearest = least + reach;
-    Vec2 way = Vec2::Zero();
-    for (const Line& line : lines) {
-      const double part = foot(s.at, line.a, line.b);
-      const Vec2 there = line.a + part * (line.b - line.a) - s.at;
-      if (const double distance = there.norm(); distance < nearest && distance > 0) nearest = distance, way = there;
-    }
+    const Vec2 way = way_to(lines, s.at, least + reach);
     if (way.isZero(0)) continue;
+    const double nearest = way.norm();
     rows.add(move_along(d, s, way / nearest), nearest - std::min(least, nearest));
   }
+}
+
+/// The frame's boundary in lines, and what lies inside.
+struct Fence {
+  std::vector<std::vector<Vec2>> loops;
+  std::vector<Line> lines;
+  std::vector<Vec2> corners;  // that point into it
+
+  Fence(const Shape& frame, double chord) {
+    const auto add = [&](const Loop& loop, double side) {
+      loops.push_back(flatten(loop, chord, infinity).points);
+      const std::vector<Line> all = lines_of(loop, chord);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const Line &line = all[i], &next = all[(i + 1) % all.size()];
+        lines.push_back(line);
+        if (side * cross(line.b - line.a, next.b - next.a) < 0) corners.push_back(line.b);
+      }
+    };
+    add(frame.outline, 1);
+    for (const Loop& hole : frame.holes) add(hole, -1);
+  }
+  bool has(const Vec2& x) const {
+    bool in = false;
+    for (const std::vector<Vec2>& loop : loops) in = in != inside(loop, x);
+    return in;
+  }
+};
+
+/// The points of chains that are nearest to corners of the frame that point into it and are none of the body.
+struct NearCorner {
+  Sample sample;
+  Vec2 way;     // to the corner
+  bool beyond;  // the corner is in the body
+};
+std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, double size, double within) {
+  constexpr double fine = 0.05;
+  std::vector<NearCorner> near;
+  if (fence.corners.empty()) return near;
+  const Samples samples = samples_of(d, fine * size);
+  const Shape body = shape_of(d);
+  const auto starts_at = [&](const Loop& loop, const Vec2& x) {
+    return std::ranges::any_of(loop.sides, [&](const Side& side) { return (side.start - x).norm() < 1e-6 * size; });
+  };
+  for (const Vec2& corner : fence.corners) {
+    if (starts_at(body.outline, corner) ||
+        std::ranges::any_of(body.holes, [&](const Loop& hole) { return starts_at(hole, corner); }))
+      continue;
+    const Sample* nearest = nullptr;
+    double least = within;
+    for (const Sample& s : samples.all)
+      if (const double away = (corner - s.at).norm(); s.chain != none && away < least) least = away, nearest = &s;
+    if (nearest && least > 0)
+      near.push_back({*nearest, corner - nearest->at, nearest->left.dot(corner - nearest->at) > 0});
+  }
+  return near;
+}
+
+/// Stays inside, or comes back.
+void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, LinearRows& rows) {
+  const double least = 0.05 * how.size, reach = how.reach;
+  const auto keep = [&](const Sample& s, const Vec2& way, bool in) {
+    const double nearest = way.norm();
+    if (in)
+      rows.add(move_along(d, s, way / nearest), nearest - std::min(least, nearest));
+    else
+      rows.add(-move_along(d, s, way / nearest), -nearest - 0.5 * least);
+  };
+  for (const Sample& s : samples_of(d, at_the_frame * how.size).all) {
+    if (s.chain == none) continue;
+    const bool in = fence.has(s.at);
+    const Vec2 way = way_to(fence.lines, s.at, in ? least + reach : infinity);
+    if (!way.isZero(0)) keep(s, way, in);
+  }
+  for (const NearCorner& near : near_corners(d, fence, how.size, least + reach))
+    keep(near.sample, near.way, !near.beyond);
 }
 
 void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame, const std::vector<Loop>& frozen,
                const Clearances& how, LinearRows& rows) {
   const double chord = 1e-3 * how.size;
-  std::vector<Line> body = lines_of(frame.outline, chord), other;
-  for (const Loop& hole : frame.holes)
-    for (const Line& line : lines_of(hole, chord)) body.push_back(line);
-  keep_off(d, samples, body, 0.02 * how.size, how.reach, rows);
+  std::vector<Line> other;
+  keep_in(d, Fence(frame, chord), how, rows);
   for (const Loop& loop : frozen)
     for (const Line& line : lines_of(loop, chord)) other.push_back(line);
   keep_off(d, samples, other, 0.02 * how.size, how.reach, rows);
@@ -398,6 +478,16 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     guess(mine, mine) += undulation * MV * modes.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * MV.transpose();
   }
   return guess;
+}
+
+double overhang(const DesignCurves& d, const Shape& frame, double size) {
+  const Fence fence(frame, 1e-3 * size);
+  double most = 0;
+  for (const Sample& s : samples_of(d, at_the_frame * size).all)
+    if (s.chain != none && !fence.has(s.at)) most = std::max(most, way_to(fence.lines, s.at, infinity).norm());
+  for (const NearCorner& near : near_corners(d, fence, size, 2 * size))
+    if (near.beyond) most = std::max(most, near.way.norm());
+  return most;
 }
 
 LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,

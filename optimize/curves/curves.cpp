@@ -37,7 +37,8 @@ constexpr double no_price = 0.05;          // of J per area: below, that is what
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
 constexpr double slow = 2e-4;
-constexpr double settled = 0.05;  // residual below which knots stay where they are
+constexpr double settled = 0.05;                    // residual below which knots stay where they are
+constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
@@ -169,6 +170,36 @@ LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const Vector
   return rows;
 }
 
+/// How much further a step goes than allowed: its moves and turns over the largest ones.
+double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step,
+                 const std::vector<double>& radius, const std::vector<double>& turn) {
+  double worst = 0;
+  const VectorXd move = moves.by * step;
+  for (Eigen::Index i = 0; i < move.size(); ++i)
+    worst = std::max(worst, std::abs(move[i]) / radius[std::size_t(moves.chain[std::size_t(i)])]);
+  for (std::size_t c = 0; c < d.holds.size(); ++c)
+    for (const KnotHold& hold : d.holds[c]) worst = std::max(worst, std::abs(step[hold.angle]) / turn[c]);
+  return worst;
+}
+
+/// What is violated is made up for as far as the shortest step that would goes within the radius: first the geometry,
+/// then with it the rest [theory: K.5]. `reach`: of that step, in radii.
+template <typename Reach>
+void make_reachable(VectorXd& room, Eigen::Index front, const Reach& reach) {
+  constexpr double ample = 0.4;
+  const auto shorten = [&](Eigen::Index first, Eigen::Index count, double share, const VectorXd& there) {
+    auto rows = room.segment(first, count);
+    if (count == 0 || !(rows.minCoeff() < 0)) return;
+    const double part = std::min(1.0, share / std::max(reach(there), 1e-300));
+    for (double& r : rows)
+      if (r < 0) r *= part;
+  };
+  VectorXd geometry = room;
+  geometry.head(front) = geometry.head(front).cwiseMax(1e300);
+  shorten(front, room.size() - front, ample, geometry);
+  shorten(0, front, 2 * ample, room);
+}
+
 class CurvesRun {
  public:
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
@@ -205,7 +236,9 @@ class CurvesRun {
   void learn(const Point& from, const Point& to, const VectorXd& step);
   VectorXd step_within(const Point& x, double radius);
   VectorXd step_to_shape();
+  bool is_design(const DesignCurves& d) const;
   bool iterate();
+  void come_back();
   bool remesh(const DesignCurves& d, const std::string& note);
   bool space_anew();
   bool show();
@@ -221,10 +254,12 @@ class CurvesRun {
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false, forgotten_ = false;
+  double outside_ = 0;  // of the frame
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
   std::shared_ptr<Base> base_;
-  Point x_;  // the present one
+  Point x_;                    // the present one
+  std::optional<Point> best_;  // of those that keep all bounds
   MatrixXd B_;
   VectorXd multiplier_;               // of area and bounds
   VectorXd dearest_;                  // the largest that each has been
@@ -446,7 +481,7 @@ void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) 
 /// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
 /// enter where they are needed.
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
-  const Linearized all = linearized(x);
+  Linearized all = linearized(x);
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = gradient(x);
   const Eigen::LLT<MatrixXd> H(B_);
@@ -456,6 +491,10 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
     turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
   const Eigen::Index front = dearest_.size();
+  make_reachable(all.room, front, [&](const VectorXd& rooms) {
+    const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A, rooms).step;
+    return overreach(x.curves, moves, back, most, turn);
+  });
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
   QuadraticStep s = quadratic_step(H, g, l.A, l.room);
@@ -484,9 +523,11 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
         l.room[had + k] = beyond.room[std::size_t(k)];
       }
     } else {
-      // The area is curved: that is taken from its room.
+      // The area is curved: that is taken from its room. Curves with loops have no area.
       if (!bounded_ || bends++ == 3) break;
-      const double area = area_of(moved(x.curves, s.step), nullptr), room = most_ - area + x.by_area.dot(s.step);
+      const DesignCurves next = moved(x.curves, s.step);
+      if (!is_shape(next)) break;
+      const double area = area_of(next, nullptr), room = most_ - area + x.by_area.dot(s.step);
       if (std::abs(room - l.room[0]) <= area_error * most_) break;
       l.room[0] = room;
     }
@@ -500,6 +541,8 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
 
 bool CurvesRun::show() {
   out_.rows.back().accepted = true;
+  const auto cost = [&](const Point& x) { return x.J + r_.volume_penalty * x.area; };
+  if (violation(x_) < feasible_violation && (!best_ || cost(x_) < cost(*best_))) best_ = x_;
   if (!see_ || !x_.solved) return true;
   const SolvedCase& c = x_.solved->cases.front();
   if (see_({out_.rows, x_.solved->shape, c.model, c.state})) return true;
@@ -508,11 +551,17 @@ bool CurvesRun::show() {
   return false;
 }
 
+/// A shape that lies in the frame, or no further outside than the present one.
+bool CurvesRun::is_design(const DesignCurves& d) const {
+  return is_shape(d) && overhang(d, p_.frame, size_) <= std::max(outside_, overshoot * size_);
+}
+
 /// A step within the radius that leads to a shape: chains that would have loops or cross by themselves move less.
 VectorXd CurvesRun::step_to_shape() {
   constexpr int most = 5;
+  outside_ = overhang(x_.curves, p_.frame, size_);
   VectorXd step = step_within(x_, radius_);
-  for (int k = 0; k < most && !is_shape(moved(x_.curves, step)); ++k) {
+  for (int k = 0; k < most && !is_design(moved(x_.curves, step)); ++k) {
     bool found = false;
     for (std::size_t c = 0; c < share_.size(); ++c) {
       VectorXd alone = VectorXd::Zero(step.size());
@@ -520,7 +569,7 @@ VectorXd CurvesRun::step_to_shape() {
         if (hold.offset != none) alone[hold.offset] = step[hold.offset];
         alone[hold.angle] = step[hold.angle];
       }
-      if (is_shape(moved(x_.curves, alone))) continue;
+      if (is_design(moved(x_.curves, alone))) continue;
       share_[c] *= 0.3;
       found = true;
     }
@@ -528,7 +577,7 @@ VectorXd CurvesRun::step_to_shape() {
       for (double& part : share_) part *= 0.3;
     step = step_within(x_, radius_);
   }
-  for (int k = 0; k < 2 * most && !is_shape(moved(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
+  for (int k = 0; k < 2 * most && !is_design(moved(x_.curves, step)); ++k, step *= 0.5) reach_ *= 0.5;
   for (double& part : share_) part = std::min(1.0, 2 * part);
   return step;
 }
@@ -579,6 +628,23 @@ bool CurvesRun::iterate() {
   }
 }
 
+/// What steps along bent curves left outside the frame, by the shortest way back.
+void CurvesRun::come_back() {
+  constexpr int most = 8;
+  constexpr double far = 0.2;  // mesh sizes
+  for (int k = 0; k < most && overhang(x_.curves, p_.frame, size_) > outside * size_; ++k) {
+    const Linearized all = linearized(x_);
+    VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(B_), VectorXd::Zero(B_.rows()), all.A, all.room).step;
+    const double length = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
+    step *= std::min(1.0, far * size_ / std::max(length, 1e-300));
+    const DesignCurves next = moved(x_.curves, step);
+    if (!is_shape(next)) return;
+    x_.curves = next;
+    x_.area = area_of(next, &x_.by_area);
+    x_.fresh = false;
+  }
+}
+
 /// Curves on a mesh of their own; false: the end.
 bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
   std::string failure;
@@ -596,7 +662,7 @@ bool CurvesRun::space_anew() {
   DesignCurves even = x_.curves;
   even_out(even);
   if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= how_.evaluations) return true;
-  if (!offset_to_area(even, x_.area) || !is_shape(even)) return true;
+  if (!offset_to_area(even, x_.area) || !is_design(even)) return true;
   return remesh(even, "knots spaced anew");
 }
 
@@ -634,6 +700,11 @@ FinishedCurves CurvesRun::run() {
     }
     if (!iterate()) break;
   }
+  if (!stopped_ && best_ && violation(x_) >= feasible_violation) {
+    x_ = *best_;
+    x_.fresh = false;
+  }
+  if (!stopped_) come_back();
   if (!x_.fresh && !stopped_) remesh(x_.curves, own_mesh);
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;

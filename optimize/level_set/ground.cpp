@@ -50,11 +50,8 @@ double length_of(const std::vector<ZeroPiece>& line) {
 }
 
 bool bounds_stress(const Ground& g) {
-  const auto of_stress = [](const Functional& j) {
-    return std::ranges::any_of(j.terms, [](const Term& term) { return term.stress_power > 0; });
-  };
-  return of_stress(g.p.objective) ||
-         std::ranges::any_of(g.r.bounds, [&](const FunctionalBound& b) { return of_stress(b.functional); });
+  return counts_stress(g.p.objective) ||
+         std::ranges::any_of(g.r.bounds, [&](const FunctionalBound& b) { return counts_stress(b.functional); });
 }
 
 /// Corners of more than pi inside the body, between sides that bear nothing.
@@ -130,6 +127,10 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   if (g.turns())
     g.filter = std::make_unique<Helmholtz>(g.background, how.smoothing > 0 ? how.smoothing : 1.5 * g.background.size);
   return g;
+}
+
+bool counts_stress(const Functional& j) {
+  return std::ranges::any_of(j.terms, [](const Term& term) { return term.stress_power > 0; });
 }
 
 Carved carved_again(const Ground& g, const Eigen::VectorXd& phi) {

@@ -47,6 +47,9 @@ struct DrawnLevelSet {
 /// Error(Geometry | Numerics).
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse);
 
+/// Whether stresses themselves count, not only the energy that they store.
+bool counts_stress(const Functional& j);
+
 /// The shape of a function that was drawn.
 Carved carved_again(const Ground& g, const Eigen::VectorXd& phi);
 
