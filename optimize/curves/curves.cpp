@@ -37,7 +37,7 @@ constexpr double no_price = 0.05;          // of J per area: below, that is what
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
 constexpr double slow = 2e-4;
-constexpr double settled = 0.05;                    // residual below which knots stay where they are
+constexpr double settled = 0.03;                    // residual from which on knots stay where they are
 constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rounds = 12;  // of quadratic programs for a step
@@ -238,7 +238,7 @@ class CurvesRun {
   VectorXd step_to_shape();
   bool is_design(const DesignCurves& d) const;
   bool iterate();
-  void come_back();
+  void come_back(Point& x) const;
   bool remesh(const DesignCurves& d, const std::string& note);
   bool space_anew();
   bool show();
@@ -255,6 +255,8 @@ class CurvesRun {
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false, forgotten_ = false;
   double outside_ = 0;  // of the frame
+  double least_residual_ = infinity;
+  std::vector<double> track_;  // merits since the last new mesh
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
   std::shared_ptr<Base> base_;
@@ -628,20 +630,22 @@ bool CurvesRun::iterate() {
   }
 }
 
-/// What steps along bent curves left outside the frame, by the shortest way back.
-void CurvesRun::come_back() {
+/// What fits and steps along bent curves left outside the frame, by the shortest way back.
+void CurvesRun::come_back(Point& x) const {
   constexpr int most = 8;
   constexpr double far = 0.2;  // mesh sizes
-  for (int k = 0; k < most && overhang(x_.curves, p_.frame, size_) > outside * size_; ++k) {
-    const Linearized all = linearized(x_);
-    VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(B_), VectorXd::Zero(B_.rows()), all.A, all.room).step;
-    const double length = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
-    step *= std::min(1.0, far * size_ / std::max(length, 1e-300));
-    const DesignCurves next = moved(x_.curves, step);
+  for (int k = 0; k < most && overhang(x.curves, p_.frame, size_) > outside * size_; ++k) {
+    const Linearized all = linearized(x);
+    const NormalMoves moves = normal_moves(x.curves);
+    MatrixXd stiff = curvature_guess(moves, x.curves, size_);
+    stiff.diagonal().array() += 1e-9 * stiff.diagonal().mean();
+    VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(stiff), VectorXd::Zero(stiff.rows()), all.A, all.room).step;
+    step *= std::min(1.0, far * size_ / std::max((moves.by * step).cwiseAbs().maxCoeff(), 1e-300));
+    const DesignCurves next = moved(x.curves, step);
     if (!is_shape(next)) return;
-    x_.curves = next;
-    x_.area = area_of(next, &x_.by_area);
-    x_.fresh = false;
+    x.curves = next;
+    x.area = area_of(next, &x.by_area);
+    x.fresh = false;
   }
 }
 
@@ -653,12 +657,14 @@ bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
   if (!y) throw Error(Fault::Geometry, failure);
   out_.rows.back().note = note;
   x_ = std::move(*y);
+  track_.clear();
   return show();
 }
 
 /// Knots that have come too close together or too far apart get even distances, which no mesh can follow.
 bool CurvesRun::space_anew() {
-  if (x_.residual < settled) return true;
+  least_residual_ = std::min(least_residual_, x_.residual);
+  if (least_residual_ < settled) return true;
   DesignCurves even = x_.curves;
   even_out(even);
   if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= how_.evaluations) return true;
@@ -670,7 +676,11 @@ FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
   if (r_.level_set.mirror) out_.notes.emplace_back("the curves need not be their own mirror image");
-  std::optional<Point> first = evaluate(start, nullptr, failure);
+  Point inside{.curves = start};
+  inside.area = area_of(start, &inside.by_area);
+  inside.by_bound.resize(start.variables, 0);
+  come_back(inside);
+  std::optional<Point> first = evaluate(inside.curves, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);
   out_.residual_before = x_.residual;
@@ -678,10 +688,9 @@ FinishedCurves CurvesRun::run() {
   share_.assign(x_.curves.chains.size(), 1.0);
   bool go_on = show();
   int meshes = 0;
-  std::vector<double> track;
   while (go_on) {
-    track.push_back(merit(x_));
-    const bool no_gain = track.size() > window && *(track.end() - 1 - window) - track.back() < slow * std::abs(x_.J);
+    track_.push_back(merit(x_));
+    const bool no_gain = track_.size() > window && *(track_.end() - 1 - window) - track_.back() < slow * std::abs(x_.J);
     // A mesh of its own says what is true of the design; twice what was aimed at on the way is good there.
     const double enough = x_.fresh || no_gain ? 2 * how_.residual : how_.residual;
     if (x_.residual <= enough && violation(x_) < feasible_violation) {
@@ -691,7 +700,6 @@ FinishedCurves CurvesRun::run() {
       }
       if (meshes++ == most_meshes_at_end) break;
       go_on = remesh(x_.curves, own_mesh);
-      track.clear();
       continue;
     }
     if (no_gain) {
@@ -704,7 +712,7 @@ FinishedCurves CurvesRun::run() {
     x_ = *best_;
     x_.fresh = false;
   }
-  if (!stopped_) come_back();
+  if (!stopped_) come_back(x_);
   if (!x_.fresh && !stopped_) remesh(x_.curves, own_mesh);
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;

@@ -100,9 +100,10 @@ HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices
 
 /// Holes really made where they would pay most, or cost least: whether T says what they bring.
 Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at) {
-  constexpr double largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
+  constexpr double wide = 3, largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
   Sizing sizing = g.p.sizing;
-  sizing.size = g.mesh_size;
+  sizing.size = wide * g.mesh_size;  // the formula is tried, not the design: it holds on any mesh
+  sizing.across = 1;
   ValidationRequest request{.points = {at}, .radii = {}, .perturbation = {}, .threads = g.p.threads};
   for (int k = 0; k < 5; ++k) request.radii.push_back(largest * g.size * std::pow(2.0, -k));
   for (const SolvedCase& c : e.cases) {
@@ -121,7 +122,8 @@ void weigh_holes(const Ground& g, const Evaluated& e, HoleMargin& holes, LoopEnd
   if (!std::isfinite(holes.least)) return;
   const std::string place = fmt::format("({:.4g}, {:.4g})", holes.at.x(), holes.at.y());
   std::string agree;
-  if (can_validate(g.p.element)) try {
+  // Where the shape says that it is no optimum the price of a proof is saved.
+  if (end.residual <= end.asked && can_validate(g.p.element)) try {
       holes.proof = proved(g, e, holes.at);
       if (*holes.proof == Verdict::Holds) agree = "; holes made there agree";
     } catch (const Error&) {  // a functional or a place that holes cannot be tried on: no proof
