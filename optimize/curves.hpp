@@ -12,7 +12,7 @@ struct CurvesRequest {
   double min_radius = 0;   // of arcs of the design; 0: any
   double min_feature = 0;  // least width of members and gaps; 0: one size. What is thinner already may stay so
   int evaluations = 40;
-  double residual = 1e-2;  // of the shape that is good enough
+  double residual = 1e-2;  // of the shape on a mesh of its own that is good enough
 };
 
 /// An evaluation: what a row of a history says, and all that a replay needs.

@@ -238,6 +238,8 @@ class CurvesRun {
   VectorXd step_to_shape();
   bool is_design(const DesignCurves& d) const;
   bool iterate();
+  void descend(int& meshes);
+  void end_inside();
   void come_back(Point& x) const;
   bool remesh(const DesignCurves& d, const std::string& note);
   bool space_anew();
@@ -615,6 +617,8 @@ bool CurvesRun::iterate() {
     if (!good) {
       if (y)
         out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
+      // Meshes may differ by more than the step: what the present design is worth on the new one.
+      if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
       radius_ *= 0.4 * reach_;
       if (radius_ < smallest_radius * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
@@ -672,6 +676,40 @@ bool CurvesRun::space_anew() {
   return remesh(even, "knots spaced anew");
 }
 
+/// Steps to the end, `out_.why` says which.
+void CurvesRun::descend(int& meshes) {
+  for (bool go_on = true; go_on;) {
+    track_.push_back(merit(x_));
+    const bool no_gain = track_.size() > window && *(track_.end() - 1 - window) - track_.back() < slow * std::abs(x_.J);
+    // A mesh of its own says what is true of the design, and more than the one that followed it.
+    const double enough = x_.fresh || no_gain ? how_.residual : 0.5 * how_.residual;
+    if (x_.residual <= enough && violation(x_) < feasible_violation) {
+      if (x_.fresh) {
+        out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
+        return;
+      }
+      if (meshes++ == most_meshes_at_end) return;
+      go_on = remesh(x_.curves, own_mesh);
+      continue;
+    }
+    if (no_gain) {
+      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
+      return;
+    }
+    go_on = iterate();
+  }
+}
+
+/// The design with which the steps end, on a mesh of its own: the best that keeps the bounds, within the frame.
+void CurvesRun::end_inside() {
+  if (best_ && violation(x_) >= feasible_violation) {
+    x_ = *best_;
+    x_.fresh = false;
+  }
+  come_back(x_);
+  if (!x_.fresh) remesh(x_.curves, own_mesh);
+}
+
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
@@ -689,31 +727,16 @@ FinishedCurves CurvesRun::run() {
   bool go_on = show();
   int meshes = 0;
   while (go_on) {
-    track_.push_back(merit(x_));
-    const bool no_gain = track_.size() > window && *(track_.end() - 1 - window) - track_.back() < slow * std::abs(x_.J);
-    // A mesh of its own says what is true of the design; twice what was aimed at on the way is good there.
-    const double enough = x_.fresh || no_gain ? 2 * how_.residual : how_.residual;
-    if (x_.residual <= enough && violation(x_) < feasible_violation) {
-      if (x_.fresh) {
-        out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
-        break;
-      }
-      if (meshes++ == most_meshes_at_end) break;
-      go_on = remesh(x_.curves, own_mesh);
-      continue;
-    }
-    if (no_gain) {
-      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
-      break;
-    }
-    if (!iterate()) break;
+    descend(meshes);
+    if (stopped_) break;
+    const double before = merit(x_);
+    end_inside();
+    // The way back into the frame may have cost something, or a mesh of its own says that a bound is violated: on.
+    const bool good = violation(x_) < feasible_violation && merit(x_) < before + mesh_noise * std::abs(x_.J);
+    if (good || evaluations_ >= how_.evaluations || meshes++ == most_meshes_at_end) break;
+    best_.reset();
+    radius_ = std::max(radius_, 0.1 * size_);
   }
-  if (!stopped_ && best_ && violation(x_) >= feasible_violation) {
-    x_ = *best_;
-    x_.fresh = false;
-  }
-  if (!stopped_) come_back(x_);
-  if (!x_.fresh && !stopped_) remesh(x_.curves, own_mesh);
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;

@@ -210,9 +210,11 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   result.notes.insert(result.notes.end(), end.curves.notes.begin(), end.curves.notes.end());
   result.history = s.rows;
   result.history.insert(result.history.end(), end.finishing.begin(), end.finishing.end());
-  const Iteration& row = result.history.back();
-  result.iterations = row.number;
-  result.state_solves = row.state_solves;
+  // The design is that of the last row that was taken.
+  const Iteration& row =
+      *std::find_if(result.history.rbegin(), result.history.rend(), [](const Iteration& i) { return i.accepted; });
+  result.iterations = result.history.back().number;
+  result.state_solves = result.history.back().state_solves;
   result.objective = row.objective;
   result.volume_fraction = row.volume_fraction;
   result.shape = design.shape;

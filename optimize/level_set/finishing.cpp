@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 constexpr int most_evaluations = 60, least_evaluations = 4;
-constexpr double residual = 1e-2;  // of the shape
+constexpr double residual = 2e-2;  // of the shape
 
 void append(std::vector<double>& all, const Eigen::VectorXd& v) {
   all.push_back(static_cast<double>(v.size()));
