@@ -204,8 +204,9 @@ struct Fence {
   std::vector<std::vector<Vec2>> loops;
   std::vector<Line> lines;
   std::vector<Vec2> corners;  // that point into it
+  double near;
 
-  Fence(const Shape& frame, double chord) {
+  Fence(const Shape& frame, double chord) : near(1e-3 * chord) {
     const auto add = [&](const Loop& loop, double side) {
       loops.push_back(flatten(loop, chord, infinity).points);
       const std::vector<Line> all = lines_of(loop, chord);
@@ -218,7 +219,12 @@ struct Fence {
     add(frame.outline, 1);
     for (const Loop& hole : frame.holes) add(hole, -1);
   }
+  /// On it, which is inside, too.
+  bool touches(const Vec2& x) const {
+    return std::ranges::any_of(lines, [&](const Line& line) { return distance(x, line.a, line.b) < near; });
+  }
   bool has(const Vec2& x) const {
+    if (touches(x)) return true;
     bool in = false;
     for (const std::vector<Vec2>& loop : loops) in = in != inside(loop, x);
     return in;
@@ -266,6 +272,10 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
   };
   for (const Sample& s : samples_of(d, at_the_frame * how.size).all) {
     if (s.chain == none) continue;
+    if (fence.touches(s.at)) {
+      rows.add(move_along(d, s, -s.left), 0);
+      continue;
+    }
     const bool in = fence.has(s.at);
     const Vec2 way = way_to(fence.lines, s.at, in ? least + reach : infinity);
     if (!way.isZero(0)) keep(s, way, in);
@@ -427,9 +437,19 @@ NormalMoves normal_moves(const DesignCurves& d) {
   return m;
 }
 
+namespace {
+
+/// An end that slides along its own tangent moves nothing normal to the chain.
+void steady(MatrixXd& mass) {
+  constexpr double little = 1e-6;
+  mass.diagonal().array() += little * mass.diagonal().mean();
+}
+
+}  // namespace
+
 MatrixXd mass(const NormalMoves& m) {
   MatrixXd M = m.by.transpose() * m.weight.asDiagonal() * m.by;
-  M.diagonal() *= 1 + 1e-10;
+  steady(M);
   return M;
 }
 
@@ -465,7 +485,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
     MatrixXd M = V.transpose() * w.asDiagonal() * V, K = MatrixXd::Zero(M.rows(), M.cols());
-    M.diagonal() *= 1 + 1e-10;
+    steady(M);
     const Eigen::Index rows = V.rows();
     for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {
       const Eigen::Index j = (i + 1) % rows;

@@ -178,7 +178,11 @@ double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd
   for (Eigen::Index i = 0; i < move.size(); ++i)
     worst = std::max(worst, std::abs(move[i]) / radius[std::size_t(moves.chain[std::size_t(i)])]);
   for (std::size_t c = 0; c < d.holds.size(); ++c)
-    for (const KnotHold& hold : d.holds[c]) worst = std::max(worst, std::abs(step[hold.angle]) / turn[c]);
+    for (const KnotHold& hold : d.holds[c]) {
+      worst = std::max(worst, std::abs(step[hold.angle]) / turn[c]);
+      if (hold.kind == KnotHold::Kind::Slides)
+        worst = std::max(worst, std::abs(step[hold.offset]) / (sliding * radius[c]));
+    }
   return worst;
 }
 
@@ -195,7 +199,7 @@ void make_reachable(VectorXd& room, Eigen::Index front, const Reach& reach) {
       if (r < 0) r *= part;
   };
   VectorXd geometry = room;
-  geometry.head(front) = geometry.head(front).cwiseMax(1e300);
+  geometry.head(front) = geometry.head(front).cwiseMax(1e6);
   shorten(front, room.size() - front, ample, geometry);
   shorten(0, front, 2 * ample, room);
 }
@@ -638,15 +642,19 @@ bool CurvesRun::iterate() {
 void CurvesRun::come_back(Point& x) const {
   constexpr int most = 8;
   constexpr double far = 0.2;  // mesh sizes
-  for (int k = 0; k < most && overhang(x.curves, p_.frame, size_) > outside * size_; ++k) {
+  for (int k = 0; k < most; ++k) {
+    const double before = overhang(x.curves, p_.frame, size_);
+    if (before <= outside * size_) return;
     const Linearized all = linearized(x);
     const NormalMoves moves = normal_moves(x.curves);
     MatrixXd stiff = curvature_guess(moves, x.curves, size_);
     stiff.diagonal().array() += 1e-9 * stiff.diagonal().mean();
     VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(stiff), VectorXd::Zero(stiff.rows()), all.A, all.room).step;
-    step *= std::min(1.0, far * size_ / std::max((moves.by * step).cwiseAbs().maxCoeff(), 1e-300));
+    const std::vector<double> radius(x.curves.chains.size(), far * size_), turn(radius.size(), largest_angle);
+    step /= std::max(1.0, overreach(x.curves, moves, step, radius, turn));
+    if (!step.allFinite()) return;
     const DesignCurves next = moved(x.curves, step);
-    if (!is_shape(next)) return;
+    if (!is_shape(next) || !(overhang(next, p_.frame, size_) < before)) return;
     x.curves = next;
     x.area = area_of(next, &x.by_area);
     x.fresh = false;
