@@ -265,7 +265,6 @@ class CurvesRun {
   std::vector<double> track_;  // merits since the last new mesh
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0;
-  std::shared_ptr<Base> base_;
   Point x_;                    // the present one
   std::optional<Point> best_;  // of those that keep all bounds
   MatrixXd B_;

@@ -120,8 +120,7 @@ bool Descent::settled() const {
 
 Iterate Descent::iterate() const {
   const SolvedCase& c = design_->cases.front();
-  const auto row = std::find_if(s_.rows.rbegin(), s_.rows.rend(), [](const Iteration& r) { return r.accepted; });
-  return {*row, design_->shape, c.model, c.state};
+  return {last_taken(s_.rows), design_->shape, c.model, c.state};
 }
 
 /// (value - what this mesh may use of the bound) / |bound|.

@@ -138,7 +138,7 @@ void weigh_holes(const Ground& g, const Evaluated& e, HoleMargin& holes, LoopEnd
 
 LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
   const DescentState& s = end.descent.progress();
-  LoopEnd out{.row = result.history.back(), .kind = "shape residual"};
+  LoopEnd out{.row = last_taken(result.history), .kind = "shape residual"};
   out.asked = end.last ? of_curves : of_level_set;
   if (go_on && (end.last || !end.g.turns()))
     out.residual = end.last ? end.curves.residual : end.descent.measure().residual;
@@ -210,9 +210,7 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   result.notes.insert(result.notes.end(), end.curves.notes.begin(), end.curves.notes.end());
   result.history = s.rows;
   result.history.insert(result.history.end(), end.finishing.begin(), end.finishing.end());
-  // The design is that of the last row that was taken.
-  const Iteration& row =
-      *std::find_if(result.history.rbegin(), result.history.rend(), [](const Iteration& i) { return i.accepted; });
+  const Iteration& row = last_taken(result.history);
   result.iterations = result.history.back().number;
   result.state_solves = result.history.back().state_solves;
   result.objective = row.objective;

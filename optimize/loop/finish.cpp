@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -68,6 +69,10 @@ FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double
   p.objective = e.objective;
   for (std::size_t k = 0; k < r.bounds.size(); ++k) r.bounds[k].functional = e.bounded[k];
   return solve_finer(std::move(p), r, e.shape, whole);
+}
+
+const Iteration& last_taken(std::span<const Iteration> rows) {
+  return *std::find_if(rows.rbegin(), rows.rend(), [](const Iteration& i) { return i.accepted; });
 }
 
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {

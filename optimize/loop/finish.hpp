@@ -20,6 +20,9 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
 /// The same of a design that was solved: its laws and functionals are those of its shape.
 FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole);
 
+/// The last row whose step was taken: that of the design. One must be.
+const Iteration& last_taken(std::span<const Iteration> rows);
+
 /// The design as its loop leaves it.
 struct LoopEnd {
   const Iteration& row;   // of the history
