@@ -336,33 +336,26 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
 void add_lengths(const DesignCurves& d, LinearRows& rows) {
   constexpr double loss = 0.5, gain = 1;
   const Shape shape = shape_of(d);
-  for (std::size_t l = 0; l < d.loops.size(); ++l) {
-    const std::vector<LoopPiece>& pieces = d.loops[l].pieces;
-    const Loop& drawn = l == 0 ? shape.outline : shape.holes[l - 1];
-    const std::size_t n = pieces.size();
-    for (std::size_t i = 0, side = 0; i < n; ++i) {
-      if (pieces[i].chain != none) {
-        side += 2 * segment_count(d.chains[std::size_t(pieces[i].chain)]);
-        continue;
-      }
-      const Vec2 a = drawn.sides[side].start, b = drawn.sides[(side + 1) % drawn.sides.size()].start;
-      ++side;
-      const Index before = pieces[(i + n - 1) % n].chain, after = pieces[(i + 1) % n].chain;
+  for (std::size_t l = 0; l < d.loops.size(); ++l)
+    for (std::size_t i = 0; i < d.loops[l].pieces.size(); ++i) {
+      if (d.loops[l].pieces[i].chain != none) continue;
+      const SideEnds ends = side_ends(d, shape, l, i);
+      const Vec2 side = ends.end - ends.side.start;
       VectorXd longer = VectorXd::Zero(d.variables);
-      const auto add = [&](Index chain, std::size_t knot, const Vec2& outwards) {
-        const KnotHold& hold = d.holds[std::size_t(chain)][knot];
+      const auto add = [&](const KnotRef& ref, const Vec2& outwards) {
+        if (ref.chain == none) return;
+        const KnotHold& hold = d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
         if (hold.kind != KnotHold::Kind::Slides) return;
         const Rail& rail = d.rails[std::size_t(hold.rail)];
-        const Vec2 along = rail.velocity(rail.at(d.chains[std::size_t(chain)].knots[knot].at));
+        const Vec2 along = rail.velocity(rail.at(d.chains[std::size_t(ref.chain)].knots[std::size_t(ref.knot)].at));
         longer[hold.offset] += along.dot(outwards) > 0 ? 1 : -1;
       };
-      if (before != none) add(before, d.holds[std::size_t(before)].size() - 1, a - b);
-      if (after != none) add(after, 0, b - a);
+      add(ends.before, -side);
+      add(ends.after, side);
       if (longer.isZero(0)) continue;
-      rows.add(longer, gain * (b - a).norm());
-      rows.add(-longer, loss * (b - a).norm());
+      rows.add(longer, gain * side.norm());
+      rows.add(-longer, loss * side.norm());
     }
-  }
 }
 
 /// Chains leave what they end on into the frame.

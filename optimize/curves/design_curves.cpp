@@ -396,6 +396,20 @@ Shape shape_of(const DesignCurves& d) {
   return shape;
 }
 
+SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std::size_t i) {
+  const CurveLoop& loop = d.loops[l];
+  const std::size_t n = loop.pieces.size();
+  const Loop& drawn = l == 0 ? shape.outline : shape.holes[l - 1];
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < i; ++k)
+    at += loop.pieces[k].chain == none ? 1 : 2 * segment_count(d.chains[std::size_t(loop.pieces[k].chain)]);
+  SideEnds ends{drawn.sides[at], drawn.sides[(at + 1) % drawn.sides.size()].start, {}, {}};
+  const Index before = loop.pieces[(i + n - 1) % n].chain, after = loop.pieces[(i + 1) % n].chain;
+  if (before != none) ends.before = {before, Index(d.chains[std::size_t(before)].knots.size()) - 1};
+  if (after != none) ends.after = {after, 0};
+  return ends;
+}
+
 DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   DesignCurves next = d;
   for (std::size_t c = 0; c < d.chains.size(); ++c)

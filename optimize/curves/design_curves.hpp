@@ -68,6 +68,15 @@ DesignCurves design_curves(const Shape& frame, const Carved& carved, const Curve
 
 Shape shape_of(const DesignCurves& d);
 
+/// A side of the frame between chains, as drawn: its ends, and the knots that they are.
+struct SideEnds {
+  Side side;
+  Vec2 end;
+  KnotRef before, after;
+};
+/// Piece i of loop l, which is no chain; `shape`: that of d.
+SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std::size_t i);
+
 /// The curves with every variable changed by the step: lengths along normals and rails, angles.
 DesignCurves moved(const DesignCurves& d, const Eigen::VectorXd& step);
 
