@@ -146,6 +146,13 @@ struct HoleMargin {
   std::optional<Verdict> proof = {};
 };
 
+/// Of a level set's design, per area: the least of (price of area - worth) / price of small half discs of material on
+/// its free boundary, away from singular points. Where it is not negative none of them pays.
+struct BumpMargin {
+  double least = nan;  // not looked at under body forces, and with functionals that have a density
+  Vec2 at = Vec2::Zero();
+};
+
 /// An accepted iterate; model and state are those of the first load case.
 struct Iterate {
   const Iteration& row;
@@ -175,6 +182,7 @@ struct OptimizeResult {
   std::string stopped;  // the word of the ending, and why
   FinerDesign finer;
   HoleMargin holes;  // level set
+  BumpMargin bumps;  // level set
   std::vector<std::string> notes;
   std::vector<Iteration> history;
   Shape shape;                     // the last one

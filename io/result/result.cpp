@@ -281,6 +281,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
     out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
     if (o.holes.proof) out["hole_margin"]["proof"] = word(*o.holes.proof);
   }
+  if (std::isfinite(o.bumps.least)) out["bump_margin"] = {{"least", number(o.bumps.least)}, {"at", place(o.bumps.at)}};
   if (o.finer.size > 0) out["finer"] = finer_section(o.finer, names);
   if (!o.history.empty()) {
     const Iteration &first = o.history.front(), &last = o.history.back();

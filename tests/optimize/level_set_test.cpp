@@ -111,31 +111,39 @@ TEST(LevelSet, AWeakPhaseGivesWhatOthersPublish) {
   EXPECT_THROW(optimize_level_set(cantilever(0.04), r, {}, {}), Error);
 }
 
+void expect_same_run(const OptimizeResult& a, const OptimizeResult& b) {
+  const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  EXPECT_EQ(a.objective, b.objective);
+  EXPECT_EQ(a.state_solves, b.state_solves);
+  EXPECT_EQ(a.stopped, b.stopped);
+  ASSERT_EQ(a.history.size(), b.history.size());
+  for (std::size_t i = 0; i < b.history.size(); ++i) {
+    EXPECT_EQ(a.history[i].objective, b.history[i].objective);
+    EXPECT_EQ(a.history[i].note, b.history[i].note);
+    EXPECT_TRUE(same(a.history[i].optimality, b.history[i].optimality)) << i;
+  }
+  ASSERT_EQ(a.shape.outline.sides.size(), b.shape.outline.sides.size());
+  for (std::size_t i = 0; i < b.shape.outline.sides.size(); ++i)
+    EXPECT_EQ(a.shape.outline.sides[i].start, b.shape.outline.sides[i].start);
+}
+
 TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "kerf_level_set_checkpoint.bin";
-  std::filesystem::remove(path);
-  const Problem p = cantilever(0.07);
   const OptimizeRequest r = volume(0.5, 34);
-  const OptimizeResult whole = optimize_level_set(p, r, {}, {});
-  for (const int stop : {3, 27, 31}) {
-    std::filesystem::remove(path);
-    optimize_level_set(p, r, [stop](const Iterate& i) { return i.row.number < stop; }, {path, "case", false});
-    const OptimizeResult resumed = optimize_level_set(p, r, {}, {path, "case", true});
-    EXPECT_EQ(resumed.objective, whole.objective) << stop;
-    EXPECT_EQ(resumed.state_solves, whole.state_solves);
-    EXPECT_EQ(resumed.stopped, whole.stopped);
-    ASSERT_EQ(resumed.history.size(), whole.history.size());
-    for (std::size_t i = 0; i < whole.history.size(); ++i) {
-      EXPECT_EQ(resumed.history[i].objective, whole.history[i].objective);
-      EXPECT_EQ(resumed.history[i].note, whole.history[i].note);
-      EXPECT_TRUE(resumed.history[i].optimality == whole.history[i].optimality ||
-                  (std::isnan(resumed.history[i].optimality) && std::isnan(whole.history[i].optimality)));
+  Problem from_density = cantilever(0.07), from_full = from_density;
+  from_full.sizing.size = 0.1;
+  // The density stage knows no support that moves: the full body, in which holes appear on the way.
+  from_full.scene.supports[0].value = [](const Vec2&, const Vec2&) -> Vec2 { return {0, 1e-9}; };
+  for (const Problem& p : {from_density, from_full}) {
+    const OptimizeResult whole = optimize_level_set(p, r, {}, {});
+    for (const int stop : {3, 27, 31}) {
+      SCOPED_TRACE(stop);
+      std::filesystem::remove(path);
+      optimize_level_set(p, r, [stop](const Iterate& i) { return i.row.number < stop; }, {path, "case", false});
+      expect_same_run(optimize_level_set(p, r, {}, {path, "case", true}), whole);
     }
-    ASSERT_EQ(resumed.shape.outline.sides.size(), whole.shape.outline.sides.size());
-    for (std::size_t i = 0; i < whole.shape.outline.sides.size(); ++i)
-      EXPECT_EQ(resumed.shape.outline.sides[i].start, whole.shape.outline.sides[i].start);
+    EXPECT_THROW(optimize_level_set(p, r, {}, {path, "another case", true}), Error);
   }
-  EXPECT_THROW(optimize_level_set(p, r, {}, {path, "another case", true}), Error);
   std::filesystem::remove(path);
 }
 

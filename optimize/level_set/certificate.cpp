@@ -1,0 +1,137 @@
+#include "optimize/level_set/certificate.hpp"
+
+#include "geometry/plane.hpp"
+#include "kerf/map.hpp"
+#include "optimize/level_set/speed.hpp"
+#include "optimize/parametric/minimize.hpp"
+#include "solver/stress.hpp"
+#include "topo/map_at_centroids.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr double binding = 1e-2;  // of a bound, relative: nearer than this it has a price
+constexpr double clear = 2;       // of singular points, in mesh sizes
+
+/// Distance of points to the boundary of a mesh, no more than `most`.
+std::vector<double> to_boundary(const Mesh& mesh, double most) {
+  std::vector<double> distance(mesh.triangles.size(), most);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    const Vec2 &a = mesh.points[std::size_t(mesh.edges[e][0])], &b = mesh.points[std::size_t(mesh.edges[e][1])];
+    for (std::size_t t = 0; t < distance.size(); ++t)
+      distance[t] = std::min(distance[t], kerf::distance(centroid(mesh, static_cast<Index>(t)), a, b));
+  }
+  return distance;
+}
+
+/// Whether what is looked at there would be that of a singular point.
+bool beside_singular(const Ground& g, const std::vector<Vec2>& singular, const Vec2& x) {
+  return std::any_of(singular.begin(), singular.end(), [&](const Vec2& y) { return (x - y).norm() < clear * g.size; });
+}
+
+}  // namespace
+
+Prices prices_of(const Ground& g, const Evaluated& e) {
+  Prices prices{g.price, std::vector<double>(e.bounds.size(), 0)};
+  const BoundaryRate objective = boundary_rate(e, analyze_objective(e));
+  std::vector<std::size_t> binds;
+  for (std::size_t k = 0; k < e.bounds.size(); ++k)
+    if (e.bounds[k] > g.r.bounds[k].at_most - binding * std::abs(g.r.bounds[k].at_most)) binds.push_back(k);
+  const bool full = g.limited && e.area > (1 - binding) * g.target;
+  // sum mu_k g_k + lambda = -g along the free boundary, in the mean of squares.
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < objective.density.size(); ++i)
+    if (objective.label[static_cast<std::size_t>(i)] >= g.free_label()) rows.push_back(i);
+  const auto count = static_cast<Eigen::Index>(binds.size() + (full ? 1 : 0));
+  if (rows.empty() || count == 0) return prices;
+  const Eigen::VectorXd weight = objective.length(rows).cwiseSqrt();
+  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), count);
+  for (std::size_t k = 0; k < binds.size(); ++k)
+    A.col(static_cast<Eigen::Index>(k)) =
+        weight.cwiseProduct(boundary_rate(e, analyze_bound(e, binds[k])).density(rows));
+  if (full) A.col(count - 1) = weight;
+  const double volume = g.r.volume_penalty;  // J has the rest
+  const Eigen::VectorXd right = -weight.cwiseProduct((objective.density(rows).array() + volume).matrix());
+  Eigen::VectorXd unit = A.colwise().norm().transpose().cwiseMax(1e-300);
+  const Eigen::VectorXd x = nonnegative_least_squares(A * unit.cwiseInverse().asDiagonal(), right).cwiseQuotient(unit);
+  for (std::size_t k = 0; k < binds.size(); ++k) prices.bound[binds[k]] = x[static_cast<Eigen::Index>(k)];
+  if (full) prices.area += x[count - 1];
+  return prices;
+}
+
+HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
+  constexpr double beside = 1;  // of the boundary, in mesh sizes
+  const Model& m = e.cases.front().model;
+  const std::vector<Vec2> singular = singular_points(m);
+  Eigen::VectorXd T = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  const auto hole = [](Index) -> const Perturbation& {
+    static const Perturbation a_hole;
+    return a_hole;
+  };
+  const auto add = [&](const std::vector<WeightedAnalysis>& all, double factor) {
+    for (const WeightedAnalysis& w : all) T += factor * w.weight * map_at_centroids(w.analysis, *w.functional, hole);
+  };
+  add(analyze_objective(e), 1);
+  for (std::size_t k = 0; k < prices.bound.size(); ++k)
+    if (prices.bound[k] > 0) add(analyze_bound(e, k), prices.bound[k]);
+  const double of_area = prices.area - (g.price - g.r.volume_penalty);  // T has what volume costs in J
+  const std::vector<double> room = to_boundary(m.mesh, beside * g.size);
+  HoleMargin holes{.mesh = std::make_shared<const Mesh>(m.mesh),
+                   .margin = std::vector<double>(m.mesh.triangles.size(), nan)};
+  for (Index t = 0; t < T.size(); ++t) {
+    const Vec2 x = centroid(m.mesh, t);
+    if (room[static_cast<std::size_t>(t)] < beside * g.size) continue;
+    if (g.background.frozen.size() > 0 && value_at(g.background, g.background.frozen, x) < 0) continue;
+    if (beside_singular(g, singular, x)) continue;
+    const double margin = (T[t] - of_area) / prices.area;
+    holes.margin[static_cast<std::size_t>(t)] = margin;
+    if (!(margin >= holes.least)) holes.least = margin, holes.at = x;
+  }
+  return holes;
+}
+
+BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
+  BumpMargin bumps;
+  const auto has_density = [](const Functional& j) {
+    return std::ranges::any_of(j.terms, [](const Term& t) { return t.density && !t.volume; });
+  };
+  if (std::ranges::any_of(e.cases, [](const SolvedCase& c) { return bool(c.model.scene.body); })) return bumps;
+  if (has_density(e.objective)) return bumps;
+  BoundaryRate rate = boundary_rate(e, analyze_objective(e));
+  for (std::size_t k = 0; k < prices.bound.size(); ++k) {
+    if (!(prices.bound[k] > 0)) continue;
+    if (has_density(e.bounded[k])) return bumps;
+    add(rate, prices.bound[k], boundary_rate(e, analyze_bound(e, k)));
+  }
+  const double in_rate = g.price - g.r.volume_penalty;  // what volume costs in J
+  const std::vector<Vec2> singular = singular_points(e.cases.front().model);
+  for (Eigen::Index i = 0; i < rate.density.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rate.label[k] < g.free_label() || beside_singular(g, singular, rate.middle[k])) continue;
+    const double margin = 1 + bump_share * (rate.density[i] - in_rate) / prices.area;
+    if (!(margin >= bumps.least)) bumps.least = margin, bumps.at = rate.middle[k];
+  }
+  return bumps;
+}
+
+Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at) {
+  constexpr double wide = 3, largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
+  Sizing sizing = g.p.sizing;
+  sizing.size = wide * g.mesh_size;  // the formula is tried, not the design: it holds on any mesh
+  sizing.across = 1;
+  ValidationRequest request{.points = {at}, .radii = {}, .perturbation = {}, .threads = g.p.threads};
+  for (int k = 0; k < 5; ++k) request.radii.push_back(largest * g.size * std::pow(2.0, -k));
+  for (const SolvedCase& c : e.cases) {
+    const Verdict verdict =
+        validate({e.shape, sizing}, g.p.element, c.model.scene, e.objective, request).front().verdict;
+    if (verdict != Verdict::Holds && verdict != Verdict::Vanishes) return verdict;
+  }
+  return Verdict::Holds;
+}
+
+}  // namespace kerf
