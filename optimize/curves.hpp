@@ -6,6 +6,8 @@
 
 namespace kerf {
 
+struct Evaluated;
+
 struct CurvesRequest {
   double size = 0;         // of the mesh; 0: that of the problem
   double tolerance = 0;    // of the fit; 0: 0.2 of the size
@@ -39,6 +41,8 @@ struct FinishedCurves {
   std::vector<double> bounds;
   double residual = nan, price = nan;
   double residual_before = nan;  // of the curves as fitted
+  double finer_residual = nan;   // on the mesh by which designs are judged [finer_problem]; nan: not there
+  std::shared_ptr<const Evaluated> finer = {};  // the curves there
   int evaluations = 0, state_solves = 0;
   Index knots = 0;
   bool feasible = false;

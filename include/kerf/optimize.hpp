@@ -132,6 +132,7 @@ struct FinerDesign {
   double objective = nan, volume_fraction = nan;
   std::vector<double> bounds;  // values of the bounded functionals
   double violation = nan;      // largest relative violation of a constraint
+  double residual = nan;       // of the shape, of a level set's curves
   std::string failure;         // why it could not be solved; empty mostly
 };
 

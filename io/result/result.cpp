@@ -262,6 +262,7 @@ Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
               {"violation", number(finer.violation)}};
   for (std::size_t i = 0; i < std::min(names.bounds.size(), finer.bounds.size()); ++i)
     out["bounds"].push_back({{"name", names.bounds[i]}, {"value", number(finer.bounds[i])}});
+  if (std::isfinite(finer.residual)) out["residual"] = number(finer.residual);
   if (!finer.failure.empty()) out["failure"] = finer.failure;
   return out;
 }

@@ -430,19 +430,26 @@ NormalMoves normal_moves(const DesignCurves& d) {
   return m;
 }
 
+void steady(MatrixXd& form, const std::vector<bool>& angles, double little) {
+  for (const bool kind : {false, true}) {
+    std::vector<Eigen::Index> these;
+    for (Eigen::Index i = 0; i < form.rows(); ++i)
+      if (angles[std::size_t(i)] == kind) these.push_back(i);
+    if (these.empty()) continue;
+    const double mean = form.diagonal()(these).mean();
+    for (const Eigen::Index i : these) form(i, i) += little * mean;
+  }
+}
+
 namespace {
 
-/// An end that slides along its own tangent moves nothing normal to the chain.
-void steady(MatrixXd& mass) {
-  constexpr double little = 1e-6;
-  mass.diagonal().array() += little * mass.diagonal().mean();
-}
+constexpr double steadier = 1e-6;
 
 }  // namespace
 
-MatrixXd mass(const NormalMoves& m) {
+MatrixXd mass(const NormalMoves& m, const DesignCurves& d) {
   MatrixXd M = m.by.transpose() * m.weight.asDiagonal() * m.by;
-  steady(M);
+  steady(M, angles_of(d), steadier);
   return M;
 }
 
@@ -465,6 +472,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     const double width = other == none ? wide : (samples.all[std::size_t(other)].at - samples.all[near].at).norm();
     over_width[i] = thinning / std::max(width, 0.5 * size);
   }
+  const std::vector<bool> angles = angles_of(d);
   guess += m.by.transpose() * (m.weight.cwiseProduct(over_width)).asDiagonal() * m.by;
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
     std::vector<Eigen::Index> mine;
@@ -472,13 +480,15 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
       if (hold.offset != none) mine.push_back(hold.offset);
       mine.push_back(hold.angle);
     }
+    std::vector<bool> turns;
+    for (const Eigen::Index variable : mine) turns.push_back(angles[std::size_t(variable)]);
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < m.by.rows(); ++i)
       if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
     MatrixXd M = V.transpose() * w.asDiagonal() * V, K = MatrixXd::Zero(M.rows(), M.cols());
-    steady(M);
+    steady(M, turns, steadier);
     const Eigen::Index rows = V.rows();
     for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {
       const Eigen::Index j = (i + 1) % rows;

@@ -26,8 +26,12 @@ struct NormalMoves {
 };
 NormalMoves normal_moves(const DesignCurves& d);
 
+/// Adds a little to the diagonal of a form, of lengths and of angles apart, so that it is definite in any unit of
+/// length. An end that slides along its own tangent moves nothing normal to the chain. `angles`: which variables turn.
+void steady(Eigen::MatrixXd& form, const std::vector<bool>& angles, double little);
+
 /// int v_i v_j over the chains [theory: K.3].
-Eigen::MatrixXd mass(const NormalMoves& moves);
+Eigen::MatrixXd mass(const NormalMoves& moves, const DesignCurves& d);
 
 /// A guess of the second derivative of J over the price of area: 4 |d/ds| + 6 / width, in squared normal moves
 /// [theory: K.4].

@@ -3,7 +3,9 @@
 #include "kerf/shape_gradient.hpp"
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/curve_mesh.hpp"
+#include "optimize/curves/fit.hpp"
 #include "optimize/curves/quadratic.hpp"
+#include "optimize/curves/step_limits.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/loop/finish.hpp"
 
@@ -23,11 +25,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
-constexpr double fit_tolerance = 0.2, knot_spacing = 3;
 constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
 constexpr double shortest_strained = 0.1;  // steps beyond which a mesh that does not follow is no reason for a new one
 constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
-constexpr double sliding = 2;              // times the radius, of ends along the frame
 constexpr double largest_angle = 0.35;     // a knot may turn by in a step
 constexpr double sharpest = 0.9;           // turn of an arc, in half turns
 constexpr double area_error = 1e-7;        // of the area wanted
@@ -69,150 +69,18 @@ struct Linearized {
   VectorXd room;
 };
 
-std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
-  std::vector<Index> solid;
-  for (const Scene& scene : scenes_of(p, r))
-    for (const Traction& t : scene.tractions) solid.push_back(t.label);
-  std::vector<const Functional*> all{&p.objective};
-  for (const FunctionalBound& b : r.bounds) all.push_back(&b.functional);
-  for (const Functional* j : all)
-    for (const Term& term : j->terms) {
-      if (term.label != none) solid.push_back(term.label);
-      if (term.measured) solid.push_back(term.measured->label);
-    }
-  return solid;
-}
-
-std::vector<Index> held_labels(const Problem& p, const OptimizeRequest& r) {
-  std::vector<Index> held;
-  for (const Scene& scene : scenes_of(p, r))
-    for (const Support& support : scene.supports) held.push_back(support.label);
-  return held;
-}
-
-/// What must stay solid inside the body: frozen loops, and the rings of functionals.
-std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
-  std::vector<Loop> all = r.level_set.frozen;
-  const auto add = [&](const Functional& j) {
-    for (const Term& term : j.terms)
-      if (term.feature_radius > 0) all.push_back(circle("ring", term.feature, term.feature_radius, none));
-  };
-  add(p.objective);
-  for (const FunctionalBound& b : r.bounds) add(b.functional);
-  return all;
-}
-
-double size_of(const Problem& p, const CurvesRequest& how) {
-  if (how.size > 0) return how.size;
-  return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
-}
-
-/// Chains within the tolerance, or finer ones, that make a shape.
-DesignCurves fitted(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
-                    std::vector<std::string>& notes) {
-  const double size = size_of(p, how);
-  double tolerance = how.tolerance > 0 ? how.tolerance : fit_tolerance * size, spacing = knot_spacing * size;
-  std::string problem;
-  for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.6, spacing *= 0.6) {
-    const double gap = how.min_feature > 0 ? how.min_feature : size;
-    DesignCurves d =
-        design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r), held_labels(p, r)});
-    // Where the offset finds no way the first step makes up for the area.
-    if (DesignCurves exact = d; offset_to_area(exact, carved.area)) d = std::move(exact);
-    const auto found = find_problem(shape_of(d));
-    if (!found) {
-      if (attempt > 0)
-        notes.push_back(fmt::format("curves closer to the zero line, within {:.2g} ({})", tolerance, problem));
-      return d;
-    }
-    if (problem.empty()) problem = *found;
-  }
-  throw Error(Fault::Geometry, fmt::format("the zero line does not become smooth curves: {}", problem));
-}
-
-double sum_of_weights(const OptimizeRequest& r) {
-  double sum = r.load_cases.empty() ? 1 : 0;
-  for (const LoadCase& load : r.load_cases) sum += load.weight;
-  return sum;
-}
-
 bool is_shape(const DesignCurves& d) {
   return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
          !find_problem(shape_of(d));
-}
-
-/// Rows for what a step moves or turns by more than allowed, those that it moves the furthest within each arc.
-LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step,
-                   const std::vector<double>& radius, const std::vector<double>& turn) {
-  constexpr double slack = 1 + 1e-3;
-  constexpr Eigen::Index per_arc = 3;
-  LinearRows rows;
-  const VectorXd move = moves.by * step;
-  for (Eigen::Index i = 0; i < move.size(); i += per_arc) {
-    Eigen::Index k = 0;
-    const double most = radius[std::size_t(moves.chain[std::size_t(i)])];
-    if (!(move.segment(i, per_arc).cwiseAbs().maxCoeff(&k) > slack * most)) continue;
-    const double sign = move[i + k] > 0 ? 1 : -1;
-    rows.add(sign * moves.by.row(i + k).transpose(), most);
-  }
-  const auto limit = [&](Index variable, double most) {
-    if (variable == none || std::abs(step[variable]) <= slack * most) return;
-    VectorXd row = VectorXd::Zero(d.variables);
-    row[variable] = step[variable] > 0 ? 1 : -1;
-    rows.add(std::move(row), most);
-  };
-  for (std::size_t c = 0; c < d.holds.size(); ++c)
-    for (const KnotHold& hold : d.holds[c]) {
-      limit(hold.angle, turn[c]);
-      // Ends that graze the frame slide far where the curve hardly moves: the mesh has to follow.
-      if (hold.kind == KnotHold::Kind::Slides) limit(hold.offset, sliding * radius[c]);
-    }
-  return rows;
-}
-
-/// How much further a step goes than allowed: its moves and turns over the largest ones.
-double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step,
-                 const std::vector<double>& radius, const std::vector<double>& turn) {
-  double worst = 0;
-  const VectorXd move = moves.by * step;
-  for (Eigen::Index i = 0; i < move.size(); ++i)
-    worst = std::max(worst, std::abs(move[i]) / radius[std::size_t(moves.chain[std::size_t(i)])]);
-  for (std::size_t c = 0; c < d.holds.size(); ++c)
-    for (const KnotHold& hold : d.holds[c]) {
-      worst = std::max(worst, std::abs(step[hold.angle]) / turn[c]);
-      if (hold.kind == KnotHold::Kind::Slides)
-        worst = std::max(worst, std::abs(step[hold.offset]) / (sliding * radius[c]));
-    }
-  return worst;
-}
-
-/// What is violated is made up for as far as the shortest step that would goes within the radius: first the geometry,
-/// then with it the rest [theory: K.5]. `reach`: of that step, in radii.
-template <typename Reach>
-void make_reachable(VectorXd& room, Eigen::Index front, const Reach& reach) {
-  constexpr double ample = 0.4;
-  const auto shorten = [&](Eigen::Index first, Eigen::Index count, double share, const VectorXd& there) {
-    auto rows = room.segment(first, count);
-    if (count == 0 || !(rows.minCoeff() < 0)) return;
-    const double part = std::min(1.0, share / std::max(reach(there), 1e-300));
-    for (double& r : rows)
-      if (r < 0) r *= part;
-  };
-  VectorXd geometry = room;
-  geometry.head(front) = geometry.head(front).cwiseMax(1e6);
-  shorten(front, room.size() - front, ample, geometry);
-  shorten(0, front, 2 * ample, room);
 }
 
 class CurvesRun {
  public:
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
             const CurvesObserver& see, const std::vector<CurvesRow>& known)
-      : p_(p), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(size_of(p, how)) {
+      : p_(p), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
     whole_ = area(p.frame);
-    for (const Term& term : p.objective.terms)
-      if (term.volume) volume_price_ += term.factor;
-    volume_price_ = volume_price_ * sum_of_weights(r) + r.volume_penalty;
+    volume_price_ = price_of_volume(p, r) + r.volume_penalty;
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_radius * size_;
@@ -226,6 +94,8 @@ class CurvesRun {
   std::optional<Mesh> carried(const std::shared_ptr<Base>& base, const DesignCurves& d) const;
   Mesh mesh_for(Point& x);
   void solve(Point& x);
+  void solve_on(Point& x, const Problem& p, const CurveMesh& follows, Mesh mesh);
+  void look_closer();
   void recall(const CurvesRow& row, Point& x) const;
   CurvesRow row_of(const Point& x) const;
   Linearized linearized(const Point& x) const;
@@ -302,9 +172,13 @@ Mesh CurvesRun::mesh_for(Point& x) {
 
 void CurvesRun::solve(Point& x) {
   Mesh mesh = mesh_for(x);
+  solve_on(x, p_, *x.base->built, std::move(mesh));
+}
+
+/// Values and derivatives on a mesh that follows the curves.
+void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, Mesh mesh) {
   solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
-  const CurveMesh& follows = *x.base->built;
-  auto e = std::make_shared<Evaluated>(evaluate_mesh(p_, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
+  auto e = std::make_shared<Evaluated>(evaluate_mesh(p, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
   x.J = e->J;
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
@@ -422,7 +296,7 @@ Linearized CurvesRun::linearized(const Point& x) const {
 /// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
-  const Eigen::LLT<MatrixXd> M(mass(moves));
+  const Eigen::LLT<MatrixXd> M(mass(moves, x.curves));
   const Linearized all = linearized(x);
   const Eigen::Index front = first_bound() + x.bound.size();
   std::vector<Eigen::Index> active;
@@ -463,11 +337,11 @@ double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
 void CurvesRun::begin_curvature(const Point& x) {
   const NormalMoves moves = normal_moves(x.curves);
   // Without a price, what the derivative itself is worth.
-  const Eigen::LLT<MatrixXd> M(mass(moves));
+  const Eigen::LLT<MatrixXd> M(mass(moves, x.curves));
   const VectorXd g = gradient(x);
   const double rate = std::sqrt(g.dot(M.solve(g)) / moves.length);
   B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
-  B_.diagonal().array() += 1e-9 * B_.diagonal().mean();
+  steady(B_, angles_of(x.curves), 1e-9);
   dearest_ = VectorXd::Zero(first_bound() + x.bound.size());
   multiplier_ = dearest_;
 }
@@ -492,29 +366,22 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = gradient(x);
   const Eigen::LLT<MatrixXd> H(B_);
-  std::vector<double> most, turn;  // per chain
+  ChainLimits most;
   for (const double part : share_) {
-    most.push_back(part * radius);
-    turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
+    most.radius.push_back(part * radius);
+    most.turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
   const Eigen::Index front = dearest_.size();
   make_reachable(all.room, front, [&](const VectorXd& rooms) {
-    const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A, rooms).step;
-    return overreach(x.curves, moves, back, most, turn);
+    const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A.bottomRows(rooms.size()), rooms).step;
+    return overreach(x.curves, moves, back, most);
   });
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
   QuadraticStep s = quadratic_step(H, g, l.A, l.room);
-  const auto use = [&] {
-    double worst = 0;
-    const VectorXd move = moves.by * s.step;
-    for (Eigen::Index i = 0; i < move.size(); ++i)
-      worst = std::max(worst, std::abs(move[i]) / most[std::size_t(moves.chain[std::size_t(i)])]);
-    return worst;
-  };
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
-    LinearRows beyond = too_far(x.curves, moves, s.step, most, turn);
+    LinearRows beyond = too_far(x.curves, moves, s.step, most);
     const VectorXd there = all.A * s.step;
     for (Eigen::Index k = front; k < there.size(); ++k)
       if (!used[std::size_t(k)] && there[k] > all.room[k] + 1e-3 * radius) {
@@ -542,8 +409,9 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   }
   multiplier_ = s.multiplier.head(dearest_.size());
   dearest_ = dearest_.cwiseMax(multiplier_);
-  reach_ = std::min(1.0, use());
-  return s.step / std::max(1.0, use());
+  const double furthest = furthest_move(moves, s.step, most);
+  reach_ = std::min(1.0, furthest);
+  return s.step / std::max(1.0, furthest);
 }
 
 bool CurvesRun::show() {
@@ -647,10 +515,12 @@ void CurvesRun::come_back(Point& x) const {
     const Linearized all = linearized(x);
     const NormalMoves moves = normal_moves(x.curves);
     MatrixXd stiff = curvature_guess(moves, x.curves, size_);
-    stiff.diagonal().array() += 1e-9 * stiff.diagonal().mean();
+    steady(stiff, angles_of(x.curves), 1e-9);
     VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(stiff), VectorXd::Zero(stiff.rows()), all.A, all.room).step;
-    const std::vector<double> radius(x.curves.chains.size(), far * size_), turn(radius.size(), largest_angle);
-    step /= std::max(1.0, overreach(x.curves, moves, step, radius, turn));
+    const std::size_t chains = x.curves.chains.size();
+    step /= std::max(1.0, overreach(x.curves, moves, step,
+                                    {.radius = std::vector<double>(chains, far * size_),
+                                     .turn = std::vector<double>(chains, largest_angle)}));
     if (!step.allFinite()) return;
     const DesignCurves next = moved(x.curves, step);
     if (!is_shape(next) || !(overhang(next, p_.frame, size_) < before)) return;
@@ -717,9 +587,25 @@ void CurvesRun::end_inside() {
   if (!x_.fresh) remesh(x_.curves, own_mesh);
 }
 
+/// The residual where the mesh of the steps has no say: steps come to like what it gets wrong.
+void CurvesRun::look_closer() try {
+  const Problem finer = finer_problem(p_);
+  const CurveMesh follows = curve_mesh(x_.curves, finer.sizing);
+  Point y{.curves = x_.curves};
+  const int before = solves_;  // it is the judge's solve
+  solve_on(y, finer, follows, follows.mesh);
+  y.area = area_of(y.curves, &y.by_area);
+  solves_ = before;
+  weigh(y);
+  out_.finer = y.solved;
+  out_.finer_residual = y.residual;
+} catch (const Error& error) {
+  if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;  // whoever judges will find out why
+}
+
 FinishedCurves CurvesRun::run() {
   std::string failure;
-  const DesignCurves start = fitted(p_, r_, carved_, how_, out_.notes);
+  const DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);
   if (r_.level_set.mirror) out_.notes.emplace_back("the curves need not be their own mirror image");
   Point inside{.curves = start};
   inside.area = area_of(start, &inside.by_area);
@@ -744,6 +630,7 @@ FinishedCurves CurvesRun::run() {
     best_.reset();
     radius_ = std::max(radius_, 0.1 * size_);
   }
+  if (!stopped_) look_closer();
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;
@@ -770,7 +657,7 @@ std::optional<std::string> why_not(const Problem& p) {
 
 Shape fit_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how) {
   std::vector<std::string> notes;
-  return shape_of(fitted(p, r, carved, how, notes));
+  return shape_of(fitted_curves(p, r, carved, how, notes));
 }
 
 FinishedCurves finish_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,

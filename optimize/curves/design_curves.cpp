@@ -410,6 +410,17 @@ SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std
   return ends;
 }
 
+std::vector<bool> angles_of(const DesignCurves& d) {
+  std::vector<bool> turns(std::size_t(d.variables), false);
+  for (const auto& chain : d.holds)
+    for (const KnotHold& hold : chain) {
+      turns[std::size_t(hold.angle)] = true;
+      const bool slides = hold.kind == KnotHold::Kind::Slides;
+      if (slides && d.rails[std::size_t(hold.rail)].arc) turns[std::size_t(hold.offset)] = true;
+    }
+  return turns;
+}
+
 DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   DesignCurves next = d;
   for (std::size_t c = 0; c < d.chains.size(); ++c)

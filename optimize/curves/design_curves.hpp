@@ -68,6 +68,9 @@ DesignCurves design_curves(const Shape& frame, const Carved& carved, const Curve
 
 Shape shape_of(const DesignCurves& d);
 
+/// Which variables are angles, of knots or along arcs; the others are lengths.
+std::vector<bool> angles_of(const DesignCurves& d);
+
 /// A side of the frame between chains, as drawn: its ends, and the knots that they are.
 struct SideEnds {
   Side side;

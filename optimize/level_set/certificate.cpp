@@ -5,6 +5,7 @@
 #include "optimize/level_set/speed.hpp"
 #include "optimize/parametric/minimize.hpp"
 #include "solver/stress.hpp"
+#include "topo/bump.hpp"
 #include "topo/map_at_centroids.hpp"
 
 #include <algorithm>

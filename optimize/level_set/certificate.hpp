@@ -7,10 +7,6 @@
 
 namespace kerf {
 
-/// What a half disc of material on a free edge brings over what a thin layer of the same area does, of a change that
-/// the stress along the edge makes [theory: L.13].
-inline constexpr double bump_share = 0.16464;
-
 /// Prices of area and of the bounds that bind: those that balance the rates along the boundary best.
 struct Prices {
   double area = 0;

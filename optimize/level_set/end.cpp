@@ -11,7 +11,9 @@ namespace kerf {
 
 namespace {
 
-constexpr double of_curves = 2e-2, of_level_set = 0.1;  // largest shape residual of what is called optimal
+// Largest shape residuals of what is called optimal: of curves on their own mesh, which they came to like; on the finer
+// one by which designs are judged, and of a carved design.
+constexpr double of_curves = 2e-2, elsewhere = 5e-2;
 
 /// What speaks for and against "optimal" besides the shape residual.
 void weigh_changes(const Ground& g, const Evaluated& e, OptimizeResult& result, LoopEnd& end) {
@@ -48,13 +50,26 @@ void weigh_changes(const Ground& g, const Evaluated& e, OptimizeResult& result, 
                          end.evidence});
 }
 
+/// The shape residual on the mesh by which designs are judged.
+void weigh_residual(double finer, LoopEnd& end) {
+  if (finer <= elsewhere)
+    end.evidence = join({fmt::format("{:.2g} on the finer mesh", finer), end.evidence});
+  else if (std::isfinite(finer) && end.residual <= end.asked)
+    end.obstacle = join({fmt::format("shape residual {:.2g} here and {:.2g} on the finer mesh, an optimum has at most "
+                                     "{:.2g} there",
+                                     end.residual, finer, elsewhere),
+                         end.obstacle});
+}
+
 LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
   const DescentState& s = end.descent.progress();
   LoopEnd out{.row = last_taken(result.history), .kind = "shape residual"};
-  out.asked = end.last ? of_curves : of_level_set;
+  out.asked = end.last ? of_curves : elsewhere;
   if (go_on && (end.last || !end.g.turns()))
     out.residual = end.last ? end.curves.residual : end.descent.measure().residual;
-  out.why = join({s.ended, end.curves.why.empty() ? "" : "curves: " + end.curves.why});
+  // What the level set ended with is no longer true of its curves.
+  const std::string of_curves_why = end.curves.why.empty() ? "" : "curves: " + end.curves.why;
+  out.why = end.last ? of_curves_why : join({s.ended, of_curves_why});
   out.budget_used = !go_on || out_of_iterations(s);
   if (!go_on) {
     out.why = out.obstacle = "stopped as asked";
@@ -64,6 +79,7 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
     out.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
   } else {
     weigh_changes(end.g, design, result, out);
+    if (end.last) weigh_residual(end.curves.finer_residual, out);
   }
   return out;
 }
@@ -133,7 +149,15 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   if (end.g.weak()) {
     take_strong_phase(end, go_on, result);
   } else if (go_on) {
-    result.finer = solve_finer(end.g.p, end.g.r, design, end.g.whole);
+    const FinishedCurves& curves = end.curves;
+    if (end.last && curves.finer) {
+      Problem p = end.g.p;
+      p.sizing.size = end.g.mesh_size;
+      result.finer = finer_design(finer_problem(std::move(p)), end.g.r, *curves.finer, end.g.whole);
+      result.finer.residual = curves.finer_residual;
+    } else {
+      result.finer = solve_finer(end.g.p, end.g.r, design, end.g.whole);
+    }
     ++result.state_solves;
   }
   judge(result, end.g.r, judged);

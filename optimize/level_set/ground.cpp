@@ -21,15 +21,6 @@ constexpr double fine = 0.5;         // the canvas against the mesh of the body
 constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
 constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
 
-/// Of volume terms in J.
-double price_of_volume(const Problem& p, const OptimizeRequest& r) {
-  double price = 0, cases = r.load_cases.empty() ? 1 : 0;
-  for (const Term& term : p.objective.terms)
-    if (term.volume) price += term.factor;
-  for (const LoadCase& load : r.load_cases) cases += load.weight;
-  return cases * price;
-}
-
 Carving carving(const Ground& g, double coarse) {
   const double edge = (g.weak() ? 1 : fine) * g.size;
   Carving how{.spacing = coarse * g.size, .least_area = edge * edge, .keep = g.loaded, .holding = g.holding};

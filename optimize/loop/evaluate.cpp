@@ -42,6 +42,14 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of) {
   return scene;
 }
 
+double price_of_volume(const Problem& p, const OptimizeRequest& r) {
+  double price = 0, weights = r.load_cases.empty() ? 1 : 0;
+  for (const Term& term : p.objective.terms)
+    if (term.volume) price += term.factor;
+  for (const LoadCase& load : r.load_cases) weights += load.weight;
+  return weights * price;
+}
+
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of) {
   Stopwatch watch;
   Mesh mesh = triangulate(shape, p.sizing);

@@ -19,10 +19,10 @@ struct Evaluated {
   Shape shape;
   Functional objective;
   std::vector<Functional> bounded;
-  std::vector<SolvedCase> cases;  // per load case; one without load cases
-  double J = 0;                   // sum of weight * J
-  std::vector<double> bounds;     // the worst of the load cases
-  std::vector<Index> worst;       // per bound, that case
+  std::vector<SolvedCase> cases;             // per load case; one without load cases
+  double J = 0;                              // sum of weight * J
+  std::vector<double> bounds;                // the worst of the load cases
+  std::vector<Index> worst;                  // per bound, that case
   std::vector<std::vector<double>> by_case;  // per bound and load case
   double area = 0;
   double seconds_mesh = 0, seconds_solve = 0;
@@ -30,6 +30,9 @@ struct Evaluated {
 
 /// Scenes of the load cases: that of the problem, its tractions and body force with those of the case added.
 std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r);
+
+/// What the terms of J that count volume cost per area, in all load cases.
+double price_of_volume(const Problem& p, const OptimizeRequest& r);
 
 /// The functional when the cracks of the body are `crack_of` the cracks it was written for: terms on a crack become a
 /// sum over its parts, and vanish with it.

@@ -43,25 +43,32 @@ std::string violated(const OptimizeRequest& r, std::span<const double> bounds, d
   return join(all, ", ");
 }
 
-FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole) {
+Problem finer_problem(Problem p) {
   if (p.sizing.size == 0) p.sizing.size = extent(p.frame) / 40;
   p.sizing.size *= 0.5;
   p.sizing.crack_tip_size *= 0.5;
   if (can_be_bettered(p.element)) p.element = better_element(p.element);
-  FinerDesign finer{.size = p.sizing.size, .element = p.element};
+  return p;
+}
+
+FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const Evaluated& there, double whole) {
+  FinerDesign f{.size = finer.sizing.size, .element = finer.element, .objective = there.J};
+  f.bounds = there.bounds;
+  f.volume_fraction = there.area / whole;
+  f.violation = violation_of(r, f.bounds, f.volume_fraction);
+  return f;
+}
+
+FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole) {
+  const Problem finer = finer_problem(std::move(p));
   std::vector<Index> cracks(shape.cracks.size());
   std::iota(cracks.begin(), cracks.end(), Index{0});
   try {
-    const Evaluated e = evaluate_design(p, r, shape, cracks);
-    finer.objective = e.J;
-    finer.bounds = e.bounds;
-    finer.volume_fraction = e.area / whole;
-    finer.violation = violation_of(r, finer.bounds, finer.volume_fraction);
+    return finer_design(finer, r, evaluate_design(finer, r, shape, cracks), whole);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
-    finer.failure = error.what();
+    return {.size = finer.sizing.size, .element = finer.element, .failure = error.what()};
   }
-  return finer;
 }
 
 FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole) {

@@ -12,9 +12,14 @@ double violation_of(const OptimizeRequest& r, std::span<const double> bounds, do
 /// What they violate by more than `feasible_violation`, in words; empty for nothing.
 std::string violated(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction);
 
-/// The design on a mesh of half the size with one degree more, by the same loads and functionals. `p`: its scene and
-/// its functionals are those of the shape. `whole`: the area that volume fractions refer to. What cannot be meshed or
-/// solved comes back as `failure`.
+/// The problem by which designs are judged: half the mesh size, one degree more where the element has it.
+Problem finer_problem(Problem p);
+
+/// What a design is worth there. `finer`: that problem; `whole`: the area that volume fractions refer to.
+FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const Evaluated& there, double whole);
+
+/// The design meshed and solved there, by the same loads and functionals. `p`: its scene and its functionals are those
+/// of the shape. What cannot be meshed or solved comes back as `failure`.
 FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole);
 
 /// The same of a design that was solved: its laws and functionals are those of its shape.

@@ -2,7 +2,7 @@
 
 #include "tests/truth/scene.hpp"
 
-#include "optimize/level_set/certificate.hpp"
+#include "topo/bump.hpp"
 
 #include <fmt/core.h>
 
