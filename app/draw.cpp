@@ -255,6 +255,7 @@ Picture stress_picture(const std::string& title, const Model& model, const PlotD
   p.triangles = data.corners.of;
   p.values = spread(data, data.von_mises);
   p.value_label = "von Mises stress";
+  p.dimension = dimension::stress;
   add_lines(model.mesh, data.corners, p.points, p);
   return p;
 }
@@ -281,6 +282,8 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
   }
   if (gray) p.subtitle += fmt::format("; gray: too near to something else for a radius of {:.3g}", task.request.radius);
   p.value_label = has_series(task.request.perturbation) ? "topological derivative T" : "predicted change of J";
+  if (const auto of = dimension_of(task.functional))
+    p.dimension = has_series(task.request.perturbation) ? per_area(*of) : *of;
   p.scale = negative && positive ? Scale::Diverging : Scale::Linear;
   p.clip = 0;
   p.range = {mapped.result.min.value, mapped.result.max.value};  // it may be infinite at tips

@@ -2,6 +2,7 @@
 // What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
 
 #include "io/result.hpp"
+#include "plot/picture.hpp"
 #include "solver/stopwatch.hpp"
 
 namespace kerf {
@@ -17,6 +18,7 @@ struct RunOptions {
 struct Journal {
   const RunOptions& options;
   std::string title;                                                         // of the pictures
+  Units units = {};                                                          // there, too
   bool vtk = true, png = true;                                               // which files are wanted
   Seconds seconds = {};                                                      // but for the total
   std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
@@ -38,7 +40,9 @@ struct Journal {
   template <typename Make>
   void picture(const std::string& name, const std::string& caption, const Make& make) {
     if (!png) return;
-    draw(file(name), make());
+    auto drawn = make();
+    if constexpr (std::is_same_v<decltype(drawn), Picture>) drawn.units = units;
+    draw(file(name), drawn);
     list(name, caption);
   }
   /// The picture that was drawn last comes first on the page.

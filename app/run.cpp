@@ -141,6 +141,8 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   StateSection section =
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
+  r.state->thickness = c.thickness;
+  if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
   const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), crowded.begin(), crowded.end());
   r.cracks = std::move(section.cracks);
@@ -286,8 +288,10 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   prepare_folder(options.folder, options.resume, read.fingerprint);
   if (read.output.vtk) require_vtk();
 
-  Journal journal{.options = options, .title = read.title, .vtk = read.output.vtk, .png = read.output.png};
-  Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title};
+  Journal journal{
+      .options = options, .title = read.title, .units = read.units, .vtk = read.output.vtk, .png = read.output.png};
+  Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
+  r.functional_dimension = dimension_of(read.functional);
   Case given = read;
   if (read.synthetic) {
     journal.begin("make up the measurements");

@@ -3,6 +3,7 @@
 
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
+#include "kerf/units.hpp"
 #include "kerf/validate.hpp"
 
 #include <filesystem>
@@ -81,6 +82,7 @@ struct StateResult {
   std::optional<Peak> von_mises = {}, displacement = {};
   std::vector<ResultantResult> loads, reactions;  // per label
   std::optional<ResultantResult> body, balance;   // of the body force; the sum of all
+  std::optional<double> thickness;                // all that is per thickness, times it, is that of the plate
 };
 
 struct AdaptResult {
@@ -130,7 +132,9 @@ struct OptimizeNames {
 
 struct Result {
   std::string version, case_name, title, status = "ok";
-  std::optional<std::string> reason;  // when status is not ok
+  Units units;
+  std::optional<Dimension> functional_dimension;  // of the functional, the map and the objective
+  std::optional<std::string> reason;              // when status is not ok
   Index triangles = 0, vertices = 0;
   Quality mesh;
   std::optional<AdaptResult> adapt;  // under "mesh"

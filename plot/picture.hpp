@@ -2,6 +2,7 @@
 // A field on triangles as a PNG one would show to a colleague. Cairo is included by pen.hpp alone.
 
 #include "kerf/types.hpp"
+#include "kerf/units.hpp"
 
 #include <array>
 #include <cstdint>
@@ -32,6 +33,8 @@ struct Picture {
   Eigen::Matrix3Xd values;                      // per triangle its three corner values; no columns: mesh only
   Eigen::Matrix3Xd margin;                      // like `values`: gray where it is negative; no columns: nowhere
   std::string value_label;                      // beside the color bar
+  std::optional<Dimension> dimension = {};      // of the values
+  Units units = {};
   Scale scale = Scale::Linear;
   double clip = 0.005;  // share of the area whose values may lie beyond each end of the color bar
   std::optional<std::array<double, 2>> range = {};  // what lies beyond has the color of its end

@@ -3,6 +3,7 @@
 
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
+#include "kerf/units.hpp"
 #include "kerf/validate.hpp"
 
 #include <array>
@@ -65,12 +66,14 @@ struct FitRequest {
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
+  Units units;
   Shape shape;
   Sizing sizing;
   Scene scene;  // one law per crack of the shape
   double young = 1, poisson = 0.3;
   bool plane_strain = true;
-  std::vector<Elastic> regions;  // per region of the shape; as materials in the scene
+  std::optional<double> thickness = {};  // of a plate in plane stress
+  std::vector<Elastic> regions;          // per region of the shape; as materials in the scene
   Element element = bdms(1);
   ContactMethod contact = ContactMethod::DualQp;
   Backend backend = Backend::Cholmod;

@@ -21,6 +21,7 @@
 #include "kerf/shape_gradient.hpp"
 #include "kerf/state.hpp"
 #include "kerf/types.hpp"
+#include "kerf/units.hpp"
 #include "kerf/validate.hpp"
 
 #if __has_include("kerf/optimize.hpp")

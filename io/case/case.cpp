@@ -12,6 +12,13 @@ namespace kerf {
 
 namespace {
 
+void read_units(const Value& document, Case& c) {
+  const auto units = find_table(document, "units");
+  if (!units) return;
+  allow_only(*units);
+  c.units = {.length = choice(need(*units, "length")), .stress = choice(need(*units, "stress"))};
+}
+
 void read_material(const Value& document, Case& c) {
   need(document, "material");
   const Value material = *find_table(document, "material");
@@ -20,6 +27,12 @@ void read_material(const Value& document, Case& c) {
   c.plane_strain = !state || choice(*state) == "plane strain";
   c.young = in_range(need(material, "young"));
   c.poisson = in_range(need(material, "poisson"));
+  if (const auto thickness = find(material, "thickness")) {
+    if (c.plane_strain)
+      fail(thickness->node->position,
+           "material.thickness is that of a plate in plane stress; write state = \"plane stress\", or leave it out");
+    c.thickness = in_range(*thickness);
+  }
   c.scene.material = elastic(material, c.young, c.poisson, c.plane_strain);
 }
 
@@ -101,6 +114,7 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   c.name = path.stem().string();
   const auto title = find(document, "title");
   c.title = title ? text(*title) : c.name;
+  read_units(document, c);
   read_shape(document, c);
   read_material(document, c);
   const std::vector<Loop> frozen = read_regions(document, c);

@@ -22,6 +22,8 @@ constexpr std::array<View, 2> plane_states{"plane strain", "plane stress"};
 constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
 constexpr std::array<View, 1> later_backends{"petsc"};
+constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
+constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
 constexpr std::array<View, 12> functional_kinds{
     "energy",         "compliance",   "volume", "displacement_tracking", "boundary_tracking",
     "stress_power",   "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",
@@ -36,6 +38,17 @@ constexpr View level_set = "level-set", drawn = "mma|ccsaq|slsqp|cobyla";
 // The order within a table is that of messages.
 constexpr Key rows[] = {
     {"title", Text, {}, "Headline of summary, pictures and report.", "\"Plate\"", "the file's name"},
+
+    {"units",
+     Table,
+     {},
+     "What the numbers of the file are measured in. Labels: nothing is converted, and results say them."},
+    {"units.length", Word, {.words = length_words, .required = true}, "The unit of lengths.", "\"mm\""},
+    {"units.stress",
+     Word,
+     {.words = stress_words, .required = true},
+     "The unit of stresses and moduli. Forces and energies are per unit of thickness: with mm and MPa in N/mm.",
+     "\"MPa\""},
 
     {"domain", Table, {.required = true}, "The body: an outline with a label per edge."},
     {"domain.outline",
@@ -147,6 +160,12 @@ constexpr Key rows[] = {
      {.range = poisson, .required = true},
      "Poisson's ratio. At 0.5 in plane strain a body with prescribed displacements all around must keep its area.",
      "0.3"},
+    {"material.thickness",
+     Number,
+     {.range = positive},
+     "Of a plate in plane stress. Results are per unit of thickness; with it forces, moments and energies of the "
+     "whole plate stand beside them.",
+     "5"},
     {"material.state",
      Word,
      {.words = plane_states},

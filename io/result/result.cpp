@@ -72,6 +72,25 @@ Json resultants(const StateResult& state) {
   return out;
 }
 
+/// Of the whole plate, thickness included.
+Json plate_section(const StateResult& state, double thickness) {
+  Json out = {{"thickness", number(thickness)},
+              {"energy", number(thickness * state.energy)},
+              {"compliance", number(thickness * state.compliance)}};
+  if (!state.balance) return out;
+  StateResult whole{.loads = state.loads, .reactions = state.reactions, .body = state.body, .balance = state.balance};
+  const auto scale = [&](ResultantResult& r) {
+    r.force *= thickness;
+    r.moment *= thickness;
+  };
+  for (ResultantResult& r : whole.loads) scale(r);
+  for (ResultantResult& r : whole.reactions) scale(r);
+  if (whole.body) scale(*whole.body);
+  scale(*whole.balance);
+  out["resultants"] = resultants(whole);
+  return out;
+}
+
 Json state_section(const StateResult& state) {
   Json bounds = nullptr;
   if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
@@ -91,6 +110,27 @@ Json state_section(const StateResult& state) {
   if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
   if (!state.notes.empty()) out["notes"] = state.notes;
   if (state.balance) out["resultants"] = resultants(state);
+  if (const auto& t = state.thickness) out["plate"] = plate_section(state, *t);
+  return out;
+}
+
+Json units_section(const Result& result) {
+  const Units& u = result.units;
+  Json out = {{"length", u.length},
+              {"stress", u.stress},
+              {"force_per_thickness", unit(u, dimension::force)},
+              {"moment_per_thickness", unit(u, dimension::moment)},
+              {"energy_per_thickness", unit(u, dimension::energy)},
+              {"K", unit(u, dimension::stress_intensity)},
+              {"G", unit(u, dimension::release_rate)}};
+  if (result.state && result.state->thickness) {
+    out["force_of_plate"] = unit_of_plate(u, dimension::force);
+    out["energy_of_plate"] = unit_of_plate(u, dimension::energy);
+  }
+  if (const auto& j = result.functional_dimension) {
+    out["functional"] = unit(u, *j);
+    out["topological_derivative"] = unit(u, per_area(*j));
+  }
   return out;
 }
 
@@ -314,6 +354,7 @@ Json time_section(const Seconds& s) {
 
 void write_json(const std::filesystem::path& path, const Result& result) {
   Json out = {{"schema", 1}, {"version", result.version}, {"case", result.case_name}, {"status", result.status}};
+  if (result.units.given()) out["units"] = units_section(result);
   if (result.triangles > 0) out["mesh"] = mesh_section(result);
   if (result.state) out["state"] = state_section(*result.state);
   if (result.contact) out["contact"] = contact_section(*result.contact);

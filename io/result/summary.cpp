@@ -75,8 +75,8 @@ void add_sentence(std::string& out, const std::string& heading, const std::strin
   out += line + '\n';
 }
 
-std::string item(const std::string& name, double value) {
-  return fmt::format("{} {}", name, six(value));
+std::string item(const std::string& name, double value, const std::string& unit = "") {
+  return fmt::format("{} {}{}", name, six(value), unit.empty() ? "" : " " + unit);
 }
 
 std::string at(const Vec2& p) {
@@ -84,8 +84,8 @@ std::string at(const Vec2& p) {
 }
 
 /// "name 5.1 at (0, 1)"; of a singular one what a finer mesh does not change comes first.
-std::vector<std::string> in_words(const std::string& name, const Peak& peak) {
-  const auto placed = [](const PlacedValue& v) { return six(v.value) + ' ' + at(v.at); };
+std::vector<std::string> in_words(const std::string& name, const Peak& peak, const std::string& unit) {
+  const auto placed = [&](const PlacedValue& v) { return item("", v.value, unit).substr(1) + ' ' + at(v.at); };
   if (!peak.singular) return {name + ' ' + placed(peak.largest)};
   std::vector<std::string> items;
   if (peak.regular) items.push_back(name + ' ' + placed(*peak.regular));
@@ -93,13 +93,14 @@ std::vector<std::string> in_words(const std::string& name, const Peak& peak) {
   return items;
 }
 
-std::string force(const ResultantResult& r) {
-  return fmt::format("force ({}, {})", six(r.force.x()), six(r.force.y()));
+std::string force(const ResultantResult& r, const Units& units) {
+  const std::string name = unit(units, dimension::force);
+  return fmt::format("force ({}, {}){}", six(r.force.x()), six(r.force.y()), name.empty() ? "" : " " + name);
 }
 
-void add_resultants(std::string& out, const StateResult& s) {
+void add_resultants(std::string& out, const StateResult& s, const Units& units) {
   const auto line = [&](const std::string& heading, const std::string& what, const ResultantResult& r) {
-    std::vector<std::string> items{force(r), item("moment", r.moment)};
+    std::vector<std::string> items{force(r, units), item("moment", r.moment, unit(units, dimension::moment))};
     if (!what.empty()) items.insert(items.begin(), clean_text(what));
     add(out, heading, items);
   };
@@ -110,25 +111,44 @@ void add_resultants(std::string& out, const StateResult& s) {
   if (s.balance) line("balance", "", *s.balance);
 }
 
-void add_crack(std::string& out, const CrackResult& crack) {
-  add(out, "crack", {clean_text(crack.name), item("length", crack.length), item("max opening", crack.max_opening)});
-  if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure));
+/// Of the whole plate, thickness included.
+void add_plate(std::string& out, const StateResult& s, double thickness, const Units& u) {
+  const std::string force = unit_of_plate(u, dimension::force), energy = unit_of_plate(u, dimension::energy);
+  add(out, "plate",
+      {item("thickness", thickness, unit(u, dimension::length)), item("energy", thickness * s.energy, energy),
+       item("compliance", thickness * s.compliance, energy)});
+  const auto line = [&](const std::string& on, const ResultantResult& r) {
+    add(out, "",
+        {clean_text(on), fmt::format("force ({}, {}){}", six(thickness * r.force.x()), six(thickness * r.force.y()),
+                                     force.empty() ? "" : " " + force)});
+  };
+  for (const ResultantResult& r : s.loads) line(r.on, r);
+  if (s.body) line("body", *s.body);
+  for (const ResultantResult& r : s.reactions) line(r.on, r);
+}
+
+void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
+  const std::string length = unit(u, dimension::length), stress = unit(u, dimension::stress),
+                    intensity = unit(u, dimension::stress_intensity);
+  add(out, "crack",
+      {clean_text(crack.name), item("length", crack.length, length), item("max opening", crack.max_opening, length)});
+  if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure, stress));
   for (const auto& t : crack.transitions)
     add(out, "", {clean_text(t.from) + " -> " + clean_text(t.to) + ' ' + at(t.at)});
   for (const TipResult& tip : crack.tips) {
     if (!tip.K_I && !tip.K_II && !tip.G) continue;
     std::vector<std::string> items = {"tip " + at(tip.at)};
-    if (tip.K_I) items.push_back(item("K_I", *tip.K_I));
-    if (tip.K_II) items.push_back(item("K_II", *tip.K_II));
-    if (tip.G) items.push_back(item("G", *tip.G));
-    if (tip.T) items.push_back(item("T", *tip.T));
+    if (tip.K_I) items.push_back(item("K_I", *tip.K_I, intensity));
+    if (tip.K_II) items.push_back(item("K_II", *tip.K_II, intensity));
+    if (tip.G) items.push_back(item("G", *tip.G, unit(u, dimension::release_rate)));
+    if (tip.T) items.push_back(item("T", *tip.T, stress));
     add(out, "", items);
   }
 }
 
-void add_map(std::string& out, const MapResult& map) {
-  add(out, "map", {clean_text(map.perturbation), item("min", map.min.value) + ' ' + at(map.min.at)});
-  add(out, "", {item("max", map.max.value) + ' ' + at(map.max.at)});
+void add_map(std::string& out, const MapResult& map, const std::string& unit) {
+  add(out, "map", {clean_text(map.perturbation), item("min", map.min.value, unit) + ' ' + at(map.min.at)});
+  add(out, "", {item("max", map.max.value, unit) + ' ' + at(map.max.at)});
   if (map.excluded_radius > 0) {
     add_sentence(
         out, "",
@@ -164,8 +184,8 @@ void add_map(std::string& out, const MapResult& map) {
     add(out, "", {fmt::format("and {} more points in map.csv", map.points.size() - shown)});
 }
 
-void add_functional(std::string& out, const FunctionalResult& functional) {
-  add(out, "functional", {item(functional.kind, functional.value)});
+void add_functional(std::string& out, const FunctionalResult& functional, const std::string& unit) {
+  add(out, "functional", {item(functional.kind, functional.value, unit)});
   for (const auto& term : functional.terms)
     add(out, "", {fmt::format("{} times", six(term.factor)), item(term.kind, term.value)});
 }
@@ -178,9 +198,9 @@ void add_validation(std::string& out, const ValidationResult& validation) {
   for (const Validation& v : validation.points) add_sentence(out, "", sentence(v));
 }
 
-void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeNames& names) {
+void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeNames& names, const std::string& unit) {
   add_sentence(out, "optimize", sentence(o));
-  std::vector<std::string> items = {item("objective", o.objective), item("volume fraction", o.volume_fraction)};
+  std::vector<std::string> items = {item("objective", o.objective, unit), item("volume fraction", o.volume_fraction)};
   if (!o.history.empty()) items[0] += " from " + six(o.history.front().objective);
   if (std::isfinite(o.optimality)) items.push_back(item("optimality", o.optimality));
   if (!o.history.empty())
@@ -222,10 +242,19 @@ std::string summary(const Result& result) {
   if (result.status != "ok" || result.reason) {
     add_sentence(out, "status", result.status + (result.reason ? ": " + *result.reason : ""));
   }
+  const Units& u = result.units;
+  const std::string energy = unit(u, dimension::energy), stress = unit(u, dimension::stress),
+                    length = unit(u, dimension::length),
+                    of_functional = result.functional_dimension ? unit(u, *result.functional_dimension) : "",
+                    of_map = result.functional_dimension ? unit(u, per_area(*result.functional_dimension)) : "";
+  if (u.given())
+    add_sentence(
+        out, "units",
+        fmt::format("{} and {}; forces, moments and energies per {} of thickness", u.length, u.stress, u.length));
   if (result.triangles > 0) {
     add(out, "mesh",
         {fmt::format("{} triangles", result.triangles), fmt::format("{} vertices", result.vertices),
-         item("h", result.mesh.h_min) + " .. " + six(result.mesh.h_max),
+         item("h", result.mesh.h_min) + " .. " + six(result.mesh.h_max) + (length.empty() ? "" : " " + length),
          fmt::format("min angle {:.1f} deg", result.mesh.min_angle_deg),
          fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
   }
@@ -236,16 +265,19 @@ std::string summary(const Result& result) {
     add(out, "state",
         {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
          fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
-    add(out, "", {item("energy", s.energy), item("compliance", s.compliance), item("area", s.area)});
-    if (s.von_mises) add(out, "", in_words("max von Mises stress", *s.von_mises));
-    if (s.displacement) add(out, "", in_words("max displacement", *s.displacement));
+    add(out, "",
+        {item("energy", s.energy, energy), item("compliance", s.compliance, energy),
+         item("area", s.area, unit(u, dimension::area))});
+    if (s.von_mises) add(out, "", in_words("max von Mises stress", *s.von_mises, stress));
+    if (s.displacement) add(out, "", in_words("max displacement", *s.displacement, length));
     if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
     if (s.energy_bounds) {
       add(out, "",
-          {fmt::format("energy{} in [{}, {}]", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
-                       six((*s.energy_bounds)[1]))});
+          {fmt::format("energy{} in [{}, {}]{}", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
+                       six((*s.energy_bounds)[1]), energy.empty() ? "" : " " + energy)});
     }
-    add_resultants(out, s);
+    add_resultants(out, s, u);
+    if (s.thickness) add_plate(out, s, *s.thickness, u);
     for (const std::string& note : s.notes) add_sentence(out, "note", note);
   }
   if (result.contact) {
@@ -253,15 +285,15 @@ std::string summary(const Result& result) {
     add(out, "contact",
         {c.method, fmt::format("{} iterations", c.iterations), fmt::format("{} linear solves", c.linear_solves),
          item("kkt", c.kkt)});
-    std::vector<std::string> lengths = {item("open", c.open_length), item("closed", c.closed_length)};
-    if (c.biactive_length > 0) lengths.push_back(item("biactive", c.biactive_length));
+    std::vector<std::string> lengths = {item("open", c.open_length, length), item("closed", c.closed_length, length)};
+    if (c.biactive_length > 0) lengths.push_back(item("biactive", c.biactive_length, length));
     add(out, "", lengths);
   }
-  for (const CrackResult& crack : result.cracks) add_crack(out, crack);
-  if (result.functional) add_functional(out, *result.functional);
-  if (result.map) add_map(out, *result.map);
+  for (const CrackResult& crack : result.cracks) add_crack(out, crack, u);
+  if (result.functional) add_functional(out, *result.functional, of_functional);
+  if (result.map) add_map(out, *result.map, of_map);
   if (result.validate) add_validation(out, *result.validate);
-  if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names);
+  if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names, of_functional);
   if (result.fit)
     for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))
       add_sentence(out, "fit", line);

@@ -129,6 +129,14 @@ Bounds bounds(const Picture& picture) {
   return {middle - half, middle + half};
 }
 
+std::string with_unit(const std::string& label, const std::string& unit) {
+  return unit.empty() ? label : label + " in " + unit;
+}
+
+std::string value_label(const Picture& picture) {
+  return with_unit(picture.value_label, picture.dimension ? unit(picture.units, *picture.dimension) : "");
+}
+
 }  // namespace
 
 std::string extreme_text(const char* word, double value) {
@@ -182,7 +190,7 @@ double fit_bar_beside(Layout& out, const Picture& picture, const Limits& limits,
   // The label stands between the words at the ends.
   out.label_gap = outside(out) + longest(out.values, out.tick, measure) + 14;
   const double label_length = out.plot.height - (extreme > 0 ? 4 * out.point : 0);
-  out.value_label = wrap(with_note(picture.value_label, out.values.note), label_font, {label_length, 17, 2}, measure);
+  out.value_label = wrap(with_note(value_label(picture), out.values.note), label_font, {label_length, 17, 2}, measure);
   return bar_distance + bar_thickness + out.margin +
          std::max(out.label_gap + out.value_label.height(), outside(out) + extreme);
 }
@@ -254,7 +262,7 @@ double place_bar(Layout& out, const Picture& picture, const Limits& limits, doub
              length - out.point * (limits.below() + limits.above()), bar_thickness};
   out.values = level_ticks(limits.low, limits.high, out.bar.width, out.tick, measure);
   out.value_label =
-      wrap(with_note(picture.value_label, out.values.note), label_font, {width - 2 * out.margin, 17, 2}, measure);
+      wrap(with_note(value_label(picture), out.values.note), label_font, {width - 2 * out.margin, 17, 2}, measure);
   out.label_gap = outside(out) + out.tick.size + 8;
   return out.bar.y + out.bar.height + out.label_gap + out.value_label.height();
 }
@@ -269,8 +277,10 @@ Layout lay_out(const Picture& picture, const Limits& limits, const Measure& meas
   if (y > out.margin) y += 18;
   out.plot.y = std::round(y);
   y = out.plot.y + out.plot.height + outside(out) + out.tick.size + 10;
-  out.x_label = wrap(with_note("x", out.x.note), axis_font, {out.width - 2 * out.margin, 15, 1}, measure);
-  out.y_label = wrap(with_note("y", out.y.note), axis_font, {out.plot.height + 60, 15, 1}, measure);
+  out.x_label = wrap(with_note(with_unit("x", unit(picture.units, dimension::length)), out.x.note), axis_font,
+                     {out.width - 2 * out.margin, 15, 1}, measure);
+  out.y_label = wrap(with_note(with_unit("y", unit(picture.units, dimension::length)), out.y.note), axis_font,
+                     {out.plot.height + 60, 15, 1}, measure);
   out.x_label_y = y;
   y += out.x_label.height();
   if (out.has_bar) y = place_bar(out, picture, limits, y, measure);

@@ -93,6 +93,12 @@ std::string head(const Result& result, const std::string& title) {
   return out;
 }
 
+/// A number with its unit, where there is one.
+std::string with_unit(double value, const Units& units, const std::optional<Dimension>& dimension) {
+  const std::string name = dimension ? unit(units, *dimension) : "";
+  return pretty(value) + (name.empty() ? "" : " " + escape_html(name));
+}
+
 std::string key_numbers(const Result& result) {
   std::string out;
   const auto add = [&](const std::string& name, const std::string& number) {
@@ -101,21 +107,23 @@ std::string key_numbers(const Result& result) {
   if (result.triangles > 0) add("triangles", fmt::format("{}", result.triangles));
   if (result.state) {
     add("unknowns", fmt::format("{}", result.state->unknowns));
-    add("energy", pretty(result.state->energy));
-    add("compliance", pretty(result.state->compliance));
+    add("energy", with_unit(result.state->energy, result.units, dimension::energy));
+    add("compliance", with_unit(result.state->compliance, result.units, dimension::energy));
   }
   if (result.optimize) {
-    add("objective", pretty(result.optimize->objective));
+    add("objective", with_unit(result.optimize->objective, result.units, result.functional_dimension));
     add("volume fraction", pretty(result.optimize->volume_fraction, 4));
   }
-  if (result.functional) add(result.functional->kind + " (functional)", pretty(result.functional->value));
+  if (result.functional)
+    add(result.functional->kind + " (functional)",
+        with_unit(result.functional->value, result.units, result.functional_dimension));
   if (std::isfinite(result.seconds.total)) add("seconds", fmt::format("{:.3g}", result.seconds.total));
   return fmt::format("<div class=\"key\">\n{}</div>\n", out);
 }
 
 /// What a finer mesh does not change first.
-void add_peak(Facts& facts, const std::string& name, const Peak& peak) {
-  const auto placed = [](const PlacedValue& v) { return pretty(v.value) + " at " + at(v.at); };
+void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Units& units, const Dimension& of) {
+  const auto placed = [&](const PlacedValue& v) { return with_unit(v.value, units, of) + " at " + at(v.at); };
   if (!peak.singular) return facts.add(name, placed(peak.largest));
   facts.add(name, peak.regular ? placed(*peak.regular) : "only near singular points");
   facts.add(name + ", singular", placed(peak.largest) + " (larger on finer meshes)");
@@ -145,17 +153,19 @@ std::string mesh_and_state(const Result& result) {
     facts.add("unknowns", fmt::format("{}", s.unknowns));
     facts.add("after condensation", fmt::format("{}", s.condensed_unknowns));
     facts.add("residual", pretty(s.residual));
-    facts.add("energy", pretty(s.energy));
-    facts.add("compliance", pretty(s.compliance));
-    facts.add("area", pretty(s.area));
-    if (s.von_mises) add_peak(facts, "largest von Mises stress", *s.von_mises);
-    if (s.displacement) add_peak(facts, "largest displacement", *s.displacement);
+    const Units& u = result.units;
+    facts.add("energy", with_unit(s.energy, u, dimension::energy));
+    facts.add("compliance", with_unit(s.compliance, u, dimension::energy));
+    facts.add("area", with_unit(s.area, u, dimension::area));
+    if (s.von_mises) add_peak(facts, "largest von Mises stress", *s.von_mises, u, dimension::stress);
+    if (s.displacement) add_peak(facts, "largest displacement", *s.displacement, u, dimension::length);
     if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
     if (s.energy_bounds)
       facts.add(s.of_polygon ? "energy of the polygon between" : "energy between",
-                pretty((*s.energy_bounds)[0]) + " and " + pretty((*s.energy_bounds)[1]));
+                pretty((*s.energy_bounds)[0]) + " and " + with_unit((*s.energy_bounds)[1], u, dimension::energy));
     if (result.functional) {
-      facts.add("functional " + result.functional->kind, pretty(result.functional->value));
+      facts.add("functional " + result.functional->kind,
+                with_unit(result.functional->value, u, result.functional_dimension));
       for (const auto& term : result.functional->terms)
         facts.add(pretty(term.factor) + " times " + term.kind, pretty(term.value));
     }
@@ -164,14 +174,14 @@ std::string mesh_and_state(const Result& result) {
   return out;
 }
 
-std::string crack_section(const CrackResult& crack) {
+std::string crack_section(const CrackResult& crack, const Units& u) {
   Facts facts;
-  facts.add("length", pretty(crack.length));
-  facts.add("largest opening", pretty(crack.max_opening));
+  facts.add("length", with_unit(crack.length, u, dimension::length));
+  facts.add("largest opening", with_unit(crack.max_opening, u, dimension::length));
   if (crack.pressure)
-    add_peak(facts, "largest pressure", *crack.pressure);
+    add_peak(facts, "largest pressure", *crack.pressure, u, dimension::stress);
   else
-    facts.add("largest pressure", pretty(crack.max_pressure));
+    facts.add("largest pressure", with_unit(crack.max_pressure, u, dimension::stress));
   std::string out = fmt::format("<h3>Crack {}</h3>\n", escape_html(crack.name)) + facts.table();
   std::vector<std::vector<std::string>> rows;
   for (const auto& t : crack.transitions) rows.push_back({at(t.at), escape_html(t.from), escape_html(t.to)});
@@ -179,7 +189,15 @@ std::string crack_section(const CrackResult& crack) {
   rows.clear();
   for (const TipResult& tip : crack.tips)
     rows.push_back({at(tip.at), value(tip.K_I), value(tip.K_II), value(tip.G), value(tip.T)});
-  if (!rows.empty()) out += table({"tip", "K<sub>I</sub>", "K<sub>II</sub>", "G", "T"}, rows);
+  if (!rows.empty()) {
+    const auto head = [&](const char* name, const Dimension& of) {
+      return name + (u.given() ? " in " + escape_html(unit(u, of)) : std::string());
+    };
+    out += table(
+        {"tip", head("K<sub>I</sub>", dimension::stress_intensity), head("K<sub>II</sub>", dimension::stress_intensity),
+         head("G", dimension::release_rate), head("T", dimension::stress)},
+        rows);
+  }
   const std::string opening =
       crack_curve(crack, {"opening", "#b3261e", [](const CrackRow& row) { return row.jump_n; }});
   const std::string pressure =
@@ -204,13 +222,13 @@ std::string contact_and_cracks(const Result& result) {
     out += "<h2>Contact</h2>\n" + facts.table();
   }
   if (!result.cracks.empty()) out += "<h2>Cracks</h2>\n";
-  for (const CrackResult& crack : result.cracks) out += crack_section(crack);
+  for (const CrackResult& crack : result.cracks) out += crack_section(crack, result.units);
   return out;
 }
 
-std::string map_section(const MapResult& map) {
+std::string map_section(const MapResult& map, const std::string& unit) {
   std::string out = fmt::format("<h2>Topological derivative: {}</h2>\n", escape_html(map.perturbation));
-  out += table({"", "value", "at"},
+  out += table({"", "value" + (unit.empty() ? "" : " in " + escape_html(unit)), "at"},
                {{"min", pretty(map.min.value), at(map.min.at)}, {"max", pretty(map.max.value), at(map.max.at)}});
   if (map.excluded_radius > 0) {
     out += fmt::format("<p class=\"dim\">Min and max leave out {} around crack tips and reentrant corners.</p>\n",
@@ -356,7 +374,9 @@ void write_page(const std::filesystem::path& path, const Result& result,
   for (const Identified& i : result.identified)
     out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(in_words(i)));
   out += mesh_and_state(result) + contact_and_cracks(result);
-  if (result.map) out += map_section(*result.map);
+  if (result.map)
+    out += map_section(*result.map,
+                       result.functional_dimension ? unit(result.units, per_area(*result.functional_dimension)) : "");
   if (result.validate) out += validation_section(*result.validate, validation_figure);
   out += "<h2>Time</h2>\n" + time_bars(result.seconds);
   out += fmt::format("<p>Total {:.3f} s", result.seconds.total);

@@ -362,6 +362,27 @@ TEST_F(Cli, FirstInterruptStopsCleanly) {
   EXPECT_FALSE(fs::exists(folder / "out/a/result.json"));
 }
 
+TEST_F(Cli, UnitsAreSaidEverywhere) {
+  write("u.toml", "[units]\nlength = \"mm\"\nstress = \"MPa\"\n" + square.substr(square.find("[domain]")) +
+                      "[output]\nvtk = false\n");
+  const Outcome o = kerf("run u.toml -o u");
+  EXPECT_EQ(o.code, 0) << o.error;
+  for (const char* words : {"units       mm and MPa", " N/mm", " mm²", "max von Mises stress", " MPa at ",
+                            "young = 100 MPa is that of soft plastics or rubber; steel has 2.1e+05 MPa"})
+    EXPECT_NE(o.out.find(words), std::string::npos) << words << "\n" << o.out;
+  const std::string json = read_all(folder / "u" / "result.json"), page = read_all(folder / "u" / "report.html");
+  for (const char* words : {"\"length\": \"mm\"", "\"force_per_thickness\": \"N/mm\"", "\"K\": \"MPa √mm\"",
+                            "\"functional\": \"N mm/mm\"", "\"topological_derivative\": \"MPa\""})
+    EXPECT_NE(json.find(words), std::string::npos) << words << "\n" << json;
+  EXPECT_NE(page.find(" N mm/mm"), std::string::npos);
+  const Outcome plate = kerf("solve u.toml -o p --set 'material.state=\"plane stress\"' --set material.thickness=5");
+  EXPECT_NE(plate.out.find("plate       thickness 5 mm"), std::string::npos) << plate.out << plate.error;
+  EXPECT_NE(plate.out.find("force (0, 5) N\n"), std::string::npos) << plate.out;
+  expect_failure("check u.toml --set material.thickness=5", 2, "plane stress");
+  expect_failure("check u.toml --set units.stress='\"MPA\"'", 2, "\"MPa\"");
+  expect_failure("check a.toml --set units.length='\"mm\"'", 2, "stress");
+}
+
 TEST_F(Cli, FullDiskOfStandardOutputIsReported) {
   if (!fs::exists("/dev/full")) GTEST_SKIP();
   const Outcome o = kerf("check a.toml >/dev/full");
