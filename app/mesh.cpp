@@ -43,7 +43,8 @@ void require_mesh_ending(const std::filesystem::path& path) {
 
 std::string write_mesh_of(const Case& c, const std::filesystem::path& path, const std::string& format) {
   require_mesh_ending(path);
-  const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
+  const Mesh made = c.mesh ? Mesh{} : triangulate(c.shape, c.sizing);
+  const Mesh& mesh = c.mesh ? *c.mesh : made;
   if (path.extension() == ".msh")
     write_mesh(path, mesh, c.shape, format == "2.2" ? MshVersion::V2 : MshVersion::V4);
   else

@@ -1,5 +1,6 @@
 // A body that comes from a file: [domain] file, with what [[crack]] and [[region]] say of its parts.
 
+#include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/mesh_source.hpp"
 #include "io/words.hpp"
@@ -70,6 +71,38 @@ BodySource body_source(const Value& document, const Value& field, const std::fil
   return source;
 }
 
+/// The normal of the curve that a polyline of many small kinks stands for: tangents at its corners, of second order,
+/// linear along its chords. Empty for other polylines.
+std::function<Vec2(const Vec2& x)> normal_of_chords(const std::vector<Vec2>& line) {
+  constexpr std::size_t fewest = 5;  // points
+  constexpr double most = 0.3;       // of a kink, as where polygons stand for curves
+  if (line.size() < fewest) return {};
+  std::vector<Vec2> direction, tangent;
+  for (std::size_t k = 0; k + 1 < line.size(); ++k) direction.push_back((line[k + 1] - line[k]).normalized());
+  for (std::size_t k = 1; k < direction.size(); ++k) {
+    const Vec2 &before = direction[k - 1], &after = direction[k];
+    if (std::abs(std::atan2(cross(before, after), before.dot(after))) > most) return {};
+    const double a = (line[k] - line[k - 1]).norm(), b = (line[k + 1] - line[k]).norm();
+    tangent.push_back((b * before + a * after).normalized());
+  }
+  const auto beyond = [](const Vec2& chord, const Vec2& other) { return Vec2(2 * chord.dot(other) * chord - other); };
+  tangent.insert(tangent.begin(), beyond(direction.front(), tangent.front()));
+  tangent.push_back(beyond(direction.back(), tangent.back()));
+  return [line, tangent](const Vec2& x) {
+    std::size_t nearest = 0;
+    double least = infinity;
+    for (std::size_t k = 0; k + 1 < line.size(); ++k)
+      if (const double d = squared_distance(x, line[k], line[k + 1]); d < least) least = d, nearest = k;
+    const double part = foot(x, line[nearest], line[nearest + 1]);
+    const Vec2 t = ((1 - part) * tangent[nearest] + part * tangent[nearest + 1]).normalized();
+    return Vec2(t.y(), -t.x());
+  };
+}
+
+std::function<Vec2(const Vec2& x)> normal_in_file(const Crack& crack) {
+  return crack.arc ? normal_of(crack) : normal_of_chords(crack.points);
+}
+
 }  // namespace
 
 MeshFile read_body_file(const Value& document, const Value& domain, const std::filesystem::path& folder, Case& c) {
@@ -103,7 +136,7 @@ MeshFile read_body_file(const Value& document, const Value& domain, const std::f
 }
 
 std::vector<Value> read_laws_of_file(const std::vector<Value>& tables, Case& c) {
-  for (const Crack& crack : c.shape.cracks) c.scene.laws.push_back({.normal = normal_of(crack)});
+  for (const Crack& crack : c.shape.cracks) c.scene.laws.push_back({.normal = normal_in_file(crack)});
   std::vector<Value> drawn;
   std::vector<std::string> known, named;
   for (const Crack& crack : c.shape.cracks) known.push_back(crack.name);
@@ -128,7 +161,7 @@ std::vector<Value> read_laws_of_file(const std::vector<Value>& tables, Case& c) 
     named.push_back(text(name));
     CrackLaw& law = c.scene.laws[static_cast<std::size_t>(found - known.begin())];
     law = read_law(crack);
-    law.normal = normal_of(c.shape.cracks[static_cast<std::size_t>(found - known.begin())]);
+    law.normal = normal_in_file(c.shape.cracks[static_cast<std::size_t>(found - known.begin())]);
   }
   return drawn;
 }

@@ -7,11 +7,18 @@
 #include "io/module.hpp"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <functional>
 #include <memory>
 
 namespace kerf {
@@ -91,20 +98,105 @@ void classify(RawCurve& curve) {
     curve.kind = RawCurve::Kind::Circle;
 }
 
+/// What gmsh tells, in the process that runs it: records that go through a pipe.
+class Teller {
+ public:
+  explicit Teller(int pipe) : pipe_(pipe) {}
+
+  static void curve(void* target, const KerfGmshCurve* told) {
+    const Teller& to = *static_cast<Teller*>(target);
+    to.put("c", 1);
+    to.put(&told->tag, sizeof told->tag);
+    to.put(&told->points, sizeof told->points);
+    to.put(told->xy, 2 * sizeof(double) * std::size_t(told->points));
+  }
+  static void error(void* target, const char* message) {
+    const Teller& to = *static_cast<Teller*>(target);
+    to.put("e", 1);
+    to.put(message, std::strlen(message));
+  }
+
+ private:
+  void put(const void* bytes, std::size_t count) const {
+    for (const char* at = static_cast<const char*>(bytes); count > 0;) {
+      const ssize_t written = write(pipe_, at, count);
+      if (written <= 0) return;  // the reader is gone
+      at += written;
+      count -= std::size_t(written);
+    }
+  }
+  int pipe_;
+};
+
 struct Told {
   std::map<std::int32_t, RawCurve> curves;
   std::string error;
 };
 
-void add_curve(void* target, const KerfGmshCurve* told) {
-  RawCurve curve;
-  for (std::int64_t k = 0; k < told->points; ++k) curve.points.emplace_back(told->xy[2 * k], told->xy[2 * k + 1]);
-  classify(curve);
-  static_cast<Told*>(target)->curves[told->tag] = std::move(curve);
+Told understand(const std::string& bytes) {
+  Told told;
+  std::size_t at = 0;
+  const auto take = [&](void* to, std::size_t count) {
+    if (bytes.size() - at < count) throw Error(Fault::Files, "gmsh did not tell all its curves");
+    std::memcpy(to, bytes.data() + at, count);
+    at += count;
+  };
+  while (at < bytes.size()) {
+    if (bytes[at++] == 'e') {
+      told.error = bytes.substr(at);
+      return told;
+    }
+    std::int32_t tag;
+    std::int64_t count;
+    take(&tag, sizeof tag);
+    take(&count, sizeof count);
+    RawCurve curve;
+    for (std::int64_t k = 0; k < count; ++k) {
+      curve.points.emplace_back();
+      take(curve.points.back().data(), 2 * sizeof(double));
+    }
+    classify(curve);
+    told.curves[tag] = std::move(curve);
+  }
+  return told;
 }
 
-void keep_error(void* target, const char* message) {
-  static_cast<Told*>(target)->error = message;
+/// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
+/// crash, kerf says so.
+Told in_child(const std::function<void(Teller& teller)>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) {
+    close(ends[0]);
+    close(ends[1]);
+    throw Error(Fault::Files, "cannot start gmsh in a process of its own: there is no memory for it");
+  }
+  if (child == 0) {
+    close(ends[0]);
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    const int nowhere = open("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    Teller teller(ends[1]);
+    work(teller);
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string bytes;
+  char block[1 << 16];
+  for (ssize_t n; (n = read(ends[0], block, sizeof block)) != 0;) {
+    if (n < 0 && errno != EINTR) break;
+    if (n > 0) bytes.append(block, std::size_t(n));
+  }
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return understand(bytes);
+  return {.error = WIFSIGNALED(status) ? fmt::format("it crashed (signal {})", WTERMSIG(status)) : "it ended early"};
 }
 
 }  // namespace
@@ -120,9 +212,9 @@ RawMesh mesh_geometry(const BodySource& source) {
   const TemporaryMesh file;
   // Chords that are too long may cross.
   for (const int turn : {12, 48, 192}) {
-    Told told;
     const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
-    if (module.mesh(&request, add_curve, keep_error, &told)) {
+    Told told = in_child([&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
+    if (told.error.empty()) {
       RawMesh raw = parse_msh(path, read_file(file.name()));
       if (!source.keep_mesh) raw.curves = std::move(told.curves);
       return raw;
@@ -171,8 +263,8 @@ void write_step(const std::filesystem::path& path, const Shape& shape) {
     arc[k] = sides[k].arc.has_value();
   }
   const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
-  Told told;
-  if (!module.step(path.c_str(), &face, keep_error, &told))
+  const Told told = in_child([&](Teller& teller) { module.step(path.c_str(), &face, Teller::error, &teller); });
+  if (!told.error.empty())
     throw Error(Fault::Files, fmt::format("cannot write '{}': gmsh: {}", path.string(), told.error));
 }
 

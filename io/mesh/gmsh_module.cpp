@@ -3,53 +3,20 @@
 
 #include "io/mesh/gmsh_module.hpp"
 
-#include <fcntl.h>
 #include <gmsh.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <exception>
-#include <iostream>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace {
 
-std::mutex one_at_a_time;
-
-/// Nothing goes to standard output, which is kerf's: OpenCASCADE tells there what it writes.
-class Silence {
- public:
-  Silence() {
-    std::cout.flush();
-    std::fflush(stdout);
-    before_ = dup(STDOUT_FILENO);
-    const int nowhere = ::open("/dev/null", O_WRONLY);
-    if (before_ >= 0 && nowhere >= 0) dup2(nowhere, STDOUT_FILENO);
-    if (nowhere >= 0) close(nowhere);
-  }
-  ~Silence() {
-    std::cout.flush();
-    std::fflush(stdout);
-    if (before_ >= 0) {
-      dup2(before_, STDOUT_FILENO);
-      close(before_);
-    }
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  int before_;
-};
-
 class Session {
  public:
-  Session() : lock_(one_at_a_time) {
+  Session() {
     gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
@@ -62,10 +29,8 @@ class Session {
     } catch (...) {  // nothing is left to be done
     }
   }
-
- private:
-  std::lock_guard<std::mutex> lock_;
-  Silence silence_;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 };
 
 /// gmsh goes on after errors, and tells them to its log alone.

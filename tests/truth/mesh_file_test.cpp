@@ -3,6 +3,7 @@
 
 #include "kerf/case_file.hpp"
 #include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
 #include "kerf/state.hpp"
 #include "tests/truth/scene.hpp"
 
@@ -168,6 +169,30 @@ TEST_F(MeshFileTruth, EnergyAndIntensitiesAreThoseOfTheSameTriangulationBuiltHer
     for (const double k : here.K) size = std::max(size, std::abs(k));
     for (std::size_t i = 0; i < K.size(); ++i) EXPECT_NEAR(K[i], here.K[i], 1e-10 * size);
   }
+}
+
+// A crack along an arc, which the file knows only by chords: closed faces that slide must not interlock at its corners.
+TEST_F(MeshFileTruth, FacesSlideAlongChordsOfACurveAsAlongTheCurve) {
+  Shape shape;
+  shape.labels = {"outer"};
+  shape.outline = polygon("outline", {{-3, -3}, {3, -3}, {3, 3}, {-3, 3}}, 0);
+  shape.cracks = {arc_crack("c", {0, 0}, 1, -pi / 3, pi / 3)};
+  const Mesh mesh = triangulate(shape, {.size = 0.6, .crack_tip_size = 0.1});
+  write_mesh(folder / "arc.msh", mesh, shape);
+  const nlohmann::json r = run_scene(
+      "[domain]\nfile = 'arc.msh'\n[material]\nyoung = 1\npoisson = 0.3\n[[boundary]]\non = 'outer'\ntraction = "
+      "['-nx', '-0.2 * ny']\n");
+  const auto energy = [&](std::function<Vec2(const Vec2&)> normal) {
+    Scene scene{.material = plane_strain(1, 0.3)};
+    scene.laws = {{.normal = std::move(normal)}};
+    scene.tractions = {{.label = 0, .value = [](const Vec2&, const Vec2& n) { return Vec2(-n.x(), -0.2 * n.y()); }}};
+    const Model model = prepare(mesh, bdms(1), scene, 1);
+    return potential_energy(model, solve(model));
+  };
+  const double curve = energy([](const Vec2&x) { return x.normalized().eval(); }), chords = energy({});
+  EXPECT_GT(r["contact"]["closed_length"].get<double>(), 0.5);
+  EXPECT_LT(std::abs(r["state"]["energy"].get<double>() - curve), 0.05 * std::abs(chords - curve))
+      << "curve " << curve << ", chords " << chords;
 }
 
 }  // namespace
