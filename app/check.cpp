@@ -175,9 +175,15 @@ void note_loads(Notes& notes, const Scene& scene) {
 
 std::string check(const Case& c) {
   if (c.optimize) refuse_optimization(c);
-  const Mesh mesh = triangulate(c.shape, c.sizing);
+  const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
   Lines out;
-  Notes notes = crowded_tips(c.shape, c.sizing);
+  Notes notes = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
+  if (c.mesh)
+    if (const auto problem = find_problem(c.shape))
+      notes.push_back(
+          fmt::format("{}: kerf cannot mesh this body anew, for validation, error bars of maps, adaptive "
+                      "meshes and optimization",
+                      *problem));
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh);
   out.print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");

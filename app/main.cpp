@@ -1,6 +1,7 @@
 // kerf: the commands and their arguments. CLI11 lives here and nowhere else.
 
 #include "app/keys.hpp"
+#include "app/mesh.hpp"
 #include "app/optimize.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
@@ -27,8 +28,9 @@ struct Arguments {
   std::vector<std::string> overrides;
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
   bool quiet = false, force = false, resume = false;
-  std::string log_level;      // empty: info, or warn when quiet
-  std::string template_name;  // of init
+  std::string log_level;       // empty: info, or warn when quiet
+  std::string template_name;   // of init
+  std::string format = "4.1";  // of mesh
   KeysRequest keys;
   std::vector<CommandWords> commands;  // and their options
   bool list = false;
@@ -46,6 +48,7 @@ const std::vector<Command>& commands() {
       {"check", "Read the case, mesh it, print what each label selected; solve nothing"},
       {"validate", "The expansion against computations with changes of finite size"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
+      {"mesh", "The mesh alone, for gmsh or ParaView"},
       {"keys", "What may stand in a case file: all keys, or one of them"},
       {"init", "Write a commented case to begin from"},
       {"bench", "Speed against error, with CSV, JSON and pictures"}};
@@ -76,7 +79,13 @@ void declare(CLI::App& app, Arguments& arguments) {
     }
     if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
     sub->add_option("CASE", arguments.case_file, "The case file (TOML)")->required();
-    sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
+    if (command.name == "mesh") {
+      sub->add_option("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
+      sub->add_option("--format", arguments.format, "Of gmsh, for .msh; default 4.1")
+          ->check(CLI::IsMember({"4.1", "2.2"}));
+    } else {
+      sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
+    }
     sub->add_option("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -158,6 +167,16 @@ int perform_init(const Arguments& arguments) {
   return 0;
 }
 
+int perform_mesh(const Arguments& arguments, const Case& c) {
+  const std::filesystem::path path = arguments.folder.empty() ? c.name + ".msh" : arguments.folder;
+  require_mesh_ending(path);
+  if (std::filesystem::exists(std::filesystem::symlink_status(path)) && !arguments.force)
+    throw Error(Fault::Files, fmt::format("{} is there already; use --force to overwrite it", path.string()));
+  const std::string said = write_mesh_of(c, path, arguments.format);
+  if (!arguments.quiet) print(said);
+  return 0;
+}
+
 int perform(const Arguments& arguments) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "keys") {
@@ -169,6 +188,7 @@ int perform(const Arguments& arguments) {
     print(check(c));
     return 0;
   }
+  if (arguments.command == "mesh") return perform_mesh(arguments, c);
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;

@@ -8,6 +8,7 @@
 #include "app/refuse.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
+#include "io/mesh_source.hpp"
 #include "plot/page.hpp"
 
 #include <fmt/core.h>
@@ -36,6 +37,7 @@ Body body_of(const Case& c, const Adapted& adapted) {
 Adaptation adaptation(const Case& c, int threads) {
   Adaptation how{.contact = c.contact, .saddle_point = c.backend == Backend::Umfpack, .threads = threads};
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
+  how.given = c.mesh;
   return how;
 }
 
@@ -56,6 +58,7 @@ OptimizeTask optimize_task(const Case& c, int threads) {
 /// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.
 Case designed(const Case& c, const OptimizeResult& result) {
   Case out = c;
+  out.mesh.reset();
   out.shape = result.shape;
   out.scene = result.scene;
   if (out.scene.tractions.empty() && !out.scene.body) {
@@ -87,7 +90,26 @@ Jobs jobs_of(const Case& c, Job job) {
   return jobs;
 }
 
+/// A mesh from a file may be of a body that cannot be drawn: known before anything is solved.
+void refuse_remeshing(const Case& c, const Jobs& jobs) {
+  if (!c.mesh) return;
+  const char* why = jobs.optimize                      ? "optimize"
+                    : jobs.validate                    ? "validate"
+                    : jobs.map && c.map_request.bounds ? "bound the map"
+                    : c.adapt                          ? "adapt the mesh"
+                    : c.synthetic                      ? "make up measurements"
+                                                       : nullptr;
+  if (!why) return;
+  if (const auto problem = find_problem(c.shape))
+    throw Error(
+        Fault::Geometry,
+        fmt::format("{}; to {}, kerf would have to mesh this body anew, and cannot (kerf solve and map can use the "
+                    "mesh as it is)",
+                    *problem, why));
+}
+
 void refuse(const Case& c, const Jobs& jobs) {
+  refuse_remeshing(c, jobs);
   if (jobs.map) refuse_friction(c.shape, c.scene, "map", "map");
   if (jobs.validate) refuse_friction(c.shape, c.scene, "validation", "validate");
   if (jobs.optimize) refuse_optimization(c);
@@ -141,10 +163,15 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   StateSection section =
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
+<<<<<<< HEAD
   r.state->thickness = c.thickness;
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
   const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), crowded.begin(), crowded.end());
+=======
+  const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
+  r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
+>>>>>>> h_gmsh
   r.cracks = std::move(section.cracks);
   if (section.contact) r.contact = std::move(section.contact);
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
@@ -185,6 +212,7 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   }
   Case design = designed(c, found.result);
   write_design_files(journal, c, found.result);
+  if (has_gmsh()) write_step(journal.file("design.step"), found.result.shape);
   r.optimize = std::move(found.result);
   r.optimize_names = std::move(found.names);
   r.identified = std::move(found.identified);
@@ -197,12 +225,11 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
 /// state.
 void draw_design(const Case& design, Journal& journal, Result& r) {
   r.optimize->notes.push_back("state, map and validation are of the body before the optimization");
-  if (!journal.png) return;
   journal.begin("draw the design");
   const Body body = body_of(design);
-  const Model model = prepare(triangulate(body.shape, body.sizing), body.element, body.scene, journal.options.threads,
-                              {.factorize = false});
-  journal.picture("design.png", "The design", [&] { return picture_of(design, model.mesh); });
+  const Mesh mesh = triangulate(body.shape, body.sizing);
+  write_mesh(journal.file("design.msh"), mesh, design.shape);
+  journal.picture("design.png", "The design", [&] { return picture_of(design, mesh); });
   journal.show_last_first();
   journal.seconds.output += journal.lap();
 }
@@ -210,6 +237,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 /// The state of the optimal design; J is what the optimization says, over all load cases.
 Solved solve_design(const Case& design, Journal& journal, Result& r) {
   Solved solved = solve_state(design, journal, r);
+  write_mesh(journal.file("design.msh"), solved.adapted.model.mesh, design.shape);
   journal.picture("design.png", "The design", [&] { return picture_of(design, solved.adapted.model.mesh); });
   journal.show_last_first();
   r.functional = {design.functional.kind, r.optimize->objective};

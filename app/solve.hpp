@@ -3,6 +3,7 @@
 
 #include "app/collect.hpp"
 #include "app/journal.hpp"
+#include "kerf/case_file.hpp"
 #include "solver/data.hpp"
 
 namespace kerf {
@@ -17,6 +18,9 @@ struct Body {
 
 /// Data that the rules of the solver do not resolve: what, where, in words.
 std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data, const Shape& shape);
+
+/// What a mesh from a file leaves to be desired.
+std::vector<std::string> notes_on_file(const Case& c);
 
 /// Graded at the ends of contact; `how.error` and what belongs to it are not asked.
 Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);

@@ -20,7 +20,7 @@ declare -A home=(
   [fracture]=solver [bounds]=solver [adaptive]=solver
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [validate]=topo [shape_gradient]=topo
   [design]=optimize [optimize]=optimize [inverse]=optimize
-  [case_file]=io [vtk]=io [kerf]=io
+  [case_file]=io [mesh_file]=io [vtk]=io [kerf]=io
 )
 for header in include/kerf/*.hpp; do
   name=$(basename "$header" .hpp)
@@ -78,6 +78,7 @@ only nlopt optimize/parametric/minimize.cpp
 only 'toml\+\+' io/case/reader.cpp
 only muParser io/case/expression.cpp
 only vtk io/result/vtk_module.cpp
+only gmsh io/mesh/gmsh_module.cpp
 only cairo plot/figure/pen.hpp
 only nlohmann io/result/result.cpp io/case/key_schema.cpp bench/records.cpp
 only CLI app/main.cpp bench/main.cpp

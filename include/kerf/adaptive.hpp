@@ -39,6 +39,7 @@ struct Adaptation {
   int threads = 1;
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
+  std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
 };
 
 struct Adapted {
@@ -57,7 +58,8 @@ std::vector<Vec2> contact_ends(const Model& model, const Field& state);
 /// One solution on the mesh that `sizing` asks for, graded at the ends of contact [theory: C.20]: there the adjoint of
 /// every J but an energy is singular as the state is at a tip, and T depends on where the end is. They are found on a
 /// coarse mesh (where that is much cheaper), graded, and the mesh is made anew where contact ends elsewhere after all.
-/// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh.
+/// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh;
+/// a given mesh is solved once as it is.
 /// Uses `contact`, `saddle_point`, `threads` of the adaptation. Throws as triangulate and prepare do.
 Adapted solve_graded(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
                      const Adaptation& how);

@@ -2,6 +2,7 @@
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
 #include "kerf/inverse.hpp"
+#include "kerf/mesh_file.hpp"
 #include "kerf/optimize.hpp"
 #include "kerf/units.hpp"
 #include "kerf/validate.hpp"
@@ -68,6 +69,8 @@ struct Case {
   std::string title;  // the name when the file gives none
   Units units;
   Shape shape;
+  std::shared_ptr<const Mesh> mesh = {};     // of the shape, from a file: the state is solved on it as it is
+  std::vector<std::string> file_notes = {};  // what was left out of that file
   Sizing sizing;
   Scene scene;  // one law per crack of the shape
   double young = 1, poisson = 0.3;

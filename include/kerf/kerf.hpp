@@ -12,6 +12,7 @@
 #include "kerf/map.hpp"
 #include "kerf/material.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/mesh_file.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/model.hpp"
 #include "kerf/perturbation.hpp"

@@ -43,6 +43,8 @@ void read_mesh(const Value& document, Case& c) {
   take(*mesh, "size", c.sizing.size);
   take(*mesh, "crack_tip_size", c.sizing.crack_tip_size);
   take(*mesh, "min_angle", c.sizing.min_angle_deg);
+  if (const auto mesher = find(*mesh, "mesher"); mesher && !find(need(document, "domain"), "file"))
+    fail(mesher->node->position, mesher->name + " goes with a geometry in domain.file");
   if (const auto adapt = find_table(*mesh, "adapt")) {
     allow_only(*adapt);
     c.adapt.emplace();
@@ -115,9 +117,9 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   const auto title = find(document, "title");
   c.title = title ? text(*title) : c.name;
   read_units(document, c);
-  read_shape(document, c);
+  const std::optional<MeshFile> file = read_shape(document, path.parent_path(), c);
   read_material(document, c);
-  const std::vector<Loop> frozen = read_regions(document, c);
+  const std::vector<Loop> frozen = read_regions(document, file, c);
   Definitions definitions = read_definitions(document, c);
   read_conditions(document, definitions, c);
   read_functional(document, path.parent_path(), definitions, c);

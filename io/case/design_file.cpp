@@ -260,6 +260,9 @@ Node rest_of(const Case& c, const std::filesystem::path& folder) {
       entry.value.entries.push_back({"volume", {}, volume});
     }
   Paths(c.folder, folder).move(rest);
+  for (Entry& entry : rest.entries)
+    if (entry.key == "mesh")  // the design is drawn
+      std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "mesher"; });
   drop_unused_definitions(rest);
   return rest;
 }

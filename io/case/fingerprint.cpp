@@ -25,7 +25,7 @@ void append(std::string& out, const Node& node, const std::string& path, const s
     case Node::Kind::Date:
       begin('s', 0);
       append_text(node.text);
-      if ((path.ends_with(".measured") || path.ends_with(".start.design")) && std::filesystem::is_regular_file(folder / node.text))
+      if ((path.ends_with(".measured") || path.ends_with(".start.design") || path == ".domain.file") && std::filesystem::is_regular_file(folder / node.text))
         append_text(read_text(folder / node.text));
       return;
     case Node::Kind::Array:

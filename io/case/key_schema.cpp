@@ -64,6 +64,8 @@ Json object_of(std::string_view path) {
   }
   if (!required.empty()) object["required"] = required;
   if (!dependent.empty()) object["dependentRequired"] = dependent;
+  if (const Key* table = find_key(path); !one_of.empty() && table && table->rules.bare)
+    one_of.push_back({{"not", {{"anyOf", one_of}}}});
   if (!one_of.empty()) object["oneOf"] = one_of;
   return object;
 }

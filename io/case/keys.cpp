@@ -28,6 +28,7 @@ constexpr std::array<View, 12> functional_kinds{
     "energy",         "compliance",   "volume", "displacement_tracking", "boundary_tracking",
     "stress_power",   "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",
     "crack_pressure", "sum"};
+constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
 constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
 constexpr std::array<View, 1> from_map{"map"};
@@ -53,7 +54,7 @@ constexpr Key rows[] = {
     {"domain", Table, {.required = true}, "The body: an outline with a label per edge."},
     {"domain.outline",
      Points,
-     {.required = true},
+     {.one_of = true},
      "Corners of a simple polygon, in order. An entry may be { arc_to = [x, y], center = [x, y] }: the edge that "
      "arrives there is an arc. Two entries make a disc.",
      "[[0, 0], [2, 0], [2, 1], [0, 1]]"},
@@ -66,14 +67,23 @@ constexpr Key rows[] = {
      "[0, 0]"},
     {"domain.sides",
      Names,
-     {.required = true},
+     {.with = "outline", .required = true},
      "A label per edge, corner 1 to 2 first; edges may share a label.",
      "[\"bottom\", \"right\", \"top\", \"left\"]"},
     {"domain.file",
      Text,
-     {.later = "draw the body with outline, sides and [[hole]]"},
-     "A mesh or a geometry of gmsh.",
+     {.one_of = true},
+     "A mesh of gmsh (.msh), on which the state is solved as it is, or a geometry that gmsh reads (.geo, .step, .brep, "
+     ".iges). Physical curves on the rim are labels, crack:<name> inside are cracks, physical surfaces regions.",
      "\"plate.msh\""},
+    {"domain.side[]", Tables, {.with = "file"}, "A label for a side of the file, which may have none."},
+    {"domain.side[].near",
+     Pair,
+     {.required = true},
+     "A point nearer to the side than to any other: a curve of the geometry, or edges that turn by less than 30 "
+     "degrees.",
+     "[0, 0.5]"},
+    {"domain.side[].name", Name, {.required = true}, "Its label.", "\"left\""},
 
     {"hole[]", Tables, {}, "A hole in the body."},
     {"hole[].name", Name, {.required = true}, "Its boundary is the label hole:<name>.", "\"h1\""},
@@ -109,9 +119,9 @@ constexpr Key rows[] = {
 
     {"crack[]",
      Tables,
-     {},
+     {.bare = true},
      "A crack. Cracks that cut off a piece are refused unless supports hold every piece: contact alone does not "
-     "count."},
+     "count. A crack without a form is the physical curve crack:<name> of domain.file."},
     {"crack[].name", Name, {.required = true}, "Names its files and its rows in results.", "\"c\""},
     {"crack[].path",
      Points,
@@ -175,9 +185,11 @@ constexpr Key rows[] = {
 
     {"region[]",
      Tables,
-     {},
+     {.bare = true},
      "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes, cracks or "
-     "each other. They may lie around holes and cracks, and inside one another: the inner one counts."},
+     "each other. They may lie around holes and cracks, and inside one another: the inner one counts. A region without "
+     "a "
+     "form is a physical surface of domain.file, where it may touch anything."},
     {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
     {"region[].circle",
      Table,
@@ -216,7 +228,12 @@ constexpr Key rows[] = {
     {"define", Formulas, {}, "Named subexpressions, in order; each must be used.", "r1 = \"sqrt((x-1)^2 + y^2)\""},
 
     {"mesh", Table, {}, "The mesh of triangles."},
-    {"mesh.size", Number, {.range = positive}, "Target edge length.", "0.1", "1/40 of the body's diagonal"},
+    {"mesh.size",
+     Number,
+     {.range = positive},
+     "Target edge length.",
+     "0.1",
+     "1/40 of the body's diagonal; of a mesh from a file its mean"},
     {"mesh.crack_tip_size",
      Number,
      {.range = positive},
@@ -230,6 +247,12 @@ constexpr Key rows[] = {
      "Least angle in degrees, kept wherever the drawing's own angles allow.",
      "20",
      "25"},
+    {"mesh.mesher",
+     Word,
+     {.words = mesher_words},
+     "Who meshes a geometry of domain.file: kerf its outline, or gmsh, whose mesh is kept as it is.",
+     "\"gmsh\"",
+     "\"kerf\""},
     {"mesh.adapt",
      Table,
      {},

@@ -61,6 +61,7 @@ struct KeyRules {
                                 // `method`, or these shapes of what it starts, only; empty: with everything
   bool required = false;        // wherever it may stand
   bool one_of = false;          // its table needs exactly one of the keys that have this
+  bool bare = false;            // a table that may have none of them
   std::string_view like = {};   // a table: has the keys of that one, too
   std::string_view later = {};  // not read yet: what to do instead
 };

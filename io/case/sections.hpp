@@ -7,8 +7,23 @@
 
 namespace kerf {
 
-/// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole.
-void read_shape(const Value& document, Case& c);
+/// [domain], [[hole]], [[crack]]. Labels: those of the sides in order of appearance, then "hole:<name>" per hole. Of a
+/// body from a file (relative to `folder`) also what is known of its regions, its mesh and shape left out.
+std::optional<MeshFile> read_shape(const Value& document, const std::filesystem::path& folder, Case& c);
+
+/// The body that domain.file names, and which of its surfaces [[region]] and optimize.frozen mean.
+MeshFile read_body_file(const Value& document, const Value& domain, const std::filesystem::path& folder, Case& c);
+
+/// The laws that [[crack]] gives to the cracks of a file; tables of cracks that are drawn are left.
+std::vector<Value> read_laws_of_file(const std::vector<Value>& tables, Case& c);
+
+/// Whether [optimize] names a region as frozen.
+bool is_frozen(const Value& document, const std::string& name);
+
+CrackLaw read_law(const Value& crack);
+
+/// CrackLaw::normal of an arc; empty for straight edges.
+std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack);
 
 /// More of these tables, with names of their own.
 void add_holes(const std::vector<Value>& tables, Shape& shape);
@@ -18,7 +33,7 @@ std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool plane_st
 
 /// [[region]], in the plane state that [material] has. Returns those that [optimize] names as frozen; they are regions
 /// of the shape only if they have a material.
-std::vector<Loop> read_regions(const Value& document, Case& c);
+std::vector<Loop> read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c);
 
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {

@@ -85,6 +85,28 @@ std::vector<Value> frozen_names(const Value& document) {
   return frozen ? items(*frozen, 1) : std::vector<Value>{};
 }
 
+bool is_drawn(const Value& region) {
+  return find(region, "circle") || find(region, "ellipse") || find(region, "polygon");
+}
+
+/// Regions of a file, in their order: with the material of the [[region]] of their surface, or that of the body.
+void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file, Case& c) {
+  std::vector<Value> named;
+  for (const Value& region : tables)
+    if (!is_drawn(region)) named.push_back(region);
+  for (const Index m : file.material) {
+    if (m == none) {
+      c.regions.push_back({c.young, c.poisson});
+      c.scene.regions.push_back(c.scene.material);
+      continue;
+    }
+    const Value& region = named[static_cast<std::size_t>(m)];
+    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
+    c.regions.push_back(e);
+    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
+  }
+}
+
 Loop read_loop(const Value& hole, const std::string& name, Index label) {
   const std::string kind = one_of(hole);
   const Value form = need(hole, kind);
@@ -119,16 +141,45 @@ Crack read_path(const Value& crack, const std::string& name) {
 
 }  // namespace
 
-void read_shape(const Value& document, Case& c) {
+std::optional<MeshFile> read_shape(const Value& document, const std::filesystem::path& folder, Case& c) {
   need(document, "domain");
   const Value domain = *find_table(document, "domain");
-  allow_only(domain);
-  read_domain(domain, c.shape);
-
-  add_holes(find_tables(document, "hole"), c.shape);
-  add_cracks(find_tables(document, "crack"), c.shape, c.scene.laws);
+  const std::string kind = one_of(domain);
+  allow_only(domain, kind);
+  std::optional<MeshFile> file;
+  std::vector<Value> holes = find_tables(document, "hole"), cracks = find_tables(document, "crack");
+  if (kind == "file") {
+    file = read_body_file(document, domain, folder, c);
+    cracks = read_laws_of_file(cracks, c);
+    if (c.mesh && !holes.empty())
+      fail(holes.front().node->position, "[[hole]]: the mesh of domain.file is taken as it is; mesh the hole there");
+  } else {
+    read_domain(domain, c.shape);
+  }
+  add_holes(holes, c.shape);
+  add_cracks(cracks, c.shape, c.scene.laws);
   for (const CrackLaw& law : c.scene.laws)
     if (has_friction(law) && law.friction > 0) c.sizing.mirrored_tips = true;
+  return file;
+}
+
+bool is_frozen(const Value& document, const std::string& name) {
+  const std::vector<Value> wanted = frozen_names(document);
+  return std::any_of(wanted.begin(), wanted.end(), [&](const Value& field) { return text(field) == name; });
+}
+
+CrackLaw read_law(const Value& crack) {
+  CrackLaw law;
+  take(crack, "contact", law.kind);
+  for (const auto& [key, value] : {std::pair{"friction", &law.friction}, std::pair{"tresca", &law.slip_bound}})
+    if (const auto given = find(crack, key)) {
+      *value = number(*given);
+      if (*value < 0) fail(given->node->position, given->name + " must not be negative");
+      if (*value > 0 && law.kind != CrackLaw::Kind::Unilateral)
+        fail(given->node->position,
+             fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, word(law.kind)));
+    }
+  return law;
 }
 
 void add_holes(const std::vector<Value>& tables, Shape& shape) {
@@ -151,24 +202,18 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
   }
 }
 
+std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack) {
+  if (!crack.arc) return {};
+  return [center = crack.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+}
+
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
   for (const Value& crack : tables) {
     allow_only(crack);
     const std::string name = new_name(need(crack, "name"), shape.cracks);
-    CrackLaw crack_law;
-    take(crack, "contact", crack_law.kind);
-    for (const auto& [key, value] :
-         {std::pair{"friction", &crack_law.friction}, std::pair{"tresca", &crack_law.slip_bound}})
-      if (const auto given = find(crack, key)) {
-        *value = number(*given);
-        if (*value < 0) fail(given->node->position, given->name + " must not be negative");
-        if (*value > 0 && crack_law.kind != CrackLaw::Kind::Unilateral)
-          fail(given->node->position,
-               fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, word(crack_law.kind)));
-      }
+    CrackLaw crack_law = read_law(crack);
     Crack path = read_path(crack, name);
-    if (path.arc)
-      crack_law.normal = [center = path.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+    crack_law.normal = normal_of(path);
     shape.cracks.push_back(std::move(path));
     laws.push_back(std::move(crack_law));
   }
@@ -188,21 +233,23 @@ std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane
   return elastics;
 }
 
-std::vector<Loop> read_regions(const Value& document, Case& c) {
+std::vector<Loop> read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c) {
   std::vector<Value> materials;
   std::vector<std::string> names;
   std::vector<Loop> frozen;
   const std::vector<Value> tables = find_tables(document, "region"), wanted = frozen_names(document);
-  const auto is_frozen = [&](const std::string& name) {
-    return std::any_of(wanted.begin(), wanted.end(), [&](const Value& field) { return text(field) == name; });
-  };
   for (const Value& region : tables) {
     allow_only(region);
     const Value field = need(region, "name");
     const std::string name = safe_name(field);
     if (std::find(names.begin(), names.end(), name) != names.end()) refuse_taken(field, name);
     names.push_back(name);
-    const bool mask = is_frozen(name);
+    const bool mask = is_frozen(document, name);
+    if (file && !is_drawn(region)) {
+      for (const Loop& loop : file->masks)
+        if (mask && loop.name == name) frozen.push_back(loop);
+      continue;
+    }
     if (mask) frozen.push_back(read_loop(region, name, none));
     if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);
   }
@@ -210,7 +257,8 @@ std::vector<Loop> read_regions(const Value& document, Case& c) {
     if (std::find(names.begin(), names.end(), text(field)) == names.end())
       fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
                                              names.empty() ? "the case has none" : suggest(text(field), names)));
-  c.regions = add_regions(materials, c.plane_strain, c.shape, c.scene.regions);
+  if (file) add_regions_of_file(tables, *file, c);
+  for (const Elastic& e : add_regions(materials, c.plane_strain, c.shape, c.scene.regions)) c.regions.push_back(e);
   return frozen;
 }
 

@@ -1,13 +1,13 @@
 #include "kerf/vtk.hpp"
 
 #include "io/files.hpp"
+#include "io/module.hpp"
 #include "io/result/vtk_module.hpp"
 
 #include <dlfcn.h>
 #include <fmt/core.h>
 
 #include <climits>
-#include <system_error>
 
 namespace kerf {
 
@@ -17,36 +17,17 @@ struct Module {
   KerfVtkWriter triangles, lines;
 };
 
-/// Beside the program (build tree), in ../lib/kerf (installed), or where it was built or installed (programs of others).
-/// It stays loaded until the program ends.
 Module load() {
-  std::vector<std::filesystem::path> places = {"kerf_vtk.so"};
-  std::error_code code;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", code);
-  if (!code) {
-    places.push_back(program.parent_path() / "kerf_vtk.so");
-    places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / "kerf_vtk.so");
-  }
-  places.push_back(std::filesystem::path(KERF_VTK_FOLDER) / "kerf_vtk.so");
-  std::string reason;
-  for (const auto& place : places) {
-    void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) {
-      // Of three reasons the one that is not "no such file" says most.
-      const std::string why = dlerror();
-      if (reason.empty() || why.find("cannot open shared object file") == std::string::npos) reason = why;
-      continue;
-    }
-    const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(handle, name)); };
-    const Module module = {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};
-    if (module.triangles && module.lines) return module;
-    reason = place.string() + " is not the VTK module of this program";
-    dlclose(handle);
-  }
-  throw Error(Fault::Files,
-              fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
-                          "install libvtk9.1, or switch VTK files off with [output] vtk = false",
-                          reason));
+  const LoadedModule found =
+      load_module("kerf_vtk.so", KERF_VTK_FOLDER, {"kerf_vtk_write_triangles", "kerf_vtk_write_lines"});
+  if (!found.handle)
+    throw Error(
+        Fault::Files,
+        fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
+                    "install libvtk9.1, or switch VTK files off with [output] vtk = false",
+                    found.reason));
+  const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(found.handle, name)); };
+  return {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};
 }
 
 const Module& loaded() {

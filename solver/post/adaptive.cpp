@@ -131,7 +131,7 @@ class Grading {
     if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
     while (true) {
       Adapted a = once(sizing, told);
-      if (!has_contact() || --most == 0) return a;
+      if (!has_contact() || --most == 0 || how_.given) return a;
       const std::vector<End> ends = ends_of(a.model, a.state);
       constexpr double fine = 3;  // times the size that is asked for
       if (std::all_of(ends.begin(), ends.end(), [&](const End& e) { return e.gap <= fine * end_size(sizing.size); }))
@@ -146,7 +146,7 @@ class Grading {
     Sizing sizing = wanted;
     sizing.size = extent(shape_) / coarse;
     const double size = wanted.size > 0 ? wanted.size : extent(shape_) / 40;
-    if (!has_contact() || sizing.size < cheaper * size) return {};
+    if (!has_contact() || how_.given || sizing.size < cheaper * size) return {};
     const Adapted a = solve(sizing, 4, false);
     return contact_ends(a.model, a.state);
   }
@@ -156,7 +156,7 @@ class Grading {
  private:
   Adapted once(const Sizing& sizing, bool told) {
     Stopwatch watch;
-    Mesh mesh = triangulate(shape_, sizing);
+    Mesh mesh = how_.given ? *how_.given : triangulate(shape_, sizing);
     if (told && how_.meshed) how_.meshed(mesh);
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
     Model model = prepare(std::move(mesh), element_, scene_, how_.threads);
@@ -208,7 +208,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
   Stopwatch watch;
   Sizing sizing = given;
   if (!(sizing.size > 0)) sizing.size = extent(shape) / 40;
-  Mesh mesh = triangulate(shape, sizing);
+  Mesh mesh = wanted.given ? *wanted.given : triangulate(shape, sizing);
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;
   double best = infinity;

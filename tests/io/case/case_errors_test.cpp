@@ -176,8 +176,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Case, DomainErrors) {
   const std::string material = "[material]\nyoung = 1\npoisson = 0.3\n";
   EXPECT_EQ(error(""), "a.toml:1:1: missing table [domain]; add it");
-  EXPECT_EQ(error("[domain]\nfile = 'plate.msh'\n" + material),
-            "a.toml:2:1: \"file\" in [domain] is not supported yet; draw the body with outline, sides and [[hole]]");
+  EXPECT_EQ(error("[domain]\nsides = ['a', 'b']\n" + material), "a.toml:1:1: [domain] needs one of outline, file");
+  EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nfile = 'plate.msh'\n" + material),
+            "a.toml:3:8: [domain] has both outline and file; keep one");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0]]\nsides = ['a', 'b']\n" + material),
             "a.toml:2:11: outline in [domain] has 2 vertices; a body needs at least 3, or 2 with an arc");
   EXPECT_EQ(error("[domain]\noutline = [[0, 0], [1, 0], [0, 1]]\nsides = ['a', 'b']\n" + material),

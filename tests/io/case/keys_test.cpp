@@ -92,6 +92,7 @@ std::string wrong(const json& value, const json& schema, const json& root, const
       }
       if (fits == 0 || (some == std::string("oneOf") && fits > 1)) return path + ": " + some + ": " + first;
     }
+  if (schema.contains("not") && wrong(value, schema["not"], root, path).empty()) return path + ": what must not be";
   if (schema.contains("type"))
     if (const std::string said = wrong_type(value, schema["type"]); !said.empty()) return path + ": " + said;
   if (schema.contains("enum") && std::count(schema["enum"].begin(), schema["enum"].end(), value) == 0)

@@ -1,0 +1,271 @@
+#include "io/mesh/gmsh.hpp"
+
+#include "geometry/arc_chain.hpp"
+#include "geometry/plane.hpp"
+#include "io/files.hpp"
+#include "io/mesh/gmsh_module.hpp"
+#include "io/module.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <memory>
+
+namespace kerf {
+
+namespace {
+
+struct Module {
+  KerfGmshMesher mesh = nullptr;
+  KerfGmshStep step = nullptr;
+  std::string reason = {};
+};
+
+const Module& loaded() {
+  static const Module module = [] {
+    const LoadedModule found = load_module("kerf_gmsh.so", KERF_GMSH_FOLDER, {"kerf_gmsh_mesh", "kerf_gmsh_step"});
+    if (!found.handle) return Module{.reason = found.reason};
+    return Module{reinterpret_cast<KerfGmshMesher>(dlsym(found.handle, "kerf_gmsh_mesh")),
+                  reinterpret_cast<KerfGmshStep>(dlsym(found.handle, "kerf_gmsh_step"))};
+  }();
+  return module;
+}
+
+const Module& needed(const std::filesystem::path& path) {
+  const Module& module = loaded();
+  if (!module.mesh)
+    throw Error(Fault::Files,
+                fmt::format("{}: gmsh is needed for it, and kerf was built without it or does not find its module "
+                            "kerf_gmsh.so ({}); ./dev gmsh builds it, or save a mesh (.msh) with gmsh",
+                            path.string(), module.reason));
+  return module;
+}
+
+/// A file of its own in the folder for temporary files, gone with the object.
+class TemporaryMesh {
+ public:
+  TemporaryMesh() {
+    name_ = (std::filesystem::temp_directory_path() / "kerf-XXXXXX.msh").string();
+    const int file = mkstemps(name_.data(), 4);
+    if (file < 0) throw Error(Fault::Files, fmt::format("cannot make a temporary file {}", name_));
+    close(file);
+  }
+  TemporaryMesh(const TemporaryMesh&) = delete;
+  TemporaryMesh& operator=(const TemporaryMesh&) = delete;
+  ~TemporaryMesh() {
+    std::error_code ignored;
+    std::filesystem::remove(name_, ignored);
+  }
+  const std::string& name() const {
+    return name_;
+  }
+
+ private:
+  std::string name_;
+};
+
+/// What the points lie on, whatever gmsh calls it: a round ellipse is a circle.
+void classify(RawCurve& curve) {
+  const std::size_t n = curve.points.size();
+  double size = 0, bulge = 0;
+  for (const Vec2& x : curve.points) {
+    size = std::max(size, (x - curve.points.front()).norm());
+    bulge = std::max(bulge, distance(x, curve.points.front(), curve.points.back()));
+  }
+  constexpr double rounding = 1e-11;
+  if (n < 4 || bulge <= rounding * size) return;
+  curve.kind = RawCurve::Kind::Other;
+  const Vec2 a = curve.points.front(), p = curve.points[n / 3] - a, q = curve.points[2 * n / 3] - a;
+  const double twice = 2 * cross(p, q);
+  const Vec2 center(q.y() * p.squaredNorm() - p.y() * q.squaredNorm(),
+                    p.x() * q.squaredNorm() - q.x() * p.squaredNorm());
+  if (twice == 0) return;
+  curve.center = a + center / twice;
+  curve.radius = center.norm() / std::abs(twice);
+  if (std::all_of(curve.points.begin(), curve.points.end(), [&](const Vec2& x) {
+        return std::abs((x - curve.center).norm() - curve.radius) <= rounding * curve.radius;
+      }))
+    curve.kind = RawCurve::Kind::Circle;
+}
+
+/// What gmsh tells, in the process that runs it: records that go through a pipe.
+class Teller {
+ public:
+  explicit Teller(int pipe) : pipe_(pipe) {}
+
+  static void curve(void* target, const KerfGmshCurve* told) {
+    const Teller& to = *static_cast<Teller*>(target);
+    to.put("c", 1);
+    to.put(&told->tag, sizeof told->tag);
+    to.put(&told->points, sizeof told->points);
+    to.put(told->xy, 2 * sizeof(double) * std::size_t(told->points));
+  }
+  static void error(void* target, const char* message) {
+    const Teller& to = *static_cast<Teller*>(target);
+    to.put("e", 1);
+    to.put(message, std::strlen(message));
+  }
+
+ private:
+  void put(const void* bytes, std::size_t count) const {
+    for (const char* at = static_cast<const char*>(bytes); count > 0;) {
+      const ssize_t written = write(pipe_, at, count);
+      if (written <= 0) return;  // the reader is gone
+      at += written;
+      count -= std::size_t(written);
+    }
+  }
+  int pipe_;
+};
+
+struct Told {
+  std::map<std::int32_t, RawCurve> curves;
+  std::string error;
+};
+
+Told understand(const std::string& bytes) {
+  Told told;
+  std::size_t at = 0;
+  const auto take = [&](void* to, std::size_t count) {
+    if (bytes.size() - at < count) throw Error(Fault::Files, "gmsh did not tell all its curves");
+    std::memcpy(to, bytes.data() + at, count);
+    at += count;
+  };
+  while (at < bytes.size()) {
+    if (bytes[at++] == 'e') {
+      told.error = bytes.substr(at);
+      return told;
+    }
+    std::int32_t tag;
+    std::int64_t count;
+    take(&tag, sizeof tag);
+    take(&count, sizeof count);
+    RawCurve curve;
+    for (std::int64_t k = 0; k < count; ++k) {
+      curve.points.emplace_back();
+      take(curve.points.back().data(), 2 * sizeof(double));
+    }
+    classify(curve);
+    told.curves[tag] = std::move(curve);
+  }
+  return told;
+}
+
+/// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
+/// crash, kerf says so.
+Told in_child(const std::function<void(Teller& teller)>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) {
+    close(ends[0]);
+    close(ends[1]);
+    throw Error(Fault::Files, "cannot start gmsh in a process of its own: there is no memory for it");
+  }
+  if (child == 0) {
+    close(ends[0]);
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    const int nowhere = open("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    Teller teller(ends[1]);
+    work(teller);
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string bytes;
+  char block[1 << 16];
+  for (ssize_t n; (n = read(ends[0], block, sizeof block)) != 0;) {
+    if (n < 0 && errno != EINTR) break;
+    if (n > 0) bytes.append(block, std::size_t(n));
+  }
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return understand(bytes);
+  return {.error = WIFSIGNALED(status) ? fmt::format("it crashed (signal {})", WTERMSIG(status)) : "it ended early"};
+}
+
+}  // namespace
+
+bool has_gmsh() {
+  return loaded().mesh != nullptr;
+}
+
+RawMesh mesh_geometry(const BodySource& source) {
+  const Module& module = needed(source.path);
+  read_file(source.path);  // gmsh says nothing of a file that is not there
+  const std::string path = source.path.string();
+  const TemporaryMesh file;
+  // Chords that are too long may cross.
+  for (const int turn : {12, 48, 192}) {
+    const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
+    Told told = in_child([&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
+    if (told.error.empty()) {
+      RawMesh raw = parse_msh(path, read_file(file.name()));
+      if (!source.keep_mesh) raw.curves = std::move(told.curves);
+      return raw;
+    }
+    if (source.keep_mesh || turn == 192) throw Error(Fault::Geometry, fmt::format("{}: gmsh: {}", path, told.error));
+  }
+  return {};
+}
+
+namespace {
+
+/// Arcs of more than a third of a turn in pieces.
+std::vector<Side> short_arcs(const Loop& loop) {
+  std::vector<Side> out;
+  for (const Side& side : loop.sides) {
+    const double whole = side.arc ? side.arc->to - side.arc->from : 0;
+    const int count = std::max(1, int(std::ceil(std::abs(whole) / (2 * pi / 3) - 1e-9)));
+    for (int k = 0; k < count; ++k) {
+      Side part = side;
+      if (side.arc) part.start = k == 0 ? side.start : at(*side.arc, side.arc->from + whole * k / count);
+      out.push_back(part);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void write_step(const std::filesystem::path& path, const Shape& shape) {
+  const Module& module = needed(path);
+  const Shape drawn = circular(shape, 1e-4 * extent(shape), true);
+  std::vector<Side> sides;
+  std::vector<std::int64_t> ends;
+  const auto add = [&](const Loop& loop) {
+    for (const Side& side : short_arcs(loop)) sides.push_back(side);
+    ends.push_back(std::int64_t(sides.size()));
+  };
+  add(drawn.outline);
+  for (const Loop& hole : drawn.holes) add(hole);
+  std::vector<double> start, center;
+  const auto arc = std::make_unique<bool[]>(sides.size());
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const Vec2 c = sides[k].arc ? sides[k].arc->center : Vec2(0, 0);
+    start.insert(start.end(), {sides[k].start.x(), sides[k].start.y()});
+    center.insert(center.end(), {c.x(), c.y()});
+    arc[k] = sides[k].arc.has_value();
+  }
+  const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
+  const Told told = in_child([&](Teller& teller) { module.step(path.c_str(), &face, Teller::error, &teller); });
+  if (!told.error.empty())
+    throw Error(Fault::Files, fmt::format("cannot write '{}': gmsh: {}", path.string(), told.error));
+}
+
+}  // namespace kerf

@@ -1,0 +1,135 @@
+// Every job on a mesh that gmsh wrote, and what it leaves for other programs.
+
+#include "app/mesh.hpp"
+#include "app/run.hpp"
+#include "io/mesh_source.hpp"
+#include "kerf/mesher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class MeshFileRun : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-mesh-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  Case plate(const std::string& more, const std::string& mesh = (fs::path(KERF_TEST_DATA) / "meshes/gmsh41.msh")) {
+    std::ofstream(folder / "a.toml") << "[domain]\nfile = '" << mesh << "'\n[material]\nyoung = 1\npoisson = 0.3\n"
+                                     << "[[region]]\nname = 'stiff'\nyoung = 5\npoisson = 0.3\n"
+                                     << "[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n"
+                                     << "[[boundary]]\non = 'right'\ntraction = [0.2, 1]\n"
+                                     << "[output]\nvtk = false\npng = false\nhtml = false\n"
+                                     << more;
+    return read_case(folder / "a.toml");
+  }
+  json run_job(const Case& c, Job job) {
+    run(c, job, {.folder = folder / "out", .threads = 2});
+    std::ifstream file(folder / "out" / "result.json");
+    return json::parse(file);
+  }
+  fs::path folder;
+};
+
+TEST_F(MeshFileRun, TheStateIsOnTheMeshOfTheFile) {
+  const json r = run_job(plate("[[crack]]\nname = 'c'\ncontact = 'open'\n"), Job::Map);
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_EQ(r["mesh"]["triangles"], 554);
+  EXPECT_TRUE(r.contains("map"));
+}
+
+TEST_F(MeshFileRun, WithContactToo) {
+  const json r = run_job(plate(""), Job::Solve);
+  EXPECT_EQ(r["mesh"]["triangles"], 554);  // not graded where contact ends
+  EXPECT_LT(r["contact"]["kkt"].get<double>(), 1e-10);
+}
+
+TEST_F(MeshFileRun, AdaptiveMeshesBeginWithIt) {
+  const json r =
+      run_job(plate("[[crack]]\nname = 'c'\ncontact = 'open'\n[mesh]\nadapt = { error = 0.03 }\n"), Job::Solve);
+  EXPECT_EQ(r["mesh"]["adapt"]["rounds"][0]["triangles"], 554);
+  EXPECT_EQ(r["mesh"]["adapt"]["stopped"].get<std::string>().substr(0, 7), "reached");
+}
+
+TEST_F(MeshFileRun, ErrorBarsAndValidationMeshTheBodyAnew) {
+  const json r = run_job(plate("[mesh]\nsize = 0.1\n[map]\nbounds = true\npoints = [[-0.2, -0.6]]\n[validate]\n"
+                               "points = [[-0.2, -0.6]]\nradii = { largest = 0.1, ratio = 0.5, count = 5 }\n"
+                               "[[crack]]\nname = 'c'\ncontact = 'bonded'\n"),
+                         Job::Run);
+  EXPECT_EQ(r["mesh"]["triangles"], 554);
+  const json& point = r["map"]["points"][0];
+  EXPECT_LT(point["lower"].get<double>(), point["upper"].get<double>());
+  EXPECT_EQ(r["validate"][0]["verdict"], "holds") << r["validate"][0]["reason"];
+}
+
+TEST_F(MeshFileRun, OptimizationBeginsWithItsOutline) {
+  const json r = run_job(plate("[mesh]\nsize = 0.2\n[[crack]]\nname = 'c'\ncontact = 'bonded'\n[functional]\nkind = "
+                               "'compliance'\n[optimize]\nvolume = { at_most = 0.8 }\nmax_iterations = 3\n"),
+                         Job::Optimize);
+  EXPECT_LT(r["optimize"]["volume_fraction"].get<double>(), 0.99);
+  const MeshFile design = read_mesh(folder / "out" / "design.msh", {.materials = {"stiff"}});
+  EXPECT_EQ(json(design.mesh.triangles.size()), r["mesh"]["triangles"]);
+  EXPECT_EQ(design.shape.regions.size(), 1u);
+  EXPECT_EQ(fs::exists(folder / "out" / "design.step"), has_gmsh());
+  const Case again = read_case(folder / "out" / "design.toml");
+  EXPECT_FALSE(again.mesh);
+  EXPECT_EQ(find_problem(again.shape), std::nullopt);
+}
+
+TEST_F(MeshFileRun, RegionsThatTouchTheOutlineCanBeSolvedButNotMeshedAnew) {
+  // Two halves: the right one stiff.
+  std::ofstream(folder / "halves.msh")
+      << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"left\"\n1 2 \"right\"\n2 3 \"stiff\"\n"
+         "$EndPhysicalNames\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 2 1 0\n5 1 1 0\n6 0 1 0\n$EndNodes\n$Elements\n6\n"
+         "1 1 2 1 1 6 1\n2 1 2 2 2 3 4\n3 2 2 0 1 1 2 5\n4 2 2 0 1 1 5 6\n5 2 2 3 2 2 3 4\n6 2 2 3 2 2 4 5\n"
+         "$EndElements\n";
+  const std::string validate = "[validate]\npoints = [[0.5, 0.5]]\nradii = [0.1, 0.05, 0.02]\n";
+  const Case c = plate(validate, folder / "halves.msh");
+  EXPECT_EQ(run_job(c, Job::Solve)["mesh"]["triangles"], 4);
+  try {
+    run(c, Job::Validate, {.folder = folder / "out", .threads = 1});
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Geometry);
+    EXPECT_NE(std::string(e.what()).find("region 'stiff'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("to validate, kerf would have to mesh this body anew"), std::string::npos);
+  }
+  EXPECT_NE(check(c).find("kerf cannot mesh this body anew"), std::string::npos);
+}
+
+TEST_F(MeshFileRun, MeshesGoOut) {
+  const Case c = read_case(fs::path(KERF_CASES) / "stiff_inclusion.toml");
+  write_mesh_of(c, folder / "x.msh", "4.1");
+  write_mesh_of(c, folder / "x.vtu", "");
+  const Mesh mesh = triangulate(c.shape, c.sizing);
+  MeshFileRequest request;
+  for (const Loop& region : c.shape.regions) request.materials.push_back(region.name);
+  const MeshFile back = read_mesh(folder / "x.msh", request);
+  EXPECT_EQ(back.mesh.points.size(), mesh.points.size());
+  EXPECT_EQ(back.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(back.mesh.region, mesh.region);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    EXPECT_EQ(back.mesh.label[e] == none ? "" : back.shape.labels[back.mesh.label[e]],
+              mesh.label[e] == none ? "" : c.shape.labels[mesh.label[e]]);
+  std::ifstream file(folder / "x.vtu", std::ios::binary);
+  const std::string vtu{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string& label : c.shape.labels) EXPECT_NE(vtu.find("Name=\"" + label + "\""), std::string::npos);
+  EXPECT_NE(vtu.find("Name=\"region\""), std::string::npos);
+  EXPECT_THROW(write_mesh_of(c, folder / "x.stl", ""), Error);
+}
+
+}  // namespace
+}  // namespace kerf
