@@ -8,6 +8,7 @@ namespace kerf {
 
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
+  std::string command;           // that is kept with the case
   int threads = 1;
   bool resume = false;                                     // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;  // called as each phase begins

@@ -31,6 +31,7 @@ struct Arguments {
   std::string template_name;  // of init
   KeysRequest keys;
   std::vector<CommandWords> commands;  // and their options
+  std::string line;                    // as it was typed
   bool list = false;
 };
 
@@ -95,6 +96,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 /// Nothing when help or the version was asked for and has been printed.
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
+  arguments.line = command_line(argc, argv);
   CLI::App app("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf");
   declare(app, arguments);
   std::vector<std::string> names;
@@ -172,6 +174,7 @@ int perform(const Arguments& arguments) {
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  options.command = arguments.line;
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <new>
@@ -54,6 +55,20 @@ void catch_signals() {
 
 bool signal_caught() {
   return stop_requested != 0;
+}
+
+std::string command_line(int argc, const char* const* argv) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("_-./=:,+@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  std::string line = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "kerf";
+  for (int k = 1; k < argc; ++k) {
+    std::string word;
+    for (const char c : std::string_view(argv[k]))
+      word += c == '\'' ? "'\\''" : std::string(1, static_cast<unsigned char>(c) < 32 ? ' ' : c);
+    line += !word.empty() && std::all_of(word.begin(), word.end(), plain) ? " " + word : " '" + word + "'";
+  }
+  return line;
 }
 
 void print(const std::string& text) {

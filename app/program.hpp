@@ -17,6 +17,9 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv);
 void catch_signals();
 bool signal_caught();
 
+/// What was typed, on one line, with quotes where a shell needs them.
+std::string command_line(int argc, const char* const* argv);
+
 /// To stdout. Throws Error(Files).
 void print(const std::string& text);
 

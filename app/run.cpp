@@ -8,6 +8,8 @@
 #include "app/refuse.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
+#include "io/files.hpp"
+#include "io/kept.hpp"
 #include "plot/page.hpp"
 
 #include <fmt/core.h>
@@ -103,6 +105,22 @@ void prepare_folder(const std::filesystem::path& folder, bool resume, const std:
     throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", folder.string(), failed.message()));
   if (resume) check_checkpoint(folder, fingerprint);
   remove_earlier_results(folder, resume);
+}
+
+/// The case with its overrides, from which the folder can be made again.
+KeptCase kept_case(const Case& c, const std::string& command) {
+  std::vector<std::string> head{fmt::format("The case of these results, as kerf {} read it", KERF_VERSION)};
+  if (!command.empty()) head.push_back(command);
+  return keep(c, head);
+}
+
+void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
+  for (const auto& [name, bytes] : kept.files) {
+    std::error_code there;
+    std::filesystem::create_directories((folder / name).parent_path(), there);
+    write_file(folder / name, bytes);
+  }
+  write_file(folder / "case.toml", kept.text);
 }
 
 // The steps, with what they add to the result. Sections are there as soon as they are known: what fails later leaves
@@ -283,7 +301,9 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   if (options.resume && !jobs.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
   refuse(read, jobs);
+  const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
   prepare_folder(options.folder, options.resume, read.fingerprint);
+  write_kept(kept, options.folder);
   if (read.output.vtk) require_vtk();
 
   Journal journal{.options = options, .title = read.title, .vtk = read.output.vtk, .png = read.output.png};

@@ -232,7 +232,7 @@ TEST_P(BrokenCase, EndsWithOneMessage) {
 INSTANTIATE_TEST_SUITE_P(
     Cli, BrokenCase,
     testing::Values(
-        Broken{"syntax", "[mesh", "", "", 2, "b.toml:16:6: not valid TOML"},
+        Broken{"syntax", "[mesh", "", "", 2, "b.toml:16:6: a header ends with its bracket"},
         Broken{"duplicate", "traction = [0, 1]", "", "", 2, "b.toml:16:"},
         Broken{"unknown_key", "", "young", "youg", 2,
                "b.toml:6:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
