@@ -44,7 +44,7 @@ const std::vector<Command>& commands() {
       {"run", "Every job that the case names: solve, map, validate, optimize, report"},
       {"solve", "The state alone"},
       {"map", "The state and the map of the topological derivative"},
-      {"check", "Read the case, mesh it, print what each label selected; solve nothing"},
+      {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
       {"validate", "The expansion against computations with changes of finite size"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
       {"keys", "What may stand in a case file: all keys, or one of them"},
@@ -167,13 +167,13 @@ int perform(const Arguments& arguments) {
     return 0;
   }
   const Case c = read_case(arguments.case_file, arguments.overrides);
-  if (arguments.command == "check") {
-    print(check(c));
-    return 0;
-  }
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  if (arguments.command == "check") {
+    print(check(c, options.folder));
+    return 0;
+  }
   options.command = arguments.line;
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
@@ -186,7 +186,6 @@ int perform(const Arguments& arguments) {
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   options.threads = arguments.threads;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
-  options.stop_asked = signal_caught;
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate

@@ -1,6 +1,7 @@
 #include "app/program.hpp"
 
 #include "io/words.hpp"
+#include "kerf/stop.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/format.h>
@@ -15,11 +16,8 @@ namespace kerf {
 
 namespace {
 
-// Set by the first Ctrl-C; a signal handler can reach nothing else.
-volatile std::sig_atomic_t stop_requested = 0;
-
-extern "C" void request_stop(int) {
-  stop_requested = 1;
+extern "C" void on_signal(int) {
+  request_stop();
 }
 
 }  // namespace
@@ -36,6 +34,8 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
     return report("", e.what(), e.fault);
   } catch (const std::filesystem::filesystem_error& e) {
     return report("", e.what(), Fault::Files);
+  } catch (const Stopped&) {
+    return report("", "stopped", Fault::Numerics);
   } catch (const std::bad_alloc&) {
     return report("", "out of memory; use a coarser mesh (a larger mesh.size)", Fault::Numerics);
   } catch (const std::exception& e) {
@@ -47,14 +47,10 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
 
 void catch_signals() {
   struct sigaction action = {};
-  action.sa_handler = request_stop;
+  action.sa_handler = on_signal;
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-bool signal_caught() {
-  return stop_requested != 0;
 }
 
 std::string command_line(int argc, const char* const* argv) {

@@ -10,6 +10,7 @@
 #include "app/validate.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
+#include "kerf/stop.hpp"
 #include "plot/page.hpp"
 
 #include <fmt/core.h>
@@ -155,6 +156,11 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
 
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
+  if (stop_requested()) {  // between rounds: the last one is there
+    write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
+                crack_results(adapted.model, adapted.state, c.shape), journal);
+    throw Stopped{};
+  }
   journal.begin("recover");
   StateSection section =
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
@@ -266,7 +272,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
   } catch (const Error& e) {
-    if (e.fault == Fault::Numerics && !journal.stop_asked()) fail(e, journal, r);
+    if (e.fault == Fault::Numerics) fail(e, journal, r);
     throw;
   }
   try {
@@ -284,7 +290,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       }
     }
   } catch (const Error& e) {
-    if (e.fault != Fault::Numerics || journal.stop_asked()) throw;
+    if (e.fault != Fault::Numerics || stop_requested()) throw;
     if (!out) fail(e, journal, r);
     if (!out) throw;
     r.status = "failed";
@@ -294,24 +300,13 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   return out;
 }
 
-}  // namespace
-
-Result run(const Case& read, Job job, const RunOptions& options) {
-  const Jobs jobs = jobs_of(read, job);
-  if (options.resume && !jobs.optimize)
-    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  refuse(read, jobs);
-  const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
-  prepare_folder(options.folder, options.resume, read.fingerprint);
-  write_kept(kept, options.folder);
-  if (read.output.vtk) require_vtk();
-
-  Journal journal{.options = options, .title = read.title, .vtk = read.output.vtk, .png = read.output.png};
+/// The jobs and their files.
+Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title};
   Case given = read;
   if (read.synthetic) {
     journal.begin("make up the measurements");
-    given = with_data(std::move(given), options);
+    given = with_data(std::move(given), journal.options);
   }
   journal.seconds.solve += journal.lap();
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
@@ -326,11 +321,38 @@ Result run(const Case& read, Job job, const RunOptions& options) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);
   }
+  if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
   journal.seconds.output += journal.lap();
   sum_up(journal, r);
   if (c.output.html) write_page(journal.file("report.html"), r, journal.pictures);
   write_json(journal.file("result.json"), r);
   return r;
+}
+
+}  // namespace
+
+Result run(const Case& read, Job job, const RunOptions& options) {
+  const Jobs jobs = jobs_of(read, job);
+  if (options.resume && !jobs.optimize)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  refuse(read, jobs);
+  const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
+  prepare_folder(options.folder, options.resume, read.fingerprint);
+  write_kept(kept, options.folder);
+  Journal journal{.options = options, .title = read.title, .vtk = read.output.vtk, .png = read.output.png};
+  if (journal.vtk) try {
+      require_vtk();
+    } catch (const Error& e) {
+      if (read.places.contains("output.vtk")) throw;  // asked for by name
+      journal.vtk = false;
+      journal.missing = fmt::format("no files for ParaView: {}", e.what());
+    }
+  try {
+    return complete(read, jobs, journal);
+  } catch (const Stopped&) {
+    throw Error(Fault::Numerics, fmt::format("stopped in \"{}\"; what was done before is in {}", journal.phase,
+                                             options.folder.string()));
+  }
 }
 
 }  // namespace kerf

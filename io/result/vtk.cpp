@@ -17,8 +17,8 @@ struct Module {
   KerfVtkWriter triangles, lines;
 };
 
-/// Beside the program (build tree), in ../lib/kerf (installed), or where it was built or installed (programs of others).
-/// It stays loaded until the program ends.
+/// Beside the program (build tree), in ../lib/kerf (installed), or where it was built or installed (programs of
+/// others). It stays loaded until the program ends.
 Module load() {
   std::vector<std::filesystem::path> places = {"kerf_vtk.so"};
   std::error_code code;
@@ -43,10 +43,12 @@ Module load() {
     reason = place.string() + " is not the VTK module of this program";
     dlclose(handle);
   }
-  throw Error(Fault::Files,
-              fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
-                          "install libvtk9.1, or switch VTK files off with [output] vtk = false",
-                          reason));
+  throw Error(
+      Fault::Files,
+      fmt::format(
+          "cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
+          "install libvtk9.1 (the package kerf-vtk has both), or switch VTK files off with [output] vtk = false",
+          reason));
 }
 
 const Module& loaded() {
