@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <csignal>
@@ -21,6 +23,22 @@ extern "C" void on_signal(int) {
 }
 
 }  // namespace
+
+#if defined(__AVX2__) && defined(__x86_64__)
+namespace {
+
+/// Before anything else runs, with instructions that all processors have: one sentence instead of an illegal one.
+__attribute__((constructor(101), target("arch=x86-64"))) void refuse_old_processors() {
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return;
+  constexpr char words[] =
+      "kerf: this processor lacks AVX2, which this kerf was built for; build it with KERF_ARCH=x86-64\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, words, sizeof words - 1);
+  _exit(static_cast<int>(Fault::Usage));
+}
+
+}  // namespace
+#endif
 
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
   // No call here may throw: not for want of memory, not because stderr is closed.
