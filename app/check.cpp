@@ -1,3 +1,4 @@
+#include "app/draw.hpp"
 #include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
@@ -137,7 +138,10 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
   }
 }
 
-void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
+/// What the labels are called in the picture, with the resultants of the loads on them.
+using Names = std::vector<Named>;
+
+void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, Names& names) {
   const TriangleRule rule = triangle_rule(8);
   const SceneData data = scene_data(mesh, c.scene, rule, 1);
   const auto line = [&](const std::string& what, const Resultant& r) {
@@ -148,6 +152,7 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh)
   Resultant sum;
   for (const LabelResultant& r : tractions) {
     line(c.shape.labels[r.label], r.of);
+    names[static_cast<std::size_t>(r.label)].text += fmt::format(": force {}", at(r.of.force));
     sum.add(r.of);
   }
   if (c.scene.body) {
@@ -173,7 +178,7 @@ void note_loads(Notes& notes, const Scene& scene) {
 
 }  // namespace
 
-std::string check(const Case& c) {
+std::string check(const Case& c, const std::filesystem::path& folder) {
   if (c.optimize) refuse_optimization(c);
   const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
   Lines out;
@@ -191,11 +196,23 @@ std::string check(const Case& c) {
   print_mesh(out, mesh);
   print_cracks(out, notes, c.shape, c.scene, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);
-  print_resultants(out, notes, c, mesh);
+  Names names;
+  for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});
+  print_resultants(out, notes, c, mesh, names);
   for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
   if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
   if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);
   note_loads(notes, c.scene);
+  if (!folder.empty() && c.output.png) {
+    const std::filesystem::path file = folder / "check.png";
+    try {
+      std::filesystem::create_directories(folder);
+      draw(file, check_picture(c.title, mesh, c.scene, c.shape, names));
+      out.print("\npicture in {}\n", file.string());
+    } catch (const std::exception& e) {  // what is said above is worth more
+      notes.push_back(fmt::format("no picture: {}", e.what()));
+    }
+  }
   if (!notes.empty()) out.print("\n");
   for (const std::string& note : notes) out.print("note: {}\n", note);
   return out.text();

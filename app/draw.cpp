@@ -190,6 +190,48 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   return p;
 }
 
+namespace {
+
+/// Half way along the longest of the lines.
+Vec2 middle_of(const std::vector<std::vector<Vec2>>& lines) {
+  Vec2 found = Vec2::Constant(nan);
+  double longest = 0;
+  for (const std::vector<Vec2>& line : lines) {
+    double length = 0;
+    for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
+    if (length <= longest) continue;
+    longest = length;
+    double left = 0.5 * length;
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const double piece = (line[i] - line[i - 1]).norm();
+      if (left <= piece) {
+        found = line[i - 1] + left / piece * (line[i] - line[i - 1]);
+        break;
+      }
+      left -= piece;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Picture check_picture(const std::string& title, const Mesh& mesh, const Scene& scene, const Shape& shape,
+                      std::span<const Named> labels) {
+  Picture p = design_picture(title, mesh, scene, {}, extent(shape));
+  constexpr std::uint32_t pale = 0xdde6ee;
+  p.color = pale;
+  for (const Named& label : labels) p.names.emplace_back(middle_of(chains(mesh, label.label)), label.text);
+  for (const Crack& crack : shape.cracks) p.names.emplace_back(middle_of({crack.points}), "crack " + crack.name);
+  for (const Loop& region : shape.regions) {
+    const Polygon outline = flatten(region, 1e-3 * extent(shape), extent(shape));
+    Vec2 middle = Vec2::Zero();
+    for (const Vec2& x : outline.points) middle += x / static_cast<double>(outline.points.size());
+    p.names.emplace_back(middle, "region " + region.name);
+  }
+  return p;
+}
+
 Picture optimality_picture(const std::string& title, const HoleMargin& holes) {
   Picture p = mesh_picture(title, *holes.mesh);
   p.edges = false;

@@ -16,6 +16,15 @@ Picture map_picture(const std::string& title, const MapTask& task, const Model& 
 Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& scene,
                        std::span<const LoadCase> further, double size);
 
+/// What a label, a crack or a region is called, and, where loads act, what they sum to.
+struct Named {
+  Index label = none;  // of the boundary
+  std::string text;
+};
+/// The body as it was read, before anything is solved: labels, cracks, regions, supports, loads with their resultants.
+Picture check_picture(const std::string& title, const Mesh& mesh, const Scene& scene, const Shape& shape,
+                      std::span<const Named> labels);
+
 /// (T - price of area) / price over a level set's design, and where it is least.
 Picture optimality_picture(const std::string& title, const HoleMargin& holes);
 

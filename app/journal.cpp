@@ -1,11 +1,14 @@
 #include "app/journal.hpp"
 
+#include "kerf/stop.hpp"
+
 #include <algorithm>
 
 namespace kerf {
 
-void Journal::begin(const std::string& phase) {
-  if (stop_asked()) throw Error(Fault::Numerics, "stopped before " + phase);
+void Journal::begin(const std::string& name) {
+  check_stop();
+  phase = name;
   if (options.on_phase) options.on_phase(phase);
   lap();
 }

@@ -9,10 +9,10 @@ namespace kerf {
 
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
+  std::string command;           // that is kept with the case
   int threads = 1;
   bool resume = false;                                     // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
-  std::function<bool()> stop_asked;                        // polled between phases: what is done so far stays on disk
 };
 
 struct Journal {
@@ -23,15 +23,14 @@ struct Journal {
   Seconds seconds = {};                                                      // but for the total
   std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
   Stopwatch since_start = {}, since_lap = {};
+  std::string phase = {};    // the present one
+  std::string missing = {};  // files that are wanted and cannot be had, and why; empty mostly
 
   std::filesystem::path file(const std::string& name) const {
     return options.folder / name;
   }
-  bool stop_asked() const {
-    return options.stop_asked && options.stop_asked();
-  }
-  /// Throws Error(Numerics) when a stop was asked for.
-  void begin(const std::string& phase);
+  /// Throws Stopped when a stop was asked for.
+  void begin(const std::string& name);
   /// Seconds since the phase began, or since the last lap.
   double lap() {
     return since_lap.lap();

@@ -33,6 +33,7 @@ struct Arguments {
   std::string format = "4.1";  // of mesh
   KeysRequest keys;
   std::vector<CommandWords> commands;  // and their options
+  std::string line;                    // as it was typed
   bool list = false;
 };
 
@@ -45,7 +46,7 @@ const std::vector<Command>& commands() {
       {"run", "Every job that the case names: solve, map, validate, optimize, report"},
       {"solve", "The state alone"},
       {"map", "The state and the map of the topological derivative"},
-      {"check", "Read the case, mesh it, print what each label selected; solve nothing"},
+      {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
       {"validate", "The expansion against computations with changes of finite size"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
       {"mesh", "The mesh alone, for gmsh or ParaView"},
@@ -104,6 +105,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 /// Nothing when help or the version was asked for and has been printed.
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
+  arguments.line = command_line(argc, argv);
   CLI::App app("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf");
   declare(app, arguments);
   std::vector<std::string> names;
@@ -184,14 +186,15 @@ int perform(const Arguments& arguments) {
     return 0;
   }
   const Case c = read_case(arguments.case_file, arguments.overrides);
-  if (arguments.command == "check") {
-    print(check(c));
-    return 0;
-  }
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
   if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  if (arguments.command == "check") {
+    print(check(c, options.folder));
+    return 0;
+  }
+  options.command = arguments.line;
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
@@ -203,7 +206,6 @@ int perform(const Arguments& arguments) {
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   options.threads = arguments.threads;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
-  options.stop_asked = signal_caught;
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate

@@ -4,6 +4,7 @@
 #include "app/recorder.hpp"
 #include "io/history.hpp"
 #include "kerf/analysis.hpp"
+#include "kerf/stop.hpp"
 #include "optimize/checkpoint.hpp"
 #include "plot/charts.hpp"
 
@@ -16,13 +17,6 @@ namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-void move_file(const fs::path& from, const fs::path& to) {
-  std::error_code failed;
-  fs::rename(from, to, failed);
-  if (failed)
-    throw Error(Fault::Files, fmt::format("cannot rename {} to {}: {}", from.string(), to.string(), failed.message()));
-}
 
 /// What the initial guess found, and how much of the data it explains.
 std::vector<std::string> in_words(const InitialGuess& found, const Design& design) {
@@ -97,15 +91,6 @@ void fit_readings(const OptimizeTask& task, const OptimizeRequest& request, cons
   r.state_solves += out.fit->state_solves;
 }
 
-/// The checkpoint is that of the last iteration before the stop, or none.
-void keep_stop(const fs::path& checkpoint, const fs::path& stop) {
-  std::error_code ignored;
-  if (fs::exists(stop))
-    move_file(stop, checkpoint);
-  else
-    fs::remove(checkpoint, ignored);
-}
-
 Picture found_picture(const OptimizeTask& task, const OptimizeRequest& request, const OptimizeSection& out,
                       const std::string& title) {
   Found found{.frame = task.problem.frame,
@@ -126,15 +111,29 @@ void draw_optimization(const OptimizeSection& section, const Recorder& recorder,
                     [&] { return optimality_picture(journal.title, section.result.holes); });
 }
 
+/// Pictures of what there is. Throws Error(Numerics).
+[[noreturn]] void end_stopped(OptimizeSection& out, const OptimizeRequest& request, const Recorder& recorder,
+                              Journal& journal) {
+  if (recorder.rows().empty()) throw Stopped{};
+  const Iteration& last = recorder.rows().back();
+  OptimizeResult& r = out.result;
+  r.method = request.method;
+  r.history = recorder.rows();
+  r.iterations = last.number;
+  r.state_solves = last.state_solves;
+  r.stopped = "stopped as asked";
+  draw_optimization(out, recorder, journal);
+  throw Error(Fault::Numerics, fmt::format("stopped after iteration {}; --resume goes on from there", last.number));
+}
+
 }  // namespace
 
 bool has_checkpoint(const fs::path& folder) {
-  return fs::exists(checkpoint_file(folder)) || fs::exists(stop_file(folder));
+  return fs::exists(checkpoint_file(folder));
 }
 
 void check_checkpoint(const fs::path& folder, const std::string& fingerprint) {
-  const fs::path stop = stop_file(folder);
-  const fs::path path = fs::exists(stop) ? stop : checkpoint_file(folder);
+  const fs::path path = checkpoint_file(folder);
   const auto found = read_checkpoint(path);
   if (found && found->fingerprint != fingerprint)
     throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case: the case file or an override has "
@@ -165,30 +164,29 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   out.names = optimize_names(request);
   Recorder recorder(task, out.names, journal);
   const RunOptions& options = journal.options;
-  const fs::path checkpoint = checkpoint_file(options.folder), stop = stop_file(options.folder);
-  if (options.resume) {
-    if (fs::exists(stop)) move_file(stop, checkpoint);
-    if (fs::exists(checkpoint)) recorder.restore();
-  }
-  const CheckpointPlace place{checkpoint, task.fingerprint, options.resume};
-  const Observer see = [&recorder](const Iterate& iterate) { return recorder.see(iterate); };
+  if (options.resume && has_checkpoint(options.folder)) recorder.restore();
+  const CheckpointPlace place{checkpoint_file(options.folder), task.fingerprint, options.resume};
+  const Observer see = [&recorder](const Iterate& iterate) {
+    recorder.see(iterate);
+    return true;
+  };
   recorder.start();
-  out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
-                                                          : optimize_parameters(task.problem, request, see, place);
-  out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
-  if (task.fit && !recorder.stopped()) fit_readings(task, request, journal, out);
+  try {
+    out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
+                                                            : optimize_parameters(task.problem, request, see, place);
+    out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
+    if (task.fit) fit_readings(task, request, journal, out);
+  } catch (const Stopped&) {
+    end_stopped(out, request, recorder, journal);
+  }
   if (task.truth && !request.design.drawn.empty())
     out.identified = identified(request.design, out.result.variables, task.problem, *task.truth);
-  if (recorder.stopped()) keep_stop(checkpoint, stop);
   recorder.finish(out.result.history);
   journal.seconds.optimize = journal.lap() - recorder.output();
   draw_optimization(out, recorder, journal);
   if (task.truth || out.fit)
     journal.picture("found.png", "What was found", [&] { return found_picture(task, request, out, journal.title); });
   journal.seconds.output += recorder.output() + journal.lap();
-  if (recorder.stopped())
-    throw Error(Fault::Numerics, fmt::format("stopped after iteration {}; --resume goes on from there",
-                                             out.result.history.empty() ? 0 : out.result.history.back().number));
   return out;
 }
 

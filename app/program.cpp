@@ -1,11 +1,15 @@
 #include "app/program.hpp"
 
 #include "io/words.hpp"
+#include "kerf/stop.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <new>
@@ -14,14 +18,27 @@ namespace kerf {
 
 namespace {
 
-// Set by the first Ctrl-C; a signal handler can reach nothing else.
-volatile std::sig_atomic_t stop_requested = 0;
-
-extern "C" void request_stop(int) {
-  stop_requested = 1;
+extern "C" void on_signal(int) {
+  request_stop();
 }
 
 }  // namespace
+
+#if defined(__AVX2__) && defined(__x86_64__)
+namespace {
+
+/// Before anything else runs, with instructions that all processors have: one sentence instead of an illegal one.
+__attribute__((constructor(101), target("arch=x86-64"))) void refuse_old_processors() {
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return;
+  constexpr char words[] =
+      "kerf: this processor lacks AVX2, which this kerf was built for; build it with KERF_ARCH=x86-64\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, words, sizeof words - 1);
+  _exit(static_cast<int>(Fault::Usage));
+}
+
+}  // namespace
+#endif
 
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
   // No call here may throw: not for want of memory, not because stderr is closed.
@@ -35,6 +52,8 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
     return report("", e.what(), e.fault);
   } catch (const std::filesystem::filesystem_error& e) {
     return report("", e.what(), Fault::Files);
+  } catch (const Stopped&) {
+    return report("", "stopped", Fault::Numerics);
   } catch (const std::bad_alloc&) {
     return report("", "out of memory; use a coarser mesh (a larger mesh.size)", Fault::Numerics);
   } catch (const std::exception& e) {
@@ -46,14 +65,24 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
 
 void catch_signals() {
   struct sigaction action = {};
-  action.sa_handler = request_stop;
+  action.sa_handler = on_signal;
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool signal_caught() {
-  return stop_requested != 0;
+std::string command_line(int argc, const char* const* argv) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("_-./=:,+@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  std::string line = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "kerf";
+  for (int k = 1; k < argc; ++k) {
+    std::string word;
+    for (const char c : std::string_view(argv[k]))
+      word += c == '\'' ? "'\\''" : std::string(1, static_cast<unsigned char>(c) < 32 ? ' ' : c);
+    line += !word.empty() && std::all_of(word.begin(), word.end(), plain) ? " " + word : " '" + word + "'";
+  }
+  return line;
 }
 
 void print(const std::string& text) {

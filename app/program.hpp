@@ -13,9 +13,11 @@ inline constexpr const char* exit_codes =
 /// `work`, and one line on stderr for whatever it throws. Returns the exit code of the process.
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv);
 
-/// The first SIGINT or SIGTERM asks for a clean stop, the second one ends the process.
+/// The first SIGINT or SIGTERM asks for a clean stop (kerf/stop.hpp), the second one ends the process.
 void catch_signals();
-bool signal_caught();
+
+/// What was typed, on one line, with quotes where a shell needs them.
+std::string command_line(int argc, const char* const* argv);
 
 /// To stdout. Throws Error(Files).
 void print(const std::string& text);

@@ -11,8 +11,15 @@ namespace kerf {
 /// trace, debug, info, warn, error, off
 const std::vector<std::string>& log_levels();
 
-/// Goes to stderr. On a terminal, level info is one line that is wiped in the end; every other level, and a stderr that
-/// is no terminal, get plain lines.
+/// "1 h 05 min", "3 min 20 s", "12 s".
+std::string duration(double seconds);
+
+/// The line while a phase lasts, no longer than the terminal is wide: what is too long ends with an ellipsis, before
+/// the seconds so far and, where more of them are expected in all, those that are left.
+std::string status_line(const std::string& phase, double elapsed, double expected, std::size_t columns);
+
+/// Goes to stderr. On a terminal, level info is one line, drawn twice a second and wiped in the end; every other level,
+/// and a stderr that is no terminal, get plain lines.
 class Progress {
  public:
   explicit Progress(const std::string& level);
@@ -21,6 +28,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void phase(const std::string& name);  // begins
+  void expect(double seconds);          // that all phases take together
   void finish();                        // the last phase has ended
 
  private:

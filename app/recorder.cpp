@@ -1,9 +1,11 @@
 #include "app/recorder.hpp"
 
 #include "app/collect.hpp"
+#include "app/progress.hpp"
 #include "geometry/part.hpp"
 #include "io/files.hpp"
 #include "io/history.hpp"
+#include "kerf/stop.hpp"
 #include "optimize/ersatz.hpp"
 
 #include <fmt/core.h>
@@ -26,14 +28,6 @@ std::string design_name(int number) {
   return fmt::format("design_{:04}.vtu", number);
 }
 
-/// "1 h 05 min", "3 min 20 s", "12 s".
-std::string duration(double seconds) {
-  const auto s = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
-  if (s >= 3600) return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
-  if (s >= 60) return fmt::format("{} min {:02} s", s / 60, s % 60);
-  return fmt::format("{} s", s);
-}
-
 /// Without the weak phase and what is mostly of it; the whole body without such phases.
 Mesh strong_part(const Mesh& mesh, bool phases) {
   if (!phases) return mesh;
@@ -47,10 +41,6 @@ Mesh strong_part(const Mesh& mesh, bool phases) {
 
 fs::path checkpoint_file(const fs::path& folder) {
   return folder / "checkpoint.bin";
-}
-
-fs::path stop_file(const fs::path& folder) {
-  return folder / "checkpoint.stop";
 }
 
 Recorder::Recorder(const OptimizeTask& task, const OptimizeNames& names, const Journal& journal)
@@ -103,7 +93,7 @@ std::string Recorder::progress(const Iteration& row) {
   const bool level_set = request.method == OptimizeMethod::LevelSet;
   const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
   const double done = level_set ? row.number : row.state_solves / cases;
-  if (seen_.size() == 1) first_done_ = done;
+  if (rows_.size() == 1) first_done_ = done;
   if (const double here = done - first_done_; here > 0 && request.max_iterations > done)
     text += fmt::format(", at most {} left", duration(elapsed_ / here * (request.max_iterations - done)));
   if (!row.note.empty()) text += "; " + row.note;
@@ -127,23 +117,17 @@ void Recorder::write_iterate(const Iterate& iterate) {
   }
 }
 
-bool Recorder::see(const Iterate& iterate) {
+void Recorder::see(const Iterate& iterate) {
   const Iteration& row = iterate.row;
-  if (seen_.count(row.number) == 0) {
-    seen_[row.number] = true;
+  if (std::none_of(rows_.begin(), rows_.end(), [&](const Iteration& i) { return i.number == row.number; })) {
+    rows_.push_back(row);
     const std::string text = progress(row);
     if (journal_.options.on_phase) journal_.options.on_phase(text);
     Stopwatch watch;
     write_iterate(iterate);
     output_ += watch.lap();
   }
-  if (journal_.stop_asked() && !stopped_) {
-    stopped_ = true;
-    const fs::path& folder = journal_.options.folder;
-    std::error_code failed;
-    fs::copy_file(checkpoint_file(folder), stop_file(folder), fs::copy_options::overwrite_existing, failed);
-  }
-  return !stopped_;
+  check_stop();
 }
 
 void Recorder::finish(const std::vector<Iteration>& history) {

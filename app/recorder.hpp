@@ -9,8 +9,6 @@
 namespace kerf {
 
 std::filesystem::path checkpoint_file(const std::filesystem::path& folder);
-/// The checkpoint before the iteration in which a stop was asked for: the end of a loop may add to its own one.
-std::filesystem::path stop_file(const std::filesystem::path& folder);
 
 class Recorder {
  public:
@@ -20,13 +18,14 @@ class Recorder {
   void restore();
   /// The loop begins.
   void start();
-  /// An accepted iterate: its files and its line of progress. false: a stop was asked for.
-  bool see(const Iterate& iterate);
+  /// An accepted iterate: its files and its line of progress. Throws Stopped, after them, when a stop was asked for.
+  void see(const Iterate& iterate);
   /// The history as the loop tells it in the end; designs of iterations that it does not have go.
   void finish(const std::vector<Iteration>& history);
 
-  bool stopped() const {
-    return stopped_;
+  /// Iterates of this run so far.
+  const std::vector<Iteration>& rows() const {
+    return rows_;
   }
   /// Seconds spent on files so far.
   double output() const {
@@ -46,10 +45,9 @@ class Recorder {
   const Journal& journal_;
   Snapshots snapshots_;
   std::map<int, std::string> lines_;  // of history.csv, by iteration
-  std::map<int, bool> seen_;          // in this run
+  std::vector<Iteration> rows_;       // seen in this run
   Stopwatch since_start_;
   double elapsed_ = 0, output_ = 0, first_done_ = 0;
-  bool stopped_ = false;
 };
 
 }  // namespace kerf

@@ -8,7 +8,10 @@
 #include "app/refuse.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
+#include "io/files.hpp"
+#include "io/kept.hpp"
 #include "io/mesh_source.hpp"
+#include "kerf/stop.hpp"
 #include "plot/page.hpp"
 
 #include <fmt/core.h>
@@ -127,6 +130,22 @@ void prepare_folder(const std::filesystem::path& folder, bool resume, const std:
   remove_earlier_results(folder, resume);
 }
 
+/// The case with its overrides, from which the folder can be made again.
+KeptCase kept_case(const Case& c, const std::string& command) {
+  std::vector<std::string> head{fmt::format("The case of these results, as kerf {} read it", KERF_VERSION)};
+  if (!command.empty()) head.push_back(command);
+  return keep(c, head);
+}
+
+void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
+  for (const auto& [name, bytes] : kept.files) {
+    std::error_code there;
+    std::filesystem::create_directories((folder / name).parent_path(), there);
+    write_file(folder / name, bytes);
+  }
+  write_file(folder / "case.toml", kept.text);
+}
+
 // The steps, with what they add to the result. Sections are there as soon as they are known: what fails later leaves
 // them.
 
@@ -159,19 +178,19 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
 
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
+  if (stop_requested()) {  // between rounds: the last one is there
+    write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
+                crack_results(adapted.model, adapted.state, c.shape), journal);
+    throw Stopped{};
+  }
   journal.begin("recover");
   StateSection section =
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
-<<<<<<< HEAD
   r.state->thickness = c.thickness;
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
-  const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
-  r.state->notes.insert(r.state->notes.end(), crowded.begin(), crowded.end());
-=======
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
->>>>>>> h_gmsh
   r.cracks = std::move(section.cracks);
   if (section.contact) r.contact = std::move(section.contact);
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
@@ -278,7 +297,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
   } catch (const Error& e) {
-    if (e.fault == Fault::Numerics && !journal.stop_asked()) fail(e, journal, r);
+    if (e.fault == Fault::Numerics) fail(e, journal, r);
     throw;
   }
   try {
@@ -296,7 +315,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       }
     }
   } catch (const Error& e) {
-    if (e.fault != Fault::Numerics || journal.stop_asked()) throw;
+    if (e.fault != Fault::Numerics || stop_requested()) throw;
     if (!out) fail(e, journal, r);
     if (!out) throw;
     r.status = "failed";
@@ -306,24 +325,14 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   return out;
 }
 
-}  // namespace
-
-Result run(const Case& read, Job job, const RunOptions& options) {
-  const Jobs jobs = jobs_of(read, job);
-  if (options.resume && !jobs.optimize)
-    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  refuse(read, jobs);
-  prepare_folder(options.folder, options.resume, read.fingerprint);
-  if (read.output.vtk) require_vtk();
-
-  Journal journal{
-      .options = options, .title = read.title, .units = read.units, .vtk = read.output.vtk, .png = read.output.png};
+/// The jobs and their files.
+Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
   r.functional_dimension = dimension_of(read.functional);
   Case given = read;
   if (read.synthetic) {
     journal.begin("make up the measurements");
-    given = with_data(std::move(given), options);
+    given = with_data(std::move(given), journal.options);
   }
   journal.seconds.solve += journal.lap();
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
@@ -338,11 +347,39 @@ Result run(const Case& read, Job job, const RunOptions& options) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);
   }
+  if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
   journal.seconds.output += journal.lap();
   sum_up(journal, r);
   if (c.output.html) write_page(journal.file("report.html"), r, journal.pictures);
   write_json(journal.file("result.json"), r);
   return r;
+}
+
+}  // namespace
+
+Result run(const Case& read, Job job, const RunOptions& options) {
+  const Jobs jobs = jobs_of(read, job);
+  if (options.resume && !jobs.optimize)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  refuse(read, jobs);
+  const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
+  prepare_folder(options.folder, options.resume, read.fingerprint);
+  write_kept(kept, options.folder);
+  Journal journal{
+      .options = options, .title = read.title, .units = read.units, .vtk = read.output.vtk, .png = read.output.png};
+  if (journal.vtk) try {
+      require_vtk();
+    } catch (const Error& e) {
+      if (read.places.contains("output.vtk")) throw;  // asked for by name
+      journal.vtk = false;
+      journal.missing = fmt::format("no files for ParaView: {}", e.what());
+    }
+  try {
+    return complete(read, jobs, journal);
+  } catch (const Stopped&) {
+    throw Error(Fault::Numerics, fmt::format("stopped in \"{}\"; what was done before is in {}", journal.phase,
+                                             options.folder.string()));
+  }
 }
 
 }  // namespace kerf

@@ -15,7 +15,8 @@ enum class Job { Run, Solve, Map, Validate, Optimize };
 /// optimization that is asked to stop leaves its files without result.json, and throws Error(Numerics).
 Result run(const Case& c, Job job, const RunOptions& options);
 
-/// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing.
-std::string check(const Case& c);
+/// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing. Draws
+/// check.png in the folder, unless that is empty or the case wants no pictures.
+std::string check(const Case& c, const std::filesystem::path& folder = {});
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include "app/files.hpp"
 #include "geometry/curved.hpp"
 #include "kerf/bounds.hpp"
+#include "kerf/stop.hpp"
 #include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/system.hpp"
@@ -69,6 +70,7 @@ Adapted solve_refined(const Body& body, Adaptation how, Journal& journal) {
   journal.begin("solve and refine");
   int number = 0;
   how.go_on = [&](const Round& round) {
+    if (stop_requested()) return false;
     journal.begin(fmt::format("refine: round {}, {} triangles, estimated error {:.3g}", ++number, round.triangles,
                               round.estimated_error));
     return true;
@@ -127,7 +129,7 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
 
 void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,
                  Journal& journal) {
-  journal.begin("write the state");
+  if (!stop_requested()) journal.begin("write the state");
   write_state_files(journal, adapted, data, cracks);
   journal.picture("mesh.png", "Mesh", [&] { return mesh_picture(journal.title, adapted.model.mesh); });
   journal.picture("von_mises.png", "Von Mises stress",

@@ -1,6 +1,7 @@
 #include "app/validate.hpp"
 
 #include "io/validation.hpp"
+#include "kerf/stop.hpp"
 #include "plot/charts.hpp"
 
 namespace kerf {
@@ -12,11 +13,12 @@ ValidationResult validate_expansion(const Body& body, const Functional& j, Valid
   const ValidationResult result{std::string(word(request.perturbation.kind)),
                                 validate({body.shape, body.sizing}, body.element, body.scene, j, request)};
   journal.seconds.validate = journal.lap();
-  journal.begin("write the validation");
+  if (!stop_requested()) journal.begin("write the validation");
   write_validation_csv(journal.file("validate.csv"), result);
   journal.picture("validate.png", "Validation: what the prediction leaves of the difference",
                   [&] { return validation_chart(result, journal.title); });
   journal.seconds.output += journal.lap();
+  check_stop();
   return result;
 }
 

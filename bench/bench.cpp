@@ -1,5 +1,6 @@
 #include "bench/bench.hpp"
 
+#include "kerf/stop.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ bool is_wanted(const std::vector<std::string>& names, std::string_view name) {
 }
 
 bool stop_asked(const BenchOptions& options) {
-  return options.stop_asked && options.stop_asked();
+  return stop_requested() || (options.stop_asked && options.stop_asked());
 }
 
 void make_folder(const std::filesystem::path& folder) {

@@ -12,7 +12,7 @@ struct BenchOptions {
   double peer_seconds = 1200;        // for the runs of other programs
   bool quick = false;                // coarse and short: shows that it works, measures nothing
   std::filesystem::path peers;       // scripts of other programs; empty: none
-  std::function<bool()> stop_asked;  // polled before each run: what is done is written
+  std::function<bool()> stop_asked;  // polled before each run, as is stop_requested(): what is done is written
   std::function<void(const std::string&)> on_phase;
 };
 

@@ -121,7 +121,6 @@ int perform(int argc, char** argv) {
   make_ready(options.folder, arguments->force, arguments->name + ".json");
   catch_signals();
   Progress progress(log_level(arguments->log_level, arguments->quiet));
-  options.stop_asked = signal_caught;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   const auto finish = [&](const auto& bench) {
     progress.finish();

@@ -3,6 +3,7 @@
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
 #include "bench/state.hpp"
+#include "kerf/stop.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
@@ -94,6 +95,8 @@ class Runner {
     try {
       work();
       return true;
+    } catch (const Stopped&) {
+      return false;
     } catch (const std::exception& e) {
       bench_.notes.push_back(fmt::format("{}: {}", name, e.what()));
       return false;

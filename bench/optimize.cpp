@@ -5,6 +5,7 @@
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
 #include "kerf/optimize.hpp"
+#include "kerf/stop.hpp"
 
 #include <fmt/format.h>
 
@@ -170,6 +171,7 @@ class Runner {
     if (options_.on_phase) options_.on_phase(name);
     try {
       work();
+    } catch (const Stopped&) {  // the rest sees it, too
     } catch (const std::exception& e) {
       bench_.notes.push_back(fmt::format("{}: {}", name, e.what()));
     }

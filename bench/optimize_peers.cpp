@@ -4,6 +4,7 @@
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
 #include "io/files.hpp"
+#include "kerf/stop.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
@@ -172,7 +173,7 @@ DesignPeers run_design_peers(const std::vector<OptimizeProblem>& problems, const
   std::size_t done = 0;
   for (const Job& job : jobs) {
     spent += watch.lap();
-    if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
+    if (spent > options.seconds || stop_requested() || (options.stop_asked && options.stop_asked())) break;
     ++done;
     run_job(job, std::clamp(options.seconds - spent, 10.0, longest), options, result);
   }

@@ -5,6 +5,7 @@
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
 #include "io/files.hpp"
+#include "kerf/stop.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
@@ -175,7 +176,7 @@ PeerRuns run_peers(const PeerOptions& options) {
   std::size_t done = 0;
   for (const Job& job : jobs) {
     spent += watch.lap();
-    if (spent > options.seconds || (options.stop_asked && options.stop_asked())) break;
+    if (spent > options.seconds || stop_requested() || (options.stop_asked && options.stop_asked())) break;
     ++done;
     if (options.on_phase) options.on_phase(fmt::format("peers: {} {} n = {}", job.problem, job.name, job.size));
     run_job(options, job, std::clamp(options.seconds - spent, 10.0, 300.0), result);

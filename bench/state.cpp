@@ -2,6 +2,7 @@
 
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
+#include "kerf/stop.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
@@ -103,7 +104,11 @@ StateBench run_state_bench(const StateBenchOptions& options) {
   double spent = 0;
   for (std::size_t i = 0; i < all.size() && !runner.stopped(); ++i) {
     // What one sequence leaves of its share goes to those after it.
-    runner.run(all[i], (options.seconds - spent) / static_cast<double>(all.size() - i));
+    try {
+      runner.run(all[i], (options.seconds - spent) / static_cast<double>(all.size() - i));
+    } catch (const Stopped&) {
+      break;
+    }
     spent += watch.lap();
   }
   add_peers(options, PeerTask::State, bench);

@@ -1,8 +1,8 @@
 # The part of VTK that reads and writes XML files, found without VTK's own package file: that one wants all of
 # libvtk9-dev, whose dependencies (Java, LLVM, GDAL, Qt ...) are 320 packages and one gigabyte. The headers come from the same
-# Debian package, unpacked (./dev does it; KERF_VTK_ROOT says where), the libraries from libvtk9.1. Defines VTK::IO.
+# Debian package, unpacked (./dev does it; KERF_HEADERS_ROOT says where), the libraries from libvtk9.1. Defines VTK::IO.
 find_path(VTKIO_INCLUDE_DIR vtkXMLUnstructuredGridWriter.h
-  HINTS ${KERF_VTK_ROOT} PATH_SUFFIXES usr/include/vtk-9.1 include/vtk-9.1 vtk-9.1)
+  HINTS ${KERF_HEADERS_ROOT} PATH_SUFFIXES usr/include/vtk-9.1 include/vtk-9.1 vtk-9.1)
 set(VTKIO_LIBRARIES "")
 set(VTKIO_COMPLETE TRUE)
 foreach(name CommonCore CommonDataModel CommonExecutionModel IOXML IOXMLParser)

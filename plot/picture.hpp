@@ -43,9 +43,11 @@ struct Picture {
   std::vector<std::vector<Vec2>> interfaces;        // thin colored lines: between materials
   std::vector<std::vector<Vec2>> cracks;            // strong lines; one per face when displaced
   std::vector<std::pair<Vec2, std::string>> marks;  // small labeled crosses
+  std::vector<std::pair<Vec2, std::string>> names;  // the same without crosses
 
   // Of a drawing of the body without values.
-  bool solid = false;                                // one dark color, no triangles; cracks red
+  bool solid = false;                                // one color, no triangles; cracks red
+  std::uint32_t color = 0x2f3d4c;                    // that one
   std::vector<std::vector<Vec2>> supports, rollers;  // the body to the left; all or one component held
   std::vector<std::array<Vec2, 2>> arrows;           // loads: from, to
   std::vector<Trace> traces;

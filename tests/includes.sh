@@ -15,7 +15,7 @@ declare -A below=(
 )
 # The room that a public header belongs to.
 declare -A home=(
-  [types]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry
+  [types]=geometry [stop]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
   [fracture]=solver [bounds]=solver [adaptive]=solver
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [validate]=topo [shape_gradient]=topo

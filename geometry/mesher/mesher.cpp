@@ -1,5 +1,6 @@
 #include "kerf/mesher.hpp"
 #include "geometry/topology.hpp"
+#include "kerf/stop.hpp"
 
 #include "geometry/mesher/lattice.hpp"
 #include "geometry/mesher/smooth.hpp"
@@ -256,6 +257,7 @@ void refine(Triangulation& triangulation, Criteria criteria, const Shape& shape,
   edges.scan_triangulation();
   faces.scan_triangulation();
   for (std::size_t step = 0; !faces.is_algorithm_done(); ++step) {
+    if (step % 10000 == 0) check_stop();
     if (step == budget) {
       const Vec2 x = vec(edges.is_algorithm_done() ? faces.refinement_point(faces.get_next_element())
                                                    : edges.refinement_point(edges.get_next_element()));
@@ -546,6 +548,7 @@ Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& f
 }
 
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
+  check_stop();
   if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);

@@ -16,8 +16,8 @@ struct Indicator {
   double relative = 0;  // sum over the body, divided by the efficiency index and by |s|: a relative L2 stress error
 };
 /// The efficiency index is measured on the body itself, against the recovered stress where that is one (theory: R.6):
-/// 1.2 to 1.5 of the true error on adapted meshes, 0.8 to 2.5 on coarse ones in random scenes. An estimate, not a bound;
-/// not a number for displacement elements.
+/// 1.2 to 1.5 of the true error on adapted meshes, 0.8 to 2.5 on coarse ones in random scenes. An estimate, not a
+/// bound; not a number for displacement elements.
 Indicator error_indicator(const Model& model, const State& state);
 
 /// Remesh: a new mesh with the sizes that the indicator asks for; few rounds, curved sides stay exact. Bisect: halve
@@ -65,7 +65,8 @@ Adapted solve_graded(const Shape& shape, const Sizing& sizing, const Element& e,
                      const Adaptation& how);
 
 /// From the mesh that `sizing` asks for, which stays the coarsest allowed. Throws as triangulate and prepare do, and
-/// Error(Usage) for an element without an error indicator.
+/// Error(Usage) for an element without an error indicator. Asked to stop (kerf/stop.hpp) it returns the round before,
+/// without its factor; throws Stopped when there is none.
 Adapted solve_adaptively(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
                          const Adaptation& adaptation);
 

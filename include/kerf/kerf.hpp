@@ -21,6 +21,7 @@
 #include "kerf/shape.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "kerf/state.hpp"
+#include "kerf/stop.hpp"
 #include "kerf/types.hpp"
 #include "kerf/units.hpp"
 #include "kerf/validate.hpp"

@@ -2,7 +2,8 @@
 
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"
-#include "io/case/reader.hpp"
+#include "io/case/named_files.hpp"
+#include "io/case/write.hpp"
 #include "io/design.hpp"
 
 #include <fmt/format.h>
@@ -15,65 +16,8 @@ namespace kerf {
 
 namespace {
 
-std::string number(double x) {
-  const std::string text = fmt::format("{:.17g}", x);
-  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-}
-
 std::string pair(const Vec2& x) {
   return fmt::format("[{}, {}]", number(x.x()), number(x.y()));
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += fmt::format("\\{}", c);
-    else if (static_cast<unsigned char>(c) < 32)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-std::string inline_text(const Node& node) {
-  std::vector<std::string> parts;
-  switch (node.kind) {
-    case Node::Kind::Boolean:
-      return node.boolean ? "true" : "false";
-    case Node::Kind::Integer:
-      return fmt::format("{:.0f}", node.number);
-    case Node::Kind::Float:
-      return number(node.number);
-    case Node::Kind::String:
-      return quoted(node.text);
-    case Node::Kind::Date:
-      return node.text;
-    case Node::Kind::Array:
-      for (const Node& item : node.items) parts.push_back(inline_text(item));
-      return fmt::format("[{}]", fmt::join(parts, ", "));
-    case Node::Kind::Table:
-      break;
-  }
-  for (const Entry& entry : node.entries)
-    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value)));
-  return fmt::format("{{ {} }}", fmt::join(parts, ", "));
-}
-
-void add_table(const std::string& header, const Node& table, std::string& out) {
-  out += header + "\n";
-  for (const Entry& entry : table.entries) out += fmt::format("{} = {}\n", entry.key, inline_text(entry.value));
-  out += "\n";
-}
-
-void add_entry(const Entry& entry, std::string& out) {
-  if (entry.value.kind == Node::Kind::Table) return add_table(fmt::format("[{}]", entry.key), entry.value, out);
-  if (entry.value.kind == Node::Kind::Array) {
-    for (const Node& table : entry.value.items) add_table(fmt::format("[[{}]]", entry.key), table, out);
-    return;
-  }
-  out += fmt::format("{} = {}\n", entry.key, inline_text(entry.value));
 }
 
 const Node* find(const Node& table, std::string_view key) {
@@ -83,25 +27,15 @@ const Node* find(const Node& table, std::string_view key) {
 }
 
 /// Names of files, made relative to another folder.
-class Paths {
- public:
-  Paths(const std::filesystem::path& from, const std::filesystem::path& to) : from_(from), to_(to) {}
-
-  void move(Node& node, std::string_view key = {}) const {
-    if (node.kind == Node::Kind::String && key == "measured" && node.text != "synthetic") {
-      namespace fs = std::filesystem;
-      node.text = fs::absolute(from_ / node.text)
-                      .lexically_normal()
-                      .lexically_proximate(fs::absolute(to_).lexically_normal())
-                      .generic_string();
-    }
-    for (Node& item : node.items) move(item);
-    for (Entry& entry : node.entries) move(entry.value, entry.key);
-  }
-
- private:
-  const std::filesystem::path &from_, &to_;
-};
+void move_files(Node& document, const std::filesystem::path& from, const std::filesystem::path& to) {
+  namespace fs = std::filesystem;
+  for_each_file(document, [&](Node& name) {
+    name.text = fs::absolute(from / name.text)
+                    .lexically_normal()
+                    .lexically_proximate(fs::absolute(to).lexically_normal())
+                    .generic_string();
+  });
+}
 
 // The body.
 
@@ -259,7 +193,7 @@ Node rest_of(const Case& c, const std::filesystem::path& folder) {
       volume.entries.push_back({"at_most", {}, most});
       entry.value.entries.push_back({"volume", {}, volume});
     }
-  Paths(c.folder, folder).move(rest);
+  move_files(rest, c.folder, folder);
   for (Entry& entry : rest.entries)
     if (entry.key == "mesh")  // the design is drawn
       std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "mesher"; });

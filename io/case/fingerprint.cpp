@@ -1,5 +1,6 @@
 #include "io/case/fingerprint.hpp"
 
+#include "io/case/named_files.hpp"
 #include "optimize/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -24,9 +25,10 @@ void append(std::string& out, const Node& node, const std::string& path, const s
     case Node::Kind::String:
     case Node::Kind::Date:
       begin('s', 0);
-      append_text(node.text);
-      if ((path.ends_with(".measured") || path.ends_with(".start.design") || path == ".domain.file") && std::filesystem::is_regular_file(folder / node.text))
-        append_text(read_text(folder / node.text));
+      // Of files their contents count: a copy of the case elsewhere goes on with the same optimization.
+      append_text(names_file(path, node.text) && std::filesystem::is_regular_file(folder / node.text)
+                      ? read_text(folder / node.text)
+                      : node.text);
       return;
     case Node::Kind::Array:
       begin('a', node.items.size());

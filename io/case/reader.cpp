@@ -1,5 +1,6 @@
 #include "io/case/reader.hpp"
 
+#include "io/case/toml_words.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"
 
@@ -78,6 +79,11 @@ Node convert(const toml::node& node, const Position& whole) {
   return out;
 }
 
+std::string_view line_of(std::string_view text, std::uint32_t number) {
+  for (; number > 1 && !text.empty(); --number) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find('\n'));
+}
+
 toml::table parse(std::string_view text, const Position& start) {
   try {
     if (longest_dotted_key(text) > deepest_key)
@@ -89,8 +95,8 @@ toml::table parse(std::string_view text, const Position& start) {
     std::replace_if(
         description.begin(), description.end(), [](char c) { return c >= 0 && c < 32; }, ' ');
     throw Error(Fault::Usage,
-                fmt::format("{}: not valid TOML: {}",
-                            to_string({start.source, start.line == 0 ? 0 : where.line, where.column}), description));
+                fmt::format("{}: {}", to_string({start.source, start.line == 0 ? 0 : where.line, where.column}),
+                            plain_words(description, line_of(text, where.line), where.column)));
   }
 }
 
@@ -164,6 +170,10 @@ std::string read_text(const std::filesystem::path& path) {
   file.read(text.data(), static_cast<std::streamsize>(size));
   if (file.bad()) fail("cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
+  // Marks of the encoding that editors on Windows put first.
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw Error(Fault::Usage, fmt::format("{}:1:1: the file is UTF-16; save it as UTF-8", name));
   return text;
 }
 
@@ -172,6 +182,37 @@ Node read_document(const std::filesystem::path& path) {
   const Position start{std::make_shared<const std::string>(path.string()), 1, 1};
   return convert(parse(text, start), start);
 }
+
+namespace {
+
+/// The value of an override: TOML; or a number as shells and calculators write it (.5, 5.); or text without its quotes,
+/// which the shell has eaten.
+Node value_of(std::string_view text, const Position& origin) {
+  const std::string name = to_string(origin);
+  try {
+    Node parsed = convert(parse(fmt::format("value = {}", text), origin), origin);
+    if (parsed.entries.size() == 1) return std::move(parsed.entries[0].value);
+  } catch (const Error&) {
+  }
+  Node value{.position = origin};
+  const std::string_view digits = text.substr(text.starts_with("+") ? 1 : 0);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value.number);
+  if (!digits.empty() && error == std::errc() && end == digits.data() + digits.size()) {
+    value.kind = Node::Kind::Float;
+    return value;
+  }
+  if (const std::string number = with_decimal_point(text); !number.empty())
+    throw Error(Fault::Usage, fmt::format("{}: {}: a decimal comma? write {}", name, quote(text), number));
+  const bool one_line = std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 32; });
+  if (text.empty() || !one_line || std::string_view("\"'[{").find(text[0]) != std::string_view::npos)
+    throw Error(Fault::Usage,
+                fmt::format("{}: {} is no value; write a number, a word, or '[1, 2]'", name, quote(text)));
+  value.kind = Node::Kind::String;
+  value.text = std::string(text);
+  return value;
+}
+
+}  // namespace
 
 void override_value(Node& document, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
@@ -184,16 +225,7 @@ void override_value(Node& document, std::string_view assignment) {
   const std::vector<Step> steps = parse_path(path, name);
   const Position origin{std::make_shared<const std::string>(name), 0, 0};
 
-  Node value;
-  try {
-    const Node parsed = convert(parse(fmt::format("value = {}", text), origin), origin);
-    if (parsed.entries.size() != 1) throw Error(Fault::Usage, "more than one value");
-    value = parsed.entries[0].value;
-  } catch (const Error&) {
-    throw Error(Fault::Usage, fmt::format("{}: {} is not a TOML value; a string needs its own quotes: "
-                                          "--set 'solver.element=\"bdms\"'",
-                                          name, quote(text)));
-  }
+  Node value = value_of(text, origin);
 
   Node* node = &document;
   for (const Step& step : steps) {

@@ -55,13 +55,17 @@ std::vector<std::vector<double>> read_table(const std::filesystem::path& path, c
       columns = cells.size();
       for (const std::string& name : wanted) {
         const auto found = std::find(cells.begin(), cells.end(), name);
+        if (found == cells.end() && columns == 1 && line.find(';') != std::string_view::npos)
+          bad(number, "cells are separated by commas here, and numbers have points: 0.5,1");
         if (found == cells.end())
           bad(number, fmt::format("the first line must name the columns, {} among them", names));
         column.push_back(static_cast<std::size_t>(found - cells.begin()));
       }
       continue;
     }
-    if (cells.size() != columns) bad(number, fmt::format("{} cells instead of {}", cells.size(), columns));
+    if (cells.size() != columns)
+      bad(number, fmt::format("{} cells instead of {}{}", cells.size(), columns,
+                              cells.size() == 2 * columns ? "; decimal commas? write points: 0.5,1" : ""));
     std::vector<double> row;
     for (const std::size_t k : column) {
       const std::string_view cell = cells[k];

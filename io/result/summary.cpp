@@ -239,7 +239,9 @@ std::string summary(const Result& result) {
   const std::string title = clean_text(result.title);
   add_sentence(out, "case",
                clean_text(result.case_name) + (title.empty() || title == result.case_name ? "" : ": " + title));
-  if (result.status != "ok" || result.reason) {
+  // How an optimization ended, its own line says.
+  const bool told = result.optimize && result.status == word(result.optimize->ending);
+  if (!told && (result.status != "ok" || result.reason)) {
     add_sentence(out, "status", result.status + (result.reason ? ": " + *result.reason : ""));
   }
   const Units& u = result.units;

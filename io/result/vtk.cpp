@@ -24,7 +24,7 @@ Module load() {
     throw Error(
         Fault::Files,
         fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
-                    "install libvtk9.1, or switch VTK files off with [output] vtk = false",
+                    "install libvtk9.1 (the package kerf-vtk has both), or switch VTK files off with [output] vtk = false",
                     found.reason));
   const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(found.handle, name)); };
   return {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};

@@ -295,6 +295,8 @@ Descent::Tried Descent::attempt() {
     if (g_.turns()) {
       turn(t);
       s_.residual = t.step.residual;
+      std::find_if(s_.rows.rbegin(), s_.rows.rend(), [](const Iteration& r) { return r.accepted; })->optimality =
+          s_.residual;
     } else {
       move_boundary(t);
     }
@@ -328,6 +330,17 @@ void Descent::judge(Tried& t) {
   s_.price = t.step.price;
 }
 
+/// Of the present design. The angle of a fixed point is known with the step from it.
+double Descent::own_residual() const {
+  if (g_.turns()) return nan;
+  try {
+    return measure().residual;
+  } catch (const Error& error) {  // the step from here will say so
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    return nan;
+  }
+}
+
 void Descent::show(Design design, std::vector<std::string> notes) {
   design_ = std::move(design);
   rates_.reset();
@@ -338,7 +351,7 @@ void Descent::show(Design design, std::vector<std::string> notes) {
                      .bounds = design_->bounds,
                      .violation = violation_of(g_.r, design_->bounds, design_->area / g_.whole),
                      .step = g_.turns() ? s_.turn : s_.radius,
-                     .optimality = s_.residual,
+                     .optimality = own_residual(),
                      .holes = static_cast<int>(design_->shape.holes.size()),
                      .triangles = static_cast<Index>(design_->cases.front().model.mesh.triangles.size()),
                      .state_solves = s_.solves,
@@ -432,7 +445,7 @@ void Descent::refuse(const Tried& t, double rise) {
   row.state_solves = s_.solves;
   row.note = why;
   row.step = 2 * (g_.turns() ? s_.turn : s_.radius);
-  row.objective = row.merit = nan;
+  row.objective = row.merit = row.optimality = nan;
   if (t.drawing.design) {
     const Evaluated& e = *t.drawing.design;
     row.objective = e.J;
@@ -532,9 +545,8 @@ bool Descent::follow_up() {
     case Next::End:
       s_.next = static_cast<int>(Next::Nucleate);
       if (!best_ || (best_ == design_ && s_.rows.back().accepted)) return follow_up();
-      // What the step from the best design said of it.
       for (const Iteration& row : s_.rows)
-        if (row.number == s_.best.iteration + 1) s_.residual = row.optimality;
+        if (row.number == s_.best.iteration) s_.residual = row.optimality;
       go_back(s_.best, s_.why);
       return true;
     case Next::Nucleate:

@@ -87,6 +87,7 @@ class Descent {
   void step();
   void decide();
   bool appearing() const;
+  double own_residual() const;
   void show(Design design, std::vector<std::string> notes);
   double value(double J, double area, const Eigen::VectorXd& bounds) const;
   double value(const Evaluated& e) const;

@@ -75,7 +75,7 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
     out.why = out.obstacle = "stopped as asked";
   } else if (end.g.weak()) {
     out.kind = "angle";
-    out.residual = s.rows.back().optimality;
+    out.residual = s.residual;
     out.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
   } else {
     weigh_changes(end.g, design, result, out);

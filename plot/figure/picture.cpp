@@ -29,7 +29,7 @@ void trace(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& line) {
   }
 }
 
-constexpr std::uint32_t solid_color = 0x2f3d4c, crack_red = 0xe0232e, support_blue = 0x0072b2, load_orange = 0xd55e00;
+constexpr std::uint32_t crack_red = 0xe0232e, support_blue = 0x0072b2, load_orange = 0xd55e00;
 
 /// A strong line; beyond it short strokes when all components are held, else rollers.
 void draw_support(cairo_t* pen, const Layout& layout, const std::vector<Vec2>& line, bool full) {
@@ -96,7 +96,7 @@ void draw_body(cairo_t* pen, const Layout& layout, const Picture& picture, const
   painting.limits = limits;
   painting.scale = picture.scale;
   if (picture.solid) {
-    painting.plain = 0xff000000 | solid_color;
+    painting.plain = 0xff000000 | picture.color;
   } else if (picture.edges || picture.values.cols() == 0) {
     painting.edge_width = picture.values.cols() == 0 ? 1.4 : 1.0;
   }
@@ -146,20 +146,25 @@ struct Mark {
   Vec2 at;
   Lines name;
   double width;  // of the name
+  bool cross;
 };
 
 /// The first of several places around the mark where its name touches nothing; if lines are everywhere, where it
-/// touches no other mark or name; if even that fails the name is left out.
+/// touches no other mark or name; if even that fails the name is left out. A name without a cross may stand on its
+/// point, and else rather below, above or beside it than across a corner.
 std::optional<Box> free_place(const Layout& layout, const Mark& mark, const std::vector<Box>& taken,
                               const std::vector<std::array<Vec2, 2>>& lines) {
   const double width = mark.width + 8, height = mark.name.height();
   const Box& plot = layout.plot;
+  constexpr int around_cross[] = {0, 1, 2, 3, 4, 5, 6, 7}, around_point[] = {3, 7, 1, 5, 0, 2, 4, 6};
   for (const bool among_lines : {false, true}) {
-    for (int place = 0; place < 24; ++place) {
-      const bool diagonal = place % 2 == 0;  // upper right first, then clockwise, then farther away
-      const double angle = (place % 8 - 1) * pi / 4, away = (diagonal ? 10 : 13) + 24.0 * (place / 8);
+    for (int place = mark.cross ? 0 : -1; place < 24; ++place) {
+      const int side = place < 0 ? 0 : (mark.cross ? around_cross : around_point)[place % 8];
+      const bool diagonal = side % 2 == 0;  // upper right first, then clockwise, then farther away
+      const double angle = (side - 1) * pi / 4, away = (diagonal ? 10 : 13) + 24.0 * (place / 8);
       const Vec2 to(std::round(std::cos(angle) * 1.2), std::round(std::sin(angle) * 1.2));
-      const Vec2 center = mark.at + Vec2(to.x() * (away + 0.5 * width), to.y() * (away + 0.5 * height));
+      const Vec2 center =
+          place < 0 ? mark.at : mark.at + Vec2(to.x() * (away + 0.5 * width), to.y() * (away + 0.5 * height));
       const Box box{center.x() - 0.5 * width, center.y() - 0.5 * height, width, height};
       bool free = box.x >= plot.x + 4 && box.x + width <= plot.x + plot.width - 4 && box.y >= plot.y + 4 &&
                   box.y + height <= plot.y + plot.height - 4;
@@ -178,19 +183,24 @@ void draw_marks(cairo_t* pen, const Layout& layout, const Picture& picture) {
   const Box& plot = layout.plot;
   std::vector<Mark> marks;
   std::vector<Box> taken;
-  for (const auto& [p, name] : picture.marks) {
-    const Vec2 at = layout.place(p);
-    const Vec2 inside = at - Vec2(plot.x, plot.y);
-    if (!(inside.minCoeff() >= 0 && inside.x() <= plot.width && inside.y() <= plot.height)) continue;
-    const Measure measure = [&](const std::string& text, const Font& font) { return text_width(pen, text, font); };
-    Mark mark{at, wrap(name, {22}, {plot.width - 20, 15, 4}, measure), 0};
-    for (const auto& line : mark.name.text) mark.width = std::max(mark.width, measure(line, mark.name.font));
-    marks.push_back(std::move(mark));
-    taken.push_back({at.x() - arm, at.y() - arm, 2 * arm, 2 * arm});
-  }
+  const auto add = [&](const std::vector<std::pair<Vec2, std::string>>& all, bool cross) {
+    for (const auto& [p, name] : all) {
+      const Vec2 at = layout.place(p);
+      const Vec2 inside = at - Vec2(plot.x, plot.y);
+      if (!(inside.minCoeff() >= 0 && inside.x() <= plot.width && inside.y() <= plot.height)) continue;
+      const Measure measure = [&](const std::string& text, const Font& font) { return text_width(pen, text, font); };
+      Mark mark{at, wrap(name, {22}, {plot.width - 20, 15, 4}, measure), 0, cross};
+      for (const auto& line : mark.name.text) mark.width = std::max(mark.width, measure(line, mark.name.font));
+      marks.push_back(std::move(mark));
+      if (cross) taken.push_back({at.x() - arm, at.y() - arm, 2 * arm, 2 * arm});
+    }
+  };
+  add(picture.marks, true);
+  add(picture.names, false);
   if (marks.empty()) return;
   for (const auto& [width, rgb] : {std::pair(6.5, paper), std::pair(2.8, std::uint32_t(0xc2185b))}) {
     for (const Mark& mark : marks) {
+      if (!mark.cross) continue;
       cairo_move_to(pen, mark.at.x() - arm, mark.at.y());
       cairo_line_to(pen, mark.at.x() + arm, mark.at.y());
       cairo_move_to(pen, mark.at.x(), mark.at.y() - arm);
@@ -199,11 +209,12 @@ void draw_marks(cairo_t* pen, const Layout& layout, const Picture& picture) {
     stroke(pen, width, rgb);
   }
   std::vector<std::array<Vec2, 2>> lines;
-  for (const auto* group : {&picture.cracks, &picture.outlines}) {
+  for (const auto* group : {&picture.cracks, &picture.outlines, &picture.interfaces}) {
     for (const auto& line : *group) {
       for (std::size_t i = 1; i < line.size(); ++i) lines.push_back({layout.place(line[i - 1]), layout.place(line[i])});
     }
   }
+  for (const auto& [from, to] : picture.arrows) lines.push_back({layout.place(from), layout.place(to)});
   for (const Mark& mark : marks) {
     if (mark.name.text.empty()) continue;
     const auto box = free_place(layout, mark, taken, lines);

@@ -1,5 +1,6 @@
 #include "kerf/adaptive.hpp"
 #include "kerf/recover.hpp"
+#include "kerf/stop.hpp"
 
 #include "geometry/adapt.hpp"
 #include "solver/post/chords.hpp"
@@ -201,56 +202,105 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   return a;
 }
 
+namespace {
+
+struct Adapting {
+  const Shape& shape;
+  const Element& element;
+  const Scene& scene;
+  const Adaptation& wanted;
+};
+
+/// A mesh solved, with its indicator and what that took; `meshing`: seconds.
+Adapted one_round(const Adapting& of, Mesh mesh, double meshing) {
+  if (of.wanted.meshed) of.wanted.meshed(mesh);
+  Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
+  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads);
+  round.assemble = model.seconds.assemble;
+  round.factor = model.seconds.factor;
+  Stopwatch watch;
+  State state = solved(model, of.wanted);
+  round.solve = watch.lap();
+  round.contact = state.seconds.contact;
+  Indicator indicator = error_indicator(model, state);
+  add_chords(of.shape, model, state, indicator);
+  round.estimate = watch.lap();
+  round.estimated_error = indicator.relative;
+  return {.model = std::move(model), .state = std::move(state), .indicator = std::move(indicator), .rounds = {round}};
+}
+
+/// Matrix and factor, most of the memory, are not needed to write a state down.
+void drop_factor(Model& m) {
+  const Inner& inner = *m.inner;
+  System system{.penalty = inner.system.penalty,
+                .K = {},
+                .force = inner.system.force,
+                .F = inner.system.F,
+                .tractions = inner.system.tractions,
+                .traces = inner.system.traces};
+  m.inner = std::make_shared<const Inner>(Inner{inner.kernel, inner.skeleton, inner.ordering, std::move(system),
+                                                Factor(LowerTriangle{}, 0), inner.floating, inner.data});
+}
+
+/// Why the last round is the last one; empty: it is not. `without_gain`: rounds in a row.
+std::string reason_to_end(const Adapted& a, const std::vector<Round>& rounds, const Adaptation& wanted,
+                          int without_gain, double best) {
+  constexpr std::size_t most_rounds = 40;
+  const Round& round = rounds.back();
+  const std::string unseen = unseen_by_estimate(a.model);
+  std::string why;
+  if (round.estimated_error <= wanted.error && unseen.empty())
+    why = fmt::format("reached the asked error {:.3g}", wanted.error);
+  else if (round.triangles >= 0.9 * wanted.max_triangles)
+    why = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
+                      round.estimated_error, wanted.error);
+  else if (without_gain == 3)
+    why = fmt::format("stopped: the estimated error stays at {:.3g}, asked {:.3g}", best, wanted.error);
+  else if (rounds.size() == most_rounds)
+    why = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
+                      round.estimated_error, wanted.error);
+  else if (wanted.go_on && !wanted.go_on(round))
+    why = "stopped on request";
+  if (!why.empty() && !unseen.empty()) why += "; " + unseen;
+  return why;
+}
+
+}  // namespace
+
 Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element& e, const Scene& scene,
                          const Adaptation& wanted) {
   require(e, can_estimate_error);
-  constexpr std::size_t most_rounds = 40;
   Stopwatch watch;
   Sizing sizing = given;
   if (!(sizing.size > 0)) sizing.size = extent(shape) / 40;
   Mesh mesh = wanted.given ? *wanted.given : triangulate(shape, sizing);
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;
+  std::optional<Adapted> last;
   double best = infinity;
   int without_gain = 0;
-  while (true) {
-    if (wanted.meshed) wanted.meshed(mesh);
-    Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
-    Model model = prepare(std::move(mesh), e, scene, wanted.threads);
-    round.assemble = model.seconds.assemble;
-    round.factor = model.seconds.factor;
-    watch.lap();
-    State state = solved(model, wanted);
-    round.solve = watch.lap();
-    round.contact = state.seconds.contact;
-    Indicator indicator = error_indicator(model, state);
-    add_chords(shape, model, state, indicator);
-    round.estimate = watch.lap();
-    round.estimated_error = indicator.relative;
-    rounds.push_back(round);
-    constexpr double gain = 0.95;
-    without_gain = round.estimated_error < gain * best ? 0 : without_gain + 1;
-    best = std::min(best, round.estimated_error);
-    std::string stopped;
-    const std::string unseen = unseen_by_estimate(model);
-    if (round.estimated_error <= wanted.error && unseen.empty())
-      stopped = fmt::format("reached the asked error {:.3g}", wanted.error);
-    else if (round.triangles >= 0.9 * wanted.max_triangles)
-      stopped = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
-                            round.estimated_error, wanted.error);
-    else if (without_gain == 3)
-      stopped = fmt::format("stopped: the estimated error stays at {:.3g}, asked {:.3g}", best, wanted.error);
-    else if (rounds.size() == most_rounds)
-      stopped = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
-                            round.estimated_error, wanted.error);
-    else if (wanted.go_on && !wanted.go_on(round))
-      stopped = "stopped on request";
-    if (!stopped.empty() && !unseen.empty()) stopped += "; " + unseen;
-    if (!stopped.empty())
-      return {std::move(model),  std::move(state),   std::move(indicator),
-              std::move(rounds), std::move(stopped), std::move(sizing)};
-    sizing.ends = contact_ends(model, state);
-    mesh = refined(shape, sizing, wanted, model, indicator);
+  try {
+    while (true) {
+      Adapted now = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap());
+      last.reset();
+      watch.lap();
+      rounds.push_back(now.rounds.front());
+      constexpr double gain = 0.95;
+      without_gain = rounds.back().estimated_error < gain * best ? 0 : without_gain + 1;
+      best = std::min(best, rounds.back().estimated_error);
+      now.stopped = reason_to_end(now, rounds, wanted, without_gain, best);
+      now.rounds = rounds;
+      now.sizing = sizing;
+      if (!now.stopped.empty()) return now;
+      sizing.ends = contact_ends(now.model, now.state);
+      last.emplace(std::move(now));
+      mesh = refined(shape, sizing, wanted, last->model, last->indicator);
+      drop_factor(last->model);
+    }
+  } catch (const Stopped&) {
+    if (!last) throw;
+    last->stopped = "stopped on request";
+    return std::move(*last);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "solver/factor.hpp"
 
+#include "kerf/stop.hpp"
+
 #include <cholmod.h>
 #include <dlfcn.h>
 #include <fmt/core.h>
@@ -61,6 +63,7 @@ void use_one_thread() {
 }  // namespace
 
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
+  check_stop();
   const Index n = static_cast<Index>(start.size()) - 1;
   std::vector<Index> order(n);
   if (n == 0) return order;
@@ -102,6 +105,7 @@ struct Factor::Impl {
   }
 
   void factorize(cholmod_sparse& a) {
+    check_stop();
     const int done = cholmod_factorize(&a, factor, &session.c);
     // cholmod_solve resets the status: it must be read here.
     if (session.c.status == CHOLMOD_NOT_POSDEF)
@@ -112,6 +116,7 @@ struct Factor::Impl {
 
   template <typename Dense>
   Dense apply(int system, const Dense& b) const {
+    check_stop();
     cholmod_dense in{};
     in.nrow = in.d = static_cast<std::size_t>(size);
     in.ncol = static_cast<std::size_t>(b.cols());

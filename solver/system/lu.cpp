@@ -1,5 +1,7 @@
 #include "solver/system/lu.hpp"
 
+#include "kerf/stop.hpp"
+
 #include <umfpack.h>
 
 namespace kerf {
@@ -29,6 +31,7 @@ void check(int status) {
 }  // namespace
 
 Lu::Lu(const LowerTriangle& lower) : impl_(std::make_unique<Impl>()) {
+  check_stop();
   Impl& m = *impl_;
   m.size = lower.size;
   if (m.size == 0) return;
@@ -68,6 +71,7 @@ Lu::Lu(Lu&&) noexcept = default;
 Lu& Lu::operator=(Lu&&) noexcept = default;
 
 Eigen::VectorXd Lu::solve(const Eigen::VectorXd& b) const {
+  check_stop();
   const Impl& m = *impl_;
   Eigen::VectorXd x(b.size());
   if (m.size == 0) return x;

@@ -232,7 +232,7 @@ TEST_P(BrokenCase, EndsWithOneMessage) {
 INSTANTIATE_TEST_SUITE_P(
     Cli, BrokenCase,
     testing::Values(
-        Broken{"syntax", "[mesh", "", "", 2, "b.toml:16:6: not valid TOML"},
+        Broken{"syntax", "[mesh", "", "", 2, "b.toml:16:6: a header ends with its bracket"},
         Broken{"duplicate", "traction = [0, 1]", "", "", 2, "b.toml:16:"},
         Broken{"unknown_key", "", "young", "youg", 2,
                "b.toml:6:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
@@ -320,7 +320,11 @@ TEST_F(Cli, CheckSolvesNothing) {
   const Outcome o = kerf("check c.toml");
   EXPECT_EQ(o.code, 0);
   EXPECT_EQ(o.error, "");
-  EXPECT_FALSE(fs::exists(folder / "out"));
+  EXPECT_FALSE(fs::exists(folder / "out/c/result.json"));
+  EXPECT_TRUE(fs::exists(folder / "out/c/check.png"));
+  EXPECT_NE(o.out.find("picture in out/c/check.png"), std::string::npos);
+  EXPECT_EQ(kerf("check c.toml -o none --set output.png=false").code, 0);
+  EXPECT_FALSE(fs::exists(folder / "none"));
   for (const char* words : {"Square", "(0, 0) to (1, 1), area 1, 0 holes", "c: unilateral, length 0.5",
                             "(0, 0.5) on left to (0.5, 0.5) interior", "displacement", "traction", "free",
                             "probe \"p\": 1 of 2 points lie outside the body"})
@@ -381,6 +385,29 @@ TEST_F(Cli, UnitsAreSaidEverywhere) {
   expect_failure("check u.toml --set material.thickness=5", 2, "plane stress");
   expect_failure("check u.toml --set units.stress='\"MPA\"'", 2, "\"MPa\"");
   expect_failure("check a.toml --set units.length='\"mm\"'", 2, "stress");
+}
+
+TEST_F(Cli, AStopInAValidationLeavesTheStateAndWhatWasValidated) {
+  const Outcome o = kerf(
+      "run a.toml --set mesh.size=0.012 --set output.png=false "
+      "--set 'validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}' & pid=$!; "
+      "for k in $(seq 3000); do grep -q validate stderr && break; sleep 0.01; done; kill -INT $pid; wait $pid");
+  EXPECT_EQ(o.code, 4) << o.error;
+  EXPECT_NE(o.error.find("kerf: stopped in "), std::string::npos) << o.error;
+  EXPECT_NE(o.error.find("what was done before is in out/a"), std::string::npos) << o.error;
+  EXPECT_FALSE(fs::exists(folder / "out/a/result.json"));
+  for (const char* left : {"case.toml", "state.vtu"}) EXPECT_TRUE(fs::exists(folder / "out/a" / left)) << left;
+}
+
+TEST_F(Cli, GoesWithoutTheModuleOfVtkUnlessItIsAskedFor) {
+  fs::create_directory(folder / "bin");
+  fs::copy_file(KERF_PROGRAM, folder / "bin/kerf");
+  const Outcome o = shell("bin/kerf solve a.toml");
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_NE(o.out.find("no files for ParaView: cannot load the VTK module"), std::string::npos) << o.out;
+  EXPECT_FALSE(fs::exists(folder / "out/a/state.vtu"));
+  EXPECT_TRUE(fs::exists(folder / "out/a/mesh.png"));
+  EXPECT_EQ(shell("bin/kerf solve a.toml -o asked --set output.vtk=true").code, 5);
 }
 
 TEST_F(Cli, FullDiskOfStandardOutputIsReported) {

@@ -338,6 +338,8 @@ TEST_F(Optimize, OtherCasesAreNotResumed) {
   EXPECT_NE(error().find("belongs to another case"), std::string::npos) << error();
   EXPECT_TRUE(fs::exists(folder / "out/result.json"));
   EXPECT_EQ(read_all(folder / "out/history.csv"), history);
+  // The case that lies in the folder is the same one.
+  EXPECT_EQ(kerf({"optimize", "out/case.toml", "-o", "out", "--quiet", "--resume"}), 0) << error();
 
   // A damaged checkpoint is named.
   const std::string bytes = read_all(folder / "out/checkpoint.bin");

@@ -99,6 +99,58 @@ TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
     EXPECT_GT(fs::file_size(folder / "out" / name), 100u) << name;
 }
 
+// The folder of a run holds all that it needs to be made again, here or elsewhere, overrides and data included.
+TEST_F(Run, TheFolderRunsAgain) {
+  const auto write = [&](const fs::path& name, const std::string& what) {
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name, std::ios::binary) << what;
+  };
+  write("cases/data/top.csv", "x,y,u_x,u_y\n1,1,0.001,0.01\n0,1,0,0.011\n");
+  write("cases/more/top.csv", "x,y\n0.3,0.4\n0.6,0.1\n");
+  write("cases/a.toml", R"([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 100
+poisson = 0.3
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "top"
+traction = ["r / 3", 1]
+[define]
+r = "x + 0.1"
+[functional]
+kind = "misfit"
+on = "top"
+measured = "data/top.csv"
+[[probe]]
+name = "p"
+file = "more/top.csv"
+[output]
+vtk = false
+png = false
+)");
+  const auto numbers = [&](const fs::path& file, const fs::path& to, const std::vector<std::string>& overrides) {
+    run(read_case(folder / file, overrides), Job::Map, {.folder = folder / to, .command = "kerf map a.toml"});
+    json r = json::parse(text(to / "result.json"));
+    for (const char* own : {"time_s", "peak_memory_mb", "case"}) r.erase(own);
+    return r.dump() + text(to / "probe_p.csv") + text(to / "map.csv");
+  };
+  const std::string first = numbers("cases/a.toml", "out", {"mesh.size=0.31", "material.young=123.456789"});
+  const std::string kept = text("out/case.toml");
+  EXPECT_EQ(kept.find("# The case of these results, as kerf 0.1.0 read it\n# kerf map a.toml\ntitle = \"a\"\n"), 0u);
+  EXPECT_NE(kept.find("young = 123.456789"), std::string::npos) << kept;
+  fs::remove_all(folder / "cases");
+  fs::rename(folder / "out", folder / "moved");
+  EXPECT_EQ(numbers("moved/case.toml", "again", {}), first);
+  // Into itself, twice.
+  EXPECT_EQ(numbers("moved/case.toml", "moved", {}), first);
+  EXPECT_EQ(numbers("moved/case.toml", "moved", {}), first);
+  EXPECT_EQ(text("moved/case.toml"), kept);
+}
+
 TEST_F(Run, SolveAloneHasNoMap) {
   const json r = run_case("cracked_plate", {"mesh.size=0.4", "mesh.crack_tip_size=0.1"}, Job::Solve);
   EXPECT_FALSE(r.contains("map"));

@@ -70,12 +70,13 @@ TEST(History, ColumnsAndRowsAreThoseOfTheInterface) {
   few.bounds = {"peak", "area, too"};
   few.variables = {"h.x"};
   write_history_csv(path, result().history, few);
-  EXPECT_EQ(read_file(path),
-            "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted,peak,"
-            "\"area, too\",h.x,note\n"
-            "0,100,100,1,0,0.1,,0,1000,1,1,3,1,0,\n"
-            "1,50,50,0.7,0,0.1,,1,1001,3,1,4,1,0,\"the \"\"line search\"\", twice\"\n"
-            "2,33.333333333333336,33.333333333333336,0.4,0,0.1,,2,1002,5,1,5,1,0,\n");
+  EXPECT_EQ(
+      read_file(path),
+      "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted,peak,"
+      "\"area, too\",h.x,note\n"
+      "0,100,100,1,0,0.1,,0,1000,1,1,3,1,0,\n"
+      "1,50,50,0.7,0,0.1,,1,1001,3,1,4,1,0,\"the \"\"line search\"\", twice\"\n"
+      "2,33.333333333333336,33.333333333333336,0.4,0,0.1,,2,1002,5,1,5,1,0,\n");
   // A row that lacks values keeps its columns.
   EXPECT_EQ(history_line({.number = 3}, few), "3,0,0,0,0,0,0,0,0,0,1,,,,\n");
   EXPECT_EQ(history_line({.number = 3}, {}), "3,0,0,0,0,0,0,0,0,0,1,\n");
@@ -149,7 +150,11 @@ TEST(History, GoesToJsonSummaryAndPage) {
 
   r.optimize->ending = Ending::Infeasible;
   r.optimize->stopped = "infeasible: peak 5 > 3.5";
-  EXPECT_NE(summary(r).find("infeasible: peak 5 > 3.5"), std::string::npos);
+  r.status = "infeasible";
+  r.reason = "the design violates a constraint: peak 5 > 3.5";
+  const std::string said = summary(r);
+  EXPECT_NE(said.find("infeasible: peak 5 > 3.5"), std::string::npos);
+  EXPECT_EQ(said.find("infeasible"), said.rfind("infeasible")) << "said once";
 }
 
 TEST(Snapshots, ThereAreAFewAndTheFirstAndTheLastAreAmongThem) {

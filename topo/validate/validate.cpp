@@ -2,6 +2,7 @@
 
 #include "geometry/plane.hpp"
 #include "kerf/adaptive.hpp"
+#include "kerf/stop.hpp"
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
@@ -136,25 +137,50 @@ class Validating {
       }
       return std::move(results_);
     }
+    const std::vector<std::vector<Site>> batches = place(shape_, j_, r_);
+    try {
+      validate_all(batches);
+    } catch (const Stopped&) {
+      name_undone(batches);
+    }
+    return std::move(results_);
+  }
+
+ private:
+  void validate_all(const std::vector<std::vector<Site>>& batches) {
     find_angles();
-    for (const std::vector<Site>& batch : place(shape_, j_, r_)) {
+    for (const std::vector<Site>& batch : batches) {
       std::vector<Site> usable;
       for (const Site& s : batch)
         if (s.radii.empty())
           no_radius_fits(s, results_[s.number]);
         else
           usable.push_back(s);
-      if (usable.empty()) continue;
+      if (usable.empty()) {
+        ++done_;
+        continue;
+      }
       if (row(r_.perturbation).becomes == Becomes::Slit)
         for (const Site& s : usable) validate_slit(s);
       else
         validate_batch(usable);
       draw(usable);
+      ++done_;
     }
-    return std::move(results_);
   }
 
- private:
+  /// Of a batch that was not done to its end nothing is said: its verdict might have been another one.
+  void name_undone(const std::vector<std::vector<Site>>& batches) {
+    for (std::size_t b = done_; b < batches.size(); ++b)
+      for (const Site& s : batches[b]) {
+        Validation& v = results_[s.number];
+        v = blank(v.at, r_.radii);
+        v.coefficient = v.order = v.intercept = v.c2 = v.c3 = nan;
+        v.verdict = Verdict::NothingSaid;
+        v.reason = "stopped before this point was done";
+      }
+  }
+
   // What orients a perturbation must be known before it is meshed: from the mesh without balls.
   void find_angles() {
     angle_.assign(r_.points.size(), 0);
@@ -304,6 +330,7 @@ class Validating {
   const Sizing sizing_;
   const Analysis analysis_;
   std::vector<double> angle_;  // per point
+  std::size_t done_ = 0;       // batches
   std::vector<Validation> results_;
 };
 

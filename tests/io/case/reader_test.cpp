@@ -16,6 +16,47 @@ TEST(Override, ReplacesAndAdds) {
   EXPECT_EQ(c.scene.tractions.at(0).value({3, 0}, {0, 1}), Vec2(0, 6));
 }
 
+TEST(Override, NeedsNoQuotesThatTheShellEats) {
+  const Case c =
+      read(square + "[[boundary]]\non = 'top'\ntraction = [0, 1]\n",
+           {"solver.element=peers", "title=A plate, new", "mesh.size=.5", "material.young=2.", "boundary[0].on=right"});
+  EXPECT_EQ(c.element.name, "peers");
+  EXPECT_EQ(c.title, "A plate, new");
+  EXPECT_EQ(c.sizing.size, 0.5);
+  EXPECT_EQ(c.young, 2);
+  EXPECT_EQ(c.scene.tractions.at(0).label, 1);
+  EXPECT_EQ(error(square, {"solver.element=peeers"}),
+            "--set solver.element: unknown element in [solver] \"peeers\"; did you mean \"peers\"?");
+}
+
+TEST(MarksOfEncoding, AreReadOver) {
+  const std::string mark = "\xef\xbb\xbf";
+  EXPECT_EQ(read(mark + square).young, 10);
+  EXPECT_EQ(error(mark + "a = 1\n" + square).substr(0, 12), "a.toml:1:1: ");
+  const TemporaryFolder folder;
+  folder.write("p.csv", mark + "x,y\r\n0.5,0.25\r\n");
+  const Case c = read_case(folder.write("a.toml", square + "[[probe]]\nname = 'p'\nfile = 'p.csv'\n"));
+  ASSERT_EQ(c.probes.at(0).points.size(), 1u);
+  EXPECT_EQ(c.probes[0].points[0], Vec2(0.5, 0.25));
+  EXPECT_NE(error(std::string("\xff\xfe[\0", 4)).find("a.toml:1:1: the file is UTF-16; save it as UTF-8"),
+            std::string::npos);
+}
+
+TEST(Tables, SayWhatOtherCountriesWrite) {
+  const auto said = [](const std::string& table) -> std::string {
+    const TemporaryFolder folder;
+    folder.write("p.csv", table);
+    try {
+      read_case(folder.write("a.toml", square + "[[probe]]\nname = 'p'\nfile = 'p.csv'\n"));
+    } catch (const Error& e) {
+      return std::string(e.what()).substr(folder.path.string().size() + 1);
+    }
+    return "";
+  };
+  EXPECT_EQ(said("x;y\n0,5;1\n"), "p.csv:1:1: cells are separated by commas here, and numbers have points: 0.5,1");
+  EXPECT_EQ(said("x,y\n0,5,1,5\n"), "p.csv:2:1: 4 cells instead of 2; decimal commas? write points: 0.5,1");
+}
+
 TEST(Override, IsCheckedLikeTheFile) {
   EXPECT_EQ(error(square, {"mesh.sise=1"}), "--set mesh.sise: unknown key \"sise\" in [mesh]; did you mean \"size\"?");
   EXPECT_EQ(error(square, {"mesh.size=-1"}), "--set mesh.size: size in [mesh] must be positive, not -1");
@@ -25,9 +66,9 @@ TEST(Override, IsCheckedLikeTheFile) {
 
 TEST(Override, BadOnesAreNamed) {
   EXPECT_EQ(error(square, {"mesh.size"}), "--set \"mesh.size\": a value is missing; write key=value");
-  EXPECT_EQ(error(square, {"solver.element=bdms"}),
-            "--set solver.element: \"bdms\" is not a TOML value; a string needs its own quotes: --set "
-            "'solver.element=\"bdms\"'");
+  EXPECT_EQ(error(square, {"mesh.size=0,02"}), "--set mesh.size: \"0,02\": a decimal comma? write 0.02");
+  EXPECT_EQ(error(square, {"mesh.size="}), "--set mesh.size: \"\" is no value; write a number, a word, or '[1, 2]'");
+  EXPECT_EQ(error(square, {"mesh.size=5mm"}), "--set mesh.size: size in [mesh] must be a number, not \"5mm\"");
   EXPECT_EQ(error(square, {"mesh.size=1\nmaterial=2"}).find("--set mesh.size: "), 0u);
   EXPECT_EQ(error(square, {"crack[0].name='c'"}), "--set crack[0].name: an index into what is no list");
   EXPECT_EQ(error(square, {"domain.sides[4]='c'"}),

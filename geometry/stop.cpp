@@ -1,0 +1,31 @@
+#include "kerf/stop.hpp"
+
+#include <atomic>
+
+namespace kerf {
+
+namespace {
+
+// A signal handler can reach nothing else.
+std::atomic<bool> stop = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+}  // namespace
+
+void request_stop() noexcept {
+  stop = true;
+}
+
+bool stop_requested() noexcept {
+  return stop;
+}
+
+void forget_stop() noexcept {
+  stop = false;
+}
+
+void check_stop() {
+  if (stop_requested()) throw Stopped{};
+}
+
+}  // namespace kerf

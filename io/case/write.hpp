@@ -1,0 +1,19 @@
+#pragma once
+// TOML from a document.
+
+#include "io/case/reader.hpp"
+
+namespace kerf {
+
+/// 17 digits, and a point or an e, so that it reads back to the same bits as a number that is no integer.
+std::string number(double x);
+
+std::string quoted(const std::string& text);
+
+/// "key = value", "[key]" with its keys, or "[[key]]" for every table of a list: what stands at the top of a document.
+void add_entry(const Entry& entry, std::string& out);
+
+/// A whole document; single values first, where they have to be.
+void add_entries(const std::vector<Entry>& entries, std::string& out);
+
+}  // namespace kerf

@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# chroot.sh PACKAGES [FOLDER]: the Debian packages in a bare Debian 12 (debootstrap, as root): installed, a case run, the
+# example of a user of the library built and run, all purged. Says how long each took and what it brought. FOLDER keeps
+# the bare system for the next time.
+set -euo pipefail
+packages=$(realpath "$1") here=$(dirname "$(realpath "$0")")
+folder=${2:-$(mktemp -d)}
+bare=$folder/bare root=$folder/root
+mkdir -p "$folder"
+step=$(date +%s)
+lap() {
+  local now
+  now=$(date +%s)
+  printf '%-44s %4d s, %4d packages, %5d MB\n' "$1" $((now - step)) "$(chroot "$root" dpkg-query -W | wc -l)" \
+    "$(du -sm --exclude="$root/proc" --exclude="$root/var/cache" --exclude="$root/var/lib/apt" "$root" | cut -f1)"
+  step=$now
+}
+in_root() {
+  chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C HOME=/root "$@"
+}
+quietly() {
+  "$@" >"$folder/log" 2>&1 || { tail -30 "$folder/log"; exit 1; }
+}
+
+[ -d "$bare/usr" ] || quietly debootstrap --variant=minbase bookworm "$bare"
+rm -rf "$root"
+cp -a "$bare" "$root"
+trap 'umount "$root/proc"' EXIT
+mount -t proc proc "$root/proc"
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+mkdir "$root/packages" && cp "$packages"/*.deb "$root/packages"
+cp -r "$here/consumer" "$root/consumer"
+quietly in_root apt-get update -q
+lap "bare system"
+before=$(in_root dpkg-query -W -f='${Package}\n')
+
+quietly in_root sh -c 'apt-get install -y -q --no-install-recommends libopenblas0-pthread /packages/kerf_*.deb'
+lap "kerf installed"
+in_root kerf --version
+in_root kerf run /usr/share/kerf/cases/edge_crack.toml -o /out --quiet
+test -s "$root/out/report.html" && test -s "$root/out/von_mises.png" && test ! -e "$root/out/state.vtu"
+test -s "$root/usr/share/man/man1/kerf.1.gz" && test -s "$root/usr/share/bash-completion/completions/kerf"
+in_root kerf run /out/case.toml -o /again --quiet
+cmp "$root/out/map.csv" "$root/again/map.csv" 2>/dev/null || test ! -e "$root/out/map.csv"
+lap "kerf run, twice"
+
+quietly in_root sh -c 'apt-get install -y -q --no-install-recommends /packages/kerf-vtk_*.deb'
+in_root kerf solve /usr/share/kerf/cases/edge_crack.toml -o /vtk --quiet
+test -s "$root/vtk/state.vtu"
+lap "kerf-vtk installed, a state written"
+
+quietly in_root sh -c 'apt-get install -y -q --no-install-recommends cmake make /packages/libkerf-dev_*.deb'
+lap "libkerf-dev installed"
+quietly in_root sh -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer/build'
+in_root /consumer/build/consumer
+lap "a user of the library built and run"
+
+quietly in_root sh -c 'apt-get purge -y -q kerf kerf-vtk libkerf-dev && apt-get autoremove --purge -y -q'
+left=$(find "$root/usr" "$root/etc" "$root/var/lib" -name '*kerf*' -not -path '*/apt/*' | head)
+[ -z "$left" ] || { echo "left after purge: $left"; exit 1; }
+lap "purged"
+gone=$(comm -13 <(sort <<<"$before") <(in_root dpkg-query -W -f='${Package}\n' | sort) | tr '\n' ' ')
+echo "packages that stay, asked for by name above: $gone"
+[ -n "${2:-}" ] || rm -rf "$folder"
