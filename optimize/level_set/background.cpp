@@ -208,47 +208,6 @@ Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi) {
   return phi;
 }
 
-void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
-  const std::size_t n = b.mesh.points.size();
-  std::vector<Index> piece(n, none), open;
-  std::vector<double> weight;
-  for (std::size_t v = 0; v < n; ++v) {
-    if (!(phi[static_cast<Eigen::Index>(v)] < 0) || piece[v] != none) continue;
-    const Index number = static_cast<Index>(weight.size());
-    weight.push_back(0);
-    piece[v] = number;
-    open.push_back(static_cast<Index>(v));
-    while (!open.empty()) {
-      const Index at = open.back();
-      open.pop_back();
-      weight.back() += b.lumped[at];
-      for (Index k = b.start[static_cast<std::size_t>(at)]; k < b.start[static_cast<std::size_t>(at) + 1]; ++k) {
-        const Index w = b.around[static_cast<std::size_t>(k)];
-        if (!(phi[w] < 0) || piece[static_cast<std::size_t>(w)] != none) continue;
-        piece[static_cast<std::size_t>(w)] = number;
-        open.push_back(w);
-      }
-    }
-  }
-  if (weight.size() < 2) return;
-  std::vector<bool> wanted(weight.size(), false);
-  if (labels.empty()) {
-    wanted[static_cast<std::size_t>(std::max_element(weight.begin(), weight.end()) - weight.begin())] = true;
-  } else {
-    for (std::size_t e = 0; e < b.mesh.edges.size(); ++e)
-      if (b.mesh.label[e] != none && std::find(labels.begin(), labels.end(), b.mesh.label[e]) != labels.end())
-        for (const Index v : b.mesh.edges[e])
-          if (piece[static_cast<std::size_t>(v)] != none)
-            wanted[static_cast<std::size_t>(piece[static_cast<std::size_t>(v)])] = true;
-    if (std::find(wanted.begin(), wanted.end(), true) == wanted.end()) return;
-  }
-  for (std::size_t v = 0; v < n; ++v)
-    if (piece[v] != none && !wanted[static_cast<std::size_t>(piece[v])]) {
-      double& value = phi[static_cast<Eigen::Index>(v)];
-      value = std::max(-value, 0.1 * b.size);
-    }
-}
-
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
   const auto shifted = [&](double c) { return clipped(b, (phi.array() + c).matrix()); };
   const double whole = b.lumped.sum(), enough = 1e-9 * whole;

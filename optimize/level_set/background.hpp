@@ -46,10 +46,6 @@ double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x
 /// phi with what must stay solid or void made so, mirrored where asked.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi);
 
-/// Pieces of material that touch none of the labels turned into void, so that they do not count as area; without labels
-/// all but the largest piece.
-void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi);
-
 /// What must stay solid or void, over phi.
 Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi);
 

@@ -1,5 +1,7 @@
 #include "optimize/level_set/dangling.hpp"
 
+#include "optimize/level_set/parts.hpp"
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -9,11 +11,6 @@ namespace kerf {
 namespace {
 
 using Flags = std::vector<char>;
-
-std::span<const Index> neighbors(const BackgroundMesh& b, Index v) {
-  const auto k = static_cast<std::size_t>(v);
-  return {b.around.data() + b.start[k], static_cast<std::size_t>(b.start[k + 1] - b.start[k])};
-}
 
 /// Vertices of the material that discs of radius half_width inside it cover, up to an edge of the canvas.
 Flags thick_parts(const BackgroundMesh& b, double half_width, const Eigen::VectorXd& phi) {
@@ -39,33 +36,16 @@ Flags thick_parts(const BackgroundMesh& b, double half_width, const Eigen::Vecto
 }
 
 /// Parts of the material, each all thick or all thin.
-struct Parts {
-  std::vector<Index> of;  // per vertex; none in the void
-  Flags thin, bears;      // per part
+struct Parts : MaterialParts {
+  Flags thin, bears;  // per part
 };
 
 Parts parts_of(const BackgroundMesh& b, const Flags& thick, const Flags& bearing, const Eigen::VectorXd& phi) {
-  Parts parts{std::vector<Index>(thick.size(), none), {}, {}};
-  std::vector<Index> open;
-  for (std::size_t v = 0; v < thick.size(); ++v) {
-    if (!(phi[static_cast<Eigen::Index>(v)] < 0) || parts.of[v] != none) continue;
-    const auto number = static_cast<Index>(parts.thin.size());
-    parts.thin.push_back(!thick[v]);
-    parts.bears.push_back(0);
-    open.assign(1, static_cast<Index>(v));
-    parts.of[v] = number;
-    while (!open.empty()) {
-      const Index at = open.back();
-      open.pop_back();
-      parts.bears.back() = parts.bears.back() || bearing[static_cast<std::size_t>(at)];
-      for (const Index w : neighbors(b, at)) {
-        const auto k = static_cast<std::size_t>(w);
-        if (!(phi[w] < 0) || parts.of[k] != none || thick[k] != thick[v]) continue;
-        parts.of[k] = number;
-        open.push_back(w);
-      }
-    }
-  }
+  Parts parts{material_parts(b, phi, thick), {}, {}};
+  for (const Index v : parts.first) parts.thin.push_back(!thick[static_cast<std::size_t>(v)]);
+  parts.bears.assign(parts.first.size(), 0);
+  for (std::size_t v = 0; v < bearing.size(); ++v)
+    if (bearing[v] && parts.of[v] != none) parts.bears[static_cast<std::size_t>(parts.of[v])] = 1;
   return parts;
 }
 
@@ -100,10 +80,7 @@ std::vector<std::vector<Index>> joints(const BackgroundMesh& b, const Parts& par
 }
 
 Flags bearing_vertices(const BackgroundMesh& b, std::span<const Index> labels) {
-  Flags bearing(b.mesh.points.size(), 0);
-  for (std::size_t e = 0; e < b.mesh.edges.size(); ++e)
-    if (b.mesh.label[e] != none && std::find(labels.begin(), labels.end(), b.mesh.label[e]) != labels.end())
-      for (const Index v : b.mesh.edges[e]) bearing[static_cast<std::size_t>(v)] = 1;
+  Flags bearing = vertices_on(b, labels);
   for (Eigen::Index v = 0; v < b.frozen.size(); ++v)
     if (b.frozen[v] <= 0) bearing[static_cast<std::size_t>(v)] = 1;
   return bearing;
@@ -136,11 +113,7 @@ void drop_dangling(const BackgroundMesh& b, std::span<const Index> labels, doubl
             count[q] -= static_cast<int>(std::count(met[q].begin(), met[q].end(), static_cast<Index>(p)));
         }
     }
-  for (std::size_t v = 0; v < parts.of.size(); ++v)
-    if (parts.of[v] != none && gone[static_cast<std::size_t>(parts.of[v])]) {
-      double& value = phi[static_cast<Eigen::Index>(v)];
-      value = std::max(-value, 0.1 * b.size);
-    }
+  empty_parts(b, parts, gone, phi);
 }
 
 }  // namespace kerf

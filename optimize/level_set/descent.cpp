@@ -3,6 +3,7 @@
 #include "kerf/map.hpp"
 #include "optimize/ersatz.hpp"
 #include "optimize/level_set/dangling.hpp"
+#include "optimize/level_set/parts.hpp"
 #include "optimize/level_set/fixed_point.hpp"
 #include "optimize/level_set/nucleate.hpp"
 #include "optimize/loop/finish.hpp"

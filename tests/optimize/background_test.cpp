@@ -1,4 +1,5 @@
 #include "optimize/level_set/background.hpp"
+#include "optimize/level_set/parts.hpp"
 
 #include "kerf/mesher.hpp"
 #include "optimize/level_set/dangling.hpp"
