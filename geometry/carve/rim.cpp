@@ -63,6 +63,12 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
     const auto corner = [&](std::size_t k) {
       return rim.drawing.corners[std::size_t(strands[first + k % count].from)];
     };
+    // The mesher moves corners between arcs that go on smoothly, by less than this part of an edge, to keep the area.
+    constexpr double moved = 0.1;
+    const auto reach = [&](std::size_t k, Index edge) {
+      const bool arcs = strands[first + k % count].arc && strands[first + (k + count - 1) % count].arc;
+      return arcs ? std::max(near, moved * length(mesh, edge)) : near;
+    };
     Index start = none;
     double least = infinity;
     for (const Index v : boundary) {
@@ -71,7 +77,8 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
     }
     // The points of whole circles lie off them, a little.
     const bool whole = count == 1;
-    if (start == none || (!whole && std::sqrt(least) > near)) no_mesh_of(frame, loop);
+    if (start == none || (!whole && std::sqrt(least) > reach(0, rim.next_edge[std::size_t(start)])))
+      no_mesh_of(frame, loop);
     std::size_t k = 0;
     Index v = start;
     do {
@@ -80,7 +87,7 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
       rim.strand[std::size_t(e)] = Index(first + k);
       ++known;
       v = ends_of(mesh, e)[1];
-      if (!whole && (mesh.points[std::size_t(v)] - corner(k + 1)).norm() <= near) {
+      if (!whole && (mesh.points[std::size_t(v)] - corner(k + 1)).norm() <= reach(k + 1, e)) {
         rim.corner[std::size_t(v)] = true;
         ++k;
       }
