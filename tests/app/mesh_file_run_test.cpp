@@ -3,6 +3,7 @@
 #include "app/mesh.hpp"
 #include "app/run.hpp"
 #include "io/mesh_source.hpp"
+#include "kerf/adaptive.hpp"
 #include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
@@ -55,6 +56,15 @@ TEST_F(MeshFileRun, WithContactToo) {
   const json r = run_job(plate(""), Job::Solve);
   EXPECT_EQ(r["mesh"]["triangles"], 554);  // not graded where contact ends
   EXPECT_LT(r["contact"]["kkt"].get<double>(), 1e-10);
+}
+
+// A bent plate: the crack opens at one end, closes at the other.
+TEST_F(MeshFileRun, OtherMeshesOfTheBodyAreGradedWhereContactEndsOnIt) {
+  const Case c = plate("[[boundary]]\non = 'top'\ntraction = ['x > -0.2 ? 0 : 0.3', 'x > -0.2 ? -0.4 : 0.5']\n");
+  const Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene, {.given = c.mesh});
+  EXPECT_EQ(a.model.mesh.triangles, c.mesh->triangles);
+  ASSERT_FALSE(contact_ends(a.model, a.state).empty());
+  EXPECT_EQ(a.sizing.ends.size(), contact_ends(a.model, a.state).size());
 }
 
 TEST_F(MeshFileRun, AdaptiveMeshesBeginWithIt) {
