@@ -141,5 +141,23 @@ TEST_F(MeshFileRun, MeshesGoOut) {
   EXPECT_THROW(write_mesh_of(c, folder / "x.stl", ""), Error);
 }
 
+TEST_F(MeshFileRun, ExitCodesOfTheProgram) {
+  const auto code = [&](const std::string& arguments) {
+    return WEXITSTATUS(std::system((std::string(KERF_PROGRAM) + " " + arguments + " > /dev/null 2>&1").c_str()));
+  };
+  plate("");
+  const std::string a = folder / "a.toml", out = folder / "x.msh";
+  EXPECT_EQ(code("mesh " + a + " -o " + out), 0);
+  EXPECT_EQ(code("mesh " + a + " -o " + out), 5);  // it is there
+  EXPECT_EQ(code("mesh " + a + " -o " + out + " --force --format 2.2"), 0);
+  EXPECT_EQ(code("mesh " + a + " -o " + (folder / "x.stl").string()), 2);
+  EXPECT_EQ(code("mesh " + a + " --format 3 -o " + out), 2);
+  std::ofstream(folder / "bad.msh") << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n";
+  EXPECT_THROW(plate("", folder / "bad.msh"), Error);
+  EXPECT_EQ(code("check " + a), 3);
+  EXPECT_THROW(plate("", folder / "none.msh"), Error);
+  EXPECT_EQ(code("check " + a), 5);
+}
+
 }  // namespace
 }  // namespace kerf
