@@ -231,7 +231,11 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   }
   Case design = designed(c, found.result);
   write_design_files(journal, c, found.result);
-  if (has_gmsh()) write_step(journal.file("design.step"), found.result.shape);
+  try {
+    if (has_gmsh()) write_step(journal.file("design.step"), found.result.shape);
+  } catch (const Error& e) {  // the design is not lost with it
+    found.result.notes.push_back(e.what());
+  }
   r.optimize = std::move(found.result);
   r.optimize_names = std::move(found.names);
   r.identified = std::move(found.identified);

@@ -13,6 +13,17 @@ bool on_boundary(const Mesh& mesh, Index edge) {
   return mesh.sides[std::size_t(edge)][0] == none || mesh.sides[std::size_t(edge)][1] == none;
 }
 
+/// The mesher moves corners between arcs that go on smoothly, by less than this part of an edge, to keep the area.
+constexpr double most_moved = 0.1;
+
+Index nearest(const Mesh& mesh, const std::vector<Index>& vertices, const Vec2& x) {
+  Index found = none;
+  double least = infinity;
+  for (const Index v : vertices)
+    if (const double d = (mesh.points[std::size_t(v)] - x).squaredNorm(); d < least) found = v, least = d;
+  return found;
+}
+
 [[noreturn]] void no_mesh_of(const Shape& frame, std::size_t loop) {
   throw std::invalid_argument(
       fmt::format("the background is no mesh of the frame: its boundary does not follow {}",
@@ -63,15 +74,16 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
     const auto corner = [&](std::size_t k) {
       return rim.drawing.corners[std::size_t(strands[first + k % count].from)];
     };
-    Index start = none;
-    double least = infinity;
-    for (const Index v : boundary) {
-      const double d = (mesh.points[std::size_t(v)] - corner(0)).squaredNorm();
-      if (d < least) start = v, least = d;
-    }
+    const auto reach = [&](std::size_t k, Index edge) {
+      const auto is_arc = [&](std::size_t i) { return strands[first + i % count].arc.has_value(); };
+      return is_arc(k) && is_arc(k + count - 1) ? std::max(near, most_moved * length(mesh, edge)) : near;
+    };
+    const Index start = nearest(mesh, boundary, corner(0));
     // The points of whole circles lie off them, a little.
     const bool whole = count == 1;
-    if (start == none || (!whole && std::sqrt(least) > near)) no_mesh_of(frame, loop);
+    if (start == none ||
+        (!whole && (mesh.points[std::size_t(start)] - corner(0)).norm() > reach(0, rim.next_edge[std::size_t(start)])))
+      no_mesh_of(frame, loop);
     std::size_t k = 0;
     Index v = start;
     do {
@@ -80,7 +92,7 @@ Rim find_rim(const Shape& frame, const Mesh& mesh) {
       rim.strand[std::size_t(e)] = Index(first + k);
       ++known;
       v = ends_of(mesh, e)[1];
-      if (!whole && (mesh.points[std::size_t(v)] - corner(k + 1)).norm() <= near) {
+      if (!whole && (mesh.points[std::size_t(v)] - corner(k + 1)).norm() <= reach(k + 1, e)) {
         rim.corner[std::size_t(v)] = true;
         ++k;
       }

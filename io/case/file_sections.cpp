@@ -127,6 +127,11 @@ MeshFile read_body_file(const Value& document, const Value& domain, const std::f
                        quote(text(field)), file.surfaces.empty() ? "it has none" : suggest(text(name), file.surfaces)));
   }
   c.shape = std::move(file.shape);
+  if (!source.keep_mesh && !c.shape.regions.empty())
+    if (const auto problem = find_problem(c.shape))
+      throw Error(Fault::Geometry, fmt::format("{}: {}; mesh.mesher = \"gmsh\" keeps gmsh's mesh, in which regions may "
+                                               "touch anything",
+                                               source.path.string(), *problem));
   if (source.keep_mesh) {
     c.sizing.size = mean_size(file.mesh);
     c.mesh = std::make_shared<const Mesh>(std::move(file.mesh));

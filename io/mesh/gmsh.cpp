@@ -25,6 +25,8 @@ namespace kerf {
 
 namespace {
 
+constexpr unsigned coarse_minutes = 5;  // for what takes gmsh less than a second, unless it never ends
+
 struct Module {
   KerfGmshMesher mesh = nullptr;
   KerfGmshStep step = nullptr;
@@ -163,7 +165,8 @@ Told understand(const std::string& bytes) {
 
 /// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
 /// crash, kerf says so.
-Told in_child(const std::function<void(Teller& teller)>& work) {
+/// `minutes`: how long it may take; 0: any time.
+Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
   std::fflush(nullptr);
@@ -177,6 +180,8 @@ Told in_child(const std::function<void(Teller& teller)>& work) {
     close(ends[0]);
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
+    std::signal(SIGALRM, SIG_DFL);
+    alarm(60 * minutes);
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
@@ -196,6 +201,8 @@ Told in_child(const std::function<void(Teller& teller)>& work) {
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return understand(bytes);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
+    return {.error = fmt::format("it did not end within {} minutes", minutes)};
   return {.error = WIFSIGNALED(status) ? fmt::format("it crashed (signal {})", WTERMSIG(status)) : "it ended early"};
 }
 
@@ -213,7 +220,8 @@ RawMesh mesh_geometry(const BodySource& source) {
   // Chords that are too long may cross.
   for (const int turn : {12, 48, 192}) {
     const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
-    Told told = in_child([&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
+    Told told = in_child(source.keep_mesh ? 0 : coarse_minutes,
+                         [&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
     if (told.error.empty()) {
       RawMesh raw = parse_msh(path, read_file(file.name()));
       if (!source.keep_mesh) raw.curves = std::move(told.curves);
@@ -263,7 +271,8 @@ void write_step(const std::filesystem::path& path, const Shape& shape) {
     arc[k] = sides[k].arc.has_value();
   }
   const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
-  const Told told = in_child([&](Teller& teller) { module.step(path.c_str(), &face, Teller::error, &teller); });
+  const Told told =
+      in_child(coarse_minutes, [&](Teller& teller) { module.step(path.c_str(), &face, Teller::error, &teller); });
   if (!told.error.empty())
     throw Error(Fault::Files, fmt::format("cannot write '{}': gmsh: {}", path.string(), told.error));
 }

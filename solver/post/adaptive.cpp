@@ -132,8 +132,12 @@ class Grading {
     if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
     while (true) {
       Adapted a = once(sizing, told);
-      if (!has_contact() || --most == 0 || how_.given) return a;
+      if (!has_contact() || --most == 0) return a;
       const std::vector<End> ends = ends_of(a.model, a.state);
+      if (how_.given) {  // what meshes of the same body, for bars and validation, are to be graded at
+        a.sizing.ends = places_of(ends);
+        return a;
+      }
       constexpr double fine = 3;  // times the size that is asked for
       if (std::all_of(ends.begin(), ends.end(), [&](const End& e) { return e.gap <= fine * end_size(sizing.size); }))
         return a;

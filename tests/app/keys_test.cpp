@@ -42,7 +42,7 @@ TEST(KeysCommand, PrintsAllOneOrSaysWhatWasMeant) {
   EXPECT_EQ(one.code, 0);
   EXPECT_EQ(one.out,
             "mesh.size\n  Target edge length.\n\n  value      number, positive\n"
-            "  default    1/40 of the body's diagonal\n  example    size = 0.1\n");
+            "  default    1/40 of the body's diagonal; of a mesh from a file its mean\n  example    size = 0.1\n");
   const Outcome wrong = kerf_keys("mehs.size");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_EQ(wrong.out, "kerf: unknown key \"mehs.size\"; did you mean \"mesh.size\"?\n");

@@ -3,6 +3,7 @@
 #include "app/mesh.hpp"
 #include "app/run.hpp"
 #include "io/mesh_source.hpp"
+#include "kerf/adaptive.hpp"
 #include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>
@@ -55,6 +56,15 @@ TEST_F(MeshFileRun, WithContactToo) {
   const json r = run_job(plate(""), Job::Solve);
   EXPECT_EQ(r["mesh"]["triangles"], 554);  // not graded where contact ends
   EXPECT_LT(r["contact"]["kkt"].get<double>(), 1e-10);
+}
+
+// A bent plate: the crack opens at one end, closes at the other.
+TEST_F(MeshFileRun, OtherMeshesOfTheBodyAreGradedWhereContactEndsOnIt) {
+  const Case c = plate("[[boundary]]\non = 'top'\ntraction = ['x > -0.2 ? 0 : 0.3', 'x > -0.2 ? -0.4 : 0.5']\n");
+  const Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene, {.given = c.mesh});
+  EXPECT_EQ(a.model.mesh.triangles, c.mesh->triangles);
+  ASSERT_FALSE(contact_ends(a.model, a.state).empty());
+  EXPECT_EQ(a.sizing.ends.size(), contact_ends(a.model, a.state).size());
 }
 
 TEST_F(MeshFileRun, AdaptiveMeshesBeginWithIt) {
@@ -129,6 +139,24 @@ TEST_F(MeshFileRun, MeshesGoOut) {
   for (const std::string& label : c.shape.labels) EXPECT_NE(vtu.find("Name=\"" + label + "\""), std::string::npos);
   EXPECT_NE(vtu.find("Name=\"region\""), std::string::npos);
   EXPECT_THROW(write_mesh_of(c, folder / "x.stl", ""), Error);
+}
+
+TEST_F(MeshFileRun, ExitCodesOfTheProgram) {
+  const auto code = [&](const std::string& arguments) {
+    return WEXITSTATUS(std::system((std::string(KERF_PROGRAM) + " " + arguments + " > /dev/null 2>&1").c_str()));
+  };
+  plate("");
+  const std::string a = folder / "a.toml", out = folder / "x.msh";
+  EXPECT_EQ(code("mesh " + a + " -o " + out), 0);
+  EXPECT_EQ(code("mesh " + a + " -o " + out), 5);  // it is there
+  EXPECT_EQ(code("mesh " + a + " -o " + out + " --force --format 2.2"), 0);
+  EXPECT_EQ(code("mesh " + a + " -o " + (folder / "x.stl").string()), 2);
+  EXPECT_EQ(code("mesh " + a + " --format 3 -o " + out), 2);
+  std::ofstream(folder / "bad.msh") << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n";
+  EXPECT_THROW(plate("", folder / "bad.msh"), Error);
+  EXPECT_EQ(code("check " + a), 3);
+  EXPECT_THROW(plate("", folder / "none.msh"), Error);
+  EXPECT_EQ(code("check " + a), 5);
 }
 
 }  // namespace

@@ -290,6 +290,21 @@ TEST(Carve, untouched_hole_is_the_frames_own_and_touched_one_keeps_its_arc) {
   EXPECT_NEAR(std::abs(signed_area(b)), pi * 0.04 * 2 - lens(0.2, 0.3), 3e-3);
 }
 
+// The mesher moves the corners between arcs that go on smoothly, so that the area is kept.
+TEST(Carve, a_circle_in_pieces_is_the_frames_own) {
+  Shape frame = plate();
+  const Vec2 center(0.5, 0.5);
+  Loop hole{"arcs", {}};
+  for (int k = 0; k < 4; ++k)
+    hole.sides.push_back({center + 0.2 * Vec2(std::cos(k * pi / 2), std::sin(k * pi / 2)), 4,
+                          Arc{center, 0.2 * Mat2::Identity(), k * pi / 2, (k + 1) * pi / 2}});
+  frame.holes = {hole};
+  const Mesh mesh = uniform(frame, 0.05);
+  const Carved c = carve(frame, mesh, values(mesh, void_circle({1.4, 0.5}, 0.2)), {});
+  EXPECT_EQ(c.shape.holes.size(), 2u);
+  EXPECT_NEAR(area(c.shape), 2 - 2 * pi * 0.04, 2e-3);
+}
+
 TEST(Carve, island_cut_off_from_the_supports) {
   const Mesh mesh = uniform(plate(), h);
   const Field gap = [](const Vec2& x) { return 0.1 - std::abs(x.x() - 1); };

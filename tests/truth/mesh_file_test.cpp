@@ -171,6 +171,33 @@ TEST_F(MeshFileTruth, EnergyAndIntensitiesAreThoseOfTheSameTriangulationBuiltHer
   }
 }
 
+// The plate of gmsh's geometry against the same plate drawn in the case.
+TEST_F(MeshFileTruth, AGeometryIsTheBodyThatItDraws) {
+#ifndef KERF_WITH_GMSH
+  GTEST_SKIP() << "built without gmsh";
+#endif
+  const std::string rest =
+      "[material]\nyoung = 1\npoisson = 0.3\n[[boundary]]\non = 'left'\ndisplacement = [0, 0]\n[[boundary]]\non = "
+      "'right'\ntraction = [1, 0.1]\n[mesh]\nsize = 0.15\n[solver]\nelement = 'bdms'\ndegree = 2\n";
+  const std::string law = "[[crack]]\nname = 'c'\ncontact = 'open'\n", stiff = "young = 10\npoisson = 0.3\n";
+  const auto geometry = fs::path(KERF_TEST_DATA) / "meshes" / "plate.geo";
+  const nlohmann::json read =
+      run_scene("[domain]\nfile = '" + geometry.string() + "'\n" + rest + law + "[[region]]\nname = 'stiff'\n" + stiff);
+  const nlohmann::json drawn = run_scene(
+      "[domain]\noutline = [[-2, -1], [2, -1], [2, 1], [-2, 1]]\nsides = ['bottom', 'right', 'top', 'left']\n[[hole]]\n"
+      "name = 'h'\ncircle = { center = [1.2, 0.2], radius = 0.3 }\n" +
+      rest + law +
+      "path = [[-0.8, 0], [0.4, 0.1]]\n[[region]]\nname = 'stiff'\npolygon = [[-1.6, -0.7], [-1.2, -0.7], "
+      "[-1.2, -0.3], [-1.6, -0.3]]\n" +
+      stiff);
+  const double energy = drawn["state"]["energy"].get<double>();
+  EXPECT_NEAR(read["state"]["energy"].get<double>(), energy, 1e-4 * std::abs(energy));
+  for (const int tip : {0, 1}) {
+    const auto K = [&](const nlohmann::json& r) { return r["cracks"][0]["tips"][tip]["K_I"].get<double>(); };
+    EXPECT_NEAR(K(read), K(drawn), 2e-3 * std::abs(K(drawn)));
+  }
+}
+
 // A crack along an arc, which the file knows only by chords: closed faces that slide must not interlock at its corners.
 TEST_F(MeshFileTruth, FacesSlideAlongChordsOfACurveAsAlongTheCurve) {
   Shape shape;

@@ -130,6 +130,24 @@ TEST_F(Geometry, ArcsAsCracksKeepTheirNormals) {
   EXPECT_EQ(c.shape.cracks[1].name, "drawn");
 }
 
+TEST_F(Geometry, RegionsThatTouchNeedGmshsOwnMesh) {
+  const auto path =
+      folder.write("t.geo",
+                   "SetFactory(\"OpenCASCADE\"); Rectangle(1) = {0, 0, 0, 1, 1}; Rectangle(2) = {1, 0, 0, 1, "
+                   "1}; Coherence;\nPhysical Surface(\"stiff\") = {2}; Physical Curve(\"left\") = {4};\n");
+  const std::string text =
+      "[domain]\nfile = 't.geo'\n[[region]]\nname = 'stiff'\nyoung = 2\npoisson = 0.3\n[material]\n"
+      "young = 1\npoisson = 0.3\n";
+  try {
+    read_case(folder.write("t.toml", text));
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Geometry);
+    EXPECT_NE(std::string(e.what()).find("mesh.mesher = \"gmsh\""), std::string::npos) << e.what();
+  }
+  EXPECT_TRUE(read_case(folder.write("k.toml", text + "[mesh]\nmesher = 'gmsh'\n")).mesh);
+}
+
 TEST_F(Geometry, BadGeometriesAreRefusedInGmshsWords) {
   EXPECT_NE(complaint("Point(1) = {0, 0, 0};\nLine(1) = {1, 7};\n").find(": gmsh: "), std::string::npos);
   EXPECT_EQ(complaint("Point(1) = {0, 0, 0};\n"), ": gmsh: it holds no surface; a plane body is one or more faces");

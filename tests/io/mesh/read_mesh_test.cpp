@@ -84,6 +84,23 @@ TEST(ReadMesh, GluesFacesThatTheCrackPluginDoubled) {
   EXPECT_NE(complaint(bytes).find("have nodes of their own there"), std::string::npos) << complaint(bytes);
 }
 
+// As the plugin makes it with an open boundary: node 10 is node 4 for what lies above the crack from 4 to 5.
+TEST(ReadMesh, GluesFacesThatAreOpenAtTheRim) {
+  Square s;
+  s.names = "5\n1 1 \"bottom\"\n1 2 \"right\"\n1 3 \"top\"\n1 4 \"left\"\n1 5 \"crack:c\"\n";
+  s.nodes.push_back("10 0 1 0");
+  s.elements[6] = "7 1 2 4 4 7 10";
+  s.elements[12] = "15 2 2 0 1 10 5 8";
+  s.elements[13] = "16 2 2 0 1 10 8 7";
+  s.elements.push_back("20 1 2 5 5 4 5");
+  const MeshFile body = parse_mesh("a.msh", s.text());
+  EXPECT_EQ(body.mesh.points.size(), 9u);
+  ASSERT_EQ(body.mesh.cracks.size(), 1u);
+  EXPECT_EQ(body.mesh.cracks[0].size(), 1u);
+  EXPECT_EQ(body.shape.cracks[0].points, (std::vector<Vec2>{{0, 1}, {1, 1}}));
+  EXPECT_EQ(find_problem(body.shape), std::nullopt);
+}
+
 TEST(ReadMesh, NumbersOfFreeFemAreLabels) {
   const MeshFile body = read_mesh(file("freefem"));
   EXPECT_EQ(body.mesh.triangles.size(), 500u);

@@ -1,0 +1,16 @@
+h = 0.35;
+Point(1) = {-2,-1,0,h}; Point(2) = {2,-1,0,h}; Point(3) = {2,1,0,h}; Point(4) = {-2,1,0,h};
+Line(1) = {1,2}; Line(2) = {2,3}; Line(3) = {3,4}; Line(4) = {4,1};
+Point(5) = {-0.8,0,0,h/4}; Point(6) = {0.4,0.1,0,h/4};
+Line(5) = {5,6};
+Point(7) = {1.2,0.2,0,h}; Point(8) = {1.5,0.2,0,h/2}; Point(9) = {1.2,0.5,0,h/2}; Point(10) = {0.9,0.2,0,h/2}; Point(11)={1.2,-0.1,0,h/2};
+Circle(6) = {8,7,9}; Circle(7) = {9,7,10}; Circle(8) = {10,7,11}; Circle(9) = {11,7,8};
+Point(12) = {-1.6,-0.7,0,h/2}; Point(13) = {-1.2,-0.7,0,h/2}; Point(14) = {-1.2,-0.3,0,h/2}; Point(15) = {-1.6,-0.3,0,h/2};
+Line(12) = {12,13}; Line(13) = {13,14}; Line(14) = {14,15}; Line(15) = {15,12};
+Curve Loop(1) = {1,2,3,4}; Curve Loop(2) = {6,7,8,9}; Curve Loop(3) = {12,13,14,15};
+Plane Surface(1) = {1,2,3}; Plane Surface(2) = {3};
+Line{5} In Surface{1};
+Physical Curve("bottom", 1) = {1}; Physical Curve("right", 2) = {2}; Physical Curve("top", 3) = {3}; Physical Curve("left", 4) = {4};
+Physical Curve("crack:c", 5) = {5};
+Physical Curve("hole:h", 6) = {6,7,8,9};
+Physical Surface("body", 1) = {1}; Physical Surface("stiff", 2) = {2};
