@@ -15,12 +15,12 @@ _kerf() {
     -o | --output | --peers | --write) COMPREPLY=($(compgen -d -- "$word")) && return ;;
   esac
   case ${COMP_WORDS[1]} in
-    run) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
-    solve) options="--help --output --set --threads --quiet --log-level --force" ;;
-    map) options="--help --output --set --threads --quiet --log-level --force" ;;
+    run) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    solve) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    map) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
-    validate) options="--help --output --set --threads --quiet --log-level --force" ;;
-    optimize) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
+    validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
     bench) options="--help" ;;
