@@ -1,5 +1,6 @@
 // kerf: the commands and their arguments. CLI11 lives here and nowhere else.
 
+#include "app/forecast.hpp"
 #include "app/keys.hpp"
 #include "app/mesh.hpp"
 #include "app/optimize.hpp"
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <iostream>
 #include <thread>
 
@@ -34,7 +36,9 @@ struct Arguments {
   KeysRequest keys;
   std::vector<CommandWords> commands;  // and their options
   std::string line;                    // as it was typed
-  bool list = false;
+  bool list = false, dry_run = false;
+  std::string max_memory;  // "12GB"
+  double max_seconds = 0;  // 0: any
 };
 
 struct Command {
@@ -99,6 +103,46 @@ void declare(CLI::App& app, Arguments& arguments) {
     sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
         ->check(CLI::IsMember(log_levels()));
     sub->add_flag("--force", arguments.force, "Overwrite results");
+    if (command.name == "check") continue;
+    sub->add_flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
+    sub->add_option("--max-memory", arguments.max_memory,
+                    "Refuse what would need more, as 800MB or 12GB; default what there is");
+    sub->add_option("--max-seconds", arguments.max_seconds, "Refuse what would take longer")
+        ->check(CLI::Range(1e-3, 1e9));
+  }
+}
+
+/// In MB. Throws Error(Usage).
+std::optional<double> memory_limit(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string_view unit(end, text.data() + text.size());
+  const double factor = unit == "GB" || unit == "G" ? 1000 : unit == "MB" || unit == "M" ? 1 : 0;
+  if (error != std::errc() || !(number > 0) || factor == 0)
+    throw Error(Fault::Usage,
+                fmt::format("--max-memory {}: write a number with its unit, such as 800MB or 12GB", quote(text)));
+  return number * factor;
+}
+
+/// What the run will take, where it is asked for; of long runs that of the state at least, for the memory that there
+/// is. Throws Error(Numerics) when it is more than there is or may be used.
+std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
+  constexpr double worth_it = 200000, meshable = 2e7;  // triangles
+  const Allowed limits{memory_limit(arguments.max_memory),
+                       arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+  const bool asked = arguments.dry_run || limits.memory_mb || limits.seconds,
+             validates = job == Job::Validate || (job == Job::Run && c.validate);
+  const double rough = rough_triangles(c);
+  if (!asked && (rough < worth_it || rough > meshable)) return std::nullopt;  // the mesher refuses more
+  try {
+    Forecast f = forecast(c, asked || !validates ? job : Job::Solve, arguments.threads);
+    refuse_larger(f, limits, c);
+    f.at_most = f.at_most || (!asked && validates);
+    return f;
+  } catch (const Error& e) {
+    if (asked || e.fault != Fault::Geometry) throw;
+    return std::nullopt;  // too coarse a trial says nothing of the case
   }
 }
 
@@ -198,19 +242,26 @@ int perform(const Arguments& arguments) {
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
-  // Nothing to resume: a run like any other, which overwrites nothing.
-  options.resume = options.resume && has_checkpoint(options.folder);
-  make_ready(options.folder, arguments.force || options.resume, "result.json");
-  catch_signals();
-  Progress progress(log_level(arguments.log_level, arguments.quiet));
-  options.threads = arguments.threads;
-  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate
                   : arguments.command == "optimize" ? Job::Optimize
                                                     : Job::Run;
+  if (arguments.dry_run) {
+    const Forecast f = *forecast_of(c, job, arguments);
+    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
+    return 0;
+  }
+  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
+  // Nothing to resume: a run like any other, which overwrites nothing.
+  options.resume = options.resume && has_checkpoint(options.folder);
+  make_ready(options.folder, arguments.force || options.resume, "result.json");
+  catch_signals();
+  const std::optional<Forecast> expected = forecast_of(c, job, arguments);
+  Progress progress(log_level(arguments.log_level, arguments.quiet));
+  if (expected && !expected->at_most) progress.expect(expected->seconds);
+  options.threads = arguments.threads;
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   const Result result = run(c, job, options);
   progress.finish();
   if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));

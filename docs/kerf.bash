@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate optimize mesh keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check validate optimize keys init bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -15,13 +15,12 @@ _kerf() {
     -o | --output | --peers | --write) COMPREPLY=($(compgen -d -- "$word")) && return ;;
   esac
   case ${COMP_WORDS[1]} in
-    run) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
-    solve) options="--help --output --set --threads --quiet --log-level --force" ;;
-    map) options="--help --output --set --threads --quiet --log-level --force" ;;
+    run) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    solve) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    map) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
-    validate) options="--help --output --set --threads --quiet --log-level --force" ;;
-    optimize) options="--help --output --set --resume --threads --quiet --log-level --force" ;;
-    mesh) options="--help --output --format --set --threads --quiet --log-level --force" ;;
+    validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
     bench) options="--help" ;;
@@ -39,9 +38,6 @@ _kerf_keys="
 title
 domain.outline
 domain.sides
-domain.file
-domain.side[0].near
-domain.side[0].name
 hole[0].name
 hole[0].circle.center
 hole[0].circle.radius
@@ -83,7 +79,6 @@ body.force
 mesh.size
 mesh.crack_tip_size
 mesh.min_angle
-mesh.mesher
 mesh.adapt.error
 mesh.adapt.max_triangles
 solver.element

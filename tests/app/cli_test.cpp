@@ -399,6 +399,27 @@ TEST_F(Cli, AStopInAValidationLeavesTheStateAndWhatWasValidated) {
   for (const char* left : {"case.toml", "state.vtu"}) EXPECT_TRUE(fs::exists(folder / "out/a" / left)) << left;
 }
 
+TEST_F(Cli, SaysBeforehandWhatARunTakesAndRefusesWhatIsTooMuch) {
+  const std::string run = "solve a.toml --set mesh.size=0.03 -o r ";
+  const Outcome told = kerf(run + "--dry-run");
+  EXPECT_EQ(told.code, 0) << told.error;
+  EXPECT_FALSE(fs::exists(folder / "r"));
+  for (const std::string limit : {"--max-memory 20MB", "--max-seconds 0.01"}) {
+    const Outcome o = kerf(run + limit + " --log-level off");
+    EXPECT_EQ(o.code, 4) << o.error;
+    EXPECT_NE(o.error.find("allowed: "), std::string::npos) << o.error;
+    EXPECT_NE(o.error.find("mesh.size = 0."), std::string::npos) << o.error;
+    EXPECT_FALSE(fs::exists(folder / "r"));
+  }
+  expect_failure(run + "--max-memory 20", 2, "write a number with its unit");
+  EXPECT_EQ(kerf(run + "--max-memory 1GB --max-seconds 1000 --quiet").code, 0);
+  const auto result = nlohmann::json::parse(read_all(folder / "r/result.json"));
+  EXPECT_EQ(told.out.find(std::to_string(result["mesh"]["triangles"].get<int>()) + " triangles, "), 0u) << told.out;
+  const double said = std::stod(told.out.substr(told.out.find(", ") + 2)), peak = result["peak_memory_mb"];
+  EXPECT_LT(said, 1.5 * peak);
+  EXPECT_GT(said, peak / 1.5);
+}
+
 TEST_F(Cli, GoesWithoutTheModuleOfVtkUnlessItIsAskedFor) {
   fs::create_directory(folder / "bin");
   fs::copy_file(KERF_PROGRAM, folder / "bin/kerf");
