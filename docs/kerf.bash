@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate optimize keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check validate optimize mesh keys init bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -21,6 +21,7 @@ _kerf() {
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    mesh) options="--help --output --format --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
     bench) options="--help" ;;
@@ -36,8 +37,13 @@ _kerf() {
 
 _kerf_keys="
 title
+units.length
+units.stress
 domain.outline
 domain.sides
+domain.file
+domain.side[0].near
+domain.side[0].name
 hole[0].name
 hole[0].circle.center
 hole[0].circle.radius
@@ -58,6 +64,7 @@ crack[0].friction
 crack[0].tresca
 material.young
 material.poisson
+material.thickness
 material.state
 region[0].name
 region[0].circle.center
@@ -79,6 +86,7 @@ body.force
 mesh.size
 mesh.crack_tip_size
 mesh.min_angle
+mesh.mesher
 mesh.adapt.error
 mesh.adapt.max_triangles
 solver.element
