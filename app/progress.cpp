@@ -55,8 +55,9 @@ std::string duration(double seconds) {
 }
 
 std::string status_line(const std::string& phase, double elapsed, double expected, std::size_t columns) {
-  std::string clock = fmt::format(" {}", duration(std::floor(elapsed)));
+  std::string clock = fmt::format(" ({}", duration(std::floor(elapsed)));
   if (expected > elapsed) clock += fmt::format(", about {} left", duration(expected - elapsed));
+  clock += ")";
   // The last column stays free: a cursor behind it would already be on the next line.
   const std::size_t room = columns > 0 ? columns - 1 : 0;
   std::string text = "kerf: " + phase;

@@ -86,9 +86,7 @@ void Recorder::write_designs() const {
 std::string Recorder::progress(const Iteration& row) {
   const OptimizeRequest& request = task_.request;
   elapsed_ += since_start_.lap();
-  std::string text =
-      fmt::format("optimize {}: J {:.6g}, volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.number,
-                  row.objective, row.volume_fraction, row.step, row.holes, row.holes == 1 ? "" : "s", row.triangles);
+  std::string text = fmt::format("optimize {}: J {:.6g}", row.number, row.objective);
   // Iterations of the level set, state solves of the others are what may at most be done.
   const bool level_set = request.method == OptimizeMethod::LevelSet;
   const double cases = std::max<double>(1, static_cast<double>(request.load_cases.size()));
@@ -96,6 +94,8 @@ std::string Recorder::progress(const Iteration& row) {
   if (rows_.size() == 1) first_done_ = done;
   if (const double here = done - first_done_; here > 0 && request.max_iterations > done)
     text += fmt::format(", at most {} left", duration(elapsed_ / here * (request.max_iterations - done)));
+  text += fmt::format(", volume {:.4g}, step {:.2g}, {} hole{}, {} triangles", row.volume_fraction, row.step, row.holes,
+                      row.holes == 1 ? "" : "s", row.triangles);
   if (!row.note.empty()) text += "; " + row.note;
   return text;
 }

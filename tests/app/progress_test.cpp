@@ -25,14 +25,14 @@ TEST(StatusLine, FitsEveryTerminal) {
         EXPECT_NE(line.find("\u2026") == std::string::npos, line.find(phase) == std::string::npos) << line;
       }
     }
-  EXPECT_EQ(status_line("mesh", 0.2, 0, 80), "kerf: mesh 0 s");
-  EXPECT_EQ(status_line("map", 70, 3700, 80), "kerf: map 1 min 10 s, about 1 h 00 min left");
+  EXPECT_EQ(status_line("mesh", 0.2, 0, 80), "kerf: mesh (0 s)");
+  EXPECT_EQ(status_line("map", 70, 3700, 80), "kerf: map (1 min 10 s, about 1 h 00 min left)");
 }
 
 TEST(StatusLine, CutsBetweenCharacters) {
   const std::string line =
-      status_line("\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc", 1, 0, 16);
-  EXPECT_EQ(line, "kerf: \u00e4\u00f6\u00fc\u00e4\u2026 1 s");
+      status_line("\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc", 1, 0, 18);
+  EXPECT_EQ(line, "kerf: \u00e4\u00f6\u00fc\u00e4\u2026 (1 s)");
 }
 
 TEST(Duration, IsRoundedUp) {
