@@ -141,18 +141,25 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
 /// What the labels are called in the picture, with the resultants of the loads on them.
 using Names = std::vector<Named>;
 
+std::string with_blank(const std::string& unit) {
+  return unit.empty() ? "" : " " + unit;
+}
+
 void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, Names& names) {
   const TriangleRule rule = triangle_rule(8);
   const SceneData data = scene_data(mesh, c.scene, rule, 1);
   const auto line = [&](const std::string& what, const Resultant& r) {
-    out.print("{:<20} force {}, moment {:.6g} about (0, 0)\n", what, at(r.force), r.moment + 0.0);
+    out.print("{:<20} force {}{}, moment {:.6g}{} about (0, 0)\n", what, at(r.force),
+              with_blank(unit(c.units, dimension::force)), r.moment + 0.0,
+              with_blank(unit(c.units, dimension::moment)));
   };
   const std::vector<LabelResultant> tractions = traction_resultants(mesh, c.scene, data);
   if (!tractions.empty() || c.scene.body) out.print("\nloads\n");
   Resultant sum;
   for (const LabelResultant& r : tractions) {
     line(c.shape.labels[r.label], r.of);
-    names[static_cast<std::size_t>(r.label)].text += fmt::format(": force {}", at(r.of.force));
+    names[static_cast<std::size_t>(r.label)].text +=
+        fmt::format(": force {}{}", at(r.of.force), with_blank(unit(c.units, dimension::force)));
     sum.add(r.of);
   }
   if (c.scene.body) {
@@ -207,7 +214,9 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / "check.png";
     try {
       std::filesystem::create_directories(folder);
-      draw(file, check_picture(c.title, mesh, c.scene, c.shape, names));
+      Picture picture = check_picture(c.title, mesh, c.scene, c.shape, names);
+      picture.units = c.units;
+      draw(file, picture);
       out.print("\npicture in {}\n", file.string());
     } catch (const std::exception& e) {  // what is said above is worth more
       notes.push_back(fmt::format("no picture: {}", e.what()));
