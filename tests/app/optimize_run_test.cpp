@@ -290,7 +290,9 @@ TEST_F(Optimize, KillsChangeNothing) {
     for (const std::string& at : {all[0], all[1], all[3], std::string("state.vtu")}) {
       std::vector<std::string> arguments = {"optimize", file, "-o", cut, "--quiet"};
       if (resumed) arguments.emplace_back("--resume");
-      EXPECT_EQ(interrupt(arguments, folder / cut / at, SIGKILL), -1) << at << error();
+      const int code = interrupt(arguments, folder / cut / at, SIGKILL);
+      // Little is left to do after the state is written: the run may end before the kill comes.
+      EXPECT_TRUE(code == -1 || (code == 0 && at == "state.vtu")) << at << error();
       resumed = true;
     }
     ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();
