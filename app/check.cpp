@@ -142,7 +142,7 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
 using Names = std::vector<Named>;
 
 std::string with_blank(const std::string& unit) {
-  return unit.empty() ? "" : " " + unit;
+  return unit.empty() ? std::string() : fmt::format(" {}", unit);
 }
 
 void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, Names& names) {

@@ -37,11 +37,10 @@ std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, con
 
 std::vector<std::string> notes_on_file(const Case& c) {
   std::vector<std::string> notes = c.file_notes;
-  if (c.sizing.mirrored_tips)
-    notes.push_back(
-        "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it "
-        "is "
-        "not its own mirror image in the crack");
+  constexpr std::string_view unlike =
+      "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it is "
+      "not its own mirror image in the crack";
+  if (c.sizing.mirrored_tips) notes.emplace_back(unlike);
   return notes;
 }
 

@@ -95,8 +95,8 @@ std::string head(const Result& result, const std::string& title) {
 
 /// A number with its unit, where there is one.
 std::string with_unit(double value, const Units& units, const std::optional<Dimension>& dimension) {
-  const std::string name = dimension ? unit(units, *dimension) : "";
-  return pretty(value) + (name.empty() ? "" : " " + escape_html(name));
+  const std::string name = dimension ? unit(units, *dimension) : std::string();
+  return name.empty() ? pretty(value) : fmt::format("{} {}", pretty(value), escape_html(name));
 }
 
 std::string key_numbers(const Result& result) {
@@ -191,7 +191,7 @@ std::string crack_section(const CrackResult& crack, const Units& u) {
     rows.push_back({at(tip.at), value(tip.K_I), value(tip.K_II), value(tip.G), value(tip.T)});
   if (!rows.empty()) {
     const auto head = [&](const char* name, const Dimension& of) {
-      return name + (u.given() ? " in " + escape_html(unit(u, of)) : std::string());
+      return u.given() ? fmt::format("{} in {}", name, escape_html(unit(u, of))) : std::string(name);
     };
     out += table(
         {"tip", head("K<sub>I</sub>", dimension::stress_intensity), head("K<sub>II</sub>", dimension::stress_intensity),
