@@ -20,7 +20,7 @@ INSTANTIATE_TEST_SUITE_P(
     Unknown, WrongCase,
     testing::Values(
         Wrong{"youg = 1", "a.toml:7:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
-        Wrong{"density = 1", "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, state"},
+        Wrong{"density = 1", "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, thickness, state"},
         Wrong{"[mehs]\nsize = 1", "a.toml:7:2: unknown key \"mehs\"; did you mean \"mesh\"?"},
         Wrong{"[mesh]\n  szie = 1", "a.toml:8:3: unknown key \"szie\" in [mesh]; did you mean \"size\"?"},
         Wrong{"[[hole]]\nname = 'h'\ncircle = { center = [1, 0.5], raduis = 0.1 }",
