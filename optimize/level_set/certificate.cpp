@@ -2,7 +2,6 @@
 
 #include "geometry/plane.hpp"
 #include "kerf/map.hpp"
-#include "optimize/level_set/speed.hpp"
 #include "optimize/parametric/minimize.hpp"
 #include "solver/stress.hpp"
 #include "topo/bump.hpp"
@@ -39,7 +38,8 @@ bool beside_singular(const Ground& g, const std::vector<Vec2>& singular, const V
 
 Prices prices_of(const Ground& g, const Evaluated& e) {
   Prices prices{g.price, std::vector<double>(e.bounds.size(), 0)};
-  const BoundaryRate objective = boundary_rate(e, analyze_objective(e));
+  prices.rate = boundary_rate(e, analyze_objective(e));
+  const BoundaryRate objective = prices.rate;
   std::vector<std::size_t> binds;
   for (std::size_t k = 0; k < e.bounds.size(); ++k)
     if (e.bounds[k] > g.r.bounds[k].at_most - binding * std::abs(g.r.bounds[k].at_most)) binds.push_back(k);
@@ -52,15 +52,20 @@ Prices prices_of(const Ground& g, const Evaluated& e) {
   if (rows.empty() || count == 0) return prices;
   const Eigen::VectorXd weight = objective.length(rows).cwiseSqrt();
   Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), count);
-  for (std::size_t k = 0; k < binds.size(); ++k)
-    A.col(static_cast<Eigen::Index>(k)) =
-        weight.cwiseProduct(boundary_rate(e, analyze_bound(e, binds[k])).density(rows));
+  std::vector<BoundaryRate> bounded;
+  for (std::size_t k = 0; k < binds.size(); ++k) {
+    bounded.push_back(boundary_rate(e, analyze_bound(e, binds[k])));
+    A.col(static_cast<Eigen::Index>(k)) = weight.cwiseProduct(bounded.back().density(rows));
+  }
   if (full) A.col(count - 1) = weight;
   const double volume = g.r.volume_penalty;  // J has the rest
   const Eigen::VectorXd right = -weight.cwiseProduct((objective.density(rows).array() + volume).matrix());
   Eigen::VectorXd unit = A.colwise().norm().transpose().cwiseMax(1e-300);
   const Eigen::VectorXd x = nonnegative_least_squares(A * unit.cwiseInverse().asDiagonal(), right).cwiseQuotient(unit);
-  for (std::size_t k = 0; k < binds.size(); ++k) prices.bound[binds[k]] = x[static_cast<Eigen::Index>(k)];
+  for (std::size_t k = 0; k < binds.size(); ++k) {
+    const double price = prices.bound[binds[k]] = x[static_cast<Eigen::Index>(k)];
+    if (price > 0) add(prices.rate, price, bounded[k]);
+  }
   if (full) prices.area += x[count - 1];
   return prices;
 }
@@ -103,12 +108,9 @@ BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices
   };
   if (std::ranges::any_of(e.cases, [](const SolvedCase& c) { return bool(c.model.scene.body); })) return bumps;
   if (has_density(e.objective)) return bumps;
-  BoundaryRate rate = boundary_rate(e, analyze_objective(e));
-  for (std::size_t k = 0; k < prices.bound.size(); ++k) {
-    if (!(prices.bound[k] > 0)) continue;
-    if (has_density(e.bounded[k])) return bumps;
-    add(rate, prices.bound[k], boundary_rate(e, analyze_bound(e, k)));
-  }
+  for (std::size_t k = 0; k < prices.bound.size(); ++k)
+    if (prices.bound[k] > 0 && has_density(e.bounded[k])) return bumps;
+  const BoundaryRate& rate = prices.rate;
   const double in_rate = g.price - g.r.volume_penalty;  // what volume costs in J
   const std::vector<Vec2> singular = singular_points(e.cases.front().model);
   for (Eigen::Index i = 0; i < rate.density.size(); ++i) {

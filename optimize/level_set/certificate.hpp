@@ -3,6 +3,7 @@
 
 #include "kerf/validate.hpp"
 #include "optimize/level_set/ground.hpp"
+#include "optimize/level_set/speed.hpp"
 #include "optimize/loop/evaluate.hpp"
 
 namespace kerf {
@@ -11,6 +12,7 @@ namespace kerf {
 struct Prices {
   double area = 0;
   std::vector<double> bound;  // 0: does not bind
+  BoundaryRate rate = {};     // of J, and of the bounds times their prices
 };
 Prices prices_of(const Ground& g, const Evaluated& e);
 

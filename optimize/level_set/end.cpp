@@ -97,8 +97,9 @@ void take_strong_phase(const LevelSetEnd& end, bool go_on, OptimizeResult& resul
     OptimizeRequest asked = g.r;
     for (FunctionalBound& bound : asked.bounds) bound.functional = on_parts(bound.functional, carved.crack_of);
     result.shape = std::move(carved.shape);
-    result.notes.push_back(
-        "objective and volume are those with the weak phase; the state is that of the design without it");
+    constexpr std::string_view both =
+        "objective and volume are those with the weak phase; the state is that of the design without it";
+    result.notes.emplace_back(both);
     if (!go_on) return;
     result.finer = solve_finer(std::move(judged), asked, result.shape, g.whole);
     ++result.state_solves;
