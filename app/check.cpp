@@ -87,14 +87,21 @@ void print_body(Lines& out, const Shape& shape, const Mesh& mesh) {
             shape.holes.size() == 1 ? "" : "s");
 }
 
-void print_regions(Lines& out, const Shape& shape, const std::vector<Elastic>& materials, const Mesh& mesh) {
+/// Of region r, or of the body around them.
+const char* with_eigenstrain(const Scene& scene, Index r) {
+  const std::size_t place = static_cast<std::size_t>(r + 1);
+  return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? ", with an eigenstrain" : "";
+}
+
+void print_regions(Lines& out, const Case& c, const Mesh& mesh) {
+  const Shape& shape = c.shape;
   for (std::size_t r = 0; r < shape.regions.size(); ++r) {
     double size = 0;
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
       if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
-    out.print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles\n", shape.regions[r].name,
-              materials[r].young, materials[r].poisson, size, count);
+    out.print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles{}\n", shape.regions[r].name,
+              c.regions[r].young, c.regions[r].poisson, size, count, with_eigenstrain(c.scene, static_cast<Index>(r)));
   }
 }
 
@@ -179,7 +186,7 @@ void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const s
 
 void note_loads(Notes& notes, const Scene& scene) {
   if (scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
-  if (scene.supports.empty() && scene.tractions.empty() && !scene.body)
+  if (scene.supports.empty() && scene.tractions.empty() && !scene.body && !has_eigenstrain(scene))
     notes.push_back("nothing acts on the body: the solution is zero");
 }
 
@@ -198,8 +205,9 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       *problem));
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh);
-  out.print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
-  print_regions(out, c.shape, c.regions, mesh);
+  out.print("material  young {:g}, poisson {:g}, plane {}{}\n", c.young, c.poisson,
+            c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
+  print_regions(out, c, mesh);
   print_mesh(out, mesh);
   print_cracks(out, notes, c.shape, c.scene, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);

@@ -17,9 +17,10 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   const std::vector<Material> materials = corner_materials(model, d.corners);
   for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
   d.values = corner_values(model, state, d.corners);
+  const Eigen::RowVectorXd e33 = corner_eigenstrains(model, d.corners).row(4);
   d.von_mises.resize(d.values.stress.cols());
   for (Eigen::Index i = 0; i < d.von_mises.size(); ++i)
-    d.von_mises[i] = von_mises(materials[i], plane_strain, d.values.stress.col(i));
+    d.von_mises[i] = von_mises(materials[i], plane_strain, d.values.stress.col(i), e33[i]);
   return d;
 }
 

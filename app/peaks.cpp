@@ -16,11 +16,12 @@ namespace {
 /// The larger principal strain, without its sign, at the corners.
 Eigen::VectorXd strains(const Model& model, const PlotData& data) {
   const std::vector<Material> materials = corner_materials(model, data.corners);
+  const Eigen::Matrix4Xd free = corner_eigenstrains(model, data.corners).topRows<4>();
   Eigen::VectorXd out(data.values.stress.cols());
   for (Eigen::Index i = 0; i < out.size(); ++i) {
     const Eigen::Vector3d s = symmetric_part(data.values.stress.col(i));
     const Eigen::Vector4d g =
-        displacement_gradient(materials[static_cast<std::size_t>(i)], {s[0], s[2], s[2], s[1]}, 0);
+        displacement_gradient(materials[static_cast<std::size_t>(i)], {s[0], s[2], s[2], s[1]}, 0) + free.col(i);
     out[i] = 0.5 * (std::abs(g[0] + g[3]) + std::hypot(g[0] - g[3], g[1] + g[2]));
   }
   return out;

@@ -65,6 +65,7 @@ crack[0].tresca
 material.young
 material.poisson
 material.thickness
+material.eigenstrain
 material.state
 region[0].name
 region[0].circle.center
@@ -75,6 +76,7 @@ region[0].ellipse.angle_deg
 region[0].polygon
 region[0].young
 region[0].poisson
+region[0].eigenstrain
 boundary[0].on
 boundary[0].traction
 boundary[0].pressure
@@ -243,6 +245,7 @@ synthetic.region[0].ellipse.angle_deg
 synthetic.region[0].polygon
 synthetic.region[0].young
 synthetic.region[0].poisson
+synthetic.region[0].eigenstrain
 synthetic.element
 synthetic.degree
 synthetic.size

@@ -41,7 +41,11 @@ struct TriangleValues {
 };
 /// Errors far below `size` are left: the largest of f on the body, or 0.
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
-                               double size = 0);
+                               double size = 0, const char* what = "body force");
+/// Of a known polynomial of a degree that every rule integrates against the fields of the elements.
+bool is_polynomial(const VectorField& f);
+/// The largest value that is known of f on the mesh, where that is finite; else 0.
+double size_over(const VectorField& f, const Mesh& mesh);
 
 /// What one support or traction prescribes, per edge of its label.
 struct LoadedEdges {
@@ -49,11 +53,32 @@ struct LoadedEdges {
   std::vector<EdgeValues> values;
 };
 
+/// The eigenstrain e as a polynomial P per triangle, of degree 4 or of its own where that is lower: its projection in
+/// the mean of squares, so that its moments with the stresses of every element are those of e.
+struct StrainData {
+  int degree = 0;
+  Eigen::MatrixXd coefficients;  // a column per triangle: 11, 22, 12, 33 per monomial of (l1, l2); no columns: none
+  Eigen::VectorXd rest;          // per triangle at least the mean of |e - P|^2
+  Eigen::VectorXd error;         // per triangle at least the error of the mean of e:w, |w| <= 1
+  std::vector<Resolution> how;   // per triangle
+  bool empty() const {
+    return coefficients.cols() == 0;
+  }
+};
+StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
+/// Its values (rows 11, 12, 21, 22) at points (l1, l2) of triangle t.
+Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l);
+/// The same derived by l1 (axis 0) or l2 (axis 1).
+Eigen::Matrix4Xd strain_slope_at(const StrainData& data, Index t, const Points& l, int axis);
+/// Its component 33, as in Eigenstrain.
+Eigen::RowVectorXd strain_33_at(const StrainData& data, Index t, const Points& l);
+
 /// All data of a scene on a mesh, once.
 struct SceneData {
   std::vector<std::vector<Index>> edges;  // per label, increasing
   std::vector<LoadedEdges> supports, tractions;
   std::vector<TriangleValues> body;  // per triangle, where the body force is not a polynomial of low degree
+  StrainData strain;
 };
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
 

@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// recovered_displacement from the interior coefficients of t.
+/// recovered_displacement from the interior coefficients of t; `eigenstrain` as Field::eigenstrain.
 Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
-                              const Points& x);
+                              const Points& x, double eigenstrain = 0);
 
 /// Its transpose: the derivative by the interior coefficients of t of sum_q weights_q . u*(x_q).
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights);
@@ -15,10 +15,13 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
 /// What the body is made of at corners that are split between materials, too: of the last triangle at each corner.
 std::vector<Material> corner_materials(const Model& model, const Corners& corners);
 
+/// The eigenstrain at corners (rows 11, 12, 21, 22, 33), of the same triangles.
+Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners);
+
 /// Root mean square of the stress over the body: the scale of "no pressure".
 double mean_stress(const Model& model, const Field& state);
 
-/// grad u = A s + Gamma(omega) of the mixed solution: d1 u1, d2 u1, d1 u2, d2 u2.
+/// A s + Gamma(omega) of the mixed solution, which is grad u less the eigenstrain: d1 u1, d2 u1, d1 u2, d2 u2.
 Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& stress, double rotation);
 
 }  // namespace kerf

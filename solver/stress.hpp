@@ -8,8 +8,8 @@ namespace kerf {
 /// (s11, s22, (s12 + s21)/2) of (s11, s12, s21, s22).
 Eigen::Vector3d symmetric_part(const Eigen::Vector4d& stress);
 
-/// Von Mises stress, with s33 = nu (s11 + s22) in plane strain and 0 in plane stress.
-double von_mises(const Material& material, bool plane_strain, const Eigen::Vector4d& stress);
+/// Von Mises stress, with s33 = nu (s11 + s22) - E e33 in plane strain and 0 in plane stress; e33: the eigenstrain.
+double von_mises(const Material& material, bool plane_strain, const Eigen::Vector4d& stress, double e33 = 0);
 
 /// Of the symmetric part, first >= second.
 struct PrincipalStresses {

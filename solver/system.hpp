@@ -20,6 +20,14 @@ struct Inner {
 
 Triangle triangle(const Model& model, Index t);
 
+/// (e, s) with the scene's eigenstrain e.
+double work_of_eigenstrain(const Model& m, const Field& s);
+
+/// The scene's eigenstrain (rows 11, 12, 21, 22) at points of triangle t (physical coordinates), times
+/// Field::eigenstrain of the field that is looked at; and its derivative along axis 0 or 1 there.
+Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Points& x);
+Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis);
+
 /// Shares of Inner::floating in the displacement, in the mean of squares.
 Eigen::VectorXd floating_shares(const Model& m, const Field& s);
 

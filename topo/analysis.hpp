@@ -13,12 +13,15 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
 /// which a change of the body moves.
 void require_supports(const Functional& j, const Model& model);
 
+/// Throws Error(Usage) for a functional that does not know what an eigenstrain does to it.
+void require_eigenstrain(const Functional& j, const Scene& scene);
+
 /// Whether the map takes an integral over the body per point, so that it is made at listed points only: a clamped hole
 /// in a J that is neither an energy nor linear in the state.
 bool needs_points(const Model& model, const Functional& j, const Perturbation& p);
 
-/// No prescribed displacement but 0: then the compliance is -2 times the potential energy.
-bool has_rigid_supports(const Model& model);
+/// No eigenstrain and no prescribed displacement but 0: then the compliance is -2 times the potential energy.
+bool has_self_adjoint_work(const Model& model);
 
 /// The scene with the measured displacements instead of the tractions on their label.
 Scene measured_scene(const Scene& scene, const Support& measured);

@@ -163,6 +163,10 @@ constexpr bool can_contact(const Element& e) {
 constexpr bool can_have_regions(const Element& e) {
   return e.at_vertices != AtVertices::Stress;
 }
+/// Eigenstrains: the rotation of symmetric elements comes from A s alone.
+constexpr bool can_be_strained(const Element& e) {
+  return is_mixed(e) && !is_symmetric(e);
+}
 /// Incompressible materials, nu = 1/2.
 constexpr bool can_be_incompressible(const Element& e) {
   return is_mixed(e);

@@ -87,6 +87,9 @@ using VectorField = DataField<const Vec2&>;
 /// a + b, with what is known of both.
 VectorField sum(const VectorField& a, const VectorField& b);
 
+/// factor a, with what is known of a.
+VectorField scaled(double factor, const VectorField& a);
+
 /// A field that is linear in the place, and known to be.
 VectorField linear_field(std::function<Vec2(const Vec2& x)> f);
 

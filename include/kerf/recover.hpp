@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-/// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + Gamma(omega), grad v) for v in P2, with
-/// the mean of u_h [Stenberg 1991; theory: R.1].
+/// u* in P2(T)^2 at points of triangle t (2 x n): (grad u*, grad v) = (A s + e + Gamma(omega), grad v) for v in P2, e
+/// the eigenstrain, with the mean of u_h [Stenberg 1991; theory: R.1].
 Points recovered_displacement(const Model& model, const Field& field, Index t, const Points& x);
 /// Area-weighted averages over the triangles that meet at a corner, on one side of every crack.
 struct CornerValues {

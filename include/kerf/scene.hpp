@@ -39,14 +39,32 @@ inline bool has_friction(const CrackLaw& law) {
   return law.kind == CrackLaw::Kind::Unilateral && (law.friction > 0 || law.slip_bound > 0);
 }
 
+/// Strain e that the material would take without stress, from heat, swelling, a misfit, or left by its making, as the
+/// plane problem sees it: in plane strain e11 + nu e33, e22 + nu e33. Empty: none.
+struct Eigenstrain {
+  VectorField normal;         // 11, 22
+  VectorField shear;          // 12; and e33 of plane strain, for the stress s33 = nu tr s - E e33
+  bool out_of_plane = false;  // e33 is not 0
+  explicit operator bool() const {
+    return static_cast<bool>(normal);
+  }
+};
+
 struct Scene {
   Material material;
-  std::vector<Material> regions;  // per region of the mesh, instead of `material`
-  VectorField body;               // force per area; empty: none
+  std::vector<Material> regions;         // per region of the mesh, instead of `material`
+  std::vector<Eigenstrain> eigenstrain;  // outside all regions, then per region; may be shorter
+  VectorField body;                      // force per area; empty: none
   std::vector<Support> supports;
   std::vector<Traction> tractions;
   std::vector<CrackLaw> laws;  // per crack
 };
+
+inline bool has_eigenstrain(const Scene& scene) {
+  for (const Eigenstrain& e : scene.eigenstrain)
+    if (e) return true;
+  return false;
+}
 
 /// `material` first.
 inline std::vector<Material> all_materials(const Scene& scene) {

@@ -27,6 +27,7 @@ struct Field {
   Eigen::VectorXd skeleton;  // base and jump unknowns, prescribed ones included
   Eigen::MatrixXd interior;  // one column per triangle: stress, displacement, rotation coefficients
   Eigen::VectorXd force;     // per skeleton unknown: force of contact and friction on jumps, 0 elsewhere
+  double eigenstrain = 0;    // grad u = A s + Gamma(omega) + this times the scene's: 1 in states, 0 in what is linear
 };
 
 /// The field that solves the model, and how well it does.
@@ -51,7 +52,7 @@ struct Fields {
 };
 Fields evaluate(const Model& model, const Field& field, Index t, const Points& x);
 
-double strain_energy(const Model& model, const Field& field);     // 1/2 (A s, s)
+double strain_energy(const Model& model, const Field& field);     // 1/2 (A s, s): of the elastic strain
 double work_of_loads(const Model& model, const Field& field);     // body force and tractions
 double potential_energy(const Model& model, const Field& field);  // strain energy minus work of the loads
 

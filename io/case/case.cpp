@@ -119,8 +119,10 @@ Case read_case(const std::filesystem::path& path, std::span<const std::string> o
   read_units(document, c);
   const std::optional<MeshFile> file = read_shape(document, path.parent_path(), c);
   read_material(document, c);
-  const std::vector<Loop> frozen = read_regions(document, file, c);
+  const ReadRegions regions = read_regions(document, file, c);
+  const std::vector<Loop>& frozen = regions.frozen;
   Definitions definitions = read_definitions(document, c);
+  read_eigenstrains(document, regions.tables, definitions, c);
   read_conditions(document, definitions, c);
   read_functional(document, path.parent_path(), definitions, c);
   read_mesh(document, c);

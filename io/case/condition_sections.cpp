@@ -126,7 +126,35 @@ VectorField body_force(const Value& table, Definitions& definitions) {
   return body_field(force[0], force[1]);
 }
 
+/// [xx, yy, xy] and zz, which bends into the plane by nu in plane strain and is nothing in plane stress.
+Eigenstrain eigenstrain(const Value& field, double poisson, bool plane_strain, Definitions& definitions) {
+  const std::vector<Value> given = items(field);
+  if (given.size() != 3 && given.size() != 4)
+    fail(field.node->position,
+         fmt::format("{} has {} entries; give [xx, yy, xy], in plane strain also [xx, yy, xy, zz]", field.name,
+                     given.size()));
+  std::vector<Formula> e;
+  for (const Value& one : given) e.push_back(formula(one, definitions, false));
+  const bool out_of_plane = plane_strain && given.size() == 4 && e[3].constant != 0.0;
+  Eigenstrain strain{body_field(e[0], e[1]), body_field(e[2], out_of_plane ? e[3] : nothing()), out_of_plane};
+  if (out_of_plane) strain.normal = sum(strain.normal, scaled(poisson, body_field(e[3], e[3])));
+  return strain;
+}
+
 }  // namespace
+
+void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
+                       Definitions& definitions, Case& c) {
+  std::vector<Eigenstrain> all(1 + c.scene.regions.size());
+  const auto take_from = [&](const Value& table, double poisson, Eigenstrain& to) {
+    if (const auto field = find(table, "eigenstrain")) to = eigenstrain(*field, poisson, c.plane_strain, definitions);
+  };
+  take_from(need(document, "material"), c.poisson, all[0]);
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    if (regions[r]) take_from(*regions[r], c.regions[r].poisson, all[r + 1]);
+  if (std::ranges::any_of(all, [](const Eigenstrain& e) { return static_cast<bool>(e); }))
+    c.scene.eigenstrain = std::move(all);
+}
 
 void read_conditions(const Value& document, Definitions& definitions, Case& c) {
   std::vector<Conditions> per_label(c.shape.labels.size());

@@ -26,9 +26,10 @@ MeshFileRequest wanted_surfaces(const Value& document) {
     allow_only(region);
     if (is_drawn(region, {"circle", "ellipse", "polygon"})) continue;
     const std::string name = safe_name(need(region, "name"));
-    const bool mask = is_frozen(document, name), has_material = find(region, "young") || find(region, "poisson");
+    const bool mask = is_frozen(document, name), strained = find(region, "eigenstrain").has_value(),
+               has_material = find(region, "young") || find(region, "poisson") || strained;
     if (mask) request.masks.push_back(name);
-    if (!mask || has_material) {
+    if ((!mask && !strained) || find(region, "young") || find(region, "poisson")) {
       need(region, "young");
       need(region, "poisson");
     }

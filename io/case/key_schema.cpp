@@ -114,13 +114,15 @@ Json alternative(const Key& key, KeyType type) {
       return list_of(pair_of(box));
     case Formulas:
       return {{"type", "object"}, {"additionalProperties", formula}};
+    case Tensor:
+      return {{"type", "array"}, {"items", formula}, {"minItems", 3}, {"maxItems", 4}};
   }
   return {};
 }
 
 Json schema_of(const Key& key) {
   Json any = Json::array();
-  for (unsigned bit = 1; bit <= static_cast<unsigned>(Formulas); bit <<= 1)
+  for (unsigned bit = 1; bit <= static_cast<unsigned>(Tensor); bit <<= 1)
     if (const auto type = static_cast<KeyType>(bit); has(key.type, type)) any.push_back(alternative(key, type));
   Json out = any.size() == 1 ? any[0] : Json{{"anyOf", any}};
   out["description"] = key.text;

@@ -33,7 +33,8 @@ constexpr std::pair<KeyType, View> type_words[] = {{Table, "table"},
                                                    {Box, "number or [low, high]"},
                                                    {BoxPair, "pair of numbers or [low, high]"},
                                                    {BoxPairs, "list of pairs of numbers or [low, high]"},
-                                                   {Formulas, "names with numbers or expressions"}};
+                                                   {Formulas, "names with numbers or expressions"},
+                                                   {Tensor, "3 or 4 numbers or expressions"}};
 
 std::string quoted(KeyWords words) {
   return fmt::format("\"{}\"", fmt::join(words, "\", \""));

@@ -176,6 +176,14 @@ constexpr Key rows[] = {
      "Of a plate in plane stress. Results are per unit of thickness; with it forces, moments and energies of the "
      "whole plate stand beside them.",
      "5"},
+    {"material.eigenstrain",
+     Tensor,
+     {},
+     "Strain that the body would take without stress, from heat, swelling, a misfit: [xx, yy, xy], in plane strain "
+     "also [xx, yy, xy, zz] (zz is 0 where it is left out, and nothing to a plate in plane stress). A temperature T "
+     "above that of no stress gives [a*T, a*T, 0, a*T]. Regions have their own.",
+     "[\"1e-5*x\", \"1e-5*x\", 0, \"1e-5*x\"]",
+     "none"},
     {"material.state",
      Word,
      {.words = plane_states},
@@ -208,6 +216,13 @@ constexpr Key rows[] = {
      "Young's modulus. A region that optimize.frozen names may leave it and poisson out.",
      "10.0"},
     {"region[].poisson", Number, {.range = poisson}, "Poisson's ratio.", "0.3"},
+    {"region[].eigenstrain",
+     Tensor,
+     {},
+     "As material.eigenstrain, in the region. A region that has it may leave young and poisson out: it is made of what "
+     "the body is made of.",
+     "[0.001, 0.001, 0]",
+     "none"},
 
     {"boundary[]", Tables, {}, "What acts on a part of the boundary; labels without a condition are free."},
     {"boundary[].on", Text | Names, {.required = true}, "A label, or a list of labels.", "\"top\""},

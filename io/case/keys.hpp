@@ -31,6 +31,7 @@ enum class KeyType : unsigned {
   BoxPair = 1 << 15,  // a pair of boxes
   BoxPairs = 1 << 16,
   Formulas = 1 << 17,  // a table whose keys are names and whose values are formulas
+  Tensor = 1 << 18,    // three or four formulas
 };
 constexpr KeyType operator|(KeyType a, KeyType b) {
   return static_cast<KeyType>(static_cast<unsigned>(a) | static_cast<unsigned>(b));

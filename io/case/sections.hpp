@@ -28,12 +28,20 @@ std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack);
 /// More of these tables, with names of their own.
 void add_holes(const std::vector<Value>& tables, Shape& shape);
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws);
-std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool plane_strain, Shape& shape,
+/// What regions are made of by their keys; `body`: those that have an eigenstrain and no material of their own.
+struct BodyMaterial {
+  Elastic elastic;
+  bool plane_strain = true;
+};
+std::vector<Elastic> add_regions(const std::vector<Value>& tables, const BodyMaterial& body, Shape& shape,
                                  std::vector<Material>& materials);
 
-/// [[region]], in the plane state that [material] has. Returns those that [optimize] names as frozen; they are regions
-/// of the shape only if they have a material.
-std::vector<Loop> read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c);
+/// [[region]], in the plane state that [material] has.
+struct ReadRegions {
+  std::vector<Loop> frozen;  // by [optimize]; they are regions of the shape only if they have a material
+  std::vector<std::optional<Value>> tables;  // per region of the scene, those that have one
+};
+ReadRegions read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c);
 
 /// [define]: the named subexpressions, each checked, and which of them have been used.
 struct Definitions {
@@ -43,6 +51,10 @@ struct Definitions {
 };
 Definitions read_definitions(const Value& document, const Case& c);
 void check_all_used(const Definitions& definitions);
+
+/// The eigenstrains of [material] and of the regions.
+void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
+                       Definitions& definitions, Case& c);
 
 /// [[boundary]] and [body].
 void read_conditions(const Value& document, Definitions& definitions, Case& c);

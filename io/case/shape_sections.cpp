@@ -89,8 +89,18 @@ bool is_drawn(const Value& region) {
   return find(region, "circle") || find(region, "ellipse") || find(region, "polygon");
 }
 
+bool has_material(const Value& region) {
+  return find(region, "young") || find(region, "poisson") || find(region, "eigenstrain");
+}
+
+/// One that has an eigenstrain may be made of what the body is made of.
+Elastic read_elastic(const Value& region, const Elastic& body) {
+  if (find(region, "eigenstrain") && !find(region, "young") && !find(region, "poisson")) return body;
+  return {in_range(need(region, "young")), in_range(need(region, "poisson"))};
+}
+
 /// Regions of a file, in their order: with the material of the [[region]] of their surface, or that of the body.
-void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file, Case& c) {
+void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file, Case& c, ReadRegions& read) {
   std::vector<Value> named;
   for (const Value& region : tables)
     if (!is_drawn(region)) named.push_back(region);
@@ -98,10 +108,12 @@ void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file,
     if (m == none) {
       c.regions.push_back({c.young, c.poisson});
       c.scene.regions.push_back(c.scene.material);
+      read.tables.emplace_back();
       continue;
     }
     const Value& region = named[static_cast<std::size_t>(m)];
-    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
+    const Elastic e = read_elastic(region, {c.young, c.poisson});
+    read.tables.emplace_back(region);
     c.regions.push_back(e);
     c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
   }
@@ -219,24 +231,25 @@ void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<Crac
   }
 }
 
-std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane_strain, Shape& shape,
+std::vector<Elastic> add_regions(const std::vector<Value>& tables, const BodyMaterial& body, Shape& shape,
                                  std::vector<Material>& materials) {
   std::vector<Elastic> elastics;
   for (const Value& region : tables) {
     allow_only(region);
     const std::string name = new_name(need(region, "name"), shape.regions);
     shape.regions.push_back(read_loop(region, name, none));
-    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
+    const Elastic e = read_elastic(region, body.elastic);
     elastics.push_back(e);
-    materials.push_back(elastic(region, e.young, e.poisson, in_plane_strain));
+    materials.push_back(elastic(region, e.young, e.poisson, body.plane_strain));
   }
   return elastics;
 }
 
-std::vector<Loop> read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c) {
+ReadRegions read_regions(const Value& document, const std::optional<MeshFile>& file, Case& c) {
   std::vector<Value> materials;
   std::vector<std::string> names;
-  std::vector<Loop> frozen;
+  ReadRegions read;
+  std::vector<Loop>& frozen = read.frozen;
   const std::vector<Value> tables = find_tables(document, "region"), wanted = frozen_names(document);
   for (const Value& region : tables) {
     allow_only(region);
@@ -251,15 +264,17 @@ std::vector<Loop> read_regions(const Value& document, const std::optional<MeshFi
       continue;
     }
     if (mask) frozen.push_back(read_loop(region, name, none));
-    if (!mask || find(region, "young") || find(region, "poisson")) materials.push_back(region);
+    if (!mask || has_material(region)) materials.push_back(region);
   }
   for (const Value& field : wanted)
     if (std::find(names.begin(), names.end(), text(field)) == names.end())
       fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
                                              names.empty() ? "the case has none" : suggest(text(field), names)));
-  if (file) add_regions_of_file(tables, *file, c);
-  for (const Elastic& e : add_regions(materials, c.plane_strain, c.shape, c.scene.regions)) c.regions.push_back(e);
-  return frozen;
+  if (file) add_regions_of_file(tables, *file, c, read);
+  const BodyMaterial body{{c.young, c.poisson}, c.plane_strain};
+  for (const Elastic& e : add_regions(materials, body, c.shape, c.scene.regions)) c.regions.push_back(e);
+  read.tables.insert(read.tables.end(), materials.begin(), materials.end());
+  return read;
 }
 
 }  // namespace kerf

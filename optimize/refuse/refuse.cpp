@@ -101,6 +101,16 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
   }
 }
 
+void look_at_eigenstrain(const Problem& p, std::vector<Wrong>& all) {
+  for (std::size_t k = 0; k < p.scene.eigenstrain.size(); ++k)
+    if (p.scene.eigenstrain[k]) {
+      all.push_back({k == 0 ? std::string("material.eigenstrain") : fmt::format("region[{}].eigenstrain", k - 1),
+                     "[optimize] does not know what an eigenstrain does to derivatives by the shape; leave it out, or "
+                     "take the state, maps and validation of this body (kerf solve, map, validate)"});
+      return;
+    }
+}
+
 }  // namespace
 
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r) {
@@ -155,6 +165,7 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   if (auto why = wrong_volume(p.objective, r))
     all.push_back({r.volume_at_most ? "optimize.volume.at_most" : "optimize", *why});
   look_at_cracks(p, r, all);
+  look_at_eigenstrain(p, all);
   look_at_rigid_motions(p, r, all);
   if (drawable) look_at_loads(p, r, all);
   if (r.method == OptimizeMethod::LevelSet)

@@ -91,6 +91,7 @@ struct Share {  // of one triangle
   double rough = 0;                     // |grad v - polynomials that (f - f_h) does not see|
   double largest = 0;                   // |v| at its nodes
   double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
+  double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
   Tractions tractions;
 };
 
@@ -169,19 +170,45 @@ struct Bounding {
     const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
     const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
     const auto [mu, c] = material_of(m.mesh, m.scene, t);
-    double energy = 0;
+    const Eigen::Matrix4Xd free = eigenstrain(r, t);
+    double energy = 0, freed = 0, square = 0;
     for (Eigen::Index i = 0; i < at.cols(); ++i) {
       const Mat2 gradient =
           J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
       const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
                    s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
       energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
+      if (free.cols() > 0) {
+        freed += r.rule.w[i] * free.col(i).dot(Eigen::Vector4d(s11, s12, s21, s22));
+        square += r.rule.w[i] * (s11 * s11 + s12 * s12 + s21 * s21 + s22 * s22);
+      }
       share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
       share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
     }
     energy *= 0.5 * area(shape);
-    share.lower -= energy;
-    share.size += energy;
+    freed *= area(shape);
+    share.lower -= energy + freed;
+    share.size += energy + std::abs(freed);
+    if (free.cols() > 0) {
+      const StrainData& strain = m.inner->data.strain;
+      share.below = area(shape) * (std::sqrt(strain.rest[t] * square) + strain.error[t] * share.stress);
+    }
+  }
+
+  /// At the points of the rule; no columns without one.
+  Eigen::Matrix4Xd eigenstrain(const Reference& r, Index t) const {
+    return m.inner->data.strain.empty() ? Eigen::Matrix4Xd() : strain_at(m.inner->data.strain, t, r.rule.x);
+  }
+
+  /// |(C e, R)| + (C R, R)/2 for the rest R of the eigenstrain: `elastic` = (C e, e)/2, e the strain less its
+  /// polynomial.
+  double moved_by_eigenstrain(const Triangle& shape, Index t, double elastic, double largest) const {
+    const StrainData& strain = m.inner->data.strain;
+    if (strain.rest[t] == 0 && strain.error[t] == 0) return 0;
+    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    const double stiffness = c > 0 ? std::max(2 * mu, 1 / (2 * c)) : infinity,
+                 rest = stiffness * area(shape) * strain.rest[t];
+    return std::sqrt(2 * elastic * rest) + 0.5 * rest + stiffness * area(shape) * strain.error[t] * largest;
   }
 
   /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
@@ -241,7 +268,12 @@ struct Bounding {
     for (Eigen::Index q = 0; q < x.cols(); ++q)
       x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
     const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), x).stress;
+    const Eigen::Matrix4Xd free = eigenstrain(r, t);
     Eigen::RowVectorXd wanted = 2 * c * (stress.row(0) + stress.row(3));
+    if (free.cols() > 0) {
+      const Eigen::Matrix4Xd at = strain_at(m.inner->data.strain, t, r.nodes);
+      wanted += at.row(0) + at.row(3);
+    }
     for (int axis = 0; axis < 2; ++axis)
       for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
     const Eigen::VectorXd scaled = det * wanted.transpose();
@@ -264,6 +296,8 @@ struct Bounding {
       g = (g * inverse).eval();
       const Eigen::Vector4d d = correction.segment<4>(4 * q);
       const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
+      const Mat2 whole = g;
+      if (free.cols() > 0) g -= tensor(free.col(q));
       const double volume = g.trace(), own_volume = h.trace();
       const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
                    own_shear = h(0, 1) + h(1, 0);
@@ -284,8 +318,9 @@ struct Bounding {
         zw += w * z.cwiseProduct(h).sum();
       }
       worst[0] = std::max(worst[0], std::abs(volume + own_volume));
-      worst[1] = std::max(worst[1], g.cwiseAbs().maxCoeff());
+      worst[1] = std::max(worst[1], whole.cwiseAbs().maxCoeff());
     }
+    const double alone = e, with_own = b, own_alone = a;
     size += e;
     if (f.nodal.cols() > 0) {
       const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
@@ -307,6 +342,8 @@ struct Bounding {
       }
     const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
     share.upper = e + alpha * (b + alpha * a);
+    if (free.cols() > 0)
+      share.above = moved_by_eigenstrain(shape, t, alone + alpha * (with_own + alpha * own_alone), worst[1]);
     const double square = zz + alpha * (2 * zw + alpha * ww);
     share.rough = std::sqrt(std::max(0.0, square));
     share.size += size;
@@ -431,7 +468,8 @@ std::vector<Share> bound_triangles(const Bounding& of, const std::vector<std::ve
   // Boundary data are of higher degree than the fields inside.
   const Element& element = of.m.element;
   const int inside =
-      std::max(stress_degree(element), element.trace + (of.f.nodal.cols() > 0 && !of.f.balanced ? 2 : 1));
+      std::max({stress_degree(element), element.trace + (of.f.nodal.cols() > 0 && !of.f.balanced ? 2 : 1),
+                of.m.inner->data.strain.degree});
   const Reference plain = reference(element, inside, of.f),
                   rich = reference(element, std::max(inside, data_carriers), of.f);
   std::vector<Share> shares(edges.size());
@@ -451,6 +489,8 @@ Share total(const std::vector<Share>& shares) {
     sum.lower += share.lower;
     sum.upper += share.upper;
     sum.size += share.size;
+    sum.below += share.below;
+    sum.above += share.above;
     sum.asymmetry = std::max(sum.asymmetry, share.asymmetry);
     sum.stress = std::max(sum.stress, share.stress);
     sum.divergence = std::max(sum.divergence, share.divergence);
@@ -511,8 +551,11 @@ EnergyBounds energy_bounds(const Model& m, const Field& s) {
   const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
   const Unseen more = unseen(m, oscillation(m, data, f, shares, edges), conforming.mismatch, gap);
   result.oscillation = std::max(more.below, more.above);
-  result.lower = sum.lower - rounding - more.below;
-  result.upper = sum.upper + rounding + more.above;
+  result.lower = sum.lower - rounding - more.below - sum.below;
+  result.upper = sum.upper + rounding + more.above + sum.above;
+  if (!std::isfinite(sum.above))
+    return lost(result.oscillation,
+                "no bounds of the energy: an incompressible body cannot follow an eigenstrain that is no polynomial");
   if (!(result.lower <= result.upper))
     return lost(result.oscillation, "no bounds of the energy: they are lost to rounding");
   constexpr double isochoric = 1e-9;

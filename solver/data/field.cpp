@@ -41,6 +41,37 @@ class Sum final : public Enclosure {
   std::shared_ptr<const Enclosure> a_, b_;
 };
 
+class Scaled final : public Enclosure {
+ public:
+  Scaled(double factor, std::shared_ptr<const Enclosure> a) : factor_(factor), a_(std::move(a)) {}
+
+  OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    OnPiece piece = a_->along(edge, from, to);
+    for (std::size_t d = 0; d < 2; ++d) {
+      piece.value[d] = times(piece.value[d]);
+      piece.eighth[d] = std::nextafter(std::abs(factor_) * piece.eighth[d], infinity);
+    }
+    piece.power.reset();
+    return piece;
+  }
+  std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
+    const auto a = a_->over(x, y);
+    return {times(a[0]), times(a[1])};
+  }
+  int degree() const override {
+    return a_->degree();
+  }
+
+ private:
+  Interval times(const Interval& v) const {
+    const double a = factor_ * v.low, b = factor_ * v.high;
+    if (std::isnan(a) || std::isnan(b)) return {};
+    return {std::nextafter(std::min(a, b), -infinity), std::nextafter(std::max(a, b), infinity)};
+  }
+  double factor_;
+  std::shared_ptr<const Enclosure> a_;
+};
+
 // Extreme at the ends of a piece and the corners of a box.
 class Linear final : public Enclosure {
  public:
@@ -80,6 +111,12 @@ class Linear final : public Enclosure {
 VectorField linear_field(std::function<Vec2(const Vec2& x)> f) {
   const auto known = std::make_shared<Linear>(f);
   return VectorField(std::move(f), known);
+}
+
+VectorField scaled(double factor, const VectorField& a) {
+  if (!a) return a;
+  return VectorField([factor, a](const Vec2& x) -> Vec2 { return factor * a(x); },
+                     a.known() ? std::make_shared<Scaled>(factor, a.known()) : nullptr);
 }
 
 VectorField sum(const VectorField& a, const VectorField& b) {

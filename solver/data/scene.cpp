@@ -9,24 +9,6 @@ namespace kerf {
 
 namespace {
 
-bool is_polynomial(const VectorField& f) {
-  constexpr int exact = 4;  // that the rules integrate against the displacements of every element
-  return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
-}
-
-// The largest value that is known of a body force, where that is finite; else 0.
-double size_over(const VectorField& f, const Mesh& mesh) {
-  if (!f.known()) return 0;
-  Interval x{infinity, -infinity}, y = x;
-  for (const Vec2& p : mesh.points) {
-    x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
-    y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
-  }
-  double size = 0;
-  for (const Interval& v : f.known()->over(x, y)) size = std::max({size, std::abs(v.low), std::abs(v.high)});
-  return std::isfinite(size) ? size : 0;
-}
-
 // The worst edge of one condition, if the rules leave any open.
 void add_unseen(const Mesh& mesh, const SceneData& data, const LoadedEdges& of, bool prescribed,
                 std::vector<UnseenData>& all) {
@@ -54,20 +36,44 @@ void add_unseen(const Mesh& mesh, const SceneData& data, const LoadedEdges& of, 
 
 }  // namespace
 
+bool is_polynomial(const VectorField& f) {
+  constexpr int exact = 4;  // that the rules integrate against the displacements of every element
+  return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
+}
+
+double size_over(const VectorField& f, const Mesh& mesh) {
+  if (!f.known()) return 0;
+  Interval x{infinity, -infinity}, y = x;
+  for (const Vec2& p : mesh.points) {
+    x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
+    y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
+  }
+  double size = 0;
+  for (const Interval& v : f.known()->over(x, y)) size = std::max({size, std::abs(v.low), std::abs(v.high)});
+  return std::isfinite(size) ? size : 0;
+}
+
 std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data) {
   std::vector<UnseenData> all;
   for (const LoadedEdges& s : data.supports) add_unseen(mesh, data, s, true, all);
   for (const LoadedEdges& t : data.tractions) add_unseen(mesh, data, t, false, all);
-  if (!scene.body) return all;
-  double worst = 0;
-  std::optional<UnseenData> found;
-  for (std::size_t t = 0; t < data.body.size(); ++t) {
-    const TriangleValues& v = data.body[t];
-    if (v.how != Resolution::Open || !(v.error > worst)) continue;
-    worst = v.error;
-    found = UnseenData{none, centroid(mesh, static_cast<Index>(t)), "the body force", "is not resolved"};
-  }
-  if (found) all.push_back(*found);
+  const auto add_worst = [&](std::size_t count, const char* what, const auto& error_if_open) {
+    double worst = 0;
+    std::optional<UnseenData> found;
+    for (std::size_t t = 0; t < count; ++t) {
+      const double error = error_if_open(t);
+      if (!(error > worst)) continue;
+      worst = error;
+      found = UnseenData{none, centroid(mesh, static_cast<Index>(t)), what, "is not resolved"};
+    }
+    if (found) all.push_back(*found);
+  };
+  if (scene.body)
+    add_worst(data.body.size(), "the body force",
+              [&](std::size_t t) { return data.body[t].how == Resolution::Open ? data.body[t].error : 0; });
+  add_worst(data.strain.how.size(), "the eigenstrain", [&](std::size_t t) {
+    return data.strain.how[t] == Resolution::Open ? data.strain.error[static_cast<Eigen::Index>(t)] : 0;
+  });
   return all;
 }
 
@@ -102,6 +108,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
 
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
   SceneData data = boundary_data(mesh, scene);
+  data.strain = strain_data(mesh, scene, rule, threads);
   if (!scene.body || is_polynomial(scene.body)) return data;
   data.body.resize(mesh.triangles.size());
   const double size = size_over(scene.body, mesh);

@@ -42,8 +42,9 @@ struct Cell {
 
 class TriangleIntegration {
  public:
-  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size)
-      : f_(f), corners_(corners), rule_(rule), size_(size) {}
+  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size,
+                      const char* what)
+      : f_(f), corners_(corners), rule_(rule), size_(size), what_(what) {}
 
   TriangleValues run() {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
@@ -67,7 +68,7 @@ class TriangleIntegration {
   Vec2 value(const Vec2& l) const {
     const Vec2 x = place(l), v = f_(x);
     if (!v.allFinite())
-      throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", x.x(), x.y()));
+      throw Error(Fault::Numerics, fmt::format("the {} is not finite at ({:.6g}, {:.6g})", what_, x.x(), x.y()));
     return v;
   }
   Points values(const TriangleRule& rule, const Vertices& c) const {
@@ -209,6 +210,7 @@ class TriangleIntegration {
   const Vertices& corners_;
   const TriangleRule& rule_;
   double size_;
+  const char* what_;
   std::vector<Cell> cells_;
   int evaluations_ = 0;
   double scale_ = 0;
@@ -224,8 +226,8 @@ Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, con
 }
 
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
-                               double size) {
-  return TriangleIntegration(f, corners, rule, size).run();
+                               double size, const char* what) {
+  return TriangleIntegration(f, corners, rule, size, what).run();
 }
 
 }  // namespace kerf

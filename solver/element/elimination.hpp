@@ -123,6 +123,16 @@ struct Elimination : Space<E> {
     return result;
   }
 
+  // What a load on the stress functions, reduced to (L^-1 stress, low), adds to Condensed::F and Condensed::own.
+  SkeletonVector pull(const Scaled& s, const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
+    SkeletonVector F = -s.h * (YC.transpose().lazyProduct(stress) + Z.transpose().lazyProduct(low));
+    if constexpr (V > 0) F.template tail<V>() *= s.h;
+    return F;
+  }
+  double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
+    return 2 * (YT.dot(stress) + ZT.dot(low));
+  }
+
   // Right-hand sides of the dual problem: `stress` <- L^-1 stress, `own` <- LB^-1 own; returned is
   // LB^-1 (own - YB'stress).
   Rowwise<B, 1> reduce(Rowwise<S, 1>& stress, Rowwise<B, 1>& own) const {

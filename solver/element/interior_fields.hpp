@@ -36,6 +36,22 @@ struct InteriorFields : Space<E> {
     return all;
   }
 
+  // What an eigenstrain adds to the right-hand side of the stress functions: M s + B'p = C'm + this.
+  static bool has_eigenstrain(const ForceMoments& force) {
+    return can_be_strained(E) && force.size() == U + F;
+  }
+  static Rowwise<S, 1> eigenstrain_load(const Kernel& k, const Scaled& s, const ForceMoments& force) {
+    constexpr double share = -0.5;  // the triangle's area in xi is 1/2
+    Rowwise<S, 1> load;
+    if constexpr (IsCut) {
+      const Eigen::VectorXd on_span = span_of(k, s).transpose() * force.segment<F>(U);
+      for (int i = 0; i < S; ++i) load[i] = share * on_span[i];
+    } else {
+      for (int i = 0; i < S; ++i) load[i] = share * force[U + i];
+    }
+    return load;
+  }
+
   // -J as loads: on the stress functions (M s + B'p = C'm + stress), on the constraints, on the unknowns at vertices.
   struct Acting {
     Rowwise<S, 1> stress;

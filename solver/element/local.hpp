@@ -51,8 +51,8 @@ Kernel kernel(const Element& e);
 /// Means over T of f v for v in P_displacement(T)^2 (monomials scaled to the triangle): all that the element sees of f.
 /// With stresses at vertices the data of supported edges follow, whose normal stress is cubic but whose trace is
 /// linear: per edge the x, y components of the Legendre coefficients 2 and 3 of the prescribed displacement, along the
-/// edge.
-using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 24, 1>;
+/// edge. With an eigenstrain its means against the stress functions follow (stress_count of them).
+using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 64, 1>;
 inline constexpr int cubic_trace_count = 12;
 /// The means alone, from the values of f at the points of Kernel::load.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force);
@@ -68,9 +68,9 @@ struct Penalty {
 };
 
 /// Stationary point over (s, u, r) for given edge displacements m [theory: E.2, E.4] of
-///   1/2 (A s, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,
+///   1/2 (A s, s) + (e, s) + (u, div s + f) + (r, s12 - s21) - <m, s n>_dT,      e: the eigenstrain,
 /// condensed:  K m - F = C s  with C the map from s to the moments of s n, so that  sum_T (K m - F) = tractions.
-/// `force` holds the moments of f (see force_moments), or is empty when there is none.
+/// `force` holds the moments of f and e (see ForceMoments), or is empty when there is neither.
 struct Condensed {
   SkeletonMatrix K;  // symmetric, positive semidefinite: the rigid motions are its kernel
   SkeletonVector F;
@@ -115,11 +115,12 @@ Eigen::VectorXd weigh(const Kernel& k, const Triangle& t, const Points& x, const
 
 /// The local problem as it stands, for formulations that do not condense it. In xi = (x - centroid)/h with u = h u_xi,
 /// m = h m_xi (rotations at vertices, the last columns of Ct, as they are), h^2 times it is the problem in x:
-///   M s + Bt (u_xi, r) = Ct m_xi,   Bt' s = given,   tractions = h Ct' s.
+///   M s + Bt (u_xi, r) = Ct m_xi + strain,   Bt' s = given,   tractions = h Ct' s.
 struct LocalSystem {
   double h;
   Eigen::MatrixXd M, Bt, Ct;
   Eigen::VectorXd given, trace;  // trace: int tr s, in xi
+  Eigen::VectorXd strain;        // of an eigenstrain; empty without one
 };
 /// Throws Error(Usage) for an element that has no such problem.
 LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force);

@@ -11,7 +11,8 @@ template <const Element& E>
 struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   static constexpr int S = Space<E>::S, B = Space<E>::B, V = Space<E>::V, X = Space<E>::X;
   using LocalProblem<E>::assemble;
-  using InteriorFields<E>::acting, InteriorFields<E>::unpack;
+  using InteriorFields<E>::acting, InteriorFields<E>::unpack, InteriorFields<E>::has_eigenstrain,
+      InteriorFields<E>::eigenstrain_load;
 
   // m_xi: rotations at vertices, the last of m, have no length in them.
   static Rowwise<X, 1> scaled(const Scaled& s, const SkeletonVector& m) {
@@ -20,11 +21,31 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return v;
   }
 
+  // The load of an eigenstrain as Elimination takes it.
+  struct Strained {
+    Rowwise<S, 1> stress;
+    Rowwise<B, 1> low;
+  };
+  static Strained reduced_eigenstrain(const Elimination<E>& e, const Kernel& k, const Scaled& s,
+                                      const ForceMoments& force) {
+    Strained load{eigenstrain_load(k, s, force), {}};
+    Rowwise<B, 1> nothing;
+    set_zero(nothing);
+    load.low = e.reduce(load.stress, nothing);
+    return load;
+  }
+
   static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                             const Penalty& penalty) {
     const Scaled s = scale(t);
     const Elimination<E> e(assemble(k, t, s, material, force), material, penalty);
-    return e.condensed(s, force, penalty);
+    Condensed result = e.condensed(s, force, penalty);
+    if (has_eigenstrain(force)) {
+      const Strained more = reduced_eigenstrain(e, k, s, force);
+      result.F += e.pull(s, more.stress, more.low);
+      if (penalty.a > 0) result.own += e.mean_trace(more.stress, more.low);
+    }
+    return result;
   }
 
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
@@ -33,9 +54,13 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, force);
     const Elimination<E> e(a, material, penalty);
-    const auto found = e.back(scaled(s, m), e.given, a.given, nullptr, penalty);
+    const bool strained = has_eigenstrain(force);
+    const Strained more = strained ? reduced_eigenstrain(e, k, s, force) : Strained{};
+    const auto found = strained ? e.back(scaled(s, m), e.given + more.low, a.given, &more.stress, penalty)
+                                : e.back(scaled(s, m), e.given, a.given, nullptr, penalty);
     if (forces) {
       forces->given = e.load(s, force);
+      if (strained) forces->given += e.pull(s, more.stress, more.low);
       forces->of_trace = s.h * a.Ct.transpose().lazyProduct(found.stress);
       if constexpr (V > 0) forces->of_trace.template tail<V>() *= s.h;
       forces->of_trace += forces->given;
@@ -62,10 +87,9 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     const Elimination<E> e(assemble(k, t, s, material, {}), material, penalty);
     auto load = acting(k, s, material, J);
     const Rowwise<B, 1> low = e.reduce(load.stress, load.given);
-    DualLoad result;
-    result.F = -s.h * (e.YC.transpose().lazyProduct(load.stress) + e.Z.transpose().lazyProduct(low));
-    for (int v = 0; v < V; ++v) result.F[X - V + v] = s.h * result.F[X - V + v] + load.at_vertices[v];
-    if (penalty.a > 0) result.own = 2 * (e.YT.dot(load.stress) + e.ZT.dot(low));
+    DualLoad result{e.pull(s, load.stress, low), 0};
+    for (int v = 0; v < V; ++v) result.F[X - V + v] += load.at_vertices[v];
+    if (penalty.a > 0) result.own = e.mean_trace(load.stress, low);
     return result;
   }
 
@@ -89,7 +113,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
             by_columns(a.Bt.data(), S, B),
             by_columns(a.Ct.data(), S, X),
             by_columns(a.given.data(), B, 1),
-            by_columns(a.trace.data(), S, 1)};
+            by_columns(a.trace.data(), S, 1),
+            has_eigenstrain(force) ? Eigen::VectorXd(eigenstrain_load(k, s, force)) : Eigen::VectorXd()};
   }
 
   static Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material,

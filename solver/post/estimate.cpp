@@ -76,10 +76,14 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
     return inverse(0, axis) * (d.along[0] * column) + inverse(1, axis) * (d.along[1] * column);
   };
   Interior result;
+  const bool strained = !m.inner->data.strain.empty();
+  std::array<Eigen::Matrix4Xd, 2> free;  // derivatives of the eigenstrain
+  for (int axis = 0; axis < 2 && strained; ++axis) free[axis] = eigenstrain_slope_at(m, t, x, axis);
   const Points force = force_on(m, t, x);
   if (!m.inner->data.body.empty()) result.unseen = h * h * std::min(m.inner->data.body[t].rest, large);
   for (int row = 0; row < 2; ++row) {
-    const Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
+    Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
+    if (strained) curl += (free[0].row(2 * row + 1) - free[1].row(2 * row)).transpose();
     result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
     if (m.scene.body) {
       const Eigen::VectorXd rest = derive(stress.col(2 * row), 0) + derive(stress.col(2 * row + 1), 1);
@@ -88,6 +92,11 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   }
   result.square += rule.w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
   for (int c = 0; c < 4; ++c) result.stress += rule.w.dot(stress.col(c).cwiseAbs2());
+  if (strained) {
+    result.unseen += 4 * mu * mu * std::min(m.inner->data.strain.rest[t], large);
+    constexpr double rounding = 1e-12;  // of the stress that the eigenstrain could make
+    result.stress += rule.w.dot((rounding * 2 * mu * eigenstrain_at(m, 1, t, x)).colwise().squaredNorm().transpose());
+  }
   result.square *= area(shape);
   result.unseen *= area(shape);
   result.stress *= area(shape);
@@ -106,9 +115,11 @@ EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& 
     for (int g = 0; g < edge_points; ++g) x.col(edge_points * e + g) = a + rule.s[g] * side;
   }
   const Fields f = evaluate(m.inner->kernel, shape, s.interior.col(t), x);
+  const Eigen::Matrix4Xd free = eigenstrain_at(m, s.eigenstrain, t, x);
   EdgeTraces traces;
   for (int i = 0; i < 3 * edge_points; ++i) {
-    const Eigen::Vector4d d = displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(i), f.rotation[i]);
+    const Eigen::Vector4d d =
+        displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(i), f.rotation[i]) + free.col(i);
     const Vec2& direction = tau[i / edge_points];
     traces.col(i) << d.head<2>().dot(direction), d.tail<2>().dot(direction);
   }

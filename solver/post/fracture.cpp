@@ -2,6 +2,7 @@
 // of the body, the auxiliary fields (s', u') of a tip, f the body force and q = 1 near the tip, 0 beyond the ring:
 //   P_j = s : grad u' delta_1j - s_ij u'_i,1 - s'_ij u_i,1,    div P = f . u'_,1,
 //   I = - int (P . grad q + q f . u'_,1) + int_faces q P . n,    n out of the body,
+// with an eigenstrain e div P has s' : e_,1 less, and J takes the elastic energy [theory: H.6];
 //   K = E'/2 I with the fields of unit K, T = E' I with those of a unit force along x at the tip [Cardew et al. 1985].
 // grad q lives on a ring, so that the fields next to the tip, where they are poor, do not enter. On straight faces P .
 // n leaves the work of the tractions on [u'_,1]. On curved ones the auxiliary fields are continued across the straight
@@ -86,14 +87,27 @@ struct Disc {
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
   PolynomialState smooth;  // in the frame of the tip, less that rotation
+  double eigenstrain = 0;  // Field::eigenstrain; the gradients of all fields are less that at the tip
+  Eigen::Vector4d at_tip = Eigen::Vector4d::Zero();
 };
 
-Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation) {
+// The eigenstrain of the state less its value at the tip, which strains the body without stress.
+Eigen::Matrix4Xd eigenstrain_beyond_tip(const Model& model, const Disc& disc, Index t, const Points& x) {
+  return eigenstrain_at(model, disc.eigenstrain, t, x).colwise() - disc.at_tip;
+}
+
+Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
+                   const Eigen::Vector4d& free = Eigen::Vector4d::Zero()) {
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
   stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
   const Mat2& frame = disc.tip.frame;
-  const Eigen::Vector4d gradient = displacement_gradient(disc.material, stress, rotation - disc.rotation);
+  const Eigen::Vector4d gradient = displacement_gradient(disc.material, stress, rotation - disc.rotation) + free;
   return {frame.transpose() * tensor(stress) * frame, frame.transpose() * tensor(gradient) * frame};
+}
+
+/// A tensor in the frame of the tip.
+Mat2 turned(const Disc& disc, const Eigen::Vector4d& t) {
+  return disc.tip.frame.transpose() * tensor(t) * disc.tip.frame;
 }
 
 /// Less the polynomial state.
@@ -112,11 +126,17 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
       size < small * (narrow.outer - narrow.inner) ? model.inner->kernel.rule : model.inner->kernel.load;
   const Points x = rule_points(rule, shape);
   const Fields f = evaluate(model.inner->kernel, shape, state.interior.col(t), x);
+  const bool strained = disc.eigenstrain != 0;
+  const Eigen::Matrix4Xd free = eigenstrain_beyond_tip(model, disc, t, x);
+  Eigen::Matrix4Xd free_slope;
+  if (strained)
+    free_slope = disc.eigenstrain * (disc.tip.frame(0, 0) * eigenstrain_slope_at(model, t, x, 0) +
+                                     disc.tip.frame(1, 0) * eigenstrain_slope_at(model, t, x, 1));
   Integrals sum = Integrals::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const Vec2 at = disc.tip.frame.transpose() * (x.col(i) - disc.tip.at);
     const double r = at.norm(), w = area(shape) * rule.w[i];
-    const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i]);
+    const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i], free.col(i));
     const LocalState other = less(disc, {s, d}, at);
     const auto unit = auxiliary_fields(disc.material, at, angle_about(disc.tip, at));
     Vectors P;
@@ -129,6 +149,12 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
       const Vec2 force = disc.tip.frame.transpose() * model.scene.body(x.col(i));
       for (int k = 0; k < auxiliary; ++k) rest[k] = (force - disc.smooth.force).dot(unit[k].gradient.col(0));
       rest[auxiliary] = force.dot(d.col(0));
+    }
+    if (strained) {
+      const Mat2 own = turned(disc, free.col(i)), slope = turned(disc, free_slope.col(i));
+      P.col(auxiliary) -= 0.5 * s.cwiseProduct(own).sum() * Vec2::UnitX();
+      for (int k = 0; k < auxiliary; ++k) rest[k] -= unit[k].stress.cwiseProduct(slope).sum();
+      rest[auxiliary] -= s.cwiseProduct(slope).sum();
     }
     for (int k = 0; k < rings; ++k)
       sum.col(k) -= w * (cut_off_slope(disc.ring[k], r) / r * P.transpose() * at + cut_off(disc.ring[k], r) * rest);
@@ -378,12 +404,17 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
       // To the left of a walk away from the tip lies the lower face.
       const Index t = model.mesh.sides[tip.edges[edge]][upper == away ? 1 : 0];
       const Fields f = evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
+      const Eigen::Matrix4Xd free = eigenstrain_beyond_tip(model, disc, t, x);
       for (std::size_t i = 0; i < all.size(); ++i) {
         const Eigen::Index column = static_cast<Eigen::Index>(i);
         const Spot& p = all[i];
-        const Auxiliary here = along_curve(in_frame(disc, f.stress.col(column), f.rotation[column]), b - a, p);
+        const Auxiliary here =
+            along_curve(in_frame(disc, f.stress.col(column), f.rotation[column], free.col(column)), b - a, p);
         Eigen::Vector4d through = flux(disc.material, p, less(disc, here, p.at), upper);
         through[auxiliary] = flux(disc.material, p, here, upper)[auxiliary];
+        if (disc.eigenstrain != 0)  // J takes the elastic energy
+          through[auxiliary] -=
+              0.5 * here.stress.cwiseProduct(turned(disc, free.col(column))).sum() * (upper ? -p.n.x() : p.n.x());
         const double sliding = work_of_sliding(faces[edge], p, here, upper, curvature);
         for (int k = 0; k < rings; ++k) {
           const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
@@ -414,7 +445,12 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   const Index at_tip = model.mesh.sides[tip.edges.front()][0];
   Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius), 0, {}};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
-  const Cover c = cover(model.mesh, tip.at, model.scene.body ? 0 : disc.ring.back().inner, radius);
+  if (state.eigenstrain != 0) {
+    disc.eigenstrain = state.eigenstrain;
+    disc.at_tip = eigenstrain_at(model, state.eigenstrain, at_tip, tip.at).col(0);
+  }
+  const bool all_over = model.scene.body || disc.eigenstrain != 0;
+  const Cover c = cover(model.mesh, tip.at, all_over ? 0 : disc.ring.back().inner, radius);
   if (c.elements < fewest_elements) {
     result.K_I = result.K_II = result.T = result.G = result.J = nan;
     result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = nan;

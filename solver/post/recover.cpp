@@ -64,16 +64,18 @@ struct Projection {
 };
 
 template <int D>
-Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x) {
+Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x,
+                 double eigenstrain) {
   const Projection<D> p(model, t);
   const Fields f = evaluate(model.inner->kernel, p.shape, interior, p.q);
+  const Eigen::Matrix4Xd free = eigenstrain_at(model, eigenstrain, t, p.q);
   Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
   Vec2 mean_displacement = Vec2::Zero();
   const Material& material = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
     const double w = model.inner->kernel.rule.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
-    const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
+    const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]) + free.col(i);
     load.col(0) += w * v.gradient.transpose() * d.head<2>();
     load.col(1) += w * v.gradient.transpose() * d.tail<2>();
     mean_displacement += w * f.displacement.col(i);
@@ -119,19 +121,20 @@ Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& 
 }
 
 Points recovered_displacement(const Model& model, const Field& state, Index t, const Points& x) {
-  return recovered_displacement(model, Eigen::Ref<const Eigen::VectorXd>(state.interior.col(t)), t, x);
+  return recovered_displacement(model, Eigen::Ref<const Eigen::VectorXd>(state.interior.col(t)), t, x,
+                                state.eigenstrain);
 }
 
 Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
-                              const Points& x) {
+                              const Points& x, double eigenstrain) {
   if (!is_mixed(model.element)) return evaluate(model.inner->kernel, triangle(model, t), interior, x).displacement;
   switch (model.element.stress) {
     case 1:
-      return recovered<2>(model, interior, t, x);
+      return recovered<2>(model, interior, t, x, eigenstrain);
     case 2:
-      return recovered<3>(model, interior, t, x);
+      return recovered<3>(model, interior, t, x, eigenstrain);
     default:
-      return recovered<4>(model, interior, t, x);
+      return recovered<4>(model, interior, t, x, eigenstrain);
   }
 }
 
@@ -185,6 +188,19 @@ std::vector<Material> corner_materials(const Model& model, const Corners& corner
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t)
     for (const Index corner : corners.of[t]) materials[corner] = material_of(model.mesh, model.scene, t);
   return materials;
+}
+
+Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) {
+  Eigen::MatrixXd strains = Eigen::MatrixXd::Zero(5, static_cast<Eigen::Index>(corners.vertex.size()));
+  const StrainData& data = model.inner->data.strain;
+  if (data.empty()) return strains;
+  const Points at = (Points(2, 3) << 0, 1, 0, 0, 0, 1).finished();
+  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+    const Eigen::Matrix4Xd e = strain_at(data, t, at);
+    const Eigen::RowVectorXd e33 = strain_33_at(data, t, at);
+    for (int i = 0; i < 3; ++i) strains.col(corners.of[t][i]) << e.col(i), e33[i];
+  }
+  return strains;
 }
 
 double mean_stress(const Model& model, const Field& state) {

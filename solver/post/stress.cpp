@@ -95,10 +95,11 @@ Eigen::Vector3d symmetric_part(const Eigen::Vector4d& s) {
 }
 
 // 4 mu c = 1 - 2 nu in plane strain.
-double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s) {
+double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s, double e33) {
   const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
-  const double share = plane_strain ? 4 * m.mu * m.c : 1;
-  return std::sqrt(share * share * mean * mean + 3 * (difference * difference + shear * shear));
+  const double share = plane_strain ? 4 * m.mu * m.c : 1, young = m.mu * (3 - 4 * m.mu * m.c);
+  const double beyond = share * mean + (plane_strain && e33 != 0 ? young * e33 : 0);  // of s33
+  return std::sqrt(beyond * beyond + 3 * (difference * difference + shear * shear));
 }
 
 PrincipalStresses principal_stresses(const Eigen::Vector4d& s) {

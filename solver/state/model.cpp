@@ -1,13 +1,14 @@
 #include "kerf/model.hpp"
 
 #include "geometry/topology.hpp"
-#include "solver/system/corner_loads.hpp"
 #include "solver/system.hpp"
+#include "solver/system/corner_loads.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -214,6 +215,42 @@ double strain_energy(const Model& m, const Field& s) {
     energy += 0.5 * area(shape) * sum;
   }
   return energy;
+}
+
+double work_of_eigenstrain(const Model& m, const Field& s) {
+  double work = 0;
+  if (m.inner->data.strain.empty()) return work;
+  const int count = stress_count(m.element);
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+    work += area(m.mesh, t) * m.inner->system.force.col(t).tail(count).dot(s.interior.col(t).head(count));
+  return work;
+}
+
+namespace {
+
+// (l1, l2) of points.
+Points barycentric(const Mesh& mesh, Index t, const Points& x) {
+  const auto& [a, b, c] = mesh.triangles[t];
+  Mat2 sides;
+  sides << mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a];
+  return sides.inverse() * (x.colwise() - mesh.points[a]);
+}
+
+}  // namespace
+
+Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Points& x) {
+  if (share == 0 || m.inner->data.strain.empty()) return Eigen::Matrix4Xd::Zero(4, x.cols());
+  return share * strain_at(m.inner->data.strain, t, barycentric(m.mesh, t, x));
+}
+
+Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
+  const auto& [a, b, c] = m.mesh.triangles[t];
+  Mat2 sides;
+  sides << m.mesh.points[b] - m.mesh.points[a], m.mesh.points[c] - m.mesh.points[a];
+  const Mat2 inverse = sides.inverse();
+  const Points l = barycentric(m.mesh, t, x);
+  return inverse(0, axis) * strain_slope_at(m.inner->data.strain, t, l, 0) +
+         inverse(1, axis) * strain_slope_at(m.inner->data.strain, t, l, 1);
 }
 
 double work_of_loads(const Model& m, const Field& s) {

@@ -95,6 +95,7 @@ Local local(const Model& m, const Layout& layout, Index t) {
   l.matrix.bottomLeftCorner(inner + corners, stress) = l.matrix.topRightCorner(stress, inner + corners).transpose();
   l.load = Eigen::VectorXd::Zero(size);
   l.load.segment(stress, inner) = h2 * a.given;
+  if (a.strain.size() > 0) l.load.head(stress) = 2 * m.scene.material.mu * h2 * l.basis.transpose() * a.strain;
   return l;
 }
 
@@ -315,7 +316,7 @@ double work_defect(const Model& m, const Field& state) {
     }
   }
   constexpr double rounding = 100 * std::numeric_limits<double>::epsilon();
-  const double energy = 2 * strain_energy(m, state), size = energy + rounding * given;
+  const double energy = 2 * strain_energy(m, state) + work_of_eigenstrain(m, state), size = energy + rounding * given;
   return size > 0 ? std::abs(energy - work) / size : 0;
 }
 
@@ -336,7 +337,7 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
       Eigen::VectorXd y(l.unknowns.size());
       for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = x[l.unknowns[i]];
       // (A s, t) + (u, div t) + (r, as t) = <m, t n> with t dual to the tractions.
-      Eigen::VectorXd moment = l.matrix.topRows(layout.edge) * y;
+      Eigen::VectorXd moment = l.matrix.topRows(layout.edge) * y - l.load.head(layout.edge);
       if (layout.mean != none)
         moment += x[layout.mean] * l.system.h * l.system.h * l.basis.leftCols(layout.edge).transpose() * l.system.trace;
       for (int i = 0; i < layout.edge; ++i) traces(i, t) = l.sign[i] * moment[i] / (mu2 * layout.share[l.unknowns[i]]);
@@ -402,6 +403,7 @@ State solve_saddle_point(const Model& m) {
       state.force[u] = -layout.share[given.contact[row]] * x[given.contact[row]];
   }
   recover(solver, x, state);
+  state.eigenstrain = m.inner->data.strain.empty() ? 0 : 1;
   if (!m.inner->floating.empty()) remove_motions(m, state);
   state.certificate.work = work_defect(m, state);
   if (layout.mean != none) {

@@ -138,8 +138,10 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
   const Eigen::VectorXd half = m.inner->factor.forward(missed);
+  // An eigenstrain stores energy without any displacement, too.
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
-               size = std::abs(balance.energy) + balance.noise;
+               stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
+               size = std::abs(balance.energy) + balance.noise + stored;
   s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
   state.certificate = s.certificate;
   state.skeleton = values.high;
@@ -328,6 +330,7 @@ State solve(const Model& m, ContactMethod method) {
   if (uniform.level_open)
     has_free_pressure(m.mesh, m.scene, m.inner->skeleton);  // an opening crack would have fixed it
   state.linear_solves += uniform.solves;
+  state.eigenstrain = m.inner->data.strain.empty() ? 0 : 1;
   if (!m.inner->floating.empty()) remove_motions(m, state);
   state.seconds.solve = watch.lap() - (state.seconds.contact - before);
   return state;

@@ -61,6 +61,15 @@ bool has_cubic_traces(const Assembly& from) {
   return from.kernel.element.at_vertices == AtVertices::Stress;
 }
 
+// Means of the eigenstrain against the stress functions.
+Eigen::VectorXd strain_moments(const Assembly& from, const Triangle& shape, Index t) {
+  const TriangleRule& rule = from.kernel.load;
+  const Eigen::Index n = rule.w.size();
+  Fields w{strain_at(from.data.strain, t, rule.x) * rule.w.asDiagonal(), Points::Zero(2, n),
+           Eigen::RowVectorXd::Zero(n)};
+  return weigh(from.kernel, shape, rule_points(rule, shape), w).head(stress_count(from.kernel.element));
+}
+
 // One triangle's share, and what the way back needs to know about it.
 Condensed condense_triangle(const Assembly& from, Index t, System& a) {
   const Triangle shape = triangle(from.mesh, from.skeleton, t);
@@ -68,6 +77,8 @@ Condensed condense_triangle(const Assembly& from, Index t, System& a) {
   if (from.scene.body)
     a.force.col(t).head(moments) =
         force_moments(from.kernel, shape, body_force(from.data, from.scene, t, rule_points(from.kernel.load, shape)));
+  if (!from.data.strain.empty())
+    a.force.col(t).tail(stress_count(from.kernel.element)) = strain_moments(from, shape, t);
   Condensed c = condense(from.kernel, shape, material_of(from.mesh, from.scene, t), force_of(a, t), {.a = a.penalty});
   if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
   return c;
@@ -148,8 +159,11 @@ System assemble(const Assembly& from) {
   System a;
   a.penalty = from.plain ? 0 : penalty_for(e, from.scene);
   if (a.penalty > 0) a.traces.resize(skeleton_count(e) + 2, triangles);
-  if (from.scene.body || has_cubic_traces(from))
-    a.force.setZero(displacement_count(e) + (has_cubic_traces(from) ? cubic_trace_count : 0), triangles);
+  const bool strained = !from.data.strain.empty();
+  if (from.scene.body || has_cubic_traces(from) || strained)
+    a.force.setZero(
+        displacement_count(e) + (has_cubic_traces(from) ? cubic_trace_count : 0) + (strained ? stress_count(e) : 0),
+        triangles);
   if (has_cubic_traces(from)) {
     const Eigen::Matrix4Xd cubic = cubic_traces(from);
     for (Index t = 0; t < static_cast<Index>(triangles); ++t)

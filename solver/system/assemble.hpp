@@ -12,7 +12,7 @@ namespace kerf {
 struct System {
   double penalty = 0;  // Penalty::a in K; chosen when c is so small that digits would be lost
   LowerTriangle K;
-  Eigen::MatrixXd force;  // force moments, a column per triangle; no columns without a body force
+  Eigen::MatrixXd force;  // ForceMoments, a column per triangle; no columns without body force and eigenstrain
   Eigen::VectorXd F;
   Eigen::VectorXd tractions;  // their loads, per skeleton unknown
   Eigen::MatrixXd traces;     // with a penalty, per triangle Condensed::trace, own, by_theta

@@ -34,6 +34,7 @@ void need(const Element& e, Ability can) {
 
 void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
   if (!mesh.region.empty()) need(e, can_have_regions);
+  if (has_eigenstrain(scene)) need(e, can_be_strained);
   if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return !(m.c > 0); }))
     need(e, can_be_incompressible);
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {

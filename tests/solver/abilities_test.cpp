@@ -63,8 +63,8 @@ std::string incompressible(const Element& e) {
 TEST(ElementAbilities, AreThoseOfTheDocs) {
   const Table table = table_of_elements();
   ASSERT_EQ(table.header,
-            (std::vector<std::string>{"element", "cracks", "regions", "`poisson = 0.5`", "`energy_bounds`",
-                                      "`mesh.adapt`, functionals of boundaries", "`umfpack`",
+            (std::vector<std::string>{"element", "cracks", "regions", "`eigenstrain`", "`poisson = 0.5`",
+                                      "`energy_bounds`", "`mesh.adapt`, functionals of boundaries", "`umfpack`",
                                       "functionals with an adjoint, `clamped_hole`", "`[validate]`", "`[optimize]`"}));
   std::set<std::string_view> names;
   for (const Element& e : elements) {
@@ -73,10 +73,11 @@ TEST(ElementAbilities, AreThoseOfTheDocs) {
     ASSERT_NE(found, table.of.end()) << e.name;
     EXPECT_EQ(can_estimate_error(e), can_integrate_boundaries(e));
     EXPECT_EQ(can_adjoint(e), can_clamp_holes(e));
-    EXPECT_EQ(found->second, (std::vector<std::string>{
-                                 found->second[0], cracks(e), yes(can_have_regions(e)), incompressible(e),
-                                 yes(can_bound_energy(e)), yes(can_estimate_error(e)), yes(can_stay_uncondensed(e)),
-                                 yes(can_adjoint(e)), yes(can_validate(e)), can_optimize(e) ? "yes" : "`cobyla` only"}))
+    EXPECT_EQ(found->second,
+              (std::vector<std::string>{found->second[0], cracks(e), yes(can_have_regions(e)), yes(can_be_strained(e)),
+                                        incompressible(e), yes(can_bound_energy(e)), yes(can_estimate_error(e)),
+                                        yes(can_stay_uncondensed(e)), yes(can_adjoint(e)), yes(can_validate(e)),
+                                        can_optimize(e) ? "yes" : "`cobyla` only"}))
         << e.name;
     // "`map.bounds` works for all elements but `bdms` of degree 3."
     EXPECT_EQ(can_be_bettered(e), e.name != "bdms" || e.degree != 3) << e.name << e.degree;
@@ -102,9 +103,10 @@ TEST(ElementAbilities, RefusalsNameTheElementsThatCan) {
   const std::string best = refusal(element("bdms", 3), can_be_bettered).value();
   EXPECT_EQ(best.substr(0, best.find(", \"bdms-c\"")),
             "element \"bdms\" of degree 3 is the best: no other could give error bars; use \"bdms\" (degree 1 or 2)");
-  for (const Ability can : {can_open, can_contact, can_have_regions, can_be_incompressible, can_be_enclosed,
-                            can_stay_uncondensed, can_adjoint, can_integrate_boundaries, can_clamp_holes, can_validate,
-                            can_optimize, can_bound_energy, can_estimate_error, can_be_bettered})
+  for (const Ability can :
+       {can_open, can_contact, can_have_regions, can_be_strained, can_be_incompressible, can_be_enclosed,
+        can_stay_uncondensed, can_adjoint, can_integrate_boundaries, can_clamp_holes, can_validate, can_optimize,
+        can_bound_energy, can_estimate_error, can_be_bettered})
     for (const Element& e : elements) {
       if (can(e)) {
         EXPECT_NO_THROW(require(e, can));

@@ -89,8 +89,9 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
 
 }  // namespace
 
-bool has_rigid_supports(const Model& m) {
-  return std::all_of(m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(),
+bool has_self_adjoint_work(const Model& m) {
+  return m.inner->data.strain.empty() &&
+         std::all_of(m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(),
                      [](double v) { return v == 0; });
 }
 
@@ -99,6 +100,24 @@ Scene measured_scene(const Scene& scene, const Support& measured) {
   std::erase_if(other.tractions, [&](const Traction& t) { return t.label == measured.label; });
   other.supports.push_back(measured);
   return other;
+}
+
+void require_eigenstrain(const Functional& j, const Scene& scene) {
+  if (!has_eigenstrain(scene)) return;
+  const bool out_of_plane = std::ranges::any_of(scene.eigenstrain, [](const Eigenstrain& e) { return e.out_of_plane; });
+  for (const Term& term : j.terms) {
+    if (term.feature_radius > 0)
+      throw Error(
+          Fault::Usage,
+          fmt::format("functional \"{}\" cannot be taken in a body with an eigenstrain: the state gives K and G "
+                      "at every tip, but their derivatives miss a term",
+                      term.kind));
+    if (term.stress_power > 0 && out_of_plane)
+      throw Error(Fault::Usage,
+                  fmt::format("functional \"{}\" knows no stress out of the plane from an eigenstrain (its "
+                              "fourth component); use plane stress, or leave that component out",
+                              term.kind));
+  }
 }
 
 void require_supports(const Functional& j, const Model& model) {
@@ -115,6 +134,7 @@ void require_supports(const Functional& j, const Model& model) {
 
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   Analysis a{.model = &model, .state = &state};
+  require_eigenstrain(j, model.scene);
   if (!value_only && std::any_of(model.scene.laws.begin(), model.scene.laws.end(), has_friction))
     throw Error(Fault::Usage,
                 "topological derivatives need cracks without friction: the state does not minimize the energy; remove "
@@ -122,7 +142,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
                   [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
     a.biactive_length = length_of(model, state);
-  const bool self_adjoint_work = has_rigid_supports(model);
+  const bool self_adjoint_work = has_self_adjoint_work(model);
   for (const Term& term : j.terms) {
     double value = 0;
     if (term.measured) {

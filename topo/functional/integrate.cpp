@@ -36,12 +36,13 @@ struct InTriangle {
   Index t;
   const Triangle& shape;
   const Points& x;
+  double eigenstrain = 0;  // Field::eigenstrain
 };
 Sampled sample(const Term& term, const Model& m, const Eigen::Ref<const Eigen::VectorXd>& interior,
                const InTriangle& at) {
   Sampled p{at.x, material_of(m.mesh, m.scene, at.t)};
   if (term.uses_stress || term.uses_rotation) p.fields = evaluate(m.inner->kernel, at.shape, interior, p.x);
-  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, interior, at.t, p.x);
+  if (term.uses_displacement) p.fields.displacement = recovered_displacement(m, interior, at.t, p.x, at.eigenstrain);
   return p;
 }
 
@@ -128,7 +129,7 @@ double over_body(const Term& term, const Model& m, const Field& s, const std::ve
   return sum_over(m, use, [&](Index t) {
     const Triangle shape = triangle(m, t);
     if (!wanted(term, shape)) return 0.0;
-    const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape)});
+    const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
     double value = 0;
     for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
@@ -220,7 +221,7 @@ Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
       for (Index t = begin; t < end; ++t) {
         const Triangle shape = triangle(m, t);
         if (!wanted(term, shape)) continue;
-        const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape)});
+        const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
         const Eigen::Index n = rule.w.size();
         Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
         for (Eigen::Index q = 0; q < n; ++q) {
@@ -304,7 +305,7 @@ Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Ind
   if (!term.density || !wanted(term, shape)) return sum;
   const TriangleRule rule = triangle_rule(5);
   const Points x = rule_points(rule, shape);
-  const Sampled p = sample(term, m, s.interior.col(t), {t, shape, x});
+  const Sampled p = sample(term, m, s.interior.col(t), {t, shape, x, s.eigenstrain});
   for (Eigen::Index k = 0; k < changes.cols(); ++k) {
     const Sampled d = sample(term, m, changes.col(k), {t, shape, x});
     sum[k] = area(shape) * mean_change(term, p, d, rule.w);
@@ -345,7 +346,7 @@ double domain_difference(const Term& term, const Model& m, const Field& s, const
     total += sum_over(m, use, [&](Index t) {
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
-      const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape)}),
+      const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain}),
                     d = sample(term, m, change.interior.col(t), {t, shape, rule_points(rule, shape)});
       return area(shape) * mean_change(term, p, d, rule.w);
     });
@@ -365,7 +366,7 @@ double difference(const Term& term, const Model& m, const Field& s, const Field&
       const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());
       Points x(2, n);
       for (Eigen::Index q = 0; q < n; ++q) x.col(q) = points.x[static_cast<std::size_t>(q)];
-      const Sampled p = sample(term, m, s.interior.col(t), {t, shape, x}),
+      const Sampled p = sample(term, m, s.interior.col(t), {t, shape, x, s.eigenstrain}),
                     d = sample(term, m, change.interior.col(t), {t, shape, x});
       double value = 0;
       for (Eigen::Index q = 0; q < n; ++q) {

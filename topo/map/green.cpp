@@ -51,7 +51,7 @@ FieldPoint minus_kelvin(const Material& m, const Vec2& r, const Vec2& F) {
 
 // What Analysis::energy_share and measured_share stand for.
 bool is_energy(const Model& m, const Term& term) {
-  return term.energy || term.measured || (term.work && has_rigid_supports(m));
+  return term.energy || term.measured || (term.work && has_self_adjoint_work(m));
 }
 
 }  // namespace

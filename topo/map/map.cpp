@@ -40,7 +40,8 @@ Displacements displacements(const Model& m, const Field& s, const Corners& corne
         // The mean of the displacement and its gradient at the centroid: as exact as u* where the mean is all there is.
         const Fields f = evaluate(m.inner->kernel, shape, s.interior.col(t), x.rightCols<1>());
         const Eigen::Vector4d d =
-            displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(0), f.rotation[0]);
+            displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(0), f.rotation[0]) +
+            eigenstrain_at(m, s.eigenstrain, t, x.rightCols<1>());
         const Mat2 gradient = (Mat2() << d[0], d[1], d[2], d[3]).finished();
         for (int i = 0; i < 4; ++i) u.col(i) = f.displacement.col(0) + gradient * (x.col(i) - x.col(3));
       } else {
@@ -257,7 +258,8 @@ void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const
   const MapFields& better = *finer.analysis.fields;
   const Expansion e(a, j, r.perturbation), e_finer(finer.analysis, j, r.perturbation);
   const Places at = places(mesh, own->corners, finer.model.mesh);
-  const ErrorBars bars = error_bars(own->corners, sampled(e, *own, at.x, at.own), sampled(e_finer, better, at.x, at.better));
+  const ErrorBars bars =
+      error_bars(own->corners, sampled(e, *own, at.x, at.own), sampled(e_finer, better, at.x, at.better));
   maps.everywhere.lower = maps.everywhere.at_corners - bars.at_corners;
   maps.everywhere.upper = maps.everywhere.at_corners + bars.at_corners;
   std::vector<Vec2> x;

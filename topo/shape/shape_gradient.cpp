@@ -48,7 +48,7 @@ Parts parts_of(const Analysis& a, const Functional& j) {
     if (term.energy || term.measured) continue;
     if (!term.work)
       p.terms.push_back({&term, a.slope[i]});
-    else if (has_rigid_supports(*a.model))
+    else if (has_self_adjoint_work(*a.model))
       p.reaction_work += a.slope[i];
   }
   return p;

@@ -89,10 +89,11 @@ InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const 
           .element = kernel.element,
           .scene = scene,
           .inner = std::make_shared<Inner>(
-              Inner{kernel, inner.skeleton, inner.ordering, inner.system, Factor(LowerTriangle{}, 0), {}})};
+              Inner{kernel, inner.skeleton, inner.ordering, inner.system, Factor(LowerTriangle{}, 0), {}, inner.data})};
   Field s;
   s.skeleton = complete(inner, contour, body);
   s.force.setZero(inner.skeleton.total);
+  s.eigenstrain = inner.data.strain.empty() ? 0 : 1;
   s.interior.resize(interior_count(kernel.element), static_cast<Eigen::Index>(inner.part.triangle.size()));
   for (Index t = 0; t < static_cast<Index>(inner.part.triangle.size()); ++t)
     s.interior.col(t) = interior(kernel, triangle(m, t), material_of(m.mesh, m.scene, t), force_of(m.inner->system, t),

@@ -15,7 +15,7 @@ DifferenceSetting::DifferenceSetting(const Model& m, const Perturbation& p)
       scene(floored(m.scene)),
       inner_scene(scene),
       becomes(row(p).becomes),
-      body(static_cast<bool>(scene.body)) {
+      body(scene.body || has_eigenstrain(scene)) {
   if (becomes != Becomes::Material) return;
   inner_scene.material = floored(p.inclusion);
   std::fill(inner_scene.regions.begin(), inner_scene.regions.end(), inner_scene.material);

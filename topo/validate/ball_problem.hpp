@@ -15,7 +15,7 @@ struct DifferenceSetting {
   const Kernel& kernel;
   Scene scene, inner_scene;  // compliances floored; of what fills the disc
   Becomes becomes;
-  bool body;  // whether a force acts on it
+  bool body;  // whether a force or an eigenstrain acts in it
 };
 
 /// A ball in the mesh of the whole.

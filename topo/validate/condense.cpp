@@ -13,14 +13,17 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   Scene inside = scene;
   inside.supports.clear();
   inside.tractions.clear();
-  if (!body) inside.body = {};
-  const SceneData data = scene_data(p.part.mesh, inside, k.load, 1);
-  p.skeleton = number(p.part.mesh, k, {inside, data});
+  if (!body) {
+    inside.body = {};
+    inside.eigenstrain.clear();
+  }
+  p.data = scene_data(p.part.mesh, inside, k.load, 1);
+  p.skeleton = number(p.part.mesh, k, {inside, p.data});
   std::vector<Index> of_whole(piece.whole.edges.size(), none), edges;
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
   for (const Index e : piece.kept) edges.push_back(of_whole[e]);
   p.ordering = order(p.part.mesh, p.skeleton, edges);
-  p.system = assemble({p.part.mesh, k, p.skeleton, inside, data, p.ordering, 1, true});
+  p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.data, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
   LowerTriangle& K = p.system.K;
   const Index first = K.size - p.ordering.interface_rows;

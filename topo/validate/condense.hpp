@@ -10,6 +10,7 @@ namespace kerf {
 /// not be held: `K` has the rigid motions as its kernel.
 struct CondensedPiece {
   Part part;
+  SceneData data = {};
   Skeleton skeleton;
   Ordering ordering;
   System system;
@@ -24,7 +25,7 @@ struct CutOut {
   const std::vector<bool>& use;
   const std::vector<Index>& kept;
 };
-/// `body`: with the body force. Throws Error(Usage) for elements with unknowns at vertices.
+/// `body`: with the body force and the eigenstrain. Throws Error(Usage) for elements with unknowns at vertices.
 CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene, bool body);
 
 /// All skeleton unknowns of the piece from those of its kept edges; `body` as in condense.

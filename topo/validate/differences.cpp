@@ -33,7 +33,7 @@ struct Differences::Changed {
 };
 
 Differences::Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how)
-    : in_(in), setting_(*in.a.model, p), self_adjoint_(has_rigid_supports(*in.a.model)) {
+    : in_(in), setting_(*in.a.model, p), self_adjoint_(has_self_adjoint_work(*in.a.model)) {
   for (const Term& term : in.j.terms) {
     const bool constant = term.density && !sees_fields(term);
     fields_ = fields_ || !(term.energy || term.measured || (term.work && self_adjoint_) || constant);

@@ -19,6 +19,15 @@ const Element& better(const Element& e) {
   return can_be_bettered(e) && can_validate(better_element(e)) ? better_element(e) : e;
 }
 
+// A new region, the last, has the eigenstrain of the place where it lies.
+void keep_eigenstrain(Index before, Scene& scene) {
+  const std::size_t place = static_cast<std::size_t>(before + 1);
+  if (place >= scene.eigenstrain.size()) return;
+  const Eigenstrain here = scene.eigenstrain[place];
+  scene.eigenstrain.resize(scene.regions.size() + 2);
+  scene.eigenstrain.back() = here;
+}
+
 State solved(const Model& m) {
   State s = solve(m);
   if (!certified(s)) throw Error(Fault::Numerics, "the body with the drawn change could not be solved");
@@ -102,7 +111,10 @@ class Drawer {
       Mesh mesh = whole;
       if (mesh.region.empty()) mesh.region.assign(mesh.triangles.size(), none);
       for (std::size_t t = 0; t < disc.size(); ++t)
-        if (disc[t]) mesh.region[t] = static_cast<Index>(scene.regions.size());
+        if (disc[t]) {
+          keep_eigenstrain(mesh.region[t], scene);
+          mesh.region[t] = static_cast<Index>(scene.regions.size());
+        }
       scene.regions.push_back(sketch_.p.inclusion);
       return prepared(std::move(mesh), std::move(scene));
     }

@@ -1,0 +1,132 @@
+#include "solver/data.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/polynomial.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+constexpr int most = 4;  // degree: that of the stresses that the elements have at most
+
+const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t) {
+  const std::size_t place = static_cast<std::size_t>(region_of(mesh, t) + 1);  // none is -1
+  return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
+}
+
+int degree_of(const Scene& scene) {
+  int degree = 0;
+  for (const Eigenstrain& e : scene.eigenstrain)
+    if (e)
+      for (const VectorField* f : {&e.normal, &e.shear})
+        degree = std::max(degree, is_polynomial(*f) ? f->known()->degree() : most);
+  return std::min(degree, most);
+}
+
+// Values at the points of a rule, and what is known of what they leave out.
+struct Sampled {
+  Eigen::Matrix4Xd at;  // 11, 22, 12, 33
+  double rest = 0, error = 0;
+  Resolution how = Resolution::Proved;
+};
+
+class Sampling {
+ public:
+  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule) : mesh_(mesh), rule_(rule) {
+    for (const Eigenstrain& e : scene.eigenstrain)
+      size_ = std::max({size_, e ? size_over(e.normal, mesh) : 0, e ? size_over(e.shear, mesh) : 0});
+  }
+
+  Sampled operator()(const Eigenstrain& e, Index t) const {
+    const auto& [a, b, c] = mesh_.triangles[t];
+    const std::array<Vec2, 3> corners{mesh_.points[a], mesh_.points[b], mesh_.points[c]};
+    Sampled s{Eigen::Matrix4Xd(4, rule_.w.size())};
+    s.at.topRows<2>() = values(e.normal, corners, s);
+    s.at.bottomRows<2>() = values(e.shear, corners, s);
+    return s;
+  }
+
+ private:
+  Points values(const VectorField& f, const std::array<Vec2, 3>& corners, Sampled& to) const {
+    if (is_polynomial(f)) {
+      Points at(2, rule_.w.size());
+      for (Eigen::Index q = 0; q < at.cols(); ++q) {
+        const double l1 = rule_.x(0, q), l2 = rule_.x(1, q);
+        at.col(q) = f((1 - l1 - l2) * corners[0] + l1 * corners[1] + l2 * corners[2]);
+      }
+      return at;
+    }
+    const TriangleValues v = triangle_values(f, corners, rule_, size_, "eigenstrain");
+    to.rest += 2 * v.rest;  // the shear counts twice in |e|
+    to.error += 2 * v.error;
+    if (v.how == Resolution::Open || to.how == Resolution::Open)
+      to.how = Resolution::Open;
+    else if (v.how == Resolution::Sampled)
+      to.how = Resolution::Sampled;
+    return v.at;
+  }
+
+  const Mesh& mesh_;
+  const TriangleRule& rule_;
+  double size_ = 0;
+};
+
+Eigen::Matrix4Xd tensors(const Eigen::Matrix4Xd& e) {
+  Eigen::Matrix4Xd all(4, e.cols());
+  all << e.row(0), e.row(2), e.row(2), e.row(1);
+  return all;
+}
+
+Eigen::Map<const Eigen::Matrix4Xd> coefficients(const StrainData& data, Index t) {
+  return {data.coefficients.col(t).data(), 4, dim(data.degree)};
+}
+
+}  // namespace
+
+StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
+  StrainData data;
+  if (!has_eigenstrain(scene)) return data;
+  const Index triangles = static_cast<Index>(mesh.triangles.size());
+  data.degree = degree_of(scene);
+  data.coefficients.setZero(4 * dim(data.degree), triangles);
+  data.rest.setZero(triangles);
+  data.error.setZero(triangles);
+  data.how.assign(static_cast<std::size_t>(triangles), Resolution::Proved);
+  const Eigen::MatrixXd basis = monomials(data.degree, rule.x), weighted = basis * rule.w.asDiagonal();
+  const Eigen::MatrixXd project =
+      Eigen::MatrixXd(weighted * basis.transpose()).llt().solve(weighted).transpose();  // values -> coefficients
+  const Sampling sample(mesh, scene, rule);
+  parallel_for(triangles, threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Eigenstrain* e = eigenstrain_of(mesh, scene, t);
+      if (!e) continue;
+      const Sampled s = sample(*e, t);
+      const Eigen::Matrix4Xd c = s.at * project, left = s.at - c * basis;
+      data.coefficients.col(t) = Eigen::Map<const Eigen::VectorXd>(c.data(), c.size());
+      const Eigen::RowVector4d counts(1, 1, 2, 0);
+      if (!is_polynomial(e->normal) || !is_polynomial(e->shear))
+        data.rest[t] = s.rest + counts * left.cwiseAbs2() * rule.w;
+      data.error[t] = s.error;
+      data.how[static_cast<std::size_t>(t)] = s.how;
+    }
+  });
+  return data;
+}
+
+Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l) {
+  return tensors(coefficients(data, t) * monomials(data.degree, l));
+}
+
+Eigen::Matrix4Xd strain_slope_at(const StrainData& data, Index t, const Points& l, int axis) {
+  return tensors(coefficients(data, t) * (derivative(data.degree, axis).transpose() * monomials(data.degree, l)));
+}
+
+Eigen::RowVectorXd strain_33_at(const StrainData& data, Index t, const Points& l) {
+  return coefficients(data, t).row(3) * monomials(data.degree, l);
+}
+
+}  // namespace kerf
