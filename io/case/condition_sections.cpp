@@ -149,9 +149,12 @@ void read_eigenstrains(const Value& document, const std::vector<std::optional<Va
   const auto take_from = [&](const Value& table, double poisson, Eigenstrain& to) {
     if (const auto field = find(table, "eigenstrain")) to = eigenstrain(*field, poisson, c.plane_strain, definitions);
   };
-  take_from(need(document, "material"), c.poisson, all[0]);
+  take_from(*find_table(document, "material"), c.poisson, all[0]);
   for (std::size_t r = 0; r < regions.size(); ++r)
-    if (regions[r]) take_from(*regions[r], c.regions[r].poisson, all[r + 1]);
+    if (regions[r])
+      take_from(*regions[r], c.regions[r].poisson, all[r + 1]);
+    else
+      all[r + 1] = all[0];  // a surface of a file that is what the body is
   if (std::ranges::any_of(all, [](const Eigenstrain& e) { return static_cast<bool>(e); }))
     c.scene.eigenstrain = std::move(all);
 }

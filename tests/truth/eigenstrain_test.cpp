@@ -208,5 +208,47 @@ size = 0.25
   EXPECT_NEAR(result["functional"]["value"], 0.02 * 0.02, 1e-12);
 }
 
+// Maps in a body with a hot spot and a crack, against bodies that have the change.
+TEST_F(Truth, MapsHoldInABodyWithAnEigenstrain) {
+  constexpr const char* body = R"toml(
+[domain]
+outline = [[0, 0], [2, 0], [2, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[[crack]]
+name = "c"
+path = [[0.6, 0.3], [1.1, 0.55]]
+[material]
+young = 2
+poisson = 0.3
+eigenstrain = ["0.05*exp(-4*((x - 0.6)^2 + (y - 0.5)^2))", "0.03*x*y", "0.02*y^2"]
+[[boundary]]
+on = "left"
+displacement = [0, 0]
+[[boundary]]
+on = "right"
+traction = [0.02, -0.01]
+[functional]
+{0}
+[map]
+perturbation = {1}
+[validate]
+points = [[1.4, 0.6]]
+radii = [0.06, 0.03, 0.015]
+[mesh]
+size = 0.12
+[solver]
+degree = 2
+)toml";
+  const std::pair<const char*, const char*> changes[] = {
+      {"kind = \"energy\"", "\"hole\""},
+      {"kind = \"compliance\"", "{ young = 0.3, poisson = 0.2 }"},
+      {"kind = \"displacement_tracking\"\ntarget = [0, 0]", "\"crack\""},
+      {"kind = \"crack_opening\"\ncrack = \"c\"", "\"hole\""}};
+  for (const auto& [functional, change] : changes) {
+    const auto result = run_scene(fmt::format(body, functional, change), Job::Validate);
+    EXPECT_EQ(result["validate"][0]["verdict"], "holds") << functional << change;
+  }
+}
+
 }  // namespace
 }  // namespace kerf

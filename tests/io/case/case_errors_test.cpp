@@ -20,7 +20,9 @@ INSTANTIATE_TEST_SUITE_P(
     Unknown, WrongCase,
     testing::Values(
         Wrong{"youg = 1", "a.toml:7:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
-        Wrong{"density = 1", "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, thickness, state"},
+        Wrong{"density = 1",
+              "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, thickness, eigenstrain, "
+              "state"},
         Wrong{"[mehs]\nsize = 1", "a.toml:7:2: unknown key \"mehs\"; did you mean \"mesh\"?"},
         Wrong{"[mesh]\n  szie = 1", "a.toml:8:3: unknown key \"szie\" in [mesh]; did you mean \"size\"?"},
         Wrong{"[[hole]]\nname = 'h'\ncircle = { center = [1, 0.5], raduis = 0.1 }",
@@ -32,6 +34,24 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[define]\nr = 'x'", "a.toml:8:1: unused key \"r\" in [define]; use it in an expression or remove it"},
         Wrong{"[define]\nr = 'x'\ns = 'r'\nt = 'r'\n[body]\nforce = ['t', 0]",
               "a.toml:9:1: unused key \"s\" in [define]; use it in an expression or remove it"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Eigenstrains, WrongCase,
+    testing::Values(
+        Wrong{"eigenstrain = [1e-3, 1e-3]",
+              "a.toml:7:15: eigenstrain in [material] has 2 entries; give [xx, yy, xy], in plane strain also [xx, yy, "
+              "xy, "
+              "zz]"},
+        Wrong{"eigenstrain = 1e-3", "a.toml:7:15: eigenstrain in [material] must be a list, not 0.001"},
+        Wrong{"eigenstrain = ['1e-3*T', 0, 0]",
+              "a.toml:7:16: entry 1 of eigenstrain in [material]: expression \"1e-3*T\", column 6: unknown name \"T\"; "
+              "known: x, "
+              "y, pi, E, nu"},
+        Wrong{"[functional]\nkind = 'misfit'\non = 'top'\nmeasured = 'synthetic'\n[[synthetic.region]]\nname = 's'\n"
+              "circle = { center = [1, 0.5], radius = 0.1 }\nyoung = 2\npoisson = 0.3\neigenstrain = [1, 1, 0]",
+              "a.toml:16:15: eigenstrain in [[synthetic.region]]: the true body has the eigenstrain of the case; leave "
+              "it "
+              "out"}));
 
 INSTANTIATE_TEST_SUITE_P(
     NotToml, WrongCase,
@@ -188,7 +208,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1e-320\npoisson = 0.3",
               "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
         Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
-              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson"},
+              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson, "
+              "eigenstrain"},
         Wrong{"[[region]]\nname = '../r'",
               "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
         Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"

@@ -317,6 +317,37 @@ TEST(Case, UnreadableFiles) {
   }
 }
 
+TEST(Regions, WithAnEigenstrainMayBeMadeOfWhatTheBodyIs) {
+  const Case c = read(square + R"(
+eigenstrain = ["1e-3*x", 0, 0, "2e-3*x"]
+[[region]]
+name = "plug"
+circle = { center = [1, 0.5], radius = 0.2 }
+eigenstrain = [1e-3, 2e-3, 5e-4]
+[[region]]
+name = "other"
+circle = { center = [1.6, 0.5], radius = 0.1 }
+young = 1
+poisson = 0.3
+)");
+  EXPECT_EQ(c.regions[0].young, 10);
+  ASSERT_EQ(c.scene.eigenstrain.size(), 3u);
+  // In plane strain zz acts through Poisson's ratio.
+  const Eigenstrain &body = c.scene.eigenstrain[0], &plug = c.scene.eigenstrain[1];
+  EXPECT_TRUE(body.out_of_plane);
+  EXPECT_NEAR(body.normal({2, 0}).x(), 2e-3 + 0.25 * 4e-3, 1e-17);
+  EXPECT_NEAR(body.normal({2, 0}).y(), 0.25 * 4e-3, 1e-17);
+  EXPECT_EQ(body.shear({2, 0}), Vec2(0, 4e-3));
+  EXPECT_EQ(body.normal.known()->degree(), 1);
+  EXPECT_FALSE(plug.out_of_plane);
+  EXPECT_EQ(plug.normal({0, 0}), Vec2(1e-3, 2e-3));
+  EXPECT_EQ(plug.shear({0, 0}), Vec2(5e-4, 0));
+  EXPECT_FALSE(c.scene.eigenstrain[2]);
+  const Case plate = read(square + "state = 'plane stress'\neigenstrain = [1, 1, 0, 5]\n");
+  EXPECT_FALSE(plate.scene.eigenstrain[0].out_of_plane);
+  EXPECT_EQ(plate.scene.eigenstrain[0].normal({0, 0}), Vec2(1, 1));
+}
+
 TEST(Regions, HaveTheirOwnMaterialInTheSharedPlaneState) {
   const std::string regions = R"(
 [[region]]
