@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
@@ -36,7 +37,9 @@ struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
   Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
   std::array<Interval, 2> range{};
-  double area = 0, error = 0;  // shares of the triangle
+  double area = 0, error = 0;           // shares of the triangle
+  std::array<Interval, 2> rim_range{};  // on the rim of the cell, this share of the triangle
+  double rim = 0;
   bool settled = false, smooth = true;
 };
 
@@ -53,6 +56,7 @@ class TriangleIntegration {
     result.at = cells_[0].value;
     if (cells_[0].settled) {
       result.error = cells_[0].error;
+      if (cells_[0].rim > 0) result.rest = cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
       result.how = f_.known() ? Resolution::Proved : Resolution::Sampled;
       return result;
     }
@@ -108,11 +112,24 @@ class TriangleIntegration {
       y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
     }
     c.range = f_.known()->over(x, y);
-    double width = 0, size = 0;
-    for (const Interval& r : c.range) {
-      width += r.high - r.low;
-      size = std::max({size, std::abs(r.low), std::abs(r.high)});
+    double width = width_of(c.range), rim_error = 0;
+    if (std::isfinite(width) && width > narrow * size_) {
+      // A field that jumps along the edge of a cell (beside a crack) does not jump in it.
+      const Interval x_in = inner(x), y_in = inner(y);
+      const std::array<Interval, 2> inside = f_.known()->over(x_in, y_in);
+      constexpr double gain = 0.5;
+      if (width_of(inside) < gain * width) {
+        const double dx = x.high - x.low, dy = y.high - y.low;
+        c.rim = 1.01 * ((x_in.low - x.low + x.high - x_in.high) * dy + (y_in.low - y.low + y.high - y_in.high) * dx) /
+                area_of(corners_);
+        c.rim_range = c.range;
+        rim_error = c.rim * width;
+        c.range = inside;
+        width = width_of(inside);
+      }
     }
+    double size = 0;
+    for (const Interval& r : c.range) size = std::max({size, std::abs(r.low), std::abs(r.high)});
     constexpr double agree = 1e-6, beyond = 8;
     if (!std::isfinite(width)) {
       if (cells_.empty()) values(rule_, c.corners);  // refuses what has no value
@@ -121,7 +138,7 @@ class TriangleIntegration {
       c.error = infinity;
       return;
     }
-    c.error = c.area * width;
+    c.error = c.area * width + rim_error;
     c.settled = width <= narrow * std::max(size, size_);
     c.value = values(check, c.corners);
     const Points coarse = c.value;
@@ -132,8 +149,18 @@ class TriangleIntegration {
     const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
     if (difference <= std::max(agree * size, narrow * size_)) {
       c.settled = true;
-      c.error = c.area * better(difference, size);
+      c.error = c.area * better(difference, size) + rim_error;
     }
+  }
+
+  static double width_of(const std::array<Interval, 2>& range) {
+    return range[0].high - range[0].low + (range[1].high - range[1].low);
+  }
+  // Without a rim as thin as the numbers allow.
+  static Interval inner(const Interval& all) {
+    constexpr double thin = 1e-12, rounding = 8 * std::numeric_limits<double>::epsilon();
+    const double by = std::max(thin * (all.high - all.low), rounding * std::max(std::abs(all.low), std::abs(all.high)));
+    return 2 * by < all.high - all.low ? Interval{all.low + by, all.high - by} : all;
   }
 
   // A black box: settled where a finer look gives the same mean.
@@ -194,6 +221,10 @@ class TriangleIntegration {
       const Points seen =
           (monomials(kept_degree, places(rule_of(c), c.corners)).transpose() * coefficients).transpose();
       const Points rest = c.value - seen;
+      for (int d = 0; d < 2 && c.rim > 0; ++d)
+        result.rest += c.rim * std::pow(std::max(std::abs(c.rim_range[d].low - seen.row(d).minCoeff()),
+                                                 std::abs(c.rim_range[d].high - seen.row(d).maxCoeff())),
+                                        2);
       if (c.settled || !f_.known()) {
         result.rest += c.area * rest.colwise().squaredNorm().dot(rule_of(c).w.transpose());
         continue;
