@@ -139,6 +139,23 @@ std::vector<EdgeData> edge_data(const Model& m) {
       }
       note_open(d, given);
     }
+  for (const LoadedCrack& c : scene.pressures)
+    for (std::size_t j = 0; j < c.values.size(); ++j)
+      for (const int side : {0, 1}) {
+        const EdgeValues& given = c.values[j];
+        EdgeData d;
+        d.edge = m.mesh.cracks[c.crack][j].edge;
+        d.triangle = m.mesh.sides[d.edge][side];
+        while (m.mesh.edges_of[d.triangle][d.side] != d.edge) ++d.side;
+        d.displacement.setZero();
+        d.unseen[0] = std::sqrt(given.rest[0]);
+        d.primitive[0] = std::sqrt(given.primitive[0]);
+        d.moved[0] = given.error[0];
+        note_open(d, given);
+        data.push_back(d);
+        load.emplace_back(decltype(load)::value_type::Zero());
+        load.back().row(0) = (side == 0 ? -1 : 1) * given.at.row(0);
+      }
   for (std::size_t i = 0; i < data.size(); ++i) {
     EdgeData& d = data[i];
     const Eigen::Matrix<double, 2, data_points> weighted = load[i] * sample.w.asDiagonal();

@@ -13,6 +13,7 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   Scene inside = scene;
   inside.supports.clear();
   inside.tractions.clear();
+  for (CrackLaw& law : inside.laws) law.pressure = {};  // no crack reaches into a ball
   if (!body) inside.body = {};
   const SceneData data = scene_data(p.part.mesh, inside, k.load, 1);
   p.skeleton = number(p.part.mesh, k, {inside, data});
