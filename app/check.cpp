@@ -2,6 +2,7 @@
 #include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
+#include "io/text.hpp"
 #include "solver/resultants.hpp"
 
 #include <fmt/format.h>
@@ -102,10 +103,6 @@ void print_mesh(Lines& out, const Mesh& mesh) {
   const Quality q = quality(mesh);
   out.print("mesh      {} triangles, {} vertices, edges {:.4g} to {:.4g}, smallest angle {:.3g} degrees\n",
             mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
-}
-
-std::string with_blank(const std::string& unit) {
-  return unit.empty() ? std::string() : fmt::format(" {}", unit);
 }
 
 /// ", pressure 2 MPa" or ", pressure 0 to 2 MPa", by its values in the middle of the edges.

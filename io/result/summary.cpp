@@ -76,7 +76,7 @@ void add_sentence(std::string& out, const std::string& heading, const std::strin
 }
 
 std::string item(const std::string& name, double value, const std::string& unit = "") {
-  return fmt::format("{} {}{}", name, six(value), unit.empty() ? "" : " " + unit);
+  return fmt::format("{} {}{}", name, six(value), with_blank(unit));
 }
 
 std::string at(const Vec2& p) {

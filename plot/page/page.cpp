@@ -95,8 +95,7 @@ std::string head(const Result& result, const std::string& title) {
 
 /// A number with its unit, where there is one.
 std::string with_unit(double value, const Units& units, const std::optional<Dimension>& dimension) {
-  const std::string name = dimension ? unit(units, *dimension) : std::string();
-  return name.empty() ? pretty(value) : fmt::format("{} {}", pretty(value), escape_html(name));
+  return pretty(value) + escape_html(with_blank(dimension ? unit(units, *dimension) : std::string()));
 }
 
 std::string key_numbers(const Result& result) {
