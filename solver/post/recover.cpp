@@ -258,9 +258,8 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
   if (total == 0) return {};
   const Smallest least = smallest(model, field, crack, total);
-  const LoadedCrack* fluid = pressure_in(model.inner->data, crack);
+  const BoundaryField& fluid = model.scene.laws[crack].pressure;
   std::vector<CrackPoint> profile;
-  std::size_t edge = 0;
   for (const CrackEdge& c : model.mesh.cracks[crack]) {
     const double l = length(model.mesh, c.edge);
     const Vec2& a = model.mesh.points[model.mesh.edges[c.edge][0]];
@@ -272,7 +271,7 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
       p.s = done + l * (c.forward ? along : 1 - along);
       p.at = a + along * (b - a);
       p.length = l * rule.w[g];
-      if (fluid) p.fluid_pressure = pressure_at(fluid->values[edge], along);
+      if (fluid) p.fluid_pressure = fluid(p.at, normal(model.mesh, c.edge))[0];
       p.sigma_n = -p.fluid_pressure;
       if (mixed)
         read_jump(model, field, c.edge, g, p);
@@ -283,7 +282,6 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
       profile.push_back(p);
     }
     done += l;
-    ++edge;
   }
   return profile;
 }

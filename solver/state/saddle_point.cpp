@@ -275,8 +275,12 @@ struct Solver {
     Response r{Eigen::VectorXd::Zero(m.inner->ordering.contact_rows), Eigen::VectorXd(m.inner->ordering.contact_rows)};
     for (Index i = 0; i < m.inner->ordering.contact_rows; ++i) {
       const Index u = given.contact[i];
-      if (moving[i] != Motion::Held) r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
-      r.force[i] = -layout.share[u] * x[u] - given.fluid[i];
+      if (moving[i] == Motion::Held) {
+        r.force[i] = -layout.share[u] * x[u] - given.fluid[i];
+      } else {
+        r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
+        r.force[i] = force[i];
+      }
     }
     return r;
   }
@@ -404,8 +408,10 @@ State solve_saddle_point(const Model& m) {
   state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows);
-    if (m.inner->ordering.row[u] != none && row >= 0)
-      state.force[u] = -layout.share[given.contact[row]] * x[given.contact[row]] - given.fluid[row];
+    if (m.inner->ordering.row[u] == none || row < 0) continue;
+    const bool held = contact.motion[row] == Motion::Held;
+    state.force[u] =
+        held ? -layout.share[given.contact[row]] * x[given.contact[row]] - given.fluid[row] : contact.force[row];
   }
   recover(solver, x, state);
   if (!m.inner->floating.empty()) remove_motions(m, state);

@@ -71,6 +71,14 @@ TEST(CrackPressureRun, ResultsTellFluidFromContact) {
   EXPECT_NE(content(out / "report.html").find("fluid pressure"), std::string::npos);
 }
 
+TEST(CrackPressureRun, WhatNoRuleResolvesIsNamed) {
+  const TemporaryFolder folder;
+  const Case c =
+      read_case(folder.write("a.toml", pressed), std::vector<std::string>{"crack[0].pressure=\"0.001/abs(x-1.03)\""});
+  const std::string said = check(c);
+  EXPECT_NE(said.find("note: the pressure in crack \"c\" is not resolved near (1.03, 0.5)"), std::string::npos) << said;
+}
+
 TEST(CrackPressureRun, LevelSetsRefuseIt) {
   const TemporaryFolder folder;
   const Case c = read_case(folder.write("a.toml", pressed + R"([functional]

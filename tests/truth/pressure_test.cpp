@@ -35,12 +35,14 @@ BoundaryField uniform(double p) {
 struct Body {
   std::string name;
   std::vector<Crack> cracks;
+  Material material = steel;
 };
 const Body straight{"straight", {{"c", {{0.35, 0.4}, {0.75, 0.55}}}}};
 const Body kinked{"kinked", {{"c", {{0.3, 0.4}, {0.6, 0.45}, {0.85, 0.6}}}}};
 const Body curved{"curved", {arc_crack("c", {0.5, 0.3}, 0.3, 0.5, 2.2)}};
 const Body crossing{"crossing", {{"c", {{0.3, 0.5}, {0.7, 0.5}}}, {"d", {{0.45, 0.3}, {0.55, 0.75}}}}};
 const Body edge{"edge", {{"c", {{0, 0.5}, {0.4, 0.6}}}}};
+const Body incompressible{"incompressible", straight.cracks, plane_strain(1000, 0.5)};
 
 /// In the body under tractions t: a pressure in its cracks, or instead tractions p n on all its outline.
 struct Pair {
@@ -50,7 +52,7 @@ Pair pair_of(const Body& body, const Element& e, CrackLaw law, double p, const B
   const Shape shape = rectangle({0, 0}, {1.2, 1}, body.cracks);
   const Mesh mesh = triangulate(shape, {.size = 0.12, .crack_tip_size = 0.03});
   const auto model = [&](bool inside) {
-    Scene scene{.material = steel, .regions = {}, .body = {}, .supports = {}, .tractions = {}, .laws = {}};
+    Scene scene{.material = body.material, .regions = {}, .body = {}, .supports = {}, .tractions = {}, .laws = {}};
     for (Index label = 0; label < 4; ++label)
       scene.tractions.push_back(
           {label, [=](const Vec2& x, const Vec2& n) -> Vec2 { return t(x, n) + (inside ? 0 : p) * n; }});
@@ -123,7 +125,7 @@ TEST(Pressure, IsAUniformStateMoreWhateverTheCrackAndTheElement) {
 
 TEST(Pressure, IsAUniformStateMoreInContactToo) {
   const double p = 0.2;
-  for (const Body& body : {straight, kinked, curved, crossing})
+  for (const Body& body : {straight, kinked, curved, crossing, incompressible})
     for (const double friction : {0.0, 0.4})
       for (const auto method : {ContactMethod::DualQp, ContactMethod::ActiveSet, ContactMethod::Uzawa}) {
         if (friction > 0 && method == ContactMethod::Uzawa) continue;
