@@ -2,6 +2,7 @@
 #include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
+#include "io/text.hpp"
 #include "solver/resultants.hpp"
 
 #include <fmt/format.h>
@@ -111,12 +112,29 @@ void print_mesh(Lines& out, const Mesh& mesh) {
             mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
 }
 
-void print_cracks(Lines& out, Notes& notes, const Shape& shape, const Scene& scene, const Mesh& mesh) {
+/// ", pressure 2 MPa" or ", pressure 0 to 2 MPa", by its values in the middle of the edges.
+std::string pressure(const CrackLaw& law, const Units& units, const Mesh& mesh, std::span<const CrackEdge> edges) {
+  if (!has_pressure(law) || edges.empty()) return {};
+  double low = infinity, high = -infinity;
+  for (const CrackEdge& c : edges) {
+    const EdgeLine line = edge_line(mesh, c.edge);
+    const double p = law.pressure(0.5 * (line.a + line.b), line.n)[0];
+    low = std::min(low, p);
+    high = std::max(high, p);
+  }
+  const std::string name = with_blank(unit(units, dimension::stress));
+  constexpr double same = 1e-12;
+  return high - low <= same * std::abs(high) ? fmt::format(", pressure {:.6g}{}", high, name)
+                                             : fmt::format(", pressure {:.6g} to {:.6g}{}", low, high, name);
+}
+
+void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
+  const Shape& shape = c.shape;
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
     const Crack& crack = shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
-    out.print("crack     {}: {}, length {:.6g}, {} edges", crack.name, law(scene.laws[k]), path_length(crack),
-              edges.size());
+    out.print("crack     {}: {}{}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]),
+              pressure(c.scene.laws[k], c.units, mesh, edges), path_length(crack), edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
     } else {
@@ -147,10 +165,6 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
 
 /// What the labels are called in the picture, with the resultants of the loads on them.
 using Names = std::vector<Named>;
-
-std::string with_blank(const std::string& unit) {
-  return unit.empty() ? std::string() : fmt::format(" {}", unit);
-}
 
 void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, Names& names) {
   const TriangleRule rule = triangle_rule(8);
@@ -186,7 +200,8 @@ void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const s
 
 void note_loads(Notes& notes, const Scene& scene) {
   if (scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
-  if (scene.supports.empty() && scene.tractions.empty() && !scene.body && !has_eigenstrain(scene))
+  if (scene.supports.empty() && scene.tractions.empty() && !scene.body && !has_eigenstrain(scene) &&
+      std::none_of(scene.laws.begin(), scene.laws.end(), has_pressure))
     notes.push_back("nothing acts on the body: the solution is zero");
 }
 
@@ -209,7 +224,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
             c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
   print_regions(out, c, mesh);
   print_mesh(out, mesh);
-  print_cracks(out, notes, c.shape, c.scene, mesh);
+  print_cracks(out, notes, c, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);
   Names names;
   for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});

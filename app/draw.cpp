@@ -146,24 +146,44 @@ void add_arrows(const std::vector<Vec2>& chain, const BoundaryField& load, doubl
   }
 }
 
-/// All loaded parts of the boundary with what acts on them, and the largest traction at the middle of an edge.
+/// All loaded parts of boundary and cracks with what acts on them, and the largest traction at the middle of an edge.
 struct Loaded {
-  std::vector<std::pair<std::vector<Vec2>, const Traction*>> chains;
+  std::vector<std::pair<std::vector<Vec2>, BoundaryField>> chains;
   double largest = 0;
+
+  void add(std::vector<Vec2> chain, const BoundaryField& load) {
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      const Vec2 edge = chain[i] - chain[i - 1];
+      const double size = load(0.5 * (chain[i] + chain[i - 1]), Vec2(edge.y(), -edge.x()).normalized()).norm();
+      if (std::isfinite(size)) largest = std::max(largest, size);
+    }
+    chains.emplace_back(std::move(chain), load);
+  }
 };
 
 Loaded loaded_chains(const Mesh& mesh, std::span<const Traction> tractions) {
   Loaded out;
   for (const Traction& t : tractions)
-    for (auto& chain : chains(mesh, t.label)) {
-      for (std::size_t i = 1; i < chain.size(); ++i) {
-        const Vec2 edge = chain[i] - chain[i - 1];
-        const double size = t.value(0.5 * (chain[i] + chain[i - 1]), Vec2(edge.y(), -edge.x()).normalized()).norm();
-        if (std::isfinite(size)) out.largest = std::max(out.largest, size);
-      }
-      out.chains.emplace_back(std::move(chain), &t);
-    }
+    for (auto& chain : chains(mesh, t.label)) out.add(std::move(chain), t.value);
   return out;
+}
+
+/// A pressure in a crack pushes both faces away from it.
+void add_pressures(const Mesh& mesh, const Scene& scene, Loaded& loaded) {
+  for (std::size_t c = 0; c < std::min(mesh.cracks.size(), scene.laws.size()); ++c) {
+    const BoundaryField& pressure = scene.laws[c].pressure;
+    if (!pressure) continue;
+    std::vector<Vec2> chain;
+    for (const CrackEdge& e : mesh.cracks[c]) {
+      const auto& [from, to] = mesh.edges[e.edge];
+      if (chain.empty()) chain.push_back(mesh.points[e.forward ? from : to]);
+      chain.push_back(mesh.points[e.forward ? to : from]);
+    }
+    const BoundaryField away = [pressure](const Vec2& x, const Vec2& n) -> Vec2 { return pressure(x, n)[0] * n; };
+    loaded.add(chain, away);
+    std::reverse(chain.begin(), chain.end());
+    loaded.add(std::move(chain), away);
+  }
 }
 
 }  // namespace
@@ -181,9 +201,10 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   std::vector<Traction> tractions = scene.tractions;
   for (const LoadCase& loads : further)
     tractions.insert(tractions.end(), loads.tractions.begin(), loads.tractions.end());
-  const Loaded loaded = loaded_chains(mesh, tractions);
+  Loaded loaded = loaded_chains(mesh, tractions);
+  add_pressures(mesh, scene, loaded);
   if (loaded.largest > 0)
-    for (const auto& [chain, t] : loaded.chains) add_arrows(chain, t->value, loaded.largest, size, p);
+    for (const auto& [chain, load] : loaded.chains) add_arrows(chain, load, loaded.largest, size, p);
   if (!p.supports.empty() || !p.rollers.empty()) mention("blue: supports");
   if (!p.arrows.empty()) mention("orange: loads");
   if (!p.cracks.empty()) mention("red: cracks");

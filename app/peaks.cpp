@@ -68,7 +68,7 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
     std::vector<Vec2> at;
     Eigen::VectorXd pressure(static_cast<Eigen::Index>(crack.rows.size()));
     for (const CrackRow& row : crack.rows) {
-      pressure[static_cast<Eigen::Index>(at.size())] = -row.sigma_n;
+      pressure[static_cast<Eigen::Index>(at.size())] = -row.sigma_n - row.fluid_pressure;
       at.push_back(row.at);
     }
     if (crack.max_pressure > 0) crack.pressure = peak(at, pressure, zones);

@@ -64,7 +64,7 @@ Case designed(const Case& c, const OptimizeResult& result) {
   out.mesh.reset();
   out.shape = result.shape;
   out.scene = result.scene;
-  if (out.scene.tractions.empty() && !out.scene.body) {
+  if (out.scene.tractions.empty() && !out.scene.body) {  // loads of load cases: then no crack has a pressure
     const Scene loaded = loaded_scene(c);
     out.scene.tractions = loaded.tractions;
     out.scene.body = loaded.body;

@@ -29,8 +29,11 @@ std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, con
   std::vector<std::string> notes;
   for (const UnseenData& u : unseen_data(mesh, scene, data))
     notes.push_back(fmt::format(
-        "{}{} {} near ({:.6g}, {:.6g}): {}", u.what,
-        u.label == none ? "" : fmt::format(" on \"{}\"", shape.labels[u.label]), u.how, u.at.x(), u.at.y(),
+        "{} {} near ({:.6g}, {:.6g}): {}",
+        u.label != none   ? fmt::format("{} on \"{}\"", u.what, shape.labels[u.label])
+        : u.crack != none ? fmt::format("the pressure in crack \"{}\"", shape.cracks[u.crack].name)
+                          : u.what,
+        u.how, u.at.x(), u.at.y(),
         u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
   return notes;
 }

@@ -62,6 +62,7 @@ crack[0].arc.to_deg
 crack[0].contact
 crack[0].friction
 crack[0].tresca
+crack[0].pressure
 material.young
 material.poisson
 material.thickness
@@ -236,6 +237,7 @@ synthetic.crack[0].arc.to_deg
 synthetic.crack[0].contact
 synthetic.crack[0].friction
 synthetic.crack[0].tresca
+synthetic.crack[0].pressure
 synthetic.region[0].name
 synthetic.region[0].circle.center
 synthetic.region[0].circle.radius

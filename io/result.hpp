@@ -37,6 +37,7 @@ struct CrackRow {
   Vec2 at;
   double jump_n, jump_t, sigma_n, sigma_t;
   bool closed;
+  double fluid_pressure = 0;  // a part of -sigma_n
 };
 
 struct TipResult {
@@ -50,7 +51,7 @@ struct TipResult {
 
 struct CrackResult {
   std::string name;
-  double length = 0, max_opening = 0, max_pressure = 0;
+  double length = 0, max_opening = 0, max_pressure = 0;            // of contact
   double open_length = 0, closed_length = 0, biactive_length = 0;  // in the sums of "contact"
   double penetration = 0;                                          // of faces without a contact condition
   struct Transition {
@@ -59,8 +60,9 @@ struct CrackResult {
   };
   std::vector<Transition> transitions;
   std::vector<TipResult> tips;
-  std::optional<Peak> pressure = {};  // absent without contact pressure
-  std::vector<CrackRow> rows;         // to crack_<name>.csv and .vtp, not to result.json
+  std::optional<Peak> pressure = {};          // absent without contact pressure
+  std::optional<double> fluid_pressure = {};  // the largest by amount, of a crack that has one
+  std::vector<CrackRow> rows;                 // to crack_<name>.csv and .vtp, not to result.json
 };
 
 /// A force and its moment about the origin, of what acts on a label (none named: the body force, a balance).
@@ -160,7 +162,8 @@ void write_json(const std::filesystem::path& path, const Result& result);
 void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,
                const std::vector<std::vector<double>>& rows);
 
-/// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed.
+/// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed. Of a crack
+/// under the pressure of a fluid also fluid_pressure.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100

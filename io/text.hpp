@@ -11,6 +11,9 @@ namespace kerf {
 /// Six significant digits; "-" when not finite.
 std::string six(double value);
 
+/// " MPa"; nothing without a unit.
+std::string with_blank(const std::string& unit);
+
 /// "(1, 2)", six digits each.
 std::string place(const Vec2& p);
 

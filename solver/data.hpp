@@ -73,28 +73,41 @@ Eigen::Matrix4Xd strain_slope_at(const StrainData& data, Index t, const Points& 
 /// Its component 33, as in Eigenstrain.
 Eigen::RowVectorXd strain_33_at(const StrainData& data, Index t, const Points& l);
 
+/// The pressure in one crack, in the first component, per edge of Mesh::cracks.
+struct LoadedCrack {
+  Index crack;
+  std::vector<EdgeValues> values;
+};
+
 /// All data of a scene on a mesh, once.
 struct SceneData {
   std::vector<std::vector<Index>> edges;  // per label, increasing
   std::vector<LoadedEdges> supports, tractions;
-  std::vector<TriangleValues> body;  // per triangle, where the body force is not a polynomial of low degree
+  std::vector<LoadedCrack> pressures;  // of the cracks that have one
+  std::vector<TriangleValues> body;    // per triangle, where the body force is not a polynomial of low degree
   StrainData strain;
 };
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
 
-/// Only the tractions and the supports.
+/// All but the body force.
 SceneData boundary_data(const Mesh& mesh, const Scene& scene);
+
+/// The pressure in a crack, or null.
+const LoadedCrack* pressure_in(const SceneData& data, Index crack);
+/// The polynomial of the pressure on an edge, at s.
+double pressure_at(const EdgeValues& on_edge, double s);
 
 /// The edges of a label, none of them for a label without.
 const std::vector<Index>& labeled(const SceneData& data, Index label);
 
 /// Data that the rules do not resolve, or that are black boxes: the worst place of each condition.
 struct UnseenData {
-  Index label = none;  // none: the body force
+  Index label = none;  // none: the body force, or the pressure in a crack
   Vec2 at;
   const char* what;          // "the traction"
   const char* how;           // "is not resolved"
   bool stops_bounds = true;  // and with them every claim on the error
+  Index crack = none;
 };
 std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data);
 

@@ -159,6 +159,10 @@ constexpr bool can_open(const Element& e) {
 constexpr bool can_contact(const Element& e) {
   return is_mixed(e) && can_open(e);
 }
+/// Cracks under the pressure of a fluid: where some traces are seen by no triangle, loads on faces would have to fit.
+constexpr bool can_press_cracks(const Element& e) {
+  return can_open(e) && !has_unseen_traces(e);
+}
 /// Regions of other materials, across which the stress along the interface jumps.
 constexpr bool can_have_regions(const Element& e) {
   return e.at_vertices != AtVertices::Stress;

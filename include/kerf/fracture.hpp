@@ -8,14 +8,15 @@ namespace kerf {
 
 /// One end of a crack that lies inside the body. K in stress x sqrt(length): ahead of the tip s_yy = K_I/sqrt(2 pi r),
 /// s_xy = K_II/sqrt(2 pi r) in the frame whose x axis extends the crack and whose y axis is x turned by +90 degrees.
-/// T = s_xx - s_yy of the constant terms there, in stress; at an open tip s_yy has none. G, J in stress x length.
-/// All but crack, at_start and at are NaN, radius 0, where no domain fits: see crack_tips.
+/// T = s_xx - s_yy of the constant terms there, in stress; at an open tip s_yy has none, or minus the pressure in the
+/// crack. G, J in stress x length. All but crack, at_start and at are NaN, radius 0, where no domain fits: see
+/// crack_tips.
 struct TipIntensity {
   Index crack = 0;
   bool at_start = false;  // of the crack's path
   Vec2 at = Vec2::Zero();
   double K_I = 0, K_II = 0, T = 0, G = 0;
-  double J = 0;       // the domain J integral less the work of friction: equals G up to the discretization
+  double J = 0;  // the domain J integral less the work of friction and of a fluid: equals G up to the discretization
   double radius = 0;  // outer radius of the domain used
   // Largest differences between rings of different radius: of K relative to its norm or, if that is more, the mean
   // stress of the body times sqrt(pi radius); of T relative to |T| or that stress. `spread` is the larger one of K.

@@ -17,13 +17,17 @@ struct CornerValues {
 CornerValues corner_values(const Model& model, const Field& field, const Corners& corners);
 
 /// Along a crack, in path order, at the Gauss points of its edges; n points to the left of the path, jump = left minus
-/// right face. sigma_n, sigma_t: traction components transmitted through the crack.
+/// right face. sigma_n, sigma_t: traction components on the faces, that of a fluid between them included.
 struct CrackPoint {
   double s;  // arc length from the start of the path
   Vec2 at;
   double length;  // share of the edge that the point stands for
   double jump_n, jump_t, sigma_n, sigma_t;
-  enum class Status { Open, Closed, Biactive } status;  // Biactive: neither gap nor pressure
+  enum class Status { Open, Closed, Biactive } status;  // Biactive: neither gap nor pressure of contact
+  double fluid_pressure = 0;                            // CrackLaw::pressure
+  double contact_pressure() const {
+    return -sigma_n - fluid_pressure;
+  }
 };
 std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack);
 

@@ -23,8 +23,8 @@ struct Traction {
   BoundaryField value;  // x, y components of sigma n
 };
 
-/// Faces in contact slide when the shear traction reaches slip_bound + friction * pressure: Tresca's law with friction
-/// = 0, Coulomb's with slip_bound = 0; for loads that grow in proportion.
+/// Faces in contact slide when the shear traction reaches slip_bound + friction * (pressure of contact, without that of
+/// a fluid): Tresca's law with friction = 0, Coulomb's with slip_bound = 0; for loads that grow in proportion.
 struct CrackLaw {
   enum class Kind { Unilateral, Open, Bonded } kind = Kind::Unilateral;
   double friction = 0;    // Coulomb's coefficient
@@ -32,6 +32,9 @@ struct CrackLaw {
   /// Unit normal of a curved crack, either way; empty: that of its edges. Chords would lock: sliding faces of a polygon
   /// interlock at every vertex.
   std::function<Vec2(const Vec2& x)> normal = {};
+  /// Pressure p of a fluid in the crack, in the first component: it acts on both faces, sigma_nn = -p - the pressure of
+  /// contact [theory: C.15]. Negative: suction. The direction of the normal that it is given is arbitrary; empty: none.
+  BoundaryField pressure = {};
 };
 
 /// Faces that resist sliding.
@@ -49,6 +52,11 @@ struct Eigenstrain {
     return static_cast<bool>(normal);
   }
 };
+
+/// Faces that a fluid presses apart.
+inline bool has_pressure(const CrackLaw& law) {
+  return static_cast<bool>(law.pressure);
+}
 
 struct Scene {
   Material material;

@@ -141,6 +141,22 @@ Eigenstrain eigenstrain(const Value& field, double poisson, bool plane_strain, D
   return strain;
 }
 
+/// The keys `pressure` of [[crack]], whose expressions may use what [define] names.
+void read_pressures(const Value& document, Definitions& definitions, Case& c) {
+  for (const Value& entry : find_tables(document, "crack")) {
+    const auto field = find(entry, "pressure");
+    if (!field) continue;
+    const std::string name = text(need(entry, "name"));
+    const auto crack = std::ranges::find(c.shape.cracks, name, &Crack::name);
+    CrackLaw& law = c.scene.laws[static_cast<std::size_t>(crack - c.shape.cracks.begin())];
+    if (law.kind == CrackLaw::Kind::Bonded)
+      fail(field->node->position, fmt::format("{}: crack {} is bonded and has no faces for a pressure; change its "
+                                              "contact, or leave the pressure out",
+                                              field->name, quote(name)));
+    law.pressure = vector_field(formula(*field, definitions, false), nothing());
+  }
+}
+
 }  // namespace
 
 void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
@@ -170,6 +186,7 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c) {
     add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], c.scene.tractions);
   }
   if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
+  read_pressures(document, definitions, c);
 }
 
 std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c) {
@@ -187,6 +204,11 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
     fail(body->node->position,
          "[body]: with [[load_case]] all loads belong to load cases; write body = { force = ... } "
          "in each load case in which it acts");
+  for (const Value& entry : find_tables(document, "crack"))
+    if (const auto field = find(entry, "pressure"))
+      fail(field->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases, which have no "
+                                              "pressures in cracks; use [[boundary]] loads instead of load cases",
+                                              field->name));
   std::vector<Conditions> supported(c.shape.labels.size());
   add_conditions(boundary, supports, definitions, c.shape, supported);
   for (const Value& table : tables) {

@@ -111,7 +111,16 @@ void add_holes(const Shape& shape, std::string& out) {
   }
 }
 
-void add_cracks(const Shape& shape, std::span<const CrackLaw> laws, std::string& out) {
+/// What the case says of the pressure in a crack, or nothing.
+const Node* pressure_of(const Node& document, const std::string& crack) {
+  const Node* all = find(document, "crack");
+  for (std::size_t i = 0; all && i < all->items.size(); ++i)
+    if (const Node* name = find(all->items[i], "name"); name && name->text == crack)
+      return find(all->items[i], "pressure");
+  return nullptr;
+}
+
+void add_cracks(const Case& c, const Shape& shape, std::span<const CrackLaw> laws, std::string& out) {
   std::set<std::string> used;
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
     const Crack& crack = shape.cracks[k];
@@ -127,6 +136,7 @@ void add_cracks(const Shape& shape, std::span<const CrackLaw> laws, std::string&
     out += fmt::format("contact = {}\n", quoted(std::string(word(laws[k].kind))));
     if (laws[k].friction > 0) out += fmt::format("friction = {}\n", number(laws[k].friction));
     if (laws[k].slip_bound > 0) out += fmt::format("tresca = {}\n", number(laws[k].slip_bound));
+    if (const Node* pressure = pressure_of(*c.document, crack.name)) add_entry({"pressure", {}, *pressure}, out);
     out += "\n";
   }
 }
@@ -155,9 +165,8 @@ void collect_names(const Node& node, std::set<std::string>& names) {
   for (const Entry& entry : node.entries) collect_names(entry.value, names);
 }
 
-/// Definitions that nothing else uses any more are an error: they go, too.
-void drop_unused_definitions(Node& document) {
-  std::set<std::string> names;
+/// Definitions that nothing else uses any more are an error: they go, too. `names` are used by what is not there.
+void drop_unused_definitions(Node& document, std::set<std::string> names) {
   for (const Entry& entry : document.entries)
     if (entry.key != "define") collect_names(entry.value, names);
   for (Entry& entry : document.entries) {
@@ -197,7 +206,10 @@ Node rest_of(const Case& c, const std::filesystem::path& folder) {
   for (Entry& entry : rest.entries)
     if (entry.key == "mesh")  // the design is drawn
       std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "mesher"; });
-  drop_unused_definitions(rest);
+  std::set<std::string> in_cracks;
+  for (const Crack& crack : c.shape.cracks)
+    if (const Node* pressure = pressure_of(*c.document, crack.name)) collect_names(*pressure, in_cracks);
+  drop_unused_definitions(rest, std::move(in_cracks));
   return rest;
 }
 
@@ -245,7 +257,7 @@ std::string design_case(const Case& c, const DesignFile& design, const std::file
   out += "\n";
   add_domain(shape, out);
   add_holes(shape, out);
-  add_cracks(shape, design.laws, out);
+  add_cracks(c, shape, design.laws, out);
   add_regions(shape, design.regions, out);
   for (const Entry& entry : rest.entries)
     if (entry.value.kind == Node::Kind::Table || entry.value.kind == Node::Kind::Array) add_entry(entry, out);

@@ -162,6 +162,14 @@ constexpr Key rows[] = {
      "both add up. Goes with contact = \"unilateral\".",
      "0.1",
      "0"},
+    {"crack[].pressure",
+     Formula,
+     {},
+     "Pressure of a fluid in the crack, without nx and ny: it acts on both faces, open or closed. Contact and friction "
+     "take what presses beyond it: sigma_n = -pressure - pressure of contact. Negative: suction. Not with contact = "
+     "\"bonded\".",
+     "\"0.5 * (1 - x)\"",
+     "none"},
 
     {"material", Table, {.required = true}, "What the body is made of."},
     {"material.young", Number, {.range = positive, .required = true}, "Young's modulus.", "1.0"},

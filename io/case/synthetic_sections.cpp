@@ -52,6 +52,10 @@ void read_synthetic(const Value& document, Case& c) {
     fail(table->node->position,
          "[synthetic]: there is nothing to be found; add [[synthetic.hole]], [[synthetic.crack]] or "
          "[[synthetic.region]]");
+  for (const Value& crack : cracks)
+    if (const auto field = find(crack, "pressure"))
+      fail(field->node->position,
+           field->name + ": a crack that is to be found carries no load; leave the pressure out");
   add_holes(holes, s.true_shape);
   add_cracks(cracks, s.true_shape, s.true_scene.laws);
   for (const Value& region : regions)

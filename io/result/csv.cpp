@@ -41,13 +41,20 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack) {
   fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n");
+  const bool fluid = crack.fluid_pressure.has_value();
+  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status{}\n",
+                 fluid ? ",fluid_pressure" : "");
   for (const CrackRow& row : crack.rows) {
     for (const double value : {row.s, row.at.x(), row.at.y(), row.jump_n, row.jump_t, row.sigma_n, row.sigma_t}) {
       append_cell(out, value);
       out.push_back(',');
     }
-    fmt::format_to(std::back_inserter(out), "{}\n", row.closed ? "closed" : "open");
+    fmt::format_to(std::back_inserter(out), "{}", row.closed ? "closed" : "open");
+    if (fluid) {
+      out.push_back(',');
+      append_cell(out, row.fluid_pressure);
+    }
+    out.push_back('\n');
   }
   write_file(path, {out.data(), out.size()});
 }

@@ -165,6 +165,7 @@ Json crack_section(const CrackResult& crack) {
               {"max_pressure", number(crack.max_pressure)},
               {"transitions", std::move(transitions)},
               {"tips", std::move(tips)}};
+  if (crack.fluid_pressure) out["fluid_pressure"] = number(*crack.fluid_pressure);
   if (crack.pressure) out["pressure_peak"] = peak_section(*crack.pressure);
   return out;
 }

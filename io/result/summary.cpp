@@ -76,7 +76,7 @@ void add_sentence(std::string& out, const std::string& heading, const std::strin
 }
 
 std::string item(const std::string& name, double value, const std::string& unit = "") {
-  return fmt::format("{} {}{}", name, six(value), unit.empty() ? "" : " " + unit);
+  return fmt::format("{} {}{}", name, six(value), with_blank(unit));
 }
 
 std::string at(const Vec2& p) {
@@ -132,6 +132,7 @@ void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
                     intensity = unit(u, dimension::stress_intensity);
   add(out, "crack",
       {clean_text(crack.name), item("length", crack.length, length), item("max opening", crack.max_opening, length)});
+  if (crack.fluid_pressure) add(out, "", {item("fluid pressure", *crack.fluid_pressure, stress)});
   if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure, stress));
   for (const auto& t : crack.transitions)
     add(out, "", {clean_text(t.from) + " -> " + clean_text(t.to) + ' ' + at(t.at)});

@@ -7,6 +7,10 @@
 
 namespace kerf {
 
+std::string with_blank(const std::string& unit) {
+  return unit.empty() ? unit : " " + unit;
+}
+
 std::string six(double value) {
   if (!std::isfinite(value)) return "-";
   return fmt::format("{:.6g}", value == 0 ? 0.0 : value);  // no "-0"

@@ -40,7 +40,7 @@ bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
   return true;
 }
 
-bool vanishes(const VectorField& f, const Shape& body) {
+bool vanishes(const auto& f, const Shape& body) {
   if (!f.known()) return false;
   const auto [low, high] = box_of(body.outline);
   return is_zero(f.known()->over({low.x(), high.x()}, {low.y(), high.y()}));
@@ -49,6 +49,8 @@ bool vanishes(const VectorField& f, const Shape& body) {
 bool nothing_acts(const Scene& scene, const Shape& body) {
   return std::ranges::all_of(scene.tractions, [&](const Traction& t) { return vanishes(t.value, body, t.label); }) &&
          (!scene.body || vanishes(scene.body, body)) &&
+         std::ranges::all_of(scene.laws,
+                             [&](const CrackLaw& law) { return !law.pressure || vanishes(law.pressure, body); }) &&
          std::ranges::all_of(scene.supports, [&](const Support& s) { return vanishes(s.value, body, s.label); });
 }
 
@@ -88,6 +90,12 @@ void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vect
 
 void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const bool level_set = r.method == OptimizeMethod::LevelSet;
+  for (std::size_t k = 0; level_set && k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k)
+    if (has_pressure(p.scene.laws[k]))
+      all.push_back({fmt::format("crack[{}].pressure", k),
+                     fmt::format("crack \"{}\" carries a pressure: a level set would cut it away, and the load with "
+                                 "it; remove the pressure, or use a method that moves drawn shapes, such as \"mma\"",
+                                 p.frame.cracks[k].name)});
   if (r.method == OptimizeMethod::Cobyla && !wants_map(r.design)) return;
   for (std::size_t k = 0; k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k) {
     const CrackLaw& law = p.scene.laws[k];

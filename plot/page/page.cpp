@@ -95,8 +95,7 @@ std::string head(const Result& result, const std::string& title) {
 
 /// A number with its unit, where there is one.
 std::string with_unit(double value, const Units& units, const std::optional<Dimension>& dimension) {
-  const std::string name = dimension ? unit(units, *dimension) : std::string();
-  return name.empty() ? pretty(value) : fmt::format("{} {}", pretty(value), escape_html(name));
+  return pretty(value) + escape_html(with_blank(dimension ? unit(units, *dimension) : std::string()));
 }
 
 std::string key_numbers(const Result& result) {
@@ -178,6 +177,7 @@ std::string crack_section(const CrackResult& crack, const Units& u) {
   Facts facts;
   facts.add("length", with_unit(crack.length, u, dimension::length));
   facts.add("largest opening", with_unit(crack.max_opening, u, dimension::length));
+  if (crack.fluid_pressure) facts.add("fluid pressure", with_unit(*crack.fluid_pressure, u, dimension::stress));
   if (crack.pressure)
     add_peak(facts, "largest pressure", *crack.pressure, u, dimension::stress);
   else
@@ -200,9 +200,11 @@ std::string crack_section(const CrackResult& crack, const Units& u) {
   }
   const std::string opening =
       crack_curve(crack, {"opening", "#b3261e", [](const CrackRow& row) { return row.jump_n; }});
-  const std::string pressure =
-      crack_curve(crack, {"pressure", "#2a788e", [](const CrackRow& row) { return -row.sigma_n; }});
+  const std::string pressure = crack_curve(
+      crack, {"pressure", "#2a788e", [](const CrackRow& row) { return -row.sigma_n - row.fluid_pressure; }});
   out += opening + pressure;
+  if (crack.fluid_pressure)
+    out += crack_curve(crack, {"fluid pressure", "#2a788e", [](const CrackRow& row) { return row.fluid_pressure; }});
   if (!opening.empty()) out += "<p class=\"dim\">Shaded: closed.</p>\n";
   return out;
 }

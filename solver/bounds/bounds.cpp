@@ -352,13 +352,13 @@ struct Bounding {
   }
 };
 
-// What the equilibrium of the tractions and the sign of those on cracks lack, times the displacements, and the work of
+// What the equilibrium of the tractions and the sign of those of contact lack, times the displacements, and the work of
 // pressure on penetration: rounding.
 double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& data, const Conforming& conforming,
                  const std::vector<Share>& shares) {
   const Index points = points_per_edge(m.element);
   std::vector<Index> place(m.mesh.edges.size(), none);
-  for (std::size_t i = 0; i < data.size(); ++i) place[data[i].edge] = static_cast<Index>(i);
+  for (std::size_t i = data.size(); i-- > 0;) place[data[i].edge] = static_cast<Index>(i);  // of cracks the left side
   const EdgeRule carrier = gauss(data_carriers);
   double total = 0;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
@@ -376,18 +376,19 @@ double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& da
     for (Index g = 0; g < points; ++g)
       for (int k = 0; k < 2; ++k) {
         if (d && d->held[k]) continue;
-        double rest = side[0](k, g) + side[1](k, g);
+        double given = 0;
         if (d)
           for (int q = 0; q < data_carriers; ++q)
-            rest -= carrier.w[q] / m.inner->kernel.trace.w[g] * trace_basis(m.inner->kernel.trace, carrier.s[q])[g] *
-                    d->load(k, q);
+            given += carrier.w[q] / m.inner->kernel.trace.w[g] * trace_basis(m.inner->kernel.trace, carrier.s[q])[g] *
+                     d->load(k, q);
+        const double rest = side[0](k, g) + side[1](k, g) - (kind == CrackLaw::Kind::Bonded ? given : 0);
         const Index unknown = 2 * g + k;
         double work = std::abs(rest * s.skeleton[e * m.inner->skeleton.per_edge + unknown]);
         if (kind != CrackLaw::Kind::Bonded) {
-          const double wrong =
-              k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, side[0](k, g)) : side[0](k, g);
+          const double contact = side[0](k, g) - given,
+                       wrong = k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, contact) : contact;
           work += std::abs(wrong * s.skeleton[m.inner->skeleton.jump[e] + unknown]);
-          if (k == 0) work += std::abs(side[0](k, g)) * conforming.penetration[e];
+          if (k == 0) work += std::abs(contact) * conforming.penetration[e];
         }
         total += length(m.mesh, e) * m.inner->kernel.trace.w[g] * work;
       }

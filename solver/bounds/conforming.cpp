@@ -415,7 +415,7 @@ void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>
   const Eigen::MatrixXd at_carrier = traces(even(degree), fit.carrier.s);
   for (const EdgeData& d : data) {
     const Points here = m.inner->skeleton.frame[d.edge].transpose() *
-                        edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == none ? 1 : 0);
+                        edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == d.triangle ? 0 : 1);
     EdgePolynomial value = here * at_carrier, bubble = EdgePolynomial::Zero();
     for (int k = 0; k < 2; ++k) {
       if (!d.held[k]) continue;

@@ -79,6 +79,30 @@ void note_open(EdgeData& d, const EdgeValues& given) {
   if (given.how == Resolution::Sampled && d.how == Resolution::Proved) d.how = Resolution::Sampled;
 }
 
+// Data of an edge at gauss(data_points).
+using Sampled = Eigen::Matrix<double, 2, data_points>;
+
+// Both sides of the cracks under pressure, and what acts on them.
+void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Sampled>& load) {
+  for (const LoadedCrack& c : m.inner->data.pressures)
+    for (std::size_t j = 0; j < c.values.size(); ++j)
+      for (const int side : {0, 1}) {
+        const EdgeValues& given = c.values[j];
+        EdgeData d;
+        d.edge = m.mesh.cracks[c.crack][j].edge;
+        d.triangle = m.mesh.sides[d.edge][side];
+        while (m.mesh.edges_of[d.triangle][d.side] != d.edge) ++d.side;
+        d.displacement.setZero();
+        d.unseen[0] = std::sqrt(given.rest[0]);
+        d.primitive[0] = std::sqrt(given.primitive[0]);
+        d.moved[0] = given.error[0];
+        note_open(d, given);
+        data.push_back(d);
+        load.emplace_back(Sampled::Zero());
+        load.back().row(0) = (side == 0 ? -1 : 1) * given.at.row(0);
+      }
+}
+
 }  // namespace
 
 std::vector<EdgeData> edge_data(const Model& m) {
@@ -87,7 +111,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
                         trace_at_carrier = traces(m.inner->kernel.trace, carrier.s);
   std::vector<Index> place(m.mesh.edges.size(), none);
   std::vector<EdgeData> data;
-  std::vector<Eigen::Matrix<double, 2, data_points>> load;
+  std::vector<Sampled> load;
   const auto entry = [&](Index e) {
     if (place[e] == none) {
       place[e] = static_cast<Index>(data.size());
@@ -97,7 +121,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
       while (m.mesh.edges_of[d.triangle][d.side] != e) ++d.side;
       d.displacement.setZero();
       data.push_back(d);
-      load.emplace_back(decltype(load)::value_type::Zero());
+      load.emplace_back(Sampled::Zero());
     }
     return place[e];
   };
@@ -139,6 +163,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
       }
       note_open(d, given);
     }
+  add_pressures(m, data, load);
   for (std::size_t i = 0; i < data.size(); ++i) {
     EdgeData& d = data[i];
     const Eigen::Matrix<double, 2, data_points> weighted = load[i] * sample.w.asDiagonal();

@@ -28,7 +28,8 @@ Forces forces(const Model& model);
 inline constexpr int data_carriers = 6;
 using EdgePolynomial = Eigen::Matrix<double, 2, data_carriers>;  // values at gauss(data_carriers)
 
-/// Data of one boundary edge that a support or a traction names, in the components of its frame.
+/// Data of one boundary edge that a support or a traction names, or of one side of a crack edge under pressure, in the
+/// components of its frame. The sides of a crack come one after the other, the left one first.
 struct EdgeData {
   Index edge = none;
   Index triangle = none;

@@ -10,26 +10,26 @@ namespace kerf {
 namespace {
 
 // The worst edge of one condition, if the rules leave any open.
-void add_unseen(const Mesh& mesh, const SceneData& data, const LoadedEdges& of, bool prescribed,
-                std::vector<UnseenData>& all) {
-  const char* what = prescribed ? "the prescribed displacement" : "the traction";
+void add_unseen(const Mesh& mesh, const std::vector<EdgeValues>& values, bool prescribed, const auto& edge_of,
+                UnseenData which, std::vector<UnseenData>& all) {
   std::optional<UnseenData> found;
   double worst = -1;
-  for (std::size_t j = 0; j < of.values.size(); ++j) {
-    const EdgeValues& v = of.values[j];
+  for (std::size_t j = 0; j < values.size(); ++j) {
+    const EdgeValues& v = values[j];
     const bool open = v.how == Resolution::Open, jumps = prescribed && v.jumps, infinite = !v.rest.allFinite();
     const bool stops = open || jumps || infinite;
     if (!stops && v.how != Resolution::Sampled) continue;
     const double size = open ? infinity : stops ? std::max(1.0, v.rest.sum()) : 0;
     if (size <= worst) continue;
     worst = size;
-    const EdgeLine line = edge_line(mesh, labeled(data, of.label)[j]);
-    found = UnseenData{of.label, line.a + v.worst * (line.b - line.a), what,
-                       open    ? "is not resolved"
-                       : jumps ? "jumps, which no displacement of finite energy does,"
-                       : stops ? "has a square that is not integrable"
-                               : "is known at sampled points only",
-                       stops};
+    const EdgeLine line = edge_line(mesh, edge_of(j));
+    which.at = line.a + v.worst * (line.b - line.a);
+    which.how = open    ? "is not resolved"
+                : jumps ? "jumps, which no displacement of finite energy does,"
+                : stops ? "has a square that is not integrable"
+                        : "is known at sampled points only";
+    which.stops_bounds = stops;
+    found = which;
   }
   if (found) all.push_back(*found);
 }
@@ -55,8 +55,17 @@ double size_over(const VectorField& f, const Mesh& mesh) {
 
 std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const SceneData& data) {
   std::vector<UnseenData> all;
-  for (const LoadedEdges& s : data.supports) add_unseen(mesh, data, s, true, all);
-  for (const LoadedEdges& t : data.tractions) add_unseen(mesh, data, t, false, all);
+  const auto add = [&](const LoadedEdges& of, bool prescribed, const char* what) {
+    add_unseen(
+        mesh, of.values, prescribed, [&](std::size_t j) { return labeled(data, of.label)[j]; },
+        {.label = of.label, .at = {}, .what = what, .how = ""}, all);
+  };
+  for (const LoadedEdges& s : data.supports) add(s, true, "the prescribed displacement");
+  for (const LoadedEdges& t : data.tractions) add(t, false, "the traction");
+  for (const LoadedCrack& c : data.pressures)
+    add_unseen(
+        mesh, c.values, false, [&](std::size_t j) { return mesh.cracks[c.crack][j].edge; },
+        {.at = {}, .what = "the pressure in a crack", .how = "", .crack = c.crack}, all);
   const auto add_worst = [&](std::size_t count, const char* what, const auto& error_if_open) {
     double worst = 0;
     std::optional<UnseenData> found;
@@ -81,6 +90,16 @@ EdgeLine edge_line(const Mesh& mesh, Index e) {
   return {mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]], outward_normal(mesh, e)};
 }
 
+const LoadedCrack* pressure_in(const SceneData& data, Index crack) {
+  const auto found = std::ranges::find(data.pressures, crack, &LoadedCrack::crack);
+  return found == data.pressures.end() ? nullptr : &*found;
+}
+
+double pressure_at(const EdgeValues& on_edge, double s) {
+  static const EdgeRule rule = gauss(data_points);
+  return on_edge.at.row(0) * trace_basis(rule, s);
+}
+
 const std::vector<Index>& labeled(const SceneData& data, Index label) {
   static const std::vector<Index> nothing;
   return label < 0 || label >= static_cast<Index>(data.edges.size()) ? nothing : data.edges[label];
@@ -103,6 +122,16 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
   };
   for (const Support& s : scene.supports) data.supports.push_back(values(s.label, s.value, "prescribed displacement"));
   for (const Traction& t : scene.tractions) data.tractions.push_back(values(t.label, t.value, "traction"));
+  for (std::size_t c = 0; c < std::min(mesh.cracks.size(), scene.laws.size()); ++c) {
+    const BoundaryField& p = scene.laws[c].pressure;
+    if (!p || scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
+    LoadedCrack all{static_cast<Index>(c), {}};
+    double size = 0;
+    for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line(mesh, e.edge)));
+    for (const CrackEdge& e : mesh.cracks[c])
+      all.values.push_back(edge_values(p, edge_line(mesh, e.edge), "pressure in a crack", size));
+    data.pressures.push_back(std::move(all));
+  }
   return data;
 }
 

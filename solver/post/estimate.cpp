@@ -126,9 +126,9 @@ EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& 
   return traces;
 }
 
-// The data of a boundary edge in its frame: which components are prescribed and d_tau u_D at the Gauss points, and what
-// the element does not see of the data: the squares of |e| d_tau (u_D - P) and of |e| (g - P), their means over the
-// edge.
+// The data of an edge of the boundary or of a crack under pressure in its frame: which components are prescribed and
+// d_tau u_D at the Gauss points, and what the element does not see of the data: the squares of |e| d_tau (u_D - P) and
+// of |e| (g - P), their means over the edge.
 struct Prescribed {
   std::array<bool, 2> component{false, false};
   Eigen::Matrix<double, 2, edge_points> slope = decltype(slope)::Zero();
@@ -197,6 +197,11 @@ EdgesWithData edges_with_data(const Model& m) {
     for (std::size_t j = 0; j < t.values.size(); ++j) {
       const Index e = labeled(data, t.label)[j];
       entry(e).traction += unseen_traction(m, t.values[j]) * std::pow(length(m.mesh, e), 2);
+    }
+  for (const LoadedCrack& c : data.pressures)
+    for (std::size_t j = 0; j < c.values.size(); ++j) {
+      const Index e = m.mesh.cracks[c.crack][j].edge;
+      entry(e).traction = unseen_traction(m, c.values[j]) * std::pow(length(m.mesh, e), 2);
     }
   return all;
 }
@@ -279,7 +284,7 @@ struct EdgeResiduals {
       }
       to.square += weight * scale * rule.w[g] * jump.squaredNorm();
     }
-    if (other == none && data.place[e] != none) {
+    if (data.place[e] != none) {  // a pressure in a crack acts on both sides
       const Prescribed& given = data.edges[data.place[e]];
       to.unseen += 4 * mu * mu * given.displacement + given.traction;
     }

@@ -236,32 +236,45 @@ Integrals over_ring(const Model& model, const Field& state, const Disc& disc, st
   return sum;
 }
 
-/// An edge of the faces behind the tip, with what goes through it at places t in [0, 1] away from the tip.
+/// An edge of the faces behind the tip, with what goes through it at places t in [0, 1] away from the tip. The points
+/// have no fluid pressure in sigma_n: it is given, and known everywhere on the edge.
 struct Face {
   std::size_t edge;  // of tip.edges
   std::vector<double> t;
   std::vector<CrackPoint> points;
+  const EdgeValues* fluid = nullptr;
+  bool along_edge = true;  // the places run with those of `fluid`, or against them
 };
+
+double fluid_pressure(const Face& face, double t) {
+  return face.fluid ? pressure_at(*face.fluid, face.along_edge ? t : 1 - t) : 0;
+}
 
 /// Points of the profile per edge, from the tip.
 std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const CrackPoint> profile) {
   const CrackLaw& law = model.scene.laws[tip.crack];
-  const std::size_t count = profile.size() / model.mesh.cracks[tip.crack].size();
+  const std::vector<CrackEdge>& edges = model.mesh.cracks[tip.crack];
+  const std::size_t count = profile.size() / edges.size();
+  const LoadedCrack* fluid = pressure_in(model.inner->data, tip.crack);
   std::vector<Face> faces;
   for (std::size_t i = 0; i < tip.edges.size(); ++i) {
     Face face{.edge = i};
+    const std::size_t place = tip.at_start ? i : edges.size() - 1 - i;
+    if (fluid) face.fluid = &fluid->values[place];
+    face.along_edge = edges[place].forward == tip.at_start;
     for (std::size_t k = 0; k < count; ++k) {
       const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
       const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
       face.t.push_back((x - tip.vertices[i]).dot(along) / along.squaredNorm());
       face.points.push_back(p);
+      face.points.back().sigma_n = -p.contact_pressure();
     }
     faces.push_back(std::move(face));
   }
-  // The discrete pressure on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an error of
-  // some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no pressure
-  // there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the positive part.
-  // Friction on that edge is taken from the next one.
+  // The discrete pressure of contact on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an
+  // error of some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no
+  // pressure there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the
+  // positive part. Friction on that edge is taken from the next one.
   if (law.kind == CrackLaw::Kind::Unilateral)
     for (std::size_t k = 0; k < count; ++k) {
       faces[0].points[k].sigma_n = 0;
@@ -313,7 +326,8 @@ std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
 using Row = Eigen::Matrix<double, 1, rings>;
 
 Vec2 traction(const Face& face, const Spot& p) {
-  return along_face(face, p.place, &CrackPoint::sigma_n) * p.n + along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
+  return (along_face(face, p.place, &CrackPoint::sigma_n) - fluid_pressure(face, p.place)) * p.n +
+         along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
 }
 
 /// int q (s n) . [u'_,1]: the auxiliary fields only; s less the polynomial state.
@@ -334,21 +348,25 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
   return sum;
 }
 
-/// The same for J on straight faces, int q s_12 d[u_1], as a sum over the points of the profile: exact for a uniform
-/// friction.
-Row work_of_friction(const Disc& disc, std::span<const Face> faces) {
-  const auto friction = [&](const CrackPoint& p) -> Row {
-    Row shear;
-    for (int k = 0; k < rings; ++k) shear[k] = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * p.sigma_t;
-    return shear;
+/// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
+/// the profile: exact for a uniform friction and pressure.
+Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
+  using Pair = Eigen::Matrix<double, 2, rings>;
+  const auto tractions = [&](const CrackPoint& p) -> Pair {
+    Pair both;
+    for (int k = 0; k < rings; ++k)
+      both.col(k) = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * Vec2(p.sigma_t, -p.fluid_pressure);
+    return both;
   };
-  Row sum = Row::Zero(), before = friction(faces[0].points[0]);
-  double slip = 0;
+  Row sum = Row::Zero();
+  Pair before = tractions(faces[0].points[0]);
+  Vec2 jump = Vec2::Zero();
   for (const Face& face : faces)
     for (const CrackPoint& p : face.points) {
-      const Row here = friction(p);
-      sum -= 0.5 * (before + here) * (p.jump_t - slip);
-      slip = p.jump_t;
+      const Pair here = tractions(p);
+      const Vec2 to(p.jump_t, p.jump_n);
+      sum -= 0.5 * (to - jump).transpose() * (before + here);
+      jump = to;
       before = here;
     }
   return sum;
@@ -374,12 +392,13 @@ Eigen::Vector4d flux(const Material& m, const Spot& p, const Auxiliary& f, bool 
 }
 
 /// What that leaves out in J, (s n) . [u_,1], one face's share. Faces in contact stay so as they slide: n . [u_,t] is
-/// the slip times the curvature, much smoother than the gradients beside the chords.
+/// the slip times the curvature, much smoother than the gradients beside the chords. A fluid follows either face.
 double work_of_sliding(const Face& face, const Spot& p, const Auxiliary& f, bool upper, double curvature) {
   const double normal = along_face(face, p.place, &CrackPoint::sigma_n),
                shear = along_face(face, p.place, &CrackPoint::sigma_t),
                slip = along_face(face, p.place, &CrackPoint::jump_t);
-  const double beside = shear * p.t.dot(f.gradient.col(0)) + normal * p.n.x() * p.n.dot(f.gradient * p.n);
+  const double beside = shear * p.t.dot(f.gradient.col(0)) + normal * p.n.x() * p.n.dot(f.gradient * p.n) -
+                        fluid_pressure(face, p.place) * p.n.dot(f.gradient.col(0));
   return (upper ? beside : -beside) + 0.5 * normal * p.t.x() * curvature * slip;
 }
 
@@ -463,7 +482,7 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);
   else
-    I.row(auxiliary) += work_of_friction(disc, behind);
+    I.row(auxiliary) += work_on_faces(disc, behind);
   const double modulus = plane_modulus(disc.material);
   Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
   if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);

@@ -233,7 +233,7 @@ void read_jump(const Model& model, const Field& field, Index edge, int g, CrackP
   p.jump_n = field.skeleton[unknown];
   p.jump_t = -field.skeleton[unknown + 1];
   if (model.scene.laws[model.mesh.crack[edge]].kind != CrackLaw::Kind::Unilateral) return;
-  p.sigma_n = -field.force[unknown] / p.length;
+  p.sigma_n -= field.force[unknown] / p.length;
   p.sigma_t = field.force[unknown + 1] / p.length;
 }
 
@@ -258,7 +258,7 @@ void evaluate_traction(const Model& model, const Field& field, Index edge, int g
 }
 
 CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smallest& least) {
-  const bool gap = p.jump_n > least.gap, pressure = -p.sigma_n > least.pressure;
+  const bool gap = p.jump_n > least.gap, pressure = p.contact_pressure() > least.pressure;
   if (law == CrackLaw::Kind::Bonded || pressure) return CrackPoint::Status::Closed;
   return gap || law != CrackLaw::Kind::Unilateral ? CrackPoint::Status::Open : CrackPoint::Status::Biactive;
 }
@@ -274,6 +274,7 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
   for (const CrackEdge& c : model.mesh.cracks[crack]) total += length(model.mesh, c.edge);
   if (total == 0) return {};
   const Smallest least = smallest(model, field, crack, total);
+  const BoundaryField& fluid = model.scene.laws[crack].pressure;
   std::vector<CrackPoint> profile;
   for (const CrackEdge& c : model.mesh.cracks[crack]) {
     const double l = length(model.mesh, c.edge);
@@ -286,6 +287,8 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
       p.s = done + l * (c.forward ? along : 1 - along);
       p.at = a + along * (b - a);
       p.length = l * rule.w[g];
+      if (fluid) p.fluid_pressure = fluid(p.at, normal(model.mesh, c.edge))[0];
+      p.sigma_n = -p.fluid_pressure;
       if (mixed)
         read_jump(model, field, c.edge, g, p);
       else

@@ -8,7 +8,7 @@ namespace kerf {
 
 namespace {
 
-/// From the tip: where the point's share of the crack begins and ends, and its pressure.
+/// From the tip: where the point's share of the crack begins and ends, and its pressure of contact.
 struct Stretch {
   double from, to, pressure;
   bool open;
@@ -22,7 +22,7 @@ std::vector<Stretch> from_tip(const CrackTip& tip, std::span<const CrackPoint> p
   double s = 0;
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const CrackPoint& p = tip.at_start ? profile[i] : profile[profile.size() - 1 - i];
-    all.push_back({s, s + p.length, -p.sigma_n, p.status == CrackPoint::Status::Open});
+    all.push_back({s, s + p.length, p.contact_pressure(), p.status == CrackPoint::Status::Open});
     s += p.length;
   }
   return all;

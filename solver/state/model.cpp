@@ -141,6 +141,9 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
+  for (const CrackLaw& law : scene.laws)
+    if (law.kind == CrackLaw::Kind::Bonded && has_pressure(law))
+      throw std::invalid_argument("prepare: a bonded crack has no faces for a pressure");
   for (const Index r : mesh.region)
     if (r >= static_cast<Index>(scene.regions.size()))
       throw std::invalid_argument("prepare: one material per region is needed");

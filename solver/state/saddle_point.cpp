@@ -184,12 +184,13 @@ struct Given {
   std::vector<bool> known;
   Eigen::VectorXd value;       // 0 where not known
   std::vector<Index> contact;  // per row in contact its traction
+  Eigen::VectorXd fluid;       // and the force of the fluid in the crack, which the traction bears besides
 };
 
 Given given_tractions(const Model& m, const Layout& layout) {
   const Skeleton& s = m.inner->skeleton;
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
-          std::vector<Index>(m.inner->ordering.contact_rows)};
+          std::vector<Index>(m.inner->ordering.contact_rows), Eigen::VectorXd::Zero(m.inner->ordering.contact_rows)};
   const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.inner->data);
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
@@ -200,10 +201,14 @@ Given given_tractions(const Model& m, const Layout& layout) {
         if (g.known[u]) g.value[u] = loads[u] / layout.share[u];
       } else if (s.jump[e] != none && !s.fixed[s.jump[e] + i]) {
         const Index row = m.inner->ordering.row[s.jump[e] + i];
-        if (row >= leading)
+        const double fluid = loads[s.jump[e] + i];
+        if (row >= leading) {
           g.contact[row - leading] = u;
-        else
+          g.fluid[row - leading] = fluid;
+        } else {
           g.known[u] = true;
+          g.value[u] = -fluid / layout.share[u];
+        }
       }
     }
   return g;
@@ -253,7 +258,8 @@ struct Solver {
     Eigen::VectorXd x = given.value;
     for (std::size_t i = 0; i < moving.size(); ++i) {
       const Index u = given.contact[i];
-      x[u] = moving[i] == Motion::Held ? 0 : -force[static_cast<Eigen::Index>(i)] / layout.share[u];
+      const auto row = static_cast<Eigen::Index>(i);
+      x[u] = moving[i] == Motion::Held ? 0 : -(force[row] + given.fluid[row]) / layout.share[u];
     }
     const Eigen::VectorXd rest = saddle.load - multiply(saddle.matrix, x);
     Eigen::VectorXd b(std::count_if(row.begin(), row.end(), [](Index r) { return r != none; }));
@@ -270,8 +276,12 @@ struct Solver {
     Response r{Eigen::VectorXd::Zero(m.inner->ordering.contact_rows), Eigen::VectorXd(m.inner->ordering.contact_rows)};
     for (Index i = 0; i < m.inner->ordering.contact_rows; ++i) {
       const Index u = given.contact[i];
-      if (moving[i] != Motion::Held) r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
-      r.force[i] = -layout.share[u] * x[u];
+      if (moving[i] == Motion::Held) {
+        r.force[i] = -layout.share[u] * x[u] - given.fluid[i];
+      } else {
+        r.jump[i] = -rest[u] / (2 * m.scene.material.mu * layout.share[u]);
+        r.force[i] = force[i];
+      }
     }
     return r;
   }
@@ -399,8 +409,10 @@ State solve_saddle_point(const Model& m) {
   state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows);
-    if (m.inner->ordering.row[u] != none && row >= 0)
-      state.force[u] = -layout.share[given.contact[row]] * x[given.contact[row]];
+    if (m.inner->ordering.row[u] == none || row < 0) continue;
+    const bool held = contact.motion[row] == Motion::Held;
+    state.force[u] =
+        held ? -layout.share[given.contact[row]] * x[given.contact[row]] - given.fluid[row] : contact.force[row];
   }
   recover(solver, x, state);
   state.eigenstrain = m.inner->data.strain.empty() ? 0 : 1;

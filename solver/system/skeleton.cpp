@@ -42,6 +42,7 @@ void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
     if (mesh.cracks[crack].empty() || kind == CrackLaw::Kind::Bonded) continue;
     need(e, can_open);
     if (kind == CrackLaw::Kind::Unilateral) need(e, can_contact);
+    if (has_pressure(scene.laws[crack])) need(e, can_press_cracks);
   }
 }
 
@@ -370,6 +371,42 @@ SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::Vect
   return trace;
 }
 
+namespace {
+
+/// The corner of triangle t at a vertex.
+Index corner_in(const Mesh& mesh, const Skeleton& s, Index t, Index vertex) {
+  int i = 0;
+  while (mesh.triangles[t][i] != vertex) ++i;
+  return s.corners.of[t][i];
+}
+
+// Of one edge of a crack: the pressure pushes its right side along the normal, its left side the other way.
+void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e, const EdgeValues& values,
+                  Eigen::VectorXd& load) {
+  const EdgeRule rule = gauss(data_points);
+  const double l = length(mesh, e);
+  for (int q = 0; q < data_points; ++q) {
+    const double at = rule.s[q];
+    const Vec2 moment = l * rule.w[q] * values.at(0, q) * normal(mesh, e);
+    if (is_mixed(k.element)) {
+      const Eigen::VectorXd basis = trace_basis(k.trace, at);
+      for (int g = 0; g < basis.size(); ++g)
+        load.segment<2>(s.jump[e] + 2 * g) += basis[g] * frame_at(s, e, g).transpose() * moment;
+      continue;
+    }
+    const double bubble = s.per_edge > 0 ? 4 * at * (1 - at) : 0;
+    if (s.per_edge > 0) load.segment<2>(s.jump[e]) += bubble * s.frame[e].transpose() * moment;
+    for (int end = 0; end < 2; ++end)
+      for (int side = 0; side < 2; ++side) {
+        const Index corner = corner_in(mesh, s, mesh.sides[e][side], mesh.edges[e][end]);
+        load.segment<2>(corner_unknown(s, corner)) += (side == 0 ? -1 : 1) * ((end == 0 ? 1 - at : at) - 0.5 * bubble) *
+                                                      s.corner_frame[corner].topLeftCorner<2, 2>().transpose() * moment;
+      }
+  }
+}
+
+}  // namespace
+
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
   const EdgeRule rule = gauss(data_points);
@@ -397,6 +434,9 @@ Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton
         }
       }
     }
+  for (const LoadedCrack& c : data.pressures)
+    for (std::size_t j = 0; j < c.values.size(); ++j)
+      add_pressure(mesh, k, s, mesh.cracks[c.crack][j].edge, c.values[j], load);
   return load;
 }
 

@@ -63,7 +63,9 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t);
 /// What triangle t sees of the values of all unknowns.
 SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t);
 
-/// Loads of the tractions: their moments against the basis of each labeled edge, per unknown.
+/// Loads of the tractions and of the pressures in cracks: their moments against the basis of each such edge, per
+/// unknown. On the two sides of a pressed edge p n acts, n away from the crack, normal to the edge: both do work on the
+/// jump alone [theory: C.15].
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data);
 
 }  // namespace kerf

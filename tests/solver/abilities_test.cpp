@@ -54,6 +54,7 @@ std::string yes(bool can) {
   return can ? "yes" : "no";
 }
 std::string cracks(const Element& e) {
+  if (can_contact(e) && !can_press_cracks(e)) return "yes, without `pressure`";
   return can_contact(e) ? "yes" : can_open(e) ? "open or bonded" : "bonded only";
 }
 std::string incompressible(const Element& e) {
@@ -104,9 +105,9 @@ TEST(ElementAbilities, RefusalsNameTheElementsThatCan) {
   EXPECT_EQ(best.substr(0, best.find(", \"bdms-c\"")),
             "element \"bdms\" of degree 3 is the best: no other could give error bars; use \"bdms\" (degree 1 or 2)");
   for (const Ability can :
-       {can_open, can_contact, can_have_regions, can_be_strained, can_be_incompressible, can_be_enclosed,
-        can_stay_uncondensed, can_adjoint, can_integrate_boundaries, can_clamp_holes, can_validate, can_optimize,
-        can_bound_energy, can_estimate_error, can_be_bettered})
+       {can_open, can_contact, can_press_cracks, can_have_regions, can_be_strained, can_be_incompressible,
+        can_be_enclosed, can_stay_uncondensed, can_adjoint, can_integrate_boundaries, can_clamp_holes, can_validate,
+        can_optimize, can_bound_energy, can_estimate_error, can_be_bettered})
     for (const Element& e : elements) {
       if (can(e)) {
         EXPECT_NO_THROW(require(e, can));

@@ -74,6 +74,17 @@ TEST(BodyForce, LeavesWithTheHole) {
   }
 }
 
+// Partly closed all the same. The ball's own problem has no load of the crack.
+TEST(FluidInTheCrack, WorkAndFunctionalsOfTheCrackHold) {
+  for (const Named& n : terms()) {
+    const std::string name = n.name;
+    if (name != "compliance" && name != "crack_opening" && name != "crack_pressure") continue;
+    Body b = partly_closed(plane_strain(1, 0.3));
+    b.scene.laws[0].pressure = [](const Vec2& x, const Vec2&) { return Vec2(0.1 + 0.1 * x.x(), 0); };
+    expect_holds(validated(b, {"", {n.term}}, {0.15, 0.45}, {}, radii), name);
+  }
+}
+
 struct Change {
   const char* name;
   Perturbation p;

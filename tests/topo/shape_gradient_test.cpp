@@ -24,6 +24,7 @@ struct Scenario {
   bool body = true;        // a body force
   bool prescribed = true;  // displacements that are not 0
   double step = 1e-3;      // small enough that no contact changes
+  bool fluid = false;      // a pressure in the crack
 };
 
 const Vec2 hole_center(-0.35, 0.35), tip(0.6, -0.3);
@@ -47,6 +48,10 @@ Scene scene_of(const Scenario& s) {
   scene.material = plane_strain(1, s.poisson);
   scene.regions = {plane_strain(3, 0.25)};
   scene.laws.resize(1);
+  if (s.fluid)
+    scene.laws[0].pressure = [](const Vec2& x, const Vec2&) {
+      return Vec2(0.3 + 0.2 * std::sin(3 * x.x() + x.y()), 0);
+    };
   const double size = s.prescribed ? 0.05 : 0;
   scene.supports = {
       {0, false, true, true, [=](const Vec2& x, const Vec2&) { return Vec2(size * x.x() * x.x(), size * x.x()); }},
@@ -255,11 +260,12 @@ TEST(ShapeGradientOf, ACurvedCrack) {
   Shape shape = rectangle({-1, -1}, {1, 1});
   shape.cracks = {arc_crack("arc", center, 0.7, 0.6, 2.4)};
   const Mesh mesh = triangulate(shape, {.size = 0.3, .crack_tip_size = 0.1});
-  for (const bool closed : {false, true}) {
-    Scene scene = pulled(plane_strain(1, 0.3), [closed](const Vec2& x) -> Vec2 {
+  for (const auto& [closed, fluid] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
+    Scene scene = pulled(plane_strain(1, 0.3), [closed = closed](const Vec2& x) -> Vec2 {
       return {0.4, closed ? -1 - 0.2 * x.x() : 1 + 0.2 * x.x()};
     });
     scene.laws[0].normal = [center](const Vec2& x) { return Vec2((x - center).normalized()); };
+    if (fluid) scene.laws[0].pressure = [](const Vec2& x, const Vec2&) { return Vec2(0.2 + 0.1 * x.x() * x.y(), 0); };
     const auto model_at = [&](const Points& theta, double t) {
       Mesh moved = mesh;
       for (std::size_t i = 0; i < moved.points.size(); ++i)
@@ -280,7 +286,8 @@ TEST(ShapeGradientOf, ACurvedCrack) {
       };
       const double step = 1e-3,
                    expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
-      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6) << j.terms[0].kind << closed;
+      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6)
+          << j.terms[0].kind << closed << fluid;
     }
   }
 }
@@ -426,7 +433,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Scenario{.name = "degree3", .degree = 3, .crack = Scenario::Crack::Partly, .step = 1e-4},
                     Scenario{.name = "peers", .element = "peers", .crack = Scenario::Crack::Partly},
                     Scenario{.name = "afw", .element = "afw", .crack = Scenario::Crack::Partly},
-                    Scenario{.name = "bdmsc", .element = "bdms-c"}),
+                    Scenario{.name = "bdmsc", .element = "bdms-c"}, Scenario{.name = "fluid", .fluid = true},
+                    Scenario{.name = "fluid_partly", .crack = Scenario::Crack::Partly, .fluid = true},
+                    Scenario{.name = "fluid_closed", .degree = 2, .crack = Scenario::Crack::Closed, .fluid = true}),
     name_of);
 
 }  // namespace

@@ -55,6 +55,8 @@ Body body(const Load& load) {
   b.shape.cracks = {{"crack", {from, tip}}};
   b.scene.material = matrix();
   b.scene.laws = {{load.contact ? CrackLaw::Kind::Unilateral : CrackLaw::Kind::Open}};
+  if (load.fluid)
+    b.scene.laws[0].pressure = [](const Vec2& x, const Vec2&) { return Vec2(0.5 - 0.2 * x.x() * x.y(), 0); };
   if (load.regions) {
     b.shape.regions.push_back(ring({1.3, 0.7}, {0.5, 0.5}, 0, 48));
     b.scene.regions.push_back(plane_strain(2.5, 0.4));
@@ -187,7 +189,9 @@ const std::vector<Load>& loads() {
                                         {"body_and_prescribed", true, true},
                                         {"contact", false, false, true},
                                         {"regions", false, false, false, true},
-                                        {"all", true, true, true, true}};
+                                        {"all", true, true, true, true},
+                                        {"fluid", false, true, false, false, true},
+                                        {"fluid_and_contact", true, false, true, false, true}};
   return all;
 }
 

@@ -19,6 +19,7 @@ struct Load {
   bool prescribed = false;  // the rollers move
   bool contact = false;     // the crack is partly closed
   bool regions = false;     // around the point lies another material
+  bool fluid = false;       // a pressure in the crack
 };
 const std::vector<Load>& loads();
 

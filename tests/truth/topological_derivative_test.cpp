@@ -77,6 +77,11 @@ TEST(DrawnChanges, ClampedUnderABodyForceAndMovingSupports) {
   expect_drawn(named(drawn::loads(), "body_and_prescribed"), named(drawn::changes(), "clamped_hole"), false);
 }
 
+// A pressure in the crack, which is partly closed all the same.
+TEST(DrawnChanges, BesideACrackUnderPressure) {
+  expect_drawn(named(drawn::loads(), "fluid_and_contact"), named(drawn::changes(), "hole"), false);
+}
+
 // The direction that an ellipse or a crack takes sees the densities of the stress: none is better.
 TEST(DrawnChanges, DirectionsSeeTheDensitiesOfTheStress) {
   const Load& load = named(drawn::loads(), "body_and_prescribed");

@@ -162,6 +162,44 @@ void add_tractions(const Model& m, const Eigen::VectorXd& skeleton, Points& grad
     }
 }
 
+// Normal and tangent of a crack at x, on an edge with this normal (of any length).
+Mat2 frame_of(const CrackLaw& law, const Vec2& x, const Vec2& chord) {
+  Vec2 n = chord.normalized();
+  if (law.normal) {
+    n = law.normal(x);
+    if (n.dot(chord) < 0) n = -n;
+  }
+  return (Mat2() << n, Vec2(-n.y(), n.x())).finished();
+}
+
+// int p n . [m] of the pressures in the cracks, n normal to the edges: the jump keeps its components in a frame that
+// moves, as in add_cracks.
+void add_pressures(const Model& m, const Eigen::VectorXd& skeleton, Points& gradient) {
+  const Mesh& mesh = m.mesh;
+  const EdgeRule rule = gauss(8);
+  const EdgeRule& trace = m.inner->kernel.trace;
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    const CrackLaw& law = m.scene.laws[crack];
+    if (!has_pressure(law)) continue;
+    for (const CrackEdge& c : mesh.cracks[crack]) {
+      const Index e = c.edge, unknown = m.inner->skeleton.jump[e];
+      add(gradient, mesh, e,
+          by_ends(mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]], [&](const Vec2& a, const Vec2& b) {
+            const Vec2 along = b - a, normal(along.y(), -along.x());  // times the length
+            Points jump(2, trace.s.size());
+            for (int g = 0; g < jump.cols(); ++g)
+              jump.col(g) = frame_of(law, a + trace.s[g] * along, normal) * skeleton.segment<2>(unknown + 2 * g);
+            double sum = 0;
+            for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+              const double p = law.pressure(a + rule.s[q] * along, normal.normalized())[0];
+              sum += rule.w[q] * p * normal.dot(jump * trace_basis(trace, rule.s[q]));
+            }
+            return sum;
+          }));
+    }
+  }
+}
+
 // The work of the tractions that a misfit replaces on the measured displacements.
 void add_measured_work(const Model& m, const Support& measured, double share, Points& gradient) {
   const Mesh& mesh = m.mesh;
@@ -258,15 +296,8 @@ void add_cracks(const Loaded& body, const Field* dual, Points& gradient) {
             const Vec2 along = (b - a).normalized(), chord(along.y(), -along.x());
             double sum = 0;
             for (int g = 0; g < points; ++g) {
-              Vec2 n = chord;
-              if (law.normal) {
-                n = law.normal(a + m.inner->kernel.trace.s[g] * (b - a));
-                if (n.dot(chord) < 0) n = -n;
-              }
-              const Vec2 tangent(-n.y(), n.x());
-              const auto jump = [&](const Field& s) -> Vec2 {
-                return s.skeleton[unknown + 2 * g] * n + s.skeleton[unknown + 2 * g + 1] * tangent;
-              };
+              const Mat2 frame = frame_of(law, a + m.inner->kernel.trace.s[g] * (b - a), chord);
+              const auto jump = [&](const Field& s) -> Vec2 { return frame * s.skeleton.segment<2>(unknown + 2 * g); };
               sum += of_state.col(g).dot(jump(body.state));
               if (dual) sum -= force.col(g).dot(jump(*dual));
             }
@@ -312,6 +343,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
     if (first) displacement += p.work * body.state.skeleton;
     if (first && p.dual) displacement += p.dual->skeleton;
     add_tractions(body.model, displacement, gradient);
+    add_pressures(body.model, displacement, gradient);
     add_supports(body, p, first, gradient);
     add_cracks(body, first ? p.dual : nullptr, gradient);
   }

@@ -13,6 +13,7 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   Scene inside = scene;
   inside.supports.clear();
   inside.tractions.clear();
+  for (CrackLaw& law : inside.laws) law.pressure = {};  // no crack reaches into a ball
   if (!body) {
     inside.body = {};
     inside.eigenstrain.clear();

@@ -33,6 +33,12 @@ TEST(BodyFile, TheMeshIsTheCase) {
   EXPECT_EQ(read(plate("[mesh]\nsize = 0.3\n")).sizing.size, 0.3);
 }
 
+TEST(BodyFile, ItsCracksTakeAPressure) {
+  const Case c = read(plate("[[crack]]\nname = 'c'\npressure = 'x + 2'\n"));
+  ASSERT_TRUE(has_pressure(c.scene.laws.at(0)));
+  EXPECT_EQ(c.scene.laws[0].pressure({1, 0}, {0, 1}), Vec2(3, 0));
+}
+
 TEST(BodyFile, NamesThatTheMeshDoesNotHave) {
   EXPECT_EQ(error(plate("[[region]]\nname = 'soft'\nyoung = 1\npoisson = 0.3\n")).substr(0, 72),
             "a.toml:4:8: name in [[region]]: there is no physical surface \"soft\" in \"");
