@@ -87,14 +87,21 @@ void print_body(Lines& out, const Shape& shape, const Mesh& mesh) {
             shape.holes.size() == 1 ? "" : "s");
 }
 
+std::string in_words(const Elastic& e) {
+  if (!e.orthotropy) return fmt::format("young {:g}, poisson {:g}", e.young, e.poisson);
+  const Orthotropy& o = *e.orthotropy;
+  return fmt::format("young [{:g}, {:g}], poisson {:g}, shear {:g}, angle {:g}", o.young[0], o.young[1], o.poisson,
+                     o.shear, o.angle * 180 / pi);
+}
+
 void print_regions(Lines& out, const Shape& shape, const std::vector<Elastic>& materials, const Mesh& mesh) {
   for (std::size_t r = 0; r < shape.regions.size(); ++r) {
     double size = 0;
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
       if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
-    out.print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles\n", shape.regions[r].name,
-              materials[r].young, materials[r].poisson, size, count);
+    out.print("region    {}: {}, area {:.6g}, {} triangles\n", shape.regions[r].name, in_words(materials[r]), size,
+              count);
   }
 }
 
@@ -198,7 +205,8 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       *problem));
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh);
-  out.print("material  young {:g}, poisson {:g}, plane {}\n", c.young, c.poisson, c.plane_strain ? "strain" : "stress");
+  out.print("material  {}, plane {}\n", in_words({c.young, c.poisson, c.orthotropy}),
+            c.plane_strain ? "strain" : "stress");
   print_regions(out, c.shape, c.regions, mesh);
   print_mesh(out, mesh);
   print_cracks(out, notes, c.shape, c.scene, mesh);

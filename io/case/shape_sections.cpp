@@ -96,14 +96,14 @@ void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file,
     if (!is_drawn(region)) named.push_back(region);
   for (const Index m : file.material) {
     if (m == none) {
-      c.regions.push_back({c.young, c.poisson});
+      c.regions.push_back({c.young, c.poisson, c.orthotropy});
       c.scene.regions.push_back(c.scene.material);
       continue;
     }
     const Value& region = named[static_cast<std::size_t>(m)];
-    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
+    const Elastic e = read_elastic(region);
     c.regions.push_back(e);
-    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
+    c.scene.regions.push_back(elastic(region, e, c.plane_strain));
   }
 }
 
@@ -226,9 +226,9 @@ std::vector<Elastic> add_regions(const std::vector<Value>& tables, bool in_plane
     allow_only(region);
     const std::string name = new_name(need(region, "name"), shape.regions);
     shape.regions.push_back(read_loop(region, name, none));
-    const Elastic e{in_range(need(region, "young")), in_range(need(region, "poisson"))};
+    const Elastic e = read_elastic(region);
     elastics.push_back(e);
-    materials.push_back(elastic(region, e.young, e.poisson, in_plane_strain));
+    materials.push_back(elastic(region, e, in_plane_strain));
   }
   return elastics;
 }
