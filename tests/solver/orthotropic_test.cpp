@@ -22,8 +22,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr Orthotropy wood{.young = {10, 1}, .poisson = 0.4, .shear = 0.6, .angle = 0.5};
-const double free_angle = 0.5;
-
 Mat2 turn(double angle) {
   return (Mat2() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
 }
@@ -173,23 +171,32 @@ Scene loaded(const Material& m, const CentralCrack& truth, CrackLaw::Kind kind =
   return s;
 }
 
+// On uniform meshes the error of K is of the order h: halved with h, and gone in what both meshes extrapolate to.
 TEST(Orthotropic, CentralCrackHasTheFactorsOfThePlane) {
-  for (const double angle : {0.0, free_angle, -1.1}) {
+  for (const double angle : {0.0, 0.5, -1.1}) {
     SCOPED_TRACE(angle);
     Orthotropy o = wood;
     o.angle = angle;
     const CentralCrack truth(o);
     const Material m = orthotropic(o);
-    const Model model = prepare(exact::crack_mesh(16), bdms(2), loaded(m, truth), 2);
-    const State state = solve(model);
     const double unit = std::sqrt(pi);
-    for (const TipIntensity& tip : crack_tips(model, state)) {
-      EXPECT_NEAR(tip.K_I, truth.normal * unit, 2e-3 * unit);
-      EXPECT_NEAR(tip.K_II, truth.shear * unit, 2e-3 * unit);
-      EXPECT_NEAR(tip.T, truth.along, 5e-3);
-      const Vec2 K(truth.shear * unit, truth.normal * unit);
-      EXPECT_NEAR(tip.G, 0.5 * K.dot(surface(seen_from(m, 0)).inverse_L * K), 5e-3 * tip.G);
-      EXPECT_NEAR(tip.J / tip.G, 1, 5e-3);
+    const Vec2 K(truth.shear * unit, truth.normal * unit);
+    const double G = 0.5 * K.dot(surface(m).inverse_L * K);
+    const auto tips = [&](int n) {
+      const Model model = prepare(exact::crack_mesh(n), bdms(2), loaded(m, truth), 2);
+      return crack_tips(model, solve(model));
+    };
+    const std::vector<TipIntensity> coarse = tips(16), fine = tips(32);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto expect = [&](double TipIntensity::*value, double exact, double size) {
+        EXPECT_LT(std::abs(fine[i].*value - exact), 0.55 * std::abs(coarse[i].*value - exact));
+        EXPECT_NEAR(2 * fine[i].*value - coarse[i].*value, exact, 1e-3 * size);
+      };
+      expect(&TipIntensity::K_I, K[1], unit);
+      expect(&TipIntensity::K_II, K[0], unit);
+      expect(&TipIntensity::T, truth.along, 1);
+      expect(&TipIntensity::G, G, G);
+      expect(&TipIntensity::J, G, 2 * G);
     }
   }
 }
@@ -284,7 +291,9 @@ TEST(Orthotropic, BoundsHoldTheEnergy) {
       EXPECT_LT(b.upper - b.lower, 0.7 * width);
       width = b.upper - b.lower;
     }
-    EXPECT_LT(width, 0.1 * std::abs(truth));
+    if (o.young == wood.young) {
+      EXPECT_LT(width, 0.03 * std::abs(truth));
+    }
   }
 }
 
