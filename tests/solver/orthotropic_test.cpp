@@ -297,5 +297,30 @@ TEST(Orthotropic, BoundsHoldTheEnergy) {
   }
 }
 
+// A clamped square with a strong direction against a finer mesh of a better element: neither far too small nor too
+// large.
+TEST(Orthotropic, EstimateOfTheError) {
+  for (const double ratio : {10., 50.}) {
+    Scene scene{.material = orthotropic({.young = {ratio, 1}, .poisson = 0.3, .shear = 0.4, .angle = 0.5})};
+    scene.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+    scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.2, std::sin(3 * x.x())); }}};
+    const Model model = prepare(exact::unit_square_mesh(8), bdms(1), scene, 1),
+                fine = prepare(exact::unit_square_mesh(48), bdms(2), scene, 2);
+    const State state = solve(model), truth = solve(fine);
+    const Locator locator = make_locator(model.mesh);
+    double off = 0, all = 0;
+    for (Index t = 0; t < static_cast<Index>(fine.mesh.triangles.size()); ++t) {
+      const Vec2 x = centroid(fine.mesh, t);
+      const Eigen::Vector4d a = evaluate(fine, truth, t, x).stress.col(0),
+                            b = evaluate(model, state, locate(model.mesh, locator, x), x).stress.col(0);
+      off += area(fine.mesh, t) * (a - b).squaredNorm();
+      all += area(fine.mesh, t) * a.squaredNorm();
+    }
+    const double index = error_indicator(model, state).relative / std::sqrt(off / all);
+    EXPECT_GT(index, 0.75) << ratio;
+    EXPECT_LT(index, 1.6) << ratio;
+  }
+}
+
 }  // namespace
 }  // namespace kerf

@@ -84,7 +84,7 @@ degree = 2
   for (const double angle : {90., 0., 30.})
     EXPECT_NEAR(
         factor(fmt::format("material.angle={}", angle)) / largest_on_rim(10, 1, 0.4, 0.6, (90 - angle) * pi / 180), 1,
-        0.01)
+        0.02)  // the hole is a polygon
         << angle;
 }
 
