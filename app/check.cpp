@@ -88,6 +88,13 @@ void print_body(Lines& out, const Shape& shape, const Mesh& mesh) {
             shape.holes.size() == 1 ? "" : "s");
 }
 
+std::string in_words(const Elastic& e) {
+  if (!e.orthotropy) return fmt::format("young {:g}, poisson {:g}", e.young, e.poisson);
+  const Orthotropy& o = *e.orthotropy;
+  return fmt::format("young [{:g}, {:g}], poisson {:g}, shear {:g}, angle {:g}", o.young[0], o.young[1], o.poisson,
+                     o.shear, o.angle * 180 / pi);
+}
+
 /// Of region r, or of the body around them.
 const char* with_eigenstrain(const Scene& scene, Index r) {
   const std::size_t place = static_cast<std::size_t>(r + 1);
@@ -101,8 +108,8 @@ void print_regions(Lines& out, const Case& c, const Mesh& mesh) {
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
       if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
-    out.print("region    {}: young {:g}, poisson {:g}, area {:.6g}, {} triangles{}\n", shape.regions[r].name,
-              c.regions[r].young, c.regions[r].poisson, size, count, with_eigenstrain(c.scene, static_cast<Index>(r)));
+    out.print("region    {}: {}, area {:.6g}, {} triangles{}\n", shape.regions[r].name, in_words(c.regions[r]), size,
+              count, with_eigenstrain(c.scene, static_cast<Index>(r)));
   }
 }
 
@@ -220,7 +227,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       *problem));
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh);
-  out.print("material  young {:g}, poisson {:g}, plane {}{}\n", c.young, c.poisson,
+  out.print("material  {}, plane {}{}\n", in_words({c.young, c.poisson, c.orthotropy}),
             c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
   print_regions(out, c, mesh);
   print_mesh(out, mesh);

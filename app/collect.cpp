@@ -93,7 +93,8 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
       if (t.crack == c) {
         TipResult tip{.at = t.at};
         if (std::isfinite(t.K_I)) {
-          tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G, tip.T = t.T;
+          tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G;
+          if (std::isfinite(t.T)) tip.T = t.T;
           tip.spread = {t.spread_K_I, t.spread_K_II, t.spread_T};
         }
         r.tips.push_back(tip);

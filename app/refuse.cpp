@@ -1,6 +1,7 @@
 #include "app/refuse.hpp"
 
 #include "optimize/refuse.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,12 @@ void refuse_optimization(const Case& c) {
 
 void refuse_map(const Element& e, const MapRequest& request) {
   if (request.bounds && has_series(request.perturbation)) require(e, can_be_bettered);
+}
+
+void refuse_orthotropic(const Case& c) {
+  const auto why = unknown_expansion(c.scene, c.functional, c.map_request.perturbation);
+  if (why)
+    throw Error(Fault::Usage, fmt::format("{}: {}", place_of(c, c.orthotropy ? "material.young" : "region"), *why));
 }
 
 void refuse_validation(const Element& e) {

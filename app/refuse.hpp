@@ -18,6 +18,9 @@ void refuse_optimization(const Case& c);
 /// Elements without error bars for the map.
 void refuse_map(const Element& e, const MapRequest& request);
 
+/// Changes and functionals whose expansion is not known in an orthotropic body, with the place of its material.
+void refuse_orthotropic(const Case& c);
+
 /// Elements that the validation cannot condense.
 void refuse_validation(const Element& e);
 

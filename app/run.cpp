@@ -116,6 +116,7 @@ void refuse(const Case& c, const Jobs& jobs) {
   if (jobs.map) refuse_friction(c.shape, c.scene, "map", "map");
   if (jobs.validate) refuse_friction(c.shape, c.scene, "validation", "validate");
   if (jobs.optimize) refuse_optimization(c);
+  if (jobs.map || jobs.validate) refuse_orthotropic(c);
   const Element& e = c.element;
   if (jobs.map) refuse_map(e, c.map_request);
   if (jobs.validate) refuse_validation(e);

@@ -8,6 +8,7 @@
 #include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/system.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <fmt/core.h>
 
@@ -20,6 +21,18 @@ namespace {
 bool may_touch(const Scene& scene) {
   return std::any_of(scene.laws.begin(), scene.laws.end(),
                      [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
+}
+
+std::string note_on_friction(const Scene& scene, const Shape& shape) {
+  if (!has_orthotropic(scene)) return {};
+  for (std::size_t k = 0; k < scene.laws.size(); ++k)
+    if (scene.laws[k].friction > 0)
+      return fmt::format(
+          "no K at the tips of crack \"{}\" where they lie in an orthotropic material: sliding against friction "
+          "changes "
+          "the pressure there, and the stress is not that of 1/sqrt(r)",
+          shape.cracks[k].name);
+  return {};
 }
 
 }  // namespace
@@ -125,6 +138,7 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
           fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
                       "contact = \"unilateral\" prevents it",
                       crack.name, crack.penetration));
+  if (const std::string note = note_on_friction(model.scene, shape); !note.empty()) s.state.notes.push_back(note);
   if (may_touch(model.scene)) s.contact = contact_result(state, method, s.cracks);
   return s;
 }

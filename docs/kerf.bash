@@ -65,6 +65,8 @@ crack[0].tresca
 crack[0].pressure
 material.young
 material.poisson
+material.shear
+material.angle
 material.thickness
 material.eigenstrain
 material.state
@@ -77,7 +79,8 @@ region[0].ellipse.angle_deg
 region[0].polygon
 region[0].young
 region[0].poisson
-region[0].eigenstrain
+region[0].shear
+region[0].angle
 boundary[0].on
 boundary[0].traction
 boundary[0].pressure
@@ -247,7 +250,8 @@ synthetic.region[0].ellipse.angle_deg
 synthetic.region[0].polygon
 synthetic.region[0].young
 synthetic.region[0].poisson
-synthetic.region[0].eigenstrain
+synthetic.region[0].shear
+synthetic.region[0].angle
 synthetic.element
 synthetic.degree
 synthetic.size

@@ -53,7 +53,8 @@ constexpr std::string_view word(CrackLaw::Kind kind) {
 }
 
 struct Elastic {
-  double young = 1, poisson = 0.3;
+  double young = 1, poisson = 0.3;  // E1 and nu12 of an orthotropic material
+  std::optional<Orthotropy> orthotropy = {};
 };
 
 struct Node;  // of a TOML document: not for users
@@ -72,8 +73,9 @@ struct Case {
   std::shared_ptr<const Mesh> mesh = {};     // of the shape, from a file: the state is solved on it as it is
   std::vector<std::string> file_notes = {};  // what was left out of that file
   Sizing sizing;
-  Scene scene;  // one law per crack of the shape
-  double young = 1, poisson = 0.3;
+  Scene scene;                      // one law per crack of the shape
+  double young = 1, poisson = 0.3;  // E1 and nu12 of an orthotropic body
+  std::optional<Orthotropy> orthotropy;
   bool plane_strain = true;
   std::optional<double> thickness = {};  // of a plate in plane stress
   std::vector<Elastic> regions;          // per region of the shape; as materials in the scene

@@ -9,8 +9,8 @@ namespace kerf {
 /// One end of a crack that lies inside the body. K in stress x sqrt(length): ahead of the tip s_yy = K_I/sqrt(2 pi r),
 /// s_xy = K_II/sqrt(2 pi r) in the frame whose x axis extends the crack and whose y axis is x turned by +90 degrees.
 /// T = s_xx - s_yy of the constant terms there, in stress; at an open tip s_yy has none, or minus the pressure in the
-/// crack. G, J in stress x length. All but crack, at_start and at are NaN, radius 0, where no domain fits: see
-/// crack_tips.
+/// crack. G, J in stress x length. All but crack, at_start and at are NaN, radius 0, where no domain fits (see
+/// crack_tips), and with Coulomb's friction in an orthotropic material. T is NaN at a closed tip in such a material.
 struct TipIntensity {
   Index crack = 0;
   bool at_start = false;  // of the crack's path
@@ -28,7 +28,8 @@ struct TipIntensity {
 /// Tips of all cracks, in the order of the cracks, start before end; ends on the boundary, on a hole or on another
 /// crack are no tips. Right on faces in contact: the auxiliary opening works against the contact pressure and the
 /// auxiliary slip against friction (face terms). Under unilateral contact K_I >= 0, and exactly 0 where contact closes
-/// the tip. Contact that begins within the first edge from a tip that is open at the very end is not resolved.
+/// the tip; in orthotropic materials that holds for the opening L^-1 K instead [theory: O.12]. Contact that begins
+/// within the first edge from a tip that is open at the very end is not resolved.
 ///
 /// Three rings with outer radii 1, 4/5 and 3/5 of R; K, T, G, J and radius are those of the middle one. R is 9/10 of
 /// the distance to the nearest boundary, hole, other crack, kink or other end of the same crack, and on a curved crack

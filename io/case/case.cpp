@@ -25,15 +25,17 @@ void read_material(const Value& document, Case& c) {
   allow_only(material);
   const auto state = find(material, "state");
   c.plane_strain = !state || choice(*state) == "plane strain";
-  c.young = in_range(need(material, "young"));
-  c.poisson = in_range(need(material, "poisson"));
+  const Elastic constants = read_elastic(material);
+  c.young = constants.young;
+  c.poisson = constants.poisson;
+  c.orthotropy = constants.orthotropy;
   if (const auto thickness = find(material, "thickness")) {
     if (c.plane_strain)
       fail(thickness->node->position,
            "material.thickness is that of a plate in plane stress; write state = \"plane stress\", or leave it out");
     c.thickness = in_range(*thickness);
   }
-  c.scene.material = elastic(material, c.young, c.poisson, c.plane_strain);
+  c.scene.material = elastic(material, constants, c.plane_strain);
 }
 
 void read_mesh(const Value& document, Case& c) {
@@ -86,9 +88,49 @@ void note_places(const Node& node, const std::string& path, std::map<std::string
 
 }  // namespace
 
-Material elastic(const Value& table, double young, double poisson, bool in_plane_strain) {
-  const Material m = in_plane_strain ? plane_strain(young, poisson) : plane_stress(young, poisson);
-  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)))
+Elastic read_elastic(const Value& table) {
+  const Value young = need(table, "young"), poisson = need(table, "poisson");
+  if (young.node->kind != Node::Kind::Array) {
+    for (const char* key : {"shear", "angle"})
+      if (const auto field = find(table, key))
+        fail(field->node->position,
+             fmt::format("{} goes with an orthotropic material, young = [E1, E2]; leave it out", field->name));
+    return {in_range(young), in_range(poisson)};
+  }
+  const std::vector<Value> both = pair(young);
+  Orthotropy o{.young = {in_range(both[0]), in_range(both[1])},
+               .poisson = number(poisson),
+               .shear = in_range(need(table, "shear"))};
+  double degrees = 0;
+  take(table, "angle", degrees);
+  o.angle = degrees * pi / 180;
+  return {o.young[0], o.poisson, o};
+}
+
+namespace {
+
+Material orthotropic_material(const Value& table, const Orthotropy& constants, bool in_plane_strain) {
+  const Position& where = find(table, "young")->node->position;
+  if (in_plane_strain)
+    fail(where, fmt::format("{}: young = [E1, E2] are constants in the plane, and plane strain needs those across it, "
+                            "for which there are no keys; write state = \"plane stress\" in [material]",
+                            table.name));
+  try {
+    return orthotropic(constants);
+  } catch (const Error& e) {
+    fail(where, fmt::format("{}: {}", table.name, e.what()));
+  }
+}
+
+}  // namespace
+
+Material elastic(const Value& table, const Elastic& constants, bool in_plane_strain) {
+  const double young = constants.young, poisson = constants.poisson;
+  const Material m = constants.orthotropy ? orthotropic_material(table, *constants.orthotropy, in_plane_strain)
+                     : in_plane_strain    ? plane_strain(young, poisson)
+                                          : plane_stress(young, poisson);
+  if (!std::isnormal(m.mu) || !std::isfinite(m.c) || !std::isnormal(plane_modulus(m)) || !std::isfinite(m.coupling) ||
+      !std::isfinite(m.split))
     fail(table.node->position, fmt::format("{}: young = {} is out of range; choose other units", table.name, young));
   return m;
 }

@@ -10,7 +10,6 @@ namespace kerf {
 
 namespace {
 
-
 /// The variables of one drawn thing, as they are read.
 struct Boxes {
   std::vector<double> lower, upper, start;
@@ -271,7 +270,7 @@ void draw_regions(const Value& optimize, const Case& c, Design& design) {
     if (start)
       if (const auto young = find(*start, "young")) begin_at(*young, number(*young), 3, boxes);
     const double poisson = in_range(need(table, "poisson"));
-    for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, young, poisson, c.plane_strain);
+    for (const double young : {boxes.lower[3], boxes.upper[3]}) elastic(table, {young, poisson}, c.plane_strain);
     design.drawn.push_back(drawn(Drawn::Kind::Inclusion, name, boxes, from_map));
     design.drawn.back().poisson = poisson;
   }

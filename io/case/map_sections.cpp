@@ -24,7 +24,7 @@ Perturbation read_perturbation(const Value& field, const Case& c) {
     }
     p.kind = Kind::Inclusion;
     const double young = in_range(need(field, "young"));
-    p.inclusion = elastic(field, young, in_range(need(field, "poisson")), c.plane_strain);
+    p.inclusion = elastic(field, {young, in_range(need(field, "poisson"))}, c.plane_strain);
     return p;
   }
   if (field.node->kind != Node::Kind::String)

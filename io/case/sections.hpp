@@ -93,8 +93,11 @@ Element read_element(const Value& table, const Value& blamed, const Element& oth
 /// [map] and [validate].
 void read_map(const Value& document, Case& c);
 
-/// The material of a table with young and poisson, which fails there when it is out of the range of numbers.
-Material elastic(const Value& table, double young, double poisson, bool in_plane_strain);
+/// The constants of a table with young and poisson, and of an orthotropic material with young = [E1, E2] and shear.
+Elastic read_elastic(const Value& table);
+
+/// The material of such a table, which fails there when it is out of the range of numbers.
+Material elastic(const Value& table, const Elastic& constants, bool in_plane_strain);
 
 /// [[probe]]; files lie relative to `folder`.
 void read_probes(const Value& document, const std::filesystem::path& folder, Case& c);

@@ -96,7 +96,7 @@ bool has_material(const Value& region) {
 /// One that has an eigenstrain may be made of what the body is made of.
 Elastic read_elastic(const Value& region, const Elastic& body) {
   if (find(region, "eigenstrain") && !find(region, "young") && !find(region, "poisson")) return body;
-  return {in_range(need(region, "young")), in_range(need(region, "poisson"))};
+  return read_elastic(region);
 }
 
 /// Regions of a file, in their order: with the material of the [[region]] of their surface, or that of the body.
@@ -106,16 +106,16 @@ void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file,
     if (!is_drawn(region)) named.push_back(region);
   for (const Index m : file.material) {
     if (m == none) {
-      c.regions.push_back({c.young, c.poisson});
+      c.regions.push_back({c.young, c.poisson, c.orthotropy});
       c.scene.regions.push_back(c.scene.material);
       read.tables.emplace_back();
       continue;
     }
     const Value& region = named[static_cast<std::size_t>(m)];
-    const Elastic e = read_elastic(region, {c.young, c.poisson});
+    const Elastic e = read_elastic(region, {c.young, c.poisson, c.orthotropy});
     read.tables.emplace_back(region);
     c.regions.push_back(e);
-    c.scene.regions.push_back(elastic(region, e.young, e.poisson, c.plane_strain));
+    c.scene.regions.push_back(elastic(region, e, c.plane_strain));
   }
 }
 
@@ -240,7 +240,7 @@ std::vector<Elastic> add_regions(const std::vector<Value>& tables, const BodyMat
     shape.regions.push_back(read_loop(region, name, none));
     const Elastic e = read_elastic(region, body.elastic);
     elastics.push_back(e);
-    materials.push_back(elastic(region, e.young, e.poisson, body.plane_strain));
+    materials.push_back(elastic(region, e, body.plane_strain));
   }
   return elastics;
 }
@@ -271,7 +271,7 @@ ReadRegions read_regions(const Value& document, const std::optional<MeshFile>& f
       fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
                                              names.empty() ? "the case has none" : suggest(text(field), names)));
   if (file) add_regions_of_file(tables, *file, c, read);
-  const BodyMaterial body{{c.young, c.poisson}, c.plane_strain};
+  const BodyMaterial body{{c.young, c.poisson, c.orthotropy}, c.plane_strain};
   for (const Elastic& e : add_regions(materials, body, c.shape, c.scene.regions)) c.regions.push_back(e);
   read.tables.insert(read.tables.end(), materials.begin(), materials.end());
   return read;

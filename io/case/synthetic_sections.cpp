@@ -61,7 +61,7 @@ void read_synthetic(const Value& document, Case& c) {
   for (const Value& region : regions)
     if (const auto strain = find(region, "eigenstrain"))
       fail(strain->node->position, strain->name + ": the true body has the eigenstrain of the case; leave it out");
-  add_regions(regions, {{c.young, c.poisson}, c.plane_strain}, s.true_shape, s.true_scene.regions);
+  add_regions(regions, {{c.young, c.poisson, c.orthotropy}, c.plane_strain}, s.true_shape, s.true_scene.regions);
   s.element = other_element(*table, c, s.true_scene);
 
   s.sizing = c.sizing;

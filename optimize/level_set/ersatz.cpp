@@ -10,7 +10,7 @@ double strong_share(Index region) {
 }
 
 Material weak_material(const Material& solid, double share) {
-  return {solid.mu * share, solid.c / share};
+  return stiffened(solid, share);
 }
 
 Evaluated evaluate_ersatz(const Problem& p, const OptimizeRequest& r, const BackgroundMesh& background,

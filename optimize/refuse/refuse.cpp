@@ -2,6 +2,7 @@
 
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/refuse/methods.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <fmt/format.h>
 
@@ -119,6 +120,15 @@ void look_at_eigenstrain(const Problem& p, std::vector<Wrong>& all) {
     }
 }
 
+void look_at_materials(const Problem& p, std::vector<Wrong>& all) {
+  if (!has_orthotropic(p.scene)) return;
+  const bool body = !isotropic(p.scene.material);
+  all.push_back({body ? "material.young" : "region",
+                 fmt::format("[optimize]: {} orthotropic, and bodies are optimized in isotropic materials only; give "
+                             "young one number, or leave [optimize] out (kerf solve, map)",
+                             body ? "the body is" : "a region is")});
+}
+
 }  // namespace
 
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r) {
@@ -172,6 +182,7 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   if (auto why = wrong_load_cases(p.objective, r)) all.push_back({"load_case[0]", *why});
   if (auto why = wrong_volume(p.objective, r))
     all.push_back({r.volume_at_most ? "optimize.volume.at_most" : "optimize", *why});
+  look_at_materials(p, all);
   look_at_cracks(p, r, all);
   look_at_eigenstrain(p, all);
   look_at_rigid_motions(p, r, all);

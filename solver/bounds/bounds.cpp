@@ -1,5 +1,6 @@
 #include "kerf/bounds.hpp"
 
+#include "solver/anisotropic.hpp"
 #include "solver/system.hpp"
 
 #include "solver/bounds/conforming.hpp"
@@ -19,6 +20,12 @@ namespace kerf {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// What A s : s has beyond that of the isotropic part.
+double orthotropic_work(const Material& m, double s11, double s22, double s12) {
+  const Eigen::Vector3d e = orthotropic_strain(m, s11, s22, s12);
+  return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
+}
 
 // |grad w - its mean rotation| <= K |eps(w)| on a triangle, K^2 = 1 + 2/beta^2 with a lower bound of the inf-sup
 // constant beta of a body that sees the disk of radius r and lies in the one of radius R [Costabel, Dauge 2015]: the
@@ -169,7 +176,8 @@ struct Bounding {
     const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
     const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
     const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
-    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    const Material& material = material_of(m.mesh, m.scene, t);
+    const double mu = material.mu, c = material.c;
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
     double energy = 0, freed = 0, square = 0;
     for (Eigen::Index i = 0; i < at.cols(); ++i) {
@@ -178,6 +186,7 @@ struct Bounding {
       const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
                    s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
       energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
+      if (!isotropic(material)) energy += r.rule.w[i] * orthotropic_work(material, s11, s22, 0.5 * (s12 + s21));
       if (free.cols() > 0) {
         freed += r.rule.w[i] * free.col(i).dot(Eigen::Vector4d(s11, s12, s21, s22));
         square += r.rule.w[i] * (s11 * s11 + s12 * s12 + s21 * s21 + s22 * s22);
@@ -205,8 +214,11 @@ struct Bounding {
   double moved_by_eigenstrain(const Triangle& shape, Index t, double elastic, double largest) const {
     const StrainData& strain = m.inner->data.strain;
     if (strain.rest[t] == 0 && strain.error[t] == 0) return 0;
-    const auto [mu, c] = material_of(m.mesh, m.scene, t);
-    const double stiffness = c > 0 ? std::max(2 * mu, 1 / (2 * c)) : infinity,
+    const Material& material = material_of(m.mesh, m.scene, t);
+    const double mu = material.mu, c = material.c;  // C e : e <= stiffness |e|^2
+    const double stiffness = !isotropic(material) ? 2 * stress_matrix(material).norm()
+                             : c > 0              ? std::max(2 * mu, 1 / (2 * c))
+                                                  : infinity,
                  rest = stiffness * area(shape) * strain.rest[t];
     return std::sqrt(2 * elastic * rest) + 0.5 * rest + stiffness * area(shape) * strain.error[t] * largest;
   }
@@ -249,7 +261,9 @@ struct Bounding {
   void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
     const Triangle shape = triangle(m, t);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const auto [mu, c] = material_of(m.mesh, m.scene, t);
+    const Material& material = material_of(m.mesh, m.scene, t);
+    const double mu = material.mu, c = material.c;
+    const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
     const double det = J.determinant();
     const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
     Points v = nodal * r.raise.transpose();
@@ -263,13 +277,18 @@ struct Bounding {
         v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
       }
     }
-    // The divergence wanted is 2 c tr s: tr strain = 2 c tr s.
+    // The divergence wanted is the trace of A s, in isotropic bodies 2 c tr s.
     Points x(2, r.nodes.cols());
     for (Eigen::Index q = 0; q < x.cols(); ++q)
       x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
     const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), x).stress;
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
     Eigen::RowVectorXd wanted = 2 * c * (stress.row(0) + stress.row(3));
+    if (!isotropic(material))
+      for (Eigen::Index q = 0; q < wanted.size(); ++q)
+        wanted[q] += orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q)))
+                         .head<2>()
+                         .sum();
     if (free.cols() > 0) {
       const Eigen::Matrix4Xd at = strain_at(m.inner->data.strain, t, r.nodes);
       wanted += at.row(0) + at.row(3);
@@ -301,10 +320,17 @@ struct Bounding {
       const double volume = g.trace(), own_volume = h.trace();
       const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
                    own_shear = h(0, 1) + h(1, 0);
-      e += w * 0.5 * mu * (difference * difference + shear * shear);
-      b += w * mu * (difference * own_difference + shear * own_shear);
-      a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
-      if (c > 0) {
+      if (!isotropic(material)) {
+        const Eigen::Vector3d strain(g(0, 0), g(1, 1), shear), own(h(0, 0), h(1, 1), own_shear);
+        e += w * 0.5 * strain.dot(C * strain);
+        b += w * strain.dot(C * own);
+        a += w * 0.5 * own.dot(C * own);
+      } else {
+        e += w * 0.5 * mu * (difference * difference + shear * shear);
+        b += w * mu * (difference * own_difference + shear * own_shear);
+        a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
+      }
+      if (c > 0 && isotropic(material)) {
         e += w * volume * volume / (8 * c);
         b += w * 2 * volume * own_volume / (8 * c);
         a += w * own_volume * own_volume / (8 * c);
@@ -505,8 +531,8 @@ struct Unseen {
   double below, above, displaced;  // `displaced`, a part of `above`, is an estimate
 };
 Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
-  double mu = m.scene.material.mu;  // the least: |eps|^2 <= energy/mu
-  for (const Material& material : m.scene.regions) mu = std::min(mu, material.mu);
+  double mu = shear_moduli(m.scene.material).least;  // |eps|^2 <= energy/mu
+  for (const Material& material : m.scene.regions) mu = std::min(mu, shear_moduli(material).least);
   // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
   const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
   // An extension of the rest of the prescribed displacement; its energy is estimated.

@@ -1,5 +1,6 @@
 #include "solver/bounds/conforming.hpp"
 
+#include "solver/anisotropic.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
@@ -423,7 +424,7 @@ void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>
       const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
       // Rapid changes: at most the product of the norms of value and slope, as between L2 and H1.
       const double rapid = d.rest[k] > 0 ? std::sqrt(d.rest[k] * d.rough[k]) : 0;
-      result.mismatch += 2 * material_of(m.mesh, m.scene, d.triangle).mu * (f.square + ends + rapid);
+      result.mismatch += 2 * shear_moduli(material_of(m.mesh, m.scene, d.triangle)).largest * (f.square + ends + rapid);
       for (int g = 0; g < data_carriers; ++g) {
         const double at = fit.carrier.s[g];
         const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;

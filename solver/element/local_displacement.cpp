@@ -1,3 +1,4 @@
+#include "solver/anisotropic.hpp"
 #include "solver/element/interior_fields.hpp"
 
 #include <Eigen/LU>
@@ -32,8 +33,18 @@ struct DisplacementTriangle {
     return q;
   }
 
+  static Eigen::Matrix4d orthotropic_stiffness(const Material& m) {
+    const Eigen::Matrix3d C = stress_matrix(m);
+    constexpr int at[4] = {0, 2, 2, 1};
+    Eigen::Matrix4d a;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) a(i, j) = C(at[i], at[j]);
+    return a;
+  }
+
   // s = 2 mu e + (1/(4 c) - mu) tr(e) I on components 11, 12, 21, 22, from the displacement gradient.
   static Eigen::Matrix4d stiffness_of(const Material& m) {
+    if (!isotropic(m)) return orthotropic_stiffness(m);
     const double bulk = 1 / (4 * m.c) - m.mu;
     Eigen::Matrix4d a;
     a << 2 * m.mu + bulk, 0, 0, bulk,  //

@@ -20,6 +20,18 @@ Scaled scale(const Triangle& t) {
   return s;
 }
 
+namespace {
+
+// On the symmetric part of the stress.
+void add_orthotropic(const Material& material, Eigen::Matrix4d& A) {
+  for (int j = 0; j < 4; ++j) {
+    const Eigen::Vector3d e = orthotropic_strain(material, j == 0, j == 3, j == 1 || j == 2 ? 0.5 : 0);
+    A.col(j) += Eigen::Vector4d(e[0], e[2], e[2], e[1]);
+  }
+}
+
+}  // namespace
+
 Eigen::Matrix4d compliance(const Material& material) {
   const double half = 1 / (4 * material.mu), full = 1 / (2 * material.mu), c = material.c;
   Eigen::Matrix4d A;
@@ -27,6 +39,7 @@ Eigen::Matrix4d compliance(const Material& material) {
       0, full, 0, 0,              //
       0, 0, full, 0,              //
       c - half, 0, 0, half + c;
+  if (!isotropic(material)) add_orthotropic(material, A);
   return A;
 }
 
@@ -83,6 +96,9 @@ Eigen::MatrixXd strain_of(const Material& material, int monomials, const Eigen::
     const double s11 = all[4 * m], s22 = all[4 * m + 3], mean = material.c * (s11 + s22);
     strain.row(m) << (s11 - s22) / (4 * material.mu) + mean, (all[4 * m + 1] + all[4 * m + 2]) / (4 * material.mu),
         (s22 - s11) / (4 * material.mu) + mean;
+    if (isotropic(material)) continue;
+    const Eigen::Vector3d more = orthotropic_strain(material, s11, s22, 0.5 * (all[4 * m + 1] + all[4 * m + 2]));
+    strain.row(m) += Eigen::RowVector3d(more[0], more[2], more[1]);
   }
   return strain;
 }

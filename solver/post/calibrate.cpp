@@ -1,5 +1,6 @@
 #include "solver/post/calibrate.hpp"
 
+#include "solver/anisotropic.hpp"
 #include "solver/parallel.hpp"
 #include "solver/recover_stress.hpp"
 #include "solver/system.hpp"
@@ -17,6 +18,13 @@ struct Share {
   double stress = 0;  // of s, squared
   bool recovered = false;
 };
+
+/// The residuals are weighted by mu; in an orthotropic material they may stand for stresses that are larger by this.
+double stiffest_over_mean(const Scene& scene) {
+  double most = 1;
+  for (const Material& m : all_materials(scene)) most = std::max(most, shear_moduli(m).largest / m.mu);
+  return most;
+}
 
 }  // namespace
 
@@ -62,7 +70,8 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
   constexpr double doubt = 2, at_tips = 1.5;
   if (count >= few && square > exact * exact * stress && indicated > 0)
     result.regular =
-        std::clamp(std::sqrt(indicated / square), m.element.efficiency / doubt, m.element.efficiency * doubt);
+        std::clamp(std::sqrt(indicated / square), m.element.efficiency / doubt / stiffest_over_mean(m.scene),
+                   m.element.efficiency * doubt);
   result.singular = std::min(result.regular, m.element.efficiency / at_tips);
   return result;
 }

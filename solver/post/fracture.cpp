@@ -17,6 +17,7 @@
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/post/crack_tip.hpp"
+#include "solver/post/orthotropic_tip.hpp"
 #include "solver/post/polynomial_state.hpp"
 #include "solver/post/slip_error.hpp"
 
@@ -61,6 +62,7 @@ using Auxiliary = LocalState;
 /// A tip under unit K_I, under unit K_II, under a unit force along x, at x in its frame and at that angle:
 /// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
 std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2& x, double angle) {
+  if (!isotropic(m)) return orthotropic_tip_fields(m, x, angle);
   const double r = x.norm(), turn = (2 + 8 * m.mu * m.c) / (4 * m.mu);
   const std::complex<double> Z = std::polar(1 / std::sqrt(2 * pi * r), -angle / 2),
                              slope = -0.5 * Z / std::complex(x.x(), x.y());
@@ -82,7 +84,7 @@ using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in 
 
 struct Disc {
   CrackTip tip;
-  Material material;  // no ring reaches another one
+  Material material;  // as seen in the frame of the tip; no ring reaches another one
   std::array<Ring, rings> ring;
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
@@ -101,6 +103,12 @@ Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
   stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
   const Mat2& frame = disc.tip.frame;
+  if (!isotropic(disc.material)) {
+    const Mat2 turned = frame.transpose() * tensor(stress) * frame;
+    const Eigen::Vector4d s(turned(0, 0), turned(0, 1), turned(1, 0), turned(1, 1));
+    return {turned, tensor(displacement_gradient(disc.material, s, rotation - disc.rotation)) +
+                        frame.transpose() * tensor(free) * frame};
+  }
   const Eigen::Vector4d gradient = displacement_gradient(disc.material, stress, rotation - disc.rotation) + free;
   return {frame.transpose() * tensor(stress) * frame, frame.transpose() * tensor(gradient) * frame};
 }
@@ -456,21 +464,56 @@ double largest_difference(const Row& values) {
   return values.maxCoeff() - values.minCoeff();
 }
 
+/// The material of a tip in its frame.
+Material material_at(const Model& model, const CrackTip& tip) {
+  const Material& m = material_of(model.mesh, model.scene, model.mesh.sides[tip.edges.front()][0]);
+  return isotropic(m) ? m : seen_from(m, std::atan2(tip.frame(1, 0), tip.frame(0, 0)));
+}
+
+/// What the integrals say, per ring.
+struct Factors {
+  Eigen::Matrix<double, 2, rings> K;
+  Row T, G;
+};
+
+/// `traction`: s_12, s_22 that the faces bear at the tip.
+Factors factors(const Disc& disc, const Integrals& I, const Vec2& traction, bool contact) {
+  const double modulus = plane_modulus(disc.material);
+  Factors f{modulus / 2 * I.topRows<2>(), (modulus * I.row(2)).array() + disc.smooth.t_stress(), {}};
+  if (isotropic(disc.material)) {
+    if (contact) f.K.row(0) = f.K.row(0).cwiseMax(0);
+    f.G = f.K.colwise().squaredNorm() / modulus;
+    return f;
+  }
+  const Mat2 smooth = disc.smooth.at(Vec2::Zero()).stress;
+  for (int k = 0; k < rings; ++k) {
+    f.K.col(k) = orthotropic_factors(disc.material, I.col(k).head<2>(), contact);
+    f.G[k] = orthotropic_release(disc.material, f.K.col(k));
+    const bool closed = contact && !(I(0, k) > 0);  // then the pressure at the tip is not known
+    f.T[k] = closed ? nan
+                    : disc.smooth.t_stress() +
+                          orthotropic_t_stress(disc.material, I(2, k), traction - Vec2(smooth(0, 1), smooth(1, 1)));
+  }
+  return f;
+}
+
 /// `stress`: the size of the stress in the body.
 TipIntensity intensity(const Model& model, const Field& state, const CrackTip& tip, std::span<const CrackPoint> profile,
                        double stress) {
   constexpr double safe = 0.9, fewest_elements = 1.5;
   const double radius = safe * tip.room;
-  const Index at_tip = model.mesh.sides[tip.edges.front()][0];
-  Disc disc{tip, material_of(model.mesh, model.scene, at_tip), place_rings(radius), 0, {}};
+  Disc disc{tip, material_at(model, tip), place_rings(radius), 0, {}};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   if (state.eigenstrain != 0) {
     disc.eigenstrain = state.eigenstrain;
-    disc.at_tip = eigenstrain_at(model, state.eigenstrain, at_tip, tip.at).col(0);
+    disc.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
   }
   const bool all_over = model.scene.body || disc.eigenstrain != 0;
   const Cover c = cover(model.mesh, tip.at, all_over ? 0 : disc.ring.back().inner, radius);
-  if (c.elements < fewest_elements) {
+  const CrackLaw& law = model.scene.laws[tip.crack];
+  // Where sliding changes the pressure, friction changes the power of the singularity.
+  const bool other_power = !isotropic(disc.material) && law.friction > 0;
+  if (c.elements < fewest_elements || other_power) {
     result.K_I = result.K_II = result.T = result.G = result.J = nan;
     result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = nan;
     return result;
@@ -484,20 +527,19 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   else
     I.row(auxiliary) += work_on_faces(disc, behind);
   const double modulus = plane_modulus(disc.material);
-  Eigen::Matrix<double, 2, rings> K = modulus / 2 * I.topRows<2>();
-  if (model.scene.laws[tip.crack].kind == CrackLaw::Kind::Unilateral) K.row(0) = K.row(0).cwiseMax(0);
-  const Row T = (modulus * I.row(2)).array() + disc.smooth.t_stress();
+  const Vec2 at_tip(along_face(behind[0], 0, &CrackPoint::sigma_t),
+                    along_face(behind[0], 0, &CrackPoint::sigma_n) - fluid_pressure(behind[0], 0));
+  const auto [K, T, G] = factors(disc, I, at_tip, law.kind == CrackLaw::Kind::Unilateral);
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
   result.T = T[middle];
-  result.G = K.col(middle).squaredNorm() / modulus;
+  result.G = G[middle];
   result.J = I(auxiliary, middle);
   result.radius = disc.ring[middle].outer;
   const auto relative = [](double difference, double size) { return size > 0 ? difference / size : 0; };
   const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
-  const CrackLaw& law = model.scene.laws[tip.crack];
   if (has_friction(law) && law.friction > 0) {
     // The rings agree whatever false friction does to all of them.
     const double of_energy = std::abs(result.J - result.G) * modulus / 2;

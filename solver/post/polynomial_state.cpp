@@ -1,8 +1,10 @@
 #include "solver/post/polynomial_state.hpp"
 
+#include "solver/anisotropic.hpp"
 #include "solver/element/local.hpp"
 #include "solver/recovery.hpp"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -22,8 +24,34 @@ Values of_potentials(const Material& m, std::complex<double> phi, std::complex<d
   return {trace / 2 - turning.real(), trace / 2 + turning.real(), turning.imag(), -kappa_plus_1 * phi.imag()};
 }
 
+/// F'' = Re sum f_k(x + p_k y) with f_k' = A z^n for the first root and with the divided difference of both, B (z_1^n,
+/// - z_2^n)/(p_1 - p_2), which stays for equal roots [theory: O.13].
+Eigen::Matrix4Xd orthotropic_basis(const Material& m, int degree, const Vec2& x) {
+  Eigen::Matrix4Xd values(4, 4 * (degree + 1));
+  using Complex = std::complex<double>;
+  const auto [p, q] = roots(m);
+  const double half = 0.5 * compliances(m).b11, unit = 2 * m.mu;
+  const Complex first = (p - std::conj(p)) * (p - std::conj(q)), second = (q - std::conj(p)) * (q - std::conj(q)),
+                z = x.x() + p * x.y(), w = x.x() + q * x.y();
+  Complex at_z = 1, at_w = 1, difference = 0;  // powers, and (z^n - w^n)/(p - q)
+  for (int n = 0; n <= degree; ++n) {
+    for (int k = 0; k < 2; ++k) {
+      const Complex one = k == 0 ? 1 : Complex(0, 1), A = one * at_z, B = one * difference, C = one * at_w;
+      values.col(4 * n + k) << (p * p * A).real(), A.real(), -(p * A).real(),
+          unit * half * ((p - q) * first * A).real() * 0.5;
+      values.col(4 * n + 2 + k) << (p * p * B + (p + q) * C).real(), B.real(), -(p * B + C).real(),
+          unit * half * 0.5 * (one * (first * at_z + second * at_w)).real();
+    }
+    difference = z * difference + x.y() * at_w;  // z^(n+1) - w^(n+1) = z (z^n - w^n) + (z - w) w^n
+    at_z *= z;
+    at_w *= w;
+  }
+  return values;
+}
+
 /// Per coefficient the values at z.
 Eigen::Matrix4Xd basis(const Material& m, int degree, std::complex<double> z) {
+  if (!isotropic(m)) return orthotropic_basis(m, degree, {z.real(), z.imag()});
   Eigen::Matrix4Xd values(4, 4 * (degree + 1));
   std::complex<double> power = 1, slope = 0;  // z^n and its derivative
   for (int n = 0; n <= degree; ++n) {
@@ -40,6 +68,12 @@ Eigen::Matrix4Xd basis(const Material& m, int degree, std::complex<double> z) {
 
 /// s11 = -f1 x, s22 = -f2 y: in balance with f, and compatible because it is linear.
 Values of_force(const Material& m, const Vec2& f, const Vec2& x) {
+  if (!isotropic(m)) {
+    const PlaneCompliances b = compliances(m);
+    const double rotation =
+        (0.5 * b.b16 * f.x() - b.b12 * f.y()) * x.x() + (b.b12 * f.x() - 0.5 * b.b26 * f.y()) * x.y();
+    return {-f.x() * x.x(), -f.y() * x.y(), 0, 2 * m.mu * rotation};
+  }
   const double turn = 1 / (4 * m.mu) - m.c;
   return {-f.x() * x.x(), -f.y() * x.y(), 0, 2 * m.mu * turn * (f.y() * x.x() - f.x() * x.y())};
 }
@@ -61,6 +95,10 @@ LocalState PolynomialState::at(const Vec2& x) const {
 }
 
 double PolynomialState::t_stress() const {
+  if (!isotropic(material)) {
+    const Mat2 s = at(Vec2::Zero()).stress;
+    return s(0, 0) - s(1, 1);
+  }
   return coefficients.size() > 2 ? -2 * coefficients[2] : 0;
 }
 
@@ -84,6 +122,10 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
 }
 
 PolynomialState uniform_pressure(const Material& material, double stress) {
+  if (!isotropic(material)) {
+    const Eigen::Matrix4d constant = orthotropic_basis(material, 0, Vec2::Zero());
+    return {.material = material, .coefficients = constant.inverse() * Values(stress, stress, 0, 0)};
+  }
   return {.material = material, .coefficients = Eigen::VectorXd::Constant(1, stress / 2)};
 }
 

@@ -13,10 +13,10 @@ struct LocalState {
   Mat2 stress, gradient;
 };
 
-/// phi' = sum a_n z^n, psi' = sum b_n z^n, n <= degree, z = (x + iy)/scale [Muskhelishvili 1953; theory: F.7], and a
-/// state under the uniform body force `force`.
+/// Isotropic: phi' = sum a_n z^n, psi' = sum b_n z^n, n <= degree, z = (x + iy)/scale [Muskhelishvili 1953; theory:
+/// F.7], and a state under the uniform body force `force`.
 struct PolynomialState {
-  Material material;
+  Material material;  // as seen in the frame of the state
   double scale = 1;
   int degree = 0;
   Vec2 force = Vec2::Zero();

@@ -63,6 +63,13 @@ struct Projection {
   }
 };
 
+// What the strain of s has beyond that of an isotropic material.
+void add_orthotropic(const Material& m, const Eigen::Vector4d& s, Eigen::Ref<Eigen::Vector4d> to) {
+  if (isotropic(m)) return;
+  const Eigen::Vector3d more = orthotropic_strain(m, s[0], s[3], 0.5 * (s[1] + s[2]));
+  to += Eigen::Vector4d(more[0], more[2], more[2], more[1]);
+}
+
 template <int D>
 Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x,
                  double eigenstrain) {
@@ -106,6 +113,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
     d *= share;
     const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
     w.stress.col(i) << difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference;
+    add_orthotropic(m, d, w.stress.col(i));
     w.rotation[i] = d[1] - d[2];
     w.displacement.col(i) = share * by_mean;
   }
@@ -117,7 +125,10 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
 Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& s, double rotation) {
   const double trace = s[0] + s[3], pressure = m.c * trace;
   const double difference = 0.5 * (s[0] - s[3]) / (2 * m.mu);
-  return {difference + pressure, s[1] / (2 * m.mu) + rotation, s[2] / (2 * m.mu) - rotation, -difference + pressure};
+  Eigen::Vector4d gradient(difference + pressure, s[1] / (2 * m.mu) + rotation, s[2] / (2 * m.mu) - rotation,
+                           -difference + pressure);
+  add_orthotropic(m, s, gradient);
+  return gradient;
 }
 
 Points recovered_displacement(const Model& model, const Field& state, Index t, const Points& x) {

@@ -214,6 +214,10 @@ double strain_energy(const Model& m, const Field& s) {
       sum +=
           m.inner->kernel.rule.w[q] * ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * material.mu) +
                                        material.c * trace * trace);
+      if (isotropic(material)) continue;
+      const double shear = 0.5 * (v[1] + v[2]);
+      const Eigen::Vector3d more = orthotropic_strain(material, v[0], v[3], shear);
+      sum += m.inner->kernel.rule.w[q] * (more[0] * v[0] + more[1] * v[3] + 2 * more[2] * shear);
     }
     energy += 0.5 * area(shape) * sum;
   }

@@ -1,5 +1,6 @@
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/orthotropic_hole.hpp"
 #include "topo/mutation.hpp"
 
 #include <fmt/core.h>
@@ -13,6 +14,9 @@ double ellipse_form(const Material& m, double aspect, double angle, const Mat2& 
     throw Error(Fault::Usage, "elliptic hole: the aspect is " + std::to_string(aspect) + ", it must be at least 1");
   const Mat2 a = symmetric_part(s), b = symmetric_part(t);
   const Vec2 longer(std::cos(angle), std::sin(angle)), shorter(-longer.y(), longer.x());
+  if (!isotropic(m))
+    return orthotropic_hole_form(m, longer * longer.transpose() / aspect + aspect * shorter * shorter.transpose(), a,
+                                 b);
   return (2 * mutant(FormulaPart::EllipseProduct) * a.cwiseProduct(b).sum() -
           mutant(FormulaPart::EllipseTrace) * a.trace() * b.trace() +
           2 * mutant(FormulaPart::EllipseShorter) * aspect * (a * shorter).dot(b * shorter) +
@@ -31,7 +35,7 @@ double of_ellipse(const Perturbation& p, const Material& m, double angle, const 
 }
 Oriented best(const Perturbation& p, const Material& m, std::span<const Product> products) {
   Oriented best;
-  if (p.aspect > 1) best.angle = axis(squares(products));
+  if (p.aspect > 1) best.angle = axis(isotropic(m) ? squares(products) : orthotropic_squares(m, products));
   for (const Product& q : products) best.value += q.factor * ellipse_form(m, p.aspect, best.angle, q.s, q.t);
   return best;
 }

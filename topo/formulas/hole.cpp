@@ -1,4 +1,5 @@
 #include "topo/formulas/kind.hpp"
+#include "topo/formulas/orthotropic_hole.hpp"
 #include "topo/formulas/parts.hpp"
 #include "topo/mutation.hpp"
 
@@ -6,6 +7,7 @@ namespace kerf {
 
 double hole_form(const Material& m, const Mat2& s, const Mat2& t) {
   const Mat2 a = symmetric_part(s), b = symmetric_part(t);
+  if (!isotropic(m)) return orthotropic_hole_form(m, Mat2::Identity(), a, b);
   return (4 * mutant(FormulaPart::HoleProduct) * a.cwiseProduct(b).sum() -
           mutant(FormulaPart::HoleTrace) * a.trace() * b.trace()) /
          plane_modulus(m);

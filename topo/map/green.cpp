@@ -10,6 +10,7 @@
 #include "topo/functional/integrate.hpp"
 #include "topo/map/green_samples.hpp"
 #include "topo/map/mask.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,7 @@ namespace {
 std::vector<bool> held_rows(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
   require(m.element, can_clamp_holes);
+  require_isotropic(m.scene, "clamped holes");
   if (!m.inner->floating.empty())
     refuse("the supports leave the body a rigid motion, which the hole alone would stop; add a support");
   if (std::any_of(m.mesh.region.begin(), m.mesh.region.end(), [](Index r) { return r != none; }))

@@ -55,7 +55,7 @@ std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Orien
   } else {
     const double trace = value(mapped(v, false, mean)), shear = value(mapped(v, false, deviator));
     modes = {{"trace", trace}, {"deviator", shear}};
-    if (is_directed(fixed)) modes.push_back({"mixed", stresses - trace - shear});
+    if (is_directed(fixed) || !isotropic(v.material)) modes.push_back({"mixed", stresses - trace - shear});
   }
   if (removes_body(e.p) && e.a.model->scene.body) modes.push_back({"displacement", moved - stresses});
   for (const Term& term : e.j.terms)

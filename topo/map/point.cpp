@@ -2,6 +2,7 @@
 #include "solver/system.hpp"
 #include "topo/formulas/axes.hpp"
 #include "topo/mutation.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +56,7 @@ Eigen::Vector3d components(const Eigen::Vector4d& s) {
 }
 
 Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
+  require_expansion(a.model->scene, j, p);
   Needs n;
   const bool loaded = removes_body(p) && a.model->scene.body;
   n.displacement = loaded;

@@ -2,6 +2,7 @@
 #include "solver/parallel.hpp"
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
+#include "topo/orthotropic.hpp"
 #include "topo/map/fields.hpp"
 
 #include <algorithm>
@@ -85,6 +86,7 @@ class OnEdge {
 }  // namespace
 
 BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
+  require_isotropic(a.model->scene, "shape derivatives");
   const Model& m = *a.model;
   require_supports(j, m);
   const OnEdge on_edge(a, j);

@@ -3,6 +3,7 @@
 
 #include "solver/parallel.hpp"
 #include "topo/analysis.hpp"
+#include "topo/orthotropic.hpp"
 #include "topo/shape/moving.hpp"
 
 #include <fmt/core.h>
@@ -310,6 +311,7 @@ void add_cracks(const Loaded& body, const Field* dual, Points& gradient) {
 }  // namespace
 
 Points shape_gradient(const Analysis& a, const Functional& j) {
+  require_isotropic(a.model->scene, "shape derivatives");
   const Model& m = *a.model;
   require(m.element, can_optimize);
   require_supports(j, m);

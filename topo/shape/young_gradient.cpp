@@ -24,10 +24,6 @@ double work(const Model& m, const Field& s, const Field& z, Index region) {
   return sum;
 }
 
-Material scaled(const Material& m, double factor) {
-  return {m.mu * factor, m.c / factor};
-}
-
 }  // namespace
 
 double young_gradient(const Analysis& a, const Functional& j, Model& model, Index region, double young) {
@@ -44,7 +40,7 @@ double young_gradient(const Analysis& a, const Functional& j, Model& model, Inde
     if (!term.density || !(term.uses_stress || term.uses_displacement || term.uses_rotation)) continue;
     double change = 0;
     for (const double sign : {1.0, -1.0}) {
-      model.scene.regions[static_cast<std::size_t>(region)] = scaled(before, 1 + sign * step);
+      model.scene.regions[static_cast<std::size_t>(region)] = stiffened(before, 1 + sign * step);
       change += sign * integral_over(term, model, *a.state, use);
     }
     model.scene.regions[static_cast<std::size_t>(region)] = before;

@@ -8,6 +8,7 @@
 #include "topo/map/green.hpp"
 #include "topo/map/mask.hpp"
 #include "topo/map/point.hpp"
+#include "topo/orthotropic.hpp"
 #include "topo/validate/center.hpp"
 #include "topo/validate/chosen.hpp"
 #include "topo/validate/condense.hpp"
@@ -122,6 +123,7 @@ class Validating {
         own_(solve_graded(meshing.shape, meshing.sizing, e, scene, {.threads = request.threads})),
         sizing_(own_.sizing),
         analysis_(analyze(j, own_.model, own_.state)) {
+    require_expansion(scene, j, r_.perturbation);
     if (!certified(own_.state)) throw Error(Fault::Numerics, "the body of the validation could not be solved");
     require_supports(j_, own_.model);
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
