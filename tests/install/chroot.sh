@@ -49,13 +49,20 @@ in_root kerf solve /usr/share/kerf/cases/edge_crack.toml -o /vtk --quiet
 test -s "$root/vtk/state.vtu"
 lap "kerf-vtk installed, a state written"
 
+if ls "$root"/packages/kerf-gmsh_*.deb >/dev/null 2>&1; then
+  quietly in_root sh -c 'apt-get install -y -q --no-install-recommends /packages/kerf-gmsh_*.deb'
+  in_root kerf mesh /usr/share/kerf/cases/gmsh_plate.toml --set domain.file=gmsh_plate.geo -o /plate.msh --quiet
+  test -s "$root/plate.msh"
+  lap "kerf-gmsh installed, a drawing meshed"
+fi
+
 quietly in_root sh -c 'apt-get install -y -q --no-install-recommends cmake make /packages/libkerf-dev_*.deb'
 lap "libkerf-dev installed"
 quietly in_root sh -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer/build'
 in_root /consumer/build/consumer
 lap "a user of the library built and run"
 
-quietly in_root sh -c 'apt-get purge -y -q kerf kerf-vtk libkerf-dev && apt-get autoremove --purge -y -q'
+quietly in_root sh -c 'apt-get purge -y -q kerf kerf-vtk "kerf-gmsh*" libkerf-dev && apt-get autoremove --purge -y -q'
 left=$(find "$root/usr" "$root/etc" "$root/var/lib" -name '*kerf*' -not -path '*/apt/*' | head)
 [ -z "$left" ] || { echo "left after purge: $left"; exit 1; }
 lap "purged"
