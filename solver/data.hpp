@@ -59,8 +59,8 @@ struct LoadedCrack {
 struct SceneData {
   std::vector<std::vector<Index>> edges;  // per label, increasing
   std::vector<LoadedEdges> supports, tractions;
-  std::vector<LoadedCrack> pressures;     // of the cracks that have one
-  std::vector<TriangleValues> body;  // per triangle, where the body force is not a polynomial of low degree
+  std::vector<LoadedCrack> pressures;  // of the cracks that have one
+  std::vector<TriangleValues> body;    // per triangle, where the body force is not a polynomial of low degree
 };
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
 
