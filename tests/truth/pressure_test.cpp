@@ -267,15 +267,15 @@ contact = ")";
   EXPECT_NEAR(c["tips"][1]["K_I"].get<double>() / whole, std::pow(2.0 / 3, 1.5), 1e-3);
   ASSERT_EQ(c["transitions"].size(), 1U);
   EXPECT_NEAR(c["transitions"][0]["at"][0].get<double>(), -1.0 / 3, 5e-3);
-  EXPECT_NEAR(c["fluid_pressure"].get<double>(), 0.01, 1e-3);
+  EXPECT_NEAR(std::abs(c["fluid_pressure"].get<double>()), 0.01, 1e-4);
   EXPECT_EQ(closing["status"], "ok");
 }
 
-// [Tada, Paris, Irwin]: 1.1215 p sqrt(pi a).
+// 1.1215 p sqrt(pi a) at the edge of a half plane.
 TEST_F(Truth, PressureInACrackFromTheEdge) {
   const nlohmann::json r = run_scene(R"(
 [domain]
-outline = [[0, -40], [40, -40], [40, 40], [0, 40]]
+outline = [[0, -400], [400, -400], [400, 400], [0, 400]]
 sides = ["bottom", "right", "top", "left"]
 [[crack]]
 name = "c"
@@ -285,12 +285,12 @@ pressure = 0.01
 young = 1
 poisson = 0.3
 [mesh]
-size = 10
+size = 100
 crack_tip_size = 0.01
 [solver]
 degree = 2
 )");
-  EXPECT_NEAR(r["cracks"][0]["tips"][0]["K_I"].get<double>() / (0.01 * std::sqrt(pi)), 1.1215, 3e-3);
+  EXPECT_NEAR(r["cracks"][0]["tips"][0]["K_I"].get<double>() / (0.01 * std::sqrt(pi)), 1.1215, 5e-4);
   const double energy = r["state"]["energy"], compliance = r["state"]["compliance"];
   EXPECT_NEAR(compliance, -2 * energy, 1e-10 * compliance);
 }
