@@ -28,7 +28,6 @@ Body body(const Material& m) {
   return b;
 }
 
-/// Cavities by Eshelby's way: the strain of the hole under uniform stress, in an isotropic plane.
 TEST(OrthotropicHole, TendsToTheIsotropicForm) {
   const Mat2 s = (Mat2() << 1, 0.3, 0.3, -0.7).finished(), t = (Mat2() << 0.2, -1, -1, 0.5).finished();
   const Material limit = plane_stress(1, 0.3);
@@ -72,8 +71,7 @@ TEST(OrthotropicHole, EnergyMapAgainstHoles) {
   b.scene.body = [](const Vec2& x) { return Vec2(0.3, -0.5 + x.x()); };
   const Functional j{.terms = {energy()}};
   expect_holds(validated(b, j, {0.2, -0.1}), "circle");
-  expect_holds(validated(b, j, {-0.3, 0.35}), "circle");
-  expect_holds(validated(b, j, {0.2, -0.1}, {.kind = Perturbation::Kind::Ellipse, .aspect = 3}), "best ellipse");
+  expect_holds(validated(b, j, {-0.3, 0.35}, {.kind = Perturbation::Kind::Ellipse, .aspect = 3}), "best ellipse");
   expect_holds(validated(b, j, {0.2, -0.1}, {.kind = Perturbation::Kind::Ellipse, .aspect = 2, .angle = 1.0}),
                "ellipse");
 }
@@ -100,6 +98,9 @@ TEST(OrthotropicHole, CrackedBodiesAndRegionsAgainstHoles) {
   b.scene.laws.resize(1);
   expect_holds(validated(b, {.terms = {energy()}}, {0.1, 0.5}), "crack in contact");
   expect_holds(validated(b, {.terms = {crack_opening(0, {})}}, {0.1, 0.5}), "crack_opening");
+  b.scene.laws[0].kind = CrackLaw::Kind::Open;
+  expect_holds(validated(b, {.terms = {energy_release_rate({0.3, 0}, {1, 0}, {0.06, 0.2}, {})}}, {-0.5, -0.4}),
+               "energy_release_rate");
   Body mixed = body(plane_stress(1, 0.3));
   mixed.shape.regions = {circle("r", {0.2, -0.1}, 0.5, none)};
   mixed.scene.regions = {orthotropic(wood)};

@@ -2,8 +2,8 @@
 #include "solver/parallel.hpp"
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
-#include "topo/orthotropic.hpp"
 #include "topo/map/fields.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <algorithm>
 

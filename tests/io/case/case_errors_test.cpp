@@ -21,8 +21,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{"youg = 1", "a.toml:7:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
         Wrong{"density = 1",
-              "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, thickness, eigenstrain, "
-              "state"},
+              "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, shear, angle, thickness, "
+              "eigenstrain, state"},
         Wrong{"[mehs]\nsize = 1", "a.toml:7:2: unknown key \"mehs\"; did you mean \"mesh\"?"},
         Wrong{"[mesh]\n  szie = 1", "a.toml:8:3: unknown key \"szie\" in [mesh]; did you mean \"size\"?"},
         Wrong{"[[hole]]\nname = 'h'\ncircle = { center = [1, 0.5], raduis = 0.1 }",
@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
         Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
               "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson, "
-              "eigenstrain"},
+              "shear, angle, eigenstrain"},
         Wrong{"[[region]]\nname = '../r'",
               "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
         Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"
@@ -262,6 +262,19 @@ TEST(Case, MaterialRanges) {
   EXPECT_EQ(material("young = 1\npoisson = 0.5\nstate = 'plane stress'"), "no error");
   EXPECT_EQ(material("young = 1\npoisson = 0.5\nstate = 'plain stress'"),
             "a.toml:7:9: unknown state in [material] \"plain stress\"; did you mean \"plane stress\"?");
+  EXPECT_EQ(material("young = 1\npoisson = 0.3\nshear = 1"),
+            "a.toml:7:9: shear in [material] goes with an orthotropic material, young = [E1, E2]; leave it out");
+  EXPECT_EQ(material("young = 1\npoisson = 0.3\nangle = 1"),
+            "a.toml:7:9: angle in [material] goes with an orthotropic material, young = [E1, E2]; leave it out");
+  EXPECT_EQ(material("young = [1, 2]\npoisson = 0.3"), "a.toml:4:1: missing key \"shear\" in [material]; add it");
+  const std::string orthotropic = "poisson = 0.3\nshear = 1\nstate = 'plane stress'\n";
+  EXPECT_EQ(material(orthotropic + "young = [1, -2]"), "a.toml:8:13: young in [material] must be positive, not -2");
+  EXPECT_EQ(material(orthotropic + "young = [1, 20]"),
+            "a.toml:8:9: [material]: these constants belong to no material: poisson^2 must be less than E1/E2, or some "
+            "stress would do no work; it is 0.09, E1/E2 is 0.05");
+  EXPECT_EQ(material("young = [1, 2]\npoisson = 0.3\nshear = 1"),
+            "a.toml:5:9: [material]: young = [E1, E2] are constants in the plane, and plane strain needs those across "
+            "it, for which there are no keys; write state = \"plane stress\" in [material]");
 }
 
 }  // namespace
