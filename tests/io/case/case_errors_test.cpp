@@ -268,7 +268,8 @@ TEST(Case, MaterialRanges) {
             "a.toml:7:9: angle in [material] goes with an orthotropic material, young = [E1, E2]; leave it out");
   EXPECT_EQ(material("young = [1, 2]\npoisson = 0.3"), "a.toml:4:1: missing key \"shear\" in [material]; add it");
   const std::string orthotropic = "poisson = 0.3\nshear = 1\nstate = 'plane stress'\n";
-  EXPECT_EQ(material(orthotropic + "young = [1, -2]"), "a.toml:8:13: young in [material] must be positive, not -2");
+  EXPECT_EQ(material(orthotropic + "young = [1, -2]"),
+            "a.toml:8:13: entry 2 of young in [material] must be positive, not -2");
   EXPECT_EQ(material(orthotropic + "young = [1, 20]"),
             "a.toml:8:9: [material]: these constants belong to no material: poisson^2 must be less than E1/E2, or some "
             "stress would do no work; it is 0.09, E1/E2 is 0.05");
