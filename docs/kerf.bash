@@ -81,6 +81,7 @@ region[0].young
 region[0].poisson
 region[0].shear
 region[0].angle
+region[0].eigenstrain
 boundary[0].on
 boundary[0].traction
 boundary[0].pressure
@@ -252,6 +253,7 @@ synthetic.region[0].young
 synthetic.region[0].poisson
 synthetic.region[0].shear
 synthetic.region[0].angle
+synthetic.region[0].eigenstrain
 synthetic.element
 synthetic.degree
 synthetic.size
