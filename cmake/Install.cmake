@@ -43,7 +43,7 @@ if(KERF_PROGRAM)
   list(APPEND programs kerf)
   install(FILES docs/kerf.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME kerf
     COMPONENT program)
-  install(DIRECTORY cases DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT program FILES_MATCHING PATTERN "*.toml")
+  install(DIRECTORY cases DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT program)
   install(FILES docs/kerf.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT program)
   install(FILES README.md CHANGELOG.md docs/case-files.md docs/method.md docs/install.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/kerf COMPONENT program)
