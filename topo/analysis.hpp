@@ -13,8 +13,8 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
 /// which a change of the body moves.
 void require_supports(const Functional& j, const Model& model);
 
-/// Throws Error(Usage) for a functional that does not know what an eigenstrain does to it.
-void require_eigenstrain(const Functional& j, const Scene& scene);
+/// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.
+void require_known_loads(const Functional& j, const Model& model);
 
 /// Whether the map takes an integral over the body per point, so that it is made at listed points only: a clamped hole
 /// in a J that is neither an energy nor linear in the state.

@@ -145,6 +145,29 @@ TEST(Biactive, DisplacementsOfTheTopSeeTheSide) {
   EXPECT_GT(value[1], 1.5 * value[0]);
 }
 
+// A pressure on the faces in the ring, and a strain without stress, add terms that it does not have.
+TEST(Growth, EnergyReleaseRateRefusesWhatItDoesNotCount) {
+  const Functional rate{"", {energy_release_rate(tip, {1, 0}, ring, {})}};
+  const Body plain{cracked_square(), pulled(material, opens)};
+  const auto refused = [&](const Scene& scene) {
+    const Model model = prepare(triangulate(plain.shape, plain.sizing), plain.element, scene, 2);
+    try {
+      analyze(rate, model, solve(model));
+      return std::string();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Usage);
+      return std::string(e.what());
+    }
+  };
+  Scene pressed = plain.scene, strained = plain.scene;
+  pressed.laws[0].pressure = [](const Vec2&, const Vec2&) { return Vec2(0.1, 0); };
+  const VectorField uniform = [](const Vec2&) { return Vec2(0.01, 0.01); };
+  strained.eigenstrain = {{uniform, uniform}};
+  EXPECT_EQ(refused(plain.scene), "");
+  EXPECT_NE(refused(pressed).find("pressure in the crack"), std::string::npos);
+  EXPECT_NE(refused(strained).find("eigenstrain"), std::string::npos);
+}
+
 // [theory: T.25]: T_G = d/dl (1/2 H(sigma, sigma)(x0)) = -dT/dl of the energy. The tip moves
 // with its ring, the rest of the mesh stays: what is left is the element, not the mesher.
 TEST(Growth, DerivativeOfTheEnergyReleaseRateIsThatOfTheMapAlongTheCrack) {

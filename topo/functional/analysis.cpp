@@ -102,7 +102,28 @@ Scene measured_scene(const Scene& scene, const Support& measured) {
   return other;
 }
 
-void require_eigenstrain(const Functional& j, const Scene& scene) {
+namespace {
+
+// A crack with a pressure that reaches into the ring of a term.
+bool pressed_within(const Term& term, const Model& m) {
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
+    if (has_pressure(m.scene.laws[c]))
+      for (const CrackEdge& edge : m.mesh.cracks[c])
+        for (const Index v : m.mesh.edges[edge.edge])
+          if ((m.mesh.points[v] - term.feature).norm() <= term.feature_radius) return true;
+  return false;
+}
+
+}  // namespace
+
+void require_known_loads(const Functional& j, const Model& m) {
+  const Scene& scene = m.scene;
+  for (const Term& term : j.terms)
+    if (term.feature_radius > 0 && pressed_within(term, m))
+      throw Error(Fault::Usage,
+                  fmt::format("functional \"{}\" does not know the work of a pressure in the crack: the state gives K "
+                              "and G at every tip",
+                              term.kind));
   if (!has_eigenstrain(scene)) return;
   const bool out_of_plane = std::ranges::any_of(scene.eigenstrain, [](const Eigenstrain& e) { return e.out_of_plane; });
   for (const Term& term : j.terms) {
@@ -134,7 +155,7 @@ void require_supports(const Functional& j, const Model& model) {
 
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   Analysis a{.model = &model, .state = &state};
-  require_eigenstrain(j, model.scene);
+  require_known_loads(j, model);
   if (!value_only && std::any_of(model.scene.laws.begin(), model.scene.laws.end(), has_friction))
     throw Error(Fault::Usage,
                 "topological derivatives need cracks without friction: the state does not minimize the energy; remove "
