@@ -127,9 +127,7 @@ struct Bounding {
     const Triangle shape = triangle(m, t);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
     const double det = J.determinant();
-    Points x(2, r.nodes.cols());
-    for (Eigen::Index q = 0; q < x.cols(); ++q)
-      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    const Points x = nodes(r, shape);
     Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, statics.col(t), x).stress;
     if (f.couple.size() > 0) {
       const Mat2 c = antisymmetric(f.couple[t]);
@@ -138,40 +136,7 @@ struct Bounding {
     share.tractions = tractions(r, shape, stress);
     work_of_supports(share.tractions, edges, share);
 
-    // Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
-    bool correct = f.nodal.cols() > 0 && !f.balanced;
-    Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
-    for (const Index i : edges) {
-      const EdgeData& d = data[i];
-      if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
-      correct = true;
-      const Vec2& apex = shape.x[d.side];
-      const double l = length(m.mesh, d.edge);
-      for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
-        const Vec2 load =
-            m.inner->skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
-        rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
-      }
-    }
-    if (correct) {
-      Points wanted = Points::Zero(2, x.cols());
-      if (f.nodal.cols() > 0) {
-        const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
-        wanted = force * (r.mean_force - r.force).transpose();
-      }
-      for (int row = 0; row < 2; ++row) {
-        const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
-          return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
-                 inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
-        };
-        const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
-        const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
-        const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
-        rows.middleRows<2>(2 * row) += own;
-      }
-      stress += rows;
-    }
+    add_loads_unseen(r, t, edges, stress);
 
     const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
     const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
@@ -202,6 +167,53 @@ struct Bounding {
       const StrainData& strain = m.inner->data.strain;
       share.below = area(shape) * (std::sqrt(strain.rest[t] * square) + strain.error[t] * share.stress);
     }
+  }
+
+  Points nodes(const Reference& r, const Triangle& shape) const {
+    Points x(2, r.nodes.cols());
+    for (Eigen::Index q = 0; q < x.cols(); ++q)
+      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    return x;
+  }
+
+  /// Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
+  void add_loads_unseen(const Reference& r, Index t, const std::vector<Index>& edges, Eigen::Matrix4Xd& stress) const {
+    const Triangle shape = triangle(m, t);
+    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+    const double det = J.determinant();
+    const Points x = nodes(r, shape);
+    bool correct = f.nodal.cols() > 0 && !f.balanced;
+    Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
+    for (const Index i : edges) {
+      const EdgeData& d = data[i];
+      if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
+      correct = true;
+      const Vec2& apex = shape.x[d.side];
+      const double l = length(m.mesh, d.edge);
+      for (Eigen::Index q = 0; q < x.cols(); ++q) {
+        const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
+        const Vec2 load =
+            m.inner->skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
+        rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
+      }
+    }
+    if (!correct) return;
+    Points wanted = Points::Zero(2, x.cols());
+    if (f.nodal.cols() > 0) {
+      const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+      wanted = force * (r.mean_force - r.force).transpose();
+    }
+    for (int row = 0; row < 2; ++row) {
+      const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
+        return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
+               inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
+      };
+      const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
+      const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
+      const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
+      rows.middleRows<2>(2 * row) += own;
+    }
+    stress += rows;
   }
 
   /// At the points of the rule; no columns without one.
@@ -257,6 +269,24 @@ struct Bounding {
     return result;
   }
 
+  /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
+  Eigen::RowVectorXd wanted_divergence(const Reference& r, Index t) const {
+    const Triangle shape = triangle(m, t);
+    const Material& material = material_of(m.mesh, m.scene, t);
+    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), nodes(r, shape)).stress;
+    Eigen::RowVectorXd wanted = 2 * material.c * (stress.row(0) + stress.row(3));
+    if (!isotropic(material))
+      for (Eigen::Index q = 0; q < wanted.size(); ++q)
+        wanted[q] += orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q)))
+                         .head<2>()
+                         .sum();
+    if (!m.inner->data.strain.empty()) {
+      const Eigen::Matrix4Xd at = strain_at(m.inner->data.strain, t, r.nodes);
+      wanted += at.row(0) + at.row(3);
+    }
+    return wanted;
+  }
+
   /// Energy of the conforming displacement with its divergence moved towards that of the stress.
   void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
     const Triangle shape = triangle(m, t);
@@ -277,22 +307,8 @@ struct Bounding {
         v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
       }
     }
-    // The divergence wanted is the trace of A s, in isotropic bodies 2 c tr s.
-    Points x(2, r.nodes.cols());
-    for (Eigen::Index q = 0; q < x.cols(); ++q)
-      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
-    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), x).stress;
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
-    Eigen::RowVectorXd wanted = 2 * c * (stress.row(0) + stress.row(3));
-    if (!isotropic(material))
-      for (Eigen::Index q = 0; q < wanted.size(); ++q)
-        wanted[q] += orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q)))
-                         .head<2>()
-                         .sum();
-    if (free.cols() > 0) {
-      const Eigen::Matrix4Xd at = strain_at(m.inner->data.strain, t, r.nodes);
-      wanted += at.row(0) + at.row(3);
-    }
+    Eigen::RowVectorXd wanted = wanted_divergence(r, t);
     for (int axis = 0; axis < 2; ++axis)
       for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
     const Eigen::VectorXd scaled = det * wanted.transpose();
