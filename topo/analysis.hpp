@@ -13,6 +13,9 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
 /// which a change of the body moves.
 void require_supports(const Functional& j, const Model& model);
 
+/// Throws Error(Usage): derivatives by the shape do not know that an eigenstrain stays while the material moves.
+void require_no_eigenstrain(const Scene& scene);
+
 /// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.
 void require_known_loads(const Functional& j, const Model& model);
 

@@ -1,6 +1,7 @@
 // The adjoint on the tangent cone of the contact, against finite holes: where part of a crack is closed, where a whole
 // crack carries neither gap nor pressure, and along its growth.
 
+#include "kerf/shape_gradient.hpp"
 #include "tests/topo/validation.hpp"
 #include "topo/functional/integrate.hpp"
 
@@ -166,6 +167,13 @@ TEST(Growth, EnergyReleaseRateRefusesWhatItDoesNotCount) {
   EXPECT_EQ(refused(plain.scene), "");
   EXPECT_NE(refused(pressed).find("pressure in the crack"), std::string::npos);
   EXPECT_NE(refused(strained).find("eigenstrain"), std::string::npos);
+  // The energy has a map there, but no derivative by the shape.
+  const Functional potential{"", {energy()}};
+  const Model model = prepare(triangulate(plain.shape, plain.sizing), plain.element, strained, 2);
+  const State state = solve(model);
+  const Analysis a = analyze(potential, model, state);
+  EXPECT_THROW(shape_gradient(a, potential), Error);
+  EXPECT_THROW(boundary_gradient(a, potential), Error);
 }
 
 // [theory: T.25]: T_G = d/dl (1/2 H(sigma, sigma)(x0)) = -dT/dl of the energy. The tip moves

@@ -116,6 +116,13 @@ bool pressed_within(const Term& term, const Model& m) {
 
 }  // namespace
 
+void require_no_eigenstrain(const Scene& scene) {
+  if (has_eigenstrain(scene))
+    throw Error(Fault::Usage,
+                "shape derivatives: an eigenstrain stays while the material moves, which they do not know; "
+                "leave it out");
+}
+
 void require_known_loads(const Functional& j, const Model& m) {
   const Scene& scene = m.scene;
   for (const Term& term : j.terms)

@@ -87,6 +87,7 @@ class OnEdge {
 
 BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
+  require_no_eigenstrain(a.model->scene);
   const Model& m = *a.model;
   require_supports(j, m);
   const OnEdge on_edge(a, j);

@@ -312,6 +312,7 @@ void add_cracks(const Loaded& body, const Field* dual, Points& gradient) {
 
 Points shape_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
+  require_no_eigenstrain(a.model->scene);
   const Model& m = *a.model;
   require(m.element, can_optimize);
   require_supports(j, m);
