@@ -36,6 +36,7 @@ std::string text(const std::string& what, const Comparison& c) {
 
 // What has no expansion says so, by name.
 bool refusal(const Load& load, const Change& change, const std::string& functional) {
+  if (load.fluid && functional == "energy_release_rate") return true;  // it would miss the work of the fluid
   return !has_series(change.p) && (load.regions || functional.starts_with("stress"));
 }
 
