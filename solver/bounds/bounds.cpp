@@ -228,7 +228,7 @@ struct Bounding {
     if (strain.rest[t] == 0 && strain.error[t] == 0) return 0;
     const Material& material = material_of(m.mesh, m.scene, t);
     const double mu = material.mu, c = material.c;  // C e : e <= stiffness |e|^2
-    const double stiffness = !isotropic(material) ? 2 * stress_matrix(material).norm()
+    const double stiffness = !isotropic(material) ? 2 * shear_moduli(material).largest
                              : c > 0              ? std::max(2 * mu, 1 / (2 * c))
                                                   : infinity,
                  rest = stiffness * area(shape) * strain.rest[t];

@@ -235,12 +235,17 @@ double work_of_eigenstrain(const Model& m, const Field& s) {
 
 namespace {
 
-// (l1, l2) of points.
-Points barycentric(const Mesh& mesh, Index t, const Points& x) {
+// The derivatives of (l1, l2) by x, in rows.
+Mat2 barycentric_slopes(const Mesh& mesh, Index t) {
   const auto& [a, b, c] = mesh.triangles[t];
   Mat2 sides;
   sides << mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a];
-  return sides.inverse() * (x.colwise() - mesh.points[a]);
+  return sides.inverse();
+}
+
+// (l1, l2) of points.
+Points barycentric(const Mesh& mesh, Index t, const Points& x) {
+  return barycentric_slopes(mesh, t) * (x.colwise() - mesh.points[mesh.triangles[t][0]]);
 }
 
 }  // namespace
@@ -251,10 +256,7 @@ Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Poi
 }
 
 Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
-  const auto& [a, b, c] = m.mesh.triangles[t];
-  Mat2 sides;
-  sides << m.mesh.points[b] - m.mesh.points[a], m.mesh.points[c] - m.mesh.points[a];
-  const Mat2 inverse = sides.inverse();
+  const Mat2 inverse = barycentric_slopes(m.mesh, t);
   const Points l = barycentric(m.mesh, t, x);
   return inverse(0, axis) * strain_slope_at(m.inner->data.strain, t, l, 0) +
          inverse(1, axis) * strain_slope_at(m.inner->data.strain, t, l, 1);
