@@ -1,6 +1,7 @@
 #pragma once
 // What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
 
+#include "io/files.hpp"
 #include "io/result.hpp"
 #include "plot/picture.hpp"
 #include "solver/stopwatch.hpp"
@@ -10,6 +11,7 @@ namespace kerf {
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
   std::string command;           // that is kept with the case
+  FolderLock* lock = nullptr;    // taken when the folder is there; none: who calls keeps others out
   int threads = 1;
   bool resume = false;                                     // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;  // called as each phase begins

@@ -10,6 +10,7 @@
 #include "app/templates.hpp"
 #include "io/files.hpp"
 #include "io/words.hpp"
+#include "kerf/stop.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -141,6 +142,7 @@ std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arg
     f.at_most = f.at_most || (!asked && validates);
     return f;
   } catch (const Error& e) {
+    if (stop_requested()) throw Error(Fault::Numerics, "stopped while finding out what the run will take");
     if (asked || e.fault != Fault::Geometry) throw;
     return std::nullopt;  // too coarse a trial says nothing of the case
   }
@@ -255,7 +257,9 @@ int perform(const Arguments& arguments) {
   if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.
   options.resume = options.resume && has_checkpoint(options.folder);
-  make_ready(options.folder, arguments.force || options.resume, "result.json");
+  FolderLock lock;
+  make_ready(options.folder, arguments.force || options.resume, "result.json", lock);
+  options.lock = &lock;
   catch_signals();
   const std::optional<Forecast> expected = forecast_of(c, job, arguments);
   Progress progress(log_level(arguments.log_level, arguments.quiet));

@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <alloca.h>
+#include <sched.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +16,7 @@
 #include <csignal>
 #include <cstdio>
 #include <new>
+#include <system_error>
 
 namespace kerf {
 
@@ -40,6 +44,52 @@ __attribute__((constructor(101), target("arch=x86-64"))) void refuse_old_process
 }  // namespace
 #endif
 
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+namespace {
+
+bool is_set(const char* variable, const char* name) {
+  while (*name && *variable == *name) ++variable, ++name;
+  return !*name;
+}
+
+/// Before the constructors of the libraries. OpenBLAS starts a thread for every core when it is loaded, and each takes
+/// 128 MB of address space: where that is short (ulimit -v, strict overcommit) they ask for ever, and the program could
+/// not even end, or is ended by the signal that OpenBLAS raises. kerf has no use for these threads: then it starts anew
+/// without them. With instructions that all processors have, and nothing of libraries that are not there yet.
+#if defined(__x86_64__)
+__attribute__((target("arch=x86-64")))
+#endif
+void spare_address_space(int, char** argv, char** environment) {
+  constexpr const char* name = "OPENBLAS_NUM_THREADS=";
+  std::size_t count = 0, place = 0;
+  bool there = false;
+  for (; environment[count]; ++count)
+    if (is_set(environment[count], name)) place = count, there = true;
+  if (there && is_set(environment[place], "OPENBLAS_NUM_THREADS=1") && !environment[place][22]) return;
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  const bool known = sched_getaffinity(0, sizeof cores, &cores) == 0;
+  constexpr std::size_t per_thread = std::size_t{300} << 20, own = std::size_t{300} << 20;  // with stacks and arenas
+  const std::size_t size = own + per_thread * static_cast<std::size_t>(known ? CPU_COUNT(&cores) : 64);
+  void* const trial = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (trial != MAP_FAILED) {
+    munmap(trial, size);
+    return;
+  }
+  static char one[] = "OPENBLAS_NUM_THREADS=1";
+  auto** const changed = static_cast<char**>(alloca((count + 2) * sizeof(char*)));
+  for (std::size_t k = 0; k < count; ++k) changed[k] = environment[k];
+  if (!there) place = count++;
+  changed[place] = one;
+  changed[count] = nullptr;
+  execve("/proc/self/exe", argv, changed);  // where it fails, what is there must do
+}
+
+[[gnu::section(".preinit_array"), gnu::used]] void (*const before_libraries)(int, char**, char**) = spare_address_space;
+
+}  // namespace
+#endif
+
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
   // No call here may throw: not for want of memory, not because stderr is closed.
   const auto report = [](const char* before, const char* message, Fault fault) {
@@ -56,6 +106,10 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
     return report("", "stopped", Fault::Numerics);
   } catch (const std::bad_alloc&) {
     return report("", "out of memory; use a coarser mesh (a larger mesh.size)", Fault::Numerics);
+  } catch (const std::system_error& e) {
+    if (e.code() != std::errc::resource_unavailable_try_again)
+      return report("unexpected failure: ", e.what(), Fault::Numerics);
+    return report("", "no more threads can be started; use --threads 1", Fault::Numerics);
   } catch (const std::exception& e) {
     return report("unexpected failure: ", e.what(), Fault::Numerics);
   } catch (...) {
@@ -69,6 +123,11 @@ void catch_signals() {
   action.sa_flags = SA_RESETHAND | SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction hangup = {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  action = {};
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &action, nullptr);
 }
 
 std::string command_line(int argc, const char* const* argv) {
@@ -104,10 +163,11 @@ std::string log_level(const std::string& asked, bool quiet) {
   return !asked.empty() ? asked : quiet ? "warn" : "info";
 }
 
-void make_ready(const std::filesystem::path& folder, bool force, const std::string& result) {
+void make_ready(const std::filesystem::path& folder, bool force, const std::string& result, FolderLock& lock) {
   const std::filesystem::path path = folder / result;
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw Error(Fault::Files, fmt::format("{} is not a folder; choose another with --output", folder.string()));
+  lock.take(folder);
   if (!std::filesystem::exists(std::filesystem::symlink_status(path))) return;
   if (!force)
     throw Error(Fault::Files, fmt::format("{} already holds results; use --force to overwrite", folder.string()));

@@ -1,6 +1,8 @@
 #pragma once
 // What kerf and kerf-bench share: messages and exit codes, Ctrl-C, the folder for results.
 
+#include "io/files.hpp"
+
 #include <filesystem>
 #include <span>
 #include <string>
@@ -13,7 +15,8 @@ inline constexpr const char* exit_codes =
 /// `work`, and one line on stderr for whatever it throws. Returns the exit code of the process.
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv);
 
-/// The first SIGINT or SIGTERM asks for a clean stop (kerf/stop.hpp), the second one ends the process.
+/// The first SIGINT, SIGTERM or SIGHUP (unless that is ignored, as by nohup) asks for a clean stop (kerf/stop.hpp), the
+/// second one ends the process. A file that grows beyond the limit (ulimit -f) is an error of writing it, not a signal.
 void catch_signals();
 
 /// What was typed, on one line, with quotes where a shell needs them.
@@ -30,7 +33,8 @@ void require_known(const char* what, const std::string& name, std::span<const st
 /// "info", or "warn" when quiet, unless a level was asked for.
 std::string log_level(const std::string& asked, bool quiet);
 
-/// Throws Error(Files) when the folder holds the result already, unless it may be overwritten: then it goes.
-void make_ready(const std::filesystem::path& folder, bool force, const std::string& result);
+/// Throws Error(Files) when another run has the folder, or it holds the result already, unless that may be overwritten:
+/// then it goes.
+void make_ready(const std::filesystem::path& folder, bool force, const std::string& result, FolderLock& lock);
 
 }  // namespace kerf

@@ -22,6 +22,7 @@ void refuse_optimization(const Case& c) {
   for (const Wrong& wrong : find_wrong(problem_of(c), *c.optimize))
     lines.push_back(fmt::format("{}: {}", place_of(c, wrong.key), wrong.what));
   if (!lines.empty()) throw Error(Fault::Usage, fmt::format("{}", fmt::join(lines, "\n")));
+  if (!c.mesh) require_drawable(c.shape);
 }
 
 void refuse_map(const Element& e, const MapRequest& request) {

@@ -122,13 +122,15 @@ void refuse(const Case& c, const Jobs& jobs) {
   if (jobs.validate) refuse_validation(e);
 }
 
-void prepare_folder(const std::filesystem::path& folder, bool resume, const std::string& fingerprint) {
+void prepare_folder(const RunOptions& options, const std::string& fingerprint) {
+  const std::filesystem::path& folder = options.folder;
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed)
     throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", folder.string(), failed.message()));
-  if (resume) check_checkpoint(folder, fingerprint);
-  remove_earlier_results(folder, resume);
+  if (options.lock) options.lock->take(folder);
+  if (options.resume) check_checkpoint(folder, fingerprint);
+  remove_earlier_results(folder, options.resume);
 }
 
 /// The case with its overrides, from which the folder can be made again.
@@ -177,6 +179,15 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   return adapted;
 }
 
+/// Squares of stresses may leave the range of numbers where these do not.
+void require_energy(const StateResult& state, const PlotData& data) {
+  const bool underflow = state.energy == 0 && data.values.stress.cwiseAbs().maxCoeff() > 0;
+  if (std::isfinite(state.energy) && !underflow) return;
+  throw Error(Fault::Numerics, fmt::format("the strain energy is too {} for the numbers of a computer; check the units "
+                                           "of young, of the loads and of the prescribed displacements",
+                                           underflow ? "small" : "large"));
+}
+
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
   if (stop_requested()) {  // between rounds: the last one is there
@@ -196,6 +207,7 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   if (section.contact) r.contact = std::move(section.contact);
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
   add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
+  require_energy(*r.state, data);
   journal.seconds.solve += journal.lap();
   write_state(adapted, data, r.cracks, journal);
   return {std::move(adapted), std::move(data)};
@@ -306,11 +318,13 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     throw;
   }
   try {
-    if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map, journal, r);
-    if (jobs.validate)
+    // Nothing is built on a state that is none: `complete` says so.
+    const bool sound = !out || certified(out->solved.adapted.state);
+    if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
+    if (jobs.validate && sound)
       r.validate =
           validate_expansion(body_of(out->c, out->solved.adapted), out->c.functional, *out->c.validate, journal);
-    if (jobs.optimize) {
+    if (jobs.optimize && sound) {
       Case design = optimize_design(given, journal, r);
       if (out) {
         draw_design(design, journal, r);
@@ -355,8 +369,13 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
   journal.seconds.output += journal.lap();
   sum_up(journal, r);
-  if (c.output.html) write_page(journal.file("report.html"), r, journal.pictures);
-  write_json(journal.file("result.json"), r);
+  write_json(journal.file("result.json"), r);  // before the page: a disk may be full
+  if (c.output.html) {
+    write_page(journal.file("report.html"), r, journal.pictures);
+    journal.seconds.output += journal.lap();
+    sum_up(journal, r);
+    write_json(journal.file("result.json"), r);
+  }
   return r;
 }
 
@@ -368,7 +387,7 @@ Result run(const Case& read, Job job, const RunOptions& options) {
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
   refuse(read, jobs);
   const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
-  prepare_folder(options.folder, options.resume, read.fingerprint);
+  prepare_folder(options, read.fingerprint);
   write_kept(kept, options.folder);
   Journal journal{
       .options = options, .title = read.title, .units = read.units, .vtk = read.output.vtk, .png = read.output.png};

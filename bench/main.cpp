@@ -118,7 +118,8 @@ int perform(int argc, char** argv) {
   BenchOptions options = arguments->options;
   options.folder = arguments->folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments->name)
                                              : std::filesystem::path(arguments->folder);
-  make_ready(options.folder, arguments->force, arguments->name + ".json");
+  FolderLock lock;
+  make_ready(options.folder, arguments->force, arguments->name + ".json", lock);
   catch_signals();
   Progress progress(log_level(arguments->log_level, arguments->quiet));
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };

@@ -13,4 +13,19 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 /// Throws Error(Files) naming the path and the reason.
 std::string read_file(const std::filesystem::path& path);
 
+/// One run at a time in a folder: held until the end of its life or of the process, however that ends; leaves nothing
+/// behind.
+class FolderLock {
+ public:
+  FolderLock() = default;
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+  /// Does nothing when it is held already, or there is no such folder. Throws Error(Files) when another run has it.
+  void take(const std::filesystem::path& folder);
+
+ private:
+  int folder_ = -1;
+};
+
 }  // namespace kerf

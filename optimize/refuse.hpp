@@ -19,7 +19,9 @@ struct Wrong {
 /// Everything that is wrong: empty where nothing is. Of a body that cannot be drawn (find_problem), only what does not
 /// depend on its shape. Nothing is refused on a sample alone: what is said of shapes, boxes and loads holds.
 std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r);
-/// Throws Error(Usage) with all of it, a line each.
+/// Throws Error(Geometry) with find_problem's words: before anything is made as fine as its curves.
+void require_drawable(const Shape& body);
+/// Throws Error(Usage) with all of it, a line each, or what require_drawable throws.
 void refuse_wrong(const Problem& p, const OptimizeRequest& r);
 
 // Some of the rules by themselves: what is wrong, or nothing.

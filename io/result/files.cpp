@@ -1,14 +1,20 @@
 #include "io/files.hpp"
 
+#include "geometry/whole_file.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/core.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 namespace kerf {
 
@@ -24,33 +30,9 @@ using File = std::unique_ptr<std::FILE, Close>;
 }  // namespace
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
-  const auto fail = [&](const std::string& reason) {
-    return Error(Fault::Files, fmt::format("cannot write '{}': {}; choose a folder that exists and may be written to",
-                                           path.string(), reason));
-  };
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code)) throw fail("it is a folder");
-  std::filesystem::path part = path;
-  part += ".part";
-  File file(std::fopen(part.c_str(), "wb"));
-  if (!file) throw fail(std::strerror(errno));
-  // A full disk may show only when the buffer is flushed: the result of closing counts, too.
-  bool good = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
-  int reason = errno;
-  if (std::fclose(file.release()) != 0) {
-    if (good) reason = errno;
-    good = false;
-  }
-  if (!good) {
-    std::filesystem::remove(part, code);
-    throw fail(std::strerror(reason));
-  }
-  std::filesystem::rename(part, path, code);
-  if (code) {
-    const std::string message = code.message();
-    std::filesystem::remove(part, code);
-    throw fail(message);
-  }
+  if (const int problem = write_whole_file(path, bytes, Flush::Buffers))
+    throw Error(Fault::Files, fmt::format("cannot write '{}': {}; choose a folder that exists and may be written to",
+                                          path.string(), std::strerror(problem)));
 }
 
 std::string read_file(const std::filesystem::path& path) {
@@ -67,6 +49,21 @@ std::string read_file(const std::filesystem::path& path) {
   while ((count = std::fread(block, 1, sizeof block, file.get())) > 0) bytes.append(block, count);
   if (std::ferror(file.get())) throw fail(std::strerror(errno));
   return bytes;
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) close(folder_);
+}
+
+void FolderLock::take(const std::filesystem::path& folder) {
+  if (folder_ >= 0) return;
+  folder_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0) return;  // not there, or not to be read: writing will tell
+  if (flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;  // not every file system can
+  close(std::exchange(folder_, -1));
+  throw Error(Fault::Files, fmt::format("another kerf is writing into '{}'; wait until it is done, or choose another "
+                                        "folder with --output",
+                                        folder.string()));
 }
 
 }  // namespace kerf

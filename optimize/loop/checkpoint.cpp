@@ -1,5 +1,6 @@
 #include "optimize/checkpoint.hpp"
 
+#include "geometry/whole_file.hpp"
 #include "kerf/types.hpp"
 
 #include <fcntl.h>
@@ -117,10 +118,10 @@ Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
   return out;
 }
 
-/// An open file, closed at the end.
+/// A file to read, closed at the end.
 class Handle {
  public:
-  Handle(const std::filesystem::path& path, int flags) : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
+  explicit Handle(const std::filesystem::path& path) : number_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() {
@@ -128,23 +129,6 @@ class Handle {
   }
   bool open() const {
     return number_ >= 0;
-  }
-  bool write(std::string_view bytes) const {
-    while (!bytes.empty()) {
-      const ssize_t done = ::write(number_, bytes.data(), bytes.size());
-      if (done < 0 && errno == EINTR) continue;
-      if (done <= 0) return false;
-      bytes.remove_prefix(static_cast<std::size_t>(done));
-    }
-    return true;
-  }
-  bool flush() const {
-    return ::fsync(number_) == 0;
-  }
-  bool close() {
-    const int number = number_;
-    number_ = -1;
-    return ::close(number) == 0;
   }
   /// Everything that is left to read, or nothing on failure.
   std::optional<std::string> read() const {
@@ -176,20 +160,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
     return Error(Fault::Files,
                  fmt::format("cannot write the checkpoint '{}': {}", path.string(), std::strerror(reason)));
   };
-  std::filesystem::path part = path;
-  part += ".part";
-  const std::string bytes = encode(checkpoint);
-  Handle file(part, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file.open()) throw refuse(errno);
-  if (!file.write(bytes) || !file.flush() || !file.close() || std::rename(part.c_str(), path.c_str()) != 0) {
-    const int reason = errno;
-    ::unlink(part.c_str());
-    throw refuse(reason);
-  }
-  // The new name is on the disk when the folder is. A file system that cannot flush a folder says so (EINVAL).
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  const Handle names(folder, O_RDONLY | O_DIRECTORY);
-  if (names.open() && !names.flush() && errno != EINVAL && errno != EROFS) throw refuse(errno);
+  if (const int problem = write_whole_file(path, encode(checkpoint), Flush::Disk)) throw refuse(problem);
 }
 
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
@@ -201,7 +172,7 @@ std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::not_found) return std::nullopt;
   if (failed) throw refuse(failed.message());
   if (status.type() != std::filesystem::file_type::regular) throw refuse("it is no regular file");
-  const Handle file(path, O_RDONLY);
+  const Handle file(path);
   if (!file.open()) throw refuse(std::strerror(errno));
   const std::optional<std::string> bytes = file.read();
   if (!bytes) throw refuse(std::strerror(errno));

@@ -194,9 +194,13 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   return all;
 }
 
+void require_drawable(const Shape& body) {
+  if (const auto problem = find_problem(body)) throw Error(Fault::Geometry, *problem);
+}
+
 void refuse_wrong(const Problem& p, const OptimizeRequest& r) {
   const std::vector<Wrong> all = find_wrong(p, r);
-  if (all.empty()) return;
+  if (all.empty()) return require_drawable(p.frame);
   std::vector<std::string> lines;
   for (const Wrong& wrong : all) lines.push_back(wrong.what);
   throw Error(Fault::Usage, fmt::format("{}", fmt::join(lines, "\n")));

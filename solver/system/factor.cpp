@@ -1,6 +1,7 @@
 #include "solver/factor.hpp"
 
 #include "kerf/stop.hpp"
+#include "solver/system/blas.hpp"
 
 #include <cholmod.h>
 #include <dlfcn.h>
@@ -56,10 +57,6 @@ void use_one_thread() {
   if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
 }
 
-[[noreturn]] void out_of_memory() {
-  throw Error(Fault::Numerics, "not enough memory for the factorization; use a coarser mesh (mesh.size)");
-}
-
 }  // namespace
 
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
@@ -106,6 +103,7 @@ struct Factor::Impl {
 
   void factorize(cholmod_sparse& a) {
     check_stop();
+    const BlasCall in_blas;
     const int done = cholmod_factorize(&a, factor, &session.c);
     // cholmod_solve resets the status: it must be read here.
     if (session.c.status == CHOLMOD_NOT_POSDEF)
@@ -124,6 +122,7 @@ struct Factor::Impl {
     in.x = const_cast<double*>(b.data());
     in.xtype = CHOLMOD_REAL;
     in.dtype = CHOLMOD_DOUBLE;
+    const BlasCall in_blas;
     cholmod_dense* out = cholmod_solve(system, factor, &in, &session.c);
     if (!out) out_of_memory();
     Dense x = Eigen::Map<Dense>(static_cast<double*>(out->x), size, b.cols());
@@ -214,7 +213,7 @@ Eigen::MatrixXd square(const Eigen::MatrixXd& l) {
       const Eigen::Index width = std::min(block, n - j);
       s.block(i, j, height, width).noalias() =
           l.block(i, 0, height, j + width) * l.block(j, 0, width, j + width).transpose();
-      s.block(j, i, width, height) = s.block(i, j, height, width).transpose();
+      if (j < i) s.block(j, i, width, height) = s.block(i, j, height, width).transpose();
     }
   }
   return s;

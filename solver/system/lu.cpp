@@ -1,6 +1,7 @@
 #include "solver/system/lu.hpp"
 
 #include "kerf/stop.hpp"
+#include "solver/system/blas.hpp"
 
 #include <umfpack.h>
 
@@ -21,8 +22,7 @@ namespace {
 
 void check(int status) {
   if (status == UMFPACK_OK) return;
-  if (status == UMFPACK_ERROR_out_of_memory)
-    throw Error(Fault::Numerics, "not enough memory for the factorization; use a coarser mesh (mesh.size)");
+  if (status == UMFPACK_ERROR_out_of_memory) out_of_memory();
   throw Error(Fault::Numerics,
               "the system of the state is singular: the supports or the crack contacts do not hold "
               "the body, or an incompressible body is wholly enclosed");
@@ -57,6 +57,7 @@ Lu::Lu(const LowerTriangle& lower) : impl_(std::make_unique<Impl>()) {
   for (Index j = 0; j < m.size; ++j)
     for (Index p = lower.start[j]; p < lower.start[j + 1]; ++p) put(lower.rows[p], j, lower.values[p]);
 
+  const BlasCall in_blas;
   void* symbolic = nullptr;
   double info[UMFPACK_INFO];
   check(umfpack_di_symbolic(m.size, m.size, m.start.data(), m.rows.data(), m.values.data(), &symbolic, nullptr, info));
@@ -75,6 +76,7 @@ Eigen::VectorXd Lu::solve(const Eigen::VectorXd& b) const {
   const Impl& m = *impl_;
   Eigen::VectorXd x(b.size());
   if (m.size == 0) return x;
+  const BlasCall in_blas;
   check(umfpack_di_solve(UMFPACK_A, m.start.data(), m.rows.data(), m.values.data(), x.data(), b.data(), m.numeric,
                          nullptr, nullptr));
   return x;

@@ -1,0 +1,71 @@
+#include "solver/system/blas.hpp"
+
+#include "kerf/types.hpp"
+
+#include <dlfcn.h>
+#include <sys/mman.h>
+
+#include <mutex>
+#include <vector>
+
+namespace kerf {
+
+namespace {
+
+// OpenBLAS's own (driver/others/memory.c): a free buffer, or a new one where there is none.
+struct Buffers {
+  using Take = void* (*)(int);
+  using Give = void (*)(void*);
+  Take take = reinterpret_cast<Take>(dlsym(RTLD_DEFAULT, "blas_memory_alloc"));
+  Give give = reinterpret_cast<Give>(dlsym(RTLD_DEFAULT, "blas_memory_free"));
+  std::mutex mutex;
+  int inside = 0, claimed = 0;
+};
+
+// Shared with a library that has one state for the whole process.
+Buffers& buffers() {
+  static Buffers all;
+  return all;
+}
+
+// 128 MB on x86-64, twice as much elsewhere, and what other threads may take in between.
+bool has_room() {
+  constexpr std::size_t size = std::size_t{160} << 20;
+  void* const trial = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (trial == MAP_FAILED) return false;
+  munmap(trial, size);
+  return true;
+}
+
+}  // namespace
+
+BlasCall::BlasCall() {
+  Buffers& all = buffers();
+  const std::scoped_lock lock(all.mutex);
+  if (all.take && all.give && all.inside + 1 > all.claimed) {
+    // As many at once as there will be calls, so that there is one for each.
+    std::vector<void*> taken;
+    taken.reserve(static_cast<std::size_t>(all.inside) + 1);
+    bool enough = true;
+    while (enough && taken.size() < taken.capacity()) {
+      enough = has_room();
+      if (enough) taken.push_back(all.take(0));
+    }
+    for (void* buffer : taken) all.give(buffer);
+    if (!enough) out_of_memory();
+    all.claimed = all.inside + 1;
+  }
+  ++all.inside;
+}
+
+BlasCall::~BlasCall() {
+  Buffers& all = buffers();
+  const std::scoped_lock lock(all.mutex);
+  --all.inside;
+}
+
+void out_of_memory() {
+  throw Error(Fault::Numerics, "not enough memory for the factorization; use a coarser mesh (mesh.size)");
+}
+
+}  // namespace kerf

@@ -1,0 +1,20 @@
+#pragma once
+// What OpenBLAS needs of its callers.
+
+namespace kerf {
+
+/// Held around calls that reach the BLAS (CHOLMOD, UMFPACK). OpenBLAS takes 128 MB of address space for every thread
+/// that is inside at once, keeps it, and where it gets none asks again for ever: so it is asked for before, where it can
+/// be refused. Another BLAS needs nothing of it. Throws Error(Numerics) when there is too little address space.
+class BlasCall {
+ public:
+  BlasCall();
+  ~BlasCall();
+  BlasCall(const BlasCall&) = delete;
+  BlasCall& operator=(const BlasCall&) = delete;
+};
+
+/// The words for want of memory, the same from everywhere. Throws Error(Numerics).
+[[noreturn]] void out_of_memory();
+
+}  // namespace kerf
