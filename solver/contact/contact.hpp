@@ -3,6 +3,8 @@
 
 #include "kerf/state.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <functional>
 #include <vector>
 
@@ -73,7 +75,19 @@ struct Unilateral {
 };
 Unilateral solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed = {});
 
-/// The jumps with the closed points held at 0: S_OO j_O = r_O, j_C = 0.
-Eigen::VectorXd open_jumps(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed);
+/// The jumps with the closed points held at 0: S_OO j_O = r_O, j_C = 0. S_OO is factorized once.
+class OpenRows {
+ public:
+  OpenRows(const Eigen::MatrixXd& S, std::vector<bool> closed);
+  const std::vector<bool>& closed() const {
+    return closed_;
+  }
+  Eigen::VectorXd jumps(const Eigen::VectorXd& r) const;
+
+ private:
+  std::vector<bool> closed_;
+  std::vector<Index> open_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
 
 }  // namespace kerf

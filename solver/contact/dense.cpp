@@ -1,7 +1,5 @@
 #include "solver/contact/contact.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 
@@ -89,15 +87,17 @@ Unilateral solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, 
   return {std::move(c.jump), std::move(c.force), std::move(held), c.iterations, c.converged};
 }
 
-Eigen::VectorXd open_jumps(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<bool>& closed) {
-  std::vector<Index> open;
-  for (std::size_t i = 0; i < closed.size(); ++i)
-    if (!closed[i]) open.push_back(static_cast<Index>(i));
+OpenRows::OpenRows(const Eigen::MatrixXd& S, std::vector<bool> closed) : closed_(std::move(closed)) {
+  for (std::size_t i = 0; i < closed_.size(); ++i)
+    if (!closed_[i]) open_.push_back(static_cast<Index>(i));
+  if (!open_.empty()) factor_.compute(S(open_, open_));
+}
+
+Eigen::VectorXd OpenRows::jumps(const Eigen::VectorXd& r) const {
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(r.size());
-  if (open.empty()) return jump;
-  const Eigen::MatrixXd part = S(open, open);
-  const Eigen::VectorXd load = r(open), value = part.llt().solve(load);
-  jump(open) = value;
+  if (open_.empty()) return jump;
+  const Eigen::VectorXd load = r(open_), value = factor_.solve(load);
+  jump(open_) = value;
   return jump;
 }
 

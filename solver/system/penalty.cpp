@@ -100,7 +100,8 @@ Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd&
 Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const {
   std::vector<bool> held(motion.size());
   for (std::size_t i = 0; i < held.size(); ++i) held[i] = motion[i] == Motion::Held;
-  return open_jumps(S, r, held);
+  if (!open_rows_ || open_rows_->closed() != held) open_rows_.emplace(S, std::move(held));
+  return open_rows_->jumps(r);
 }
 
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,

@@ -2,10 +2,12 @@
 // One linear solve with the factor of the model, and the penalty iteration around it: what the state and its adjoint
 // share.
 
+#include "solver/contact/contact.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/elementwise.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace kerf {
 
@@ -58,6 +60,9 @@ struct Condensation {
   /// K x = b with the held rows at 0, or as given, and no change of force on the others.
   Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                const Eigen::VectorXd* held = nullptr) const;
+
+ private:
+  mutable std::optional<OpenRows> open_rows_ = {};  // of the last call: one thread at a time
 };
 
 /// The iterations shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to
