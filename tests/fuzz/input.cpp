@@ -56,6 +56,8 @@ std::vector<std::string> command_of(Dice& dice, Value& document) {
                                                     "solve", "solve", "map",      "map",      "run",
                                                     "run",   "run",   "validate", "optimize", "mesh"};
   std::string command = dice.one_of(commands);
+  if ((command == "validate" || command == "optimize") && !member(document, command) && dice.chance(0.9))
+    command = "run";
   if (command == "run" || command == "solve") {  // what the case is there for, more often than not
     if (member(document, "optimize") && dice.chance(0.2)) command = "optimize";
     if (member(document, "validate") && dice.chance(0.2)) command = "validate";
@@ -66,7 +68,7 @@ std::vector<std::string> command_of(Dice& dice, Value& document) {
                                                    : "out"});
   out.insert(out.end(), {"--threads", dice.chance(0.9) ? "1" : "2"});
   if (dice.chance(0.9)) out.insert(out.end(), {"--log-level", "off"});
-  while (dice.chance(0.12)) override_key(dice, out);
+  while (dice.chance(0.06)) override_key(dice, out);
   if (dice.chance(0.03)) odd_options(dice, out);
   return out;
 }
@@ -106,7 +108,7 @@ Input make_input(const Corpus& corpus, std::uint64_t seed, std::uint64_t number)
   Value document = start.document;
   if (!dice.chance(0.02))  // else as it is
     do mutate(dice, document, corpus);
-    while (dice.chance(0.45));
+    while (dice.chance(0.35));
   tame(dice, document);
   input.arguments = command_of(dice, document);
   for (auto& [name, bytes] : input.files)

@@ -74,7 +74,7 @@ std::string a_name(Dice& dice, const char* base) {
   static const std::vector<std::string> odd = {"",           " ",    "a b",      "hole:h1", "top",
                                                "bottom",     "left", "\xc3\xa9", "../up",   "a/b",
                                                "nul\\u0000", "-",    "c",        "c1",      "h1"};
-  return dice.chance(0.2) ? dice.one_of(odd) : fmt::format("{}{}", base, dice.below(1000));
+  return dice.chance(0.04) ? dice.one_of(odd) : fmt::format("{}{}", base, dice.below(1000));
 }
 
 Value points(Dice& dice, const Box& box, std::size_t count) {
@@ -271,32 +271,59 @@ void splice(Dice& dice, Value& document, const Corpus& corpus) {
     at.value() = Value(from.value());
 }
 
-/// A key that the table of keys has and this file lacks; or one that nobody has.
-void add_key(Dice& dice, Value& document) {
-  const auto keys = all_keys();
-  const Key& key = keys[dice.below(keys.size())];
-  std::string path(key.path);
+/// The table of that path, made where it is missing; of a list any entry. nullptr: something else is there.
+Value* table_at(Dice& dice, Value& document, std::string path) {
   Value* here = &document;
-  for (std::size_t dot; (dot = path.find('.')) != std::string::npos; path.erase(0, dot + 1)) {
+  while (!path.empty()) {
+    const std::size_t dot = std::min(path.find('.'), path.size());
     std::string part = path.substr(0, dot);
+    path.erase(0, dot + 1);
     const bool list = part.ends_with("[]");
     if (list) part.resize(part.size() - 2);
-    if (here->kind != Kind::Table) return;
+    if (here->kind != Kind::Table) return nullptr;
     Value& next = member_or_new(*here, part);
     if (next.kind == Kind::Token && next.text.empty()) next.kind = list ? Kind::Array : Kind::Table;
     here = &next;
     if (!list) continue;
-    if (next.kind != Kind::Array) return;
+    if (next.kind != Kind::Array) return nullptr;
     if (next.items.empty()) next.items.emplace_back("", Value{.kind = Kind::Table});
     here = &next.items[dice.below(next.items.size())].second;
   }
-  if (here->kind != Kind::Table) return;
-  std::string last = path.ends_with("[]") ? path.substr(0, path.size() - 2) : path;
-  if (last.empty()) return;
-  if (dice.chance(0.05)) last += "x";
-  Value value = value_for(dice, key.path);
-  if (has(key.type, KeyType::Tables) && value.kind == Kind::Token) value = Value{.kind = Kind::Array};
-  if (has(key.type, KeyType::Table) && key.example.empty()) value = Value{.kind = Kind::Table};
+  return here->kind == Kind::Table ? here : nullptr;
+}
+
+/// What a key goes with: the word of the table's `kind` or `method`, or a key that it has.
+std::string variant_of(Value& table) {
+  for (const char* key : {"kind", "method"})
+    if (const Value* v = member(table, key)) return v->text;
+  return table.items.empty() ? "" : table.items.back().first;
+}
+
+/// A key that the table of keys has and this file lacks, mostly in a table that it has; or one that nobody has.
+void add_key(Dice& dice, Value& document) {
+  const auto keys = all_keys();
+  const Key* key = &keys[dice.below(keys.size())];
+  if (dice.chance(0.8)) {
+    std::vector<Place> all = places(document);
+    std::erase_if(all, [](const Place& p) { return p.value().kind != Kind::Table || p.value().items.empty(); });
+    if (!all.empty()) {
+      const Place place = dice.one_of(all);
+      const auto fitting = keys_in(place.path, variant_of(place.value()));
+      if (!fitting.empty()) key = fitting[dice.below(fitting.size())];
+    }
+  }
+  const std::string path(key->path);
+  const std::size_t dot = path.rfind('.');
+  Value* here = dot == std::string::npos ? &document : table_at(dice, document, path.substr(0, dot));
+  std::string last(name(*key));
+  if (!here || last.empty()) return;
+  if (dice.chance(0.03)) last += "x";
+  Value value = value_for(dice, key->path);
+  if (has(key->type, KeyType::Tables) && value.kind == Kind::Token && !value.text.starts_with("[")) {
+    value = Value{.kind = Kind::Array};
+    value.items.emplace_back("", Value{.kind = Kind::Table});
+  }
+  if (has(key->type, KeyType::Table) && key->example.empty()) value = Value{.kind = Kind::Table};
   member_or_new(*here, last) = std::move(value);
 }
 
@@ -366,8 +393,8 @@ void mutate(Dice& dice, Value& document, const Corpus& corpus) {
     case 0:
     case 1:
     case 2:
-      return change_scalar(dice, document);
     case 3:
+      return change_scalar(dice, document);
     case 4:
       return change_members(dice, document);
     case 5:

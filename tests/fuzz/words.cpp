@@ -94,13 +94,13 @@ bool parse(const std::string& text, double& x) {
 
 std::string odd_number(Dice& dice, const std::string& like) {
   double x = 0;
-  if (like.empty() || !parse(like, x) || dice.chance(0.3)) return dice.one_of(numbers);
+  if (like.empty() || !parse(like, x) || dice.chance(0.15)) return dice.one_of(numbers);
   const auto shortest = [](double value) { return fmt::format("{}", value); };
   switch (dice.below(8)) {
     case 0:
       return shortest(-x);
     case 1:
-      return shortest(x * std::pow(10, std::floor(dice.between(-12, 13))));
+      return shortest(x * std::pow(10, std::floor(dice.chance(0.3) ? dice.between(-12, 13) : dice.between(-3, 4))));
     case 2:
       return shortest(x + (x == 0 ? 1 : x) * std::pow(10, dice.between(-16, 0)));
     case 3:
