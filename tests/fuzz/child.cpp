@@ -39,6 +39,7 @@ Words words_of(const fs::path& program, const Input& input, const fs::path& work
   for (const char* name :
        {"LD_LIBRARY_PATH", "LD_PRELOAD", "ASAN_OPTIONS", "UBSAN_OPTIONS", "GCOV_PREFIX", "GCOV_PREFIX_STRIP"})
     if (const char* value = std::getenv(name)) w.environment.push_back(std::string(name) + "=" + value);
+  w.environment.insert(w.environment.end(), input.environment.begin(), input.environment.end());
   for (std::string& a : w.arguments) w.argv.push_back(a.data());
   for (std::string& e : w.environment) w.envp.push_back(e.data());
   w.argv.push_back(nullptr);

@@ -96,7 +96,8 @@ Found message(const Input& input, const Outcome& o) {
     if (contains(words, word) && !contains(from, word))
       return Failure{fmt::format("internal words: {}", word), one_line(said[0])};
   for (const char* word : {"nan", "inf", "-nan"})
-    if (says(words, word) && !contains(words, "not finite") && !contains(from, word) && !contains(from, "e3") && !contains(from, "1e"))
+    if (says(words, word) && !contains(words, "not finite") && !contains(from, word) && !contains(from, "e3") &&
+        !contains(from, "1e"))
       return Failure{fmt::format("{} in the message", word), one_line(said[0])};
   if (said[0].size() < 16) return Failure{"a message that says nothing", one_line(said[0])};
   if (o.code == 2 && contains(words, "case.toml:") &&

@@ -103,8 +103,7 @@ Corpus read_corpus(const std::vector<fs::path>& folders) {
 Input make_input(const Corpus& corpus, std::uint64_t seed, std::uint64_t number) {
   Dice dice(seed, number);
   const Seed& start = dice.one_of(corpus);
-  Input input{.from = start.name};
-  input.files = start.files;
+  Input input{.arguments = {}, .files = start.files, .from = start.name};
   Value document = start.document;
   if (!dice.chance(0.02))  // else as it is
     do mutate(dice, document, corpus);

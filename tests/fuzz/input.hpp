@@ -25,9 +25,10 @@ using Corpus = std::vector<Seed>;
 Corpus read_corpus(const std::vector<std::filesystem::path>& folders);
 
 struct Input {
-  std::vector<std::string> arguments;        // without the program
-  std::map<std::string, std::string> files;  // in its folder, case.toml among them
-  std::string from;                          // of the corpus
+  std::vector<std::string> arguments;         // without the program
+  std::map<std::string, std::string> files;   // in its folder, case.toml among them
+  std::string from = {};                      // of the corpus
+  std::vector<std::string> environment = {};  // NAME=VALUE, besides what every child gets
 };
 
 /// The input of that number: the same for the same corpus on every machine.
