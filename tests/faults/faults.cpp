@@ -79,7 +79,11 @@ nlohmann::json numbers_of(const Outcome& outcome) {
 }
 
 std::string unclean(const Input& input, const Outcome& outcome, const Outcome& whole) {
-  if (const auto failure = broken(input, outcome)) return failure->kind + ": " + failure->detail;
+  // Libraries (METIS, OpenMP, VTK) say on stderr what they did not get: the program has the last word.
+  Outcome last = outcome;
+  const std::size_t end = last.error.rfind('\n', last.error.size() > 1 ? last.error.size() - 2 : 0);
+  if (end != std::string::npos && end + 1 < last.error.size()) last.error.erase(0, end + 1);
+  if (const auto failure = broken(input, last)) return failure->kind + ": " + failure->detail;
   if (outcome.code != 0) {
     if (outcome.code == 4 || outcome.code == 5) return "";
     return "exit " + std::to_string(outcome.code) + ": " + outcome.error;
