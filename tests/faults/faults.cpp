@@ -88,7 +88,11 @@ std::string unclean(const Input& input, const Outcome& outcome, const Outcome& w
     if (outcome.code == 4 || outcome.code == 5) return "";
     return "exit " + std::to_string(outcome.code) + ": " + outcome.error;
   }
-  if (numbers_of(outcome) != numbers_of(whole)) return "exit 0 with another result";
+  // A step of an optimization that found no memory is tried again, shorter: another design, of which the same is said.
+  nlohmann::json a = numbers_of(outcome), b = numbers_of(whole);
+  for (nlohmann::json* r : {&a, &b})
+    if (r->is_object()) r->erase("optimize");
+  if (a != b) return "exit 0 with another result";
   for (const auto& [name, bytes] : whole.files)
     if (!outcome.files.contains(name)) return "exit 0 without " + name;
   return "";

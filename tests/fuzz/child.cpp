@@ -36,10 +36,10 @@ Words words_of(const fs::path& program, const Input& input, const fs::path& work
   w.arguments.insert(w.arguments.end(), input.arguments.begin(), input.arguments.end());
   w.environment = {"PATH=/usr/bin:/bin", "HOME=" + (work / "home").string(), "TMPDIR=" + (work / "tmp").string(),
                    "LC_ALL=C",           "OPENBLAS_NUM_THREADS=1",           "OMP_NUM_THREADS=1"};
+  w.environment.insert(w.environment.begin(), input.environment.begin(), input.environment.end());  // the first counts
   for (const char* name :
        {"LD_LIBRARY_PATH", "LD_PRELOAD", "ASAN_OPTIONS", "UBSAN_OPTIONS", "GCOV_PREFIX", "GCOV_PREFIX_STRIP"})
     if (const char* value = std::getenv(name)) w.environment.push_back(std::string(name) + "=" + value);
-  w.environment.insert(w.environment.end(), input.environment.begin(), input.environment.end());
   for (std::string& a : w.arguments) w.argv.push_back(a.data());
   for (std::string& e : w.environment) w.envp.push_back(e.data());
   w.argv.push_back(nullptr);
