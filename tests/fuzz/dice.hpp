@@ -9,7 +9,7 @@
 
 namespace kerf::fuzz {
 
-/// splitmix64 [Steele, Lea, Flood 2014], begun from a seed and the number of the input.
+/// splitmix64, begun from a seed and the number of the input.
 class Dice {
  public:
   Dice(std::uint64_t seed, std::uint64_t number) : state_(seed * 0x9e3779b97f4a7c15u + 1) {
