@@ -15,7 +15,10 @@
 #include <cctype>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 namespace kerf {
@@ -24,6 +27,32 @@ namespace {
 
 extern "C" void on_signal(int) {
   request_stop();
+}
+
+[[noreturn]] void end_with(std::string_view words) {
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, words.data(), words.size());
+  _exit(static_cast<int>(Fault::Numerics));
+}
+
+constexpr std::string_view no_memory = "kerf: out of memory; use a coarser mesh (a larger mesh.size)\n";
+
+/// Destructors of libraries that ask for memory, and do not get it, end the program; so would an exception that nobody
+/// may catch.
+[[noreturn]] void on_terminate() noexcept {
+  try {
+    if (const std::exception_ptr e = std::current_exception()) std::rethrow_exception(e);
+  } catch (const std::bad_alloc&) {
+    end_with(no_memory);
+  } catch (...) {
+  }
+  end_with("kerf: unexpected failure\n");
+}
+
+bool returned = false;  // by the program, not by a library
+
+/// OpenMP calls exit(1) when it gets no memory.
+void on_exit() {
+  if (!returned) end_with(no_memory);
 }
 
 }  // namespace
@@ -91,13 +120,19 @@ void spare_address_space(int, char** argv, char** environment) {
 #endif
 
 int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
+  std::set_terminate(on_terminate);
+  std::atexit(on_exit);
+  const auto code = [](int value) {
+    returned = true;
+    return value;
+  };
   // No call here may throw: not for want of memory, not because stderr is closed.
-  const auto report = [](const char* before, const char* message, Fault fault) {
+  const auto report = [&](const char* before, const char* message, Fault fault) {
     std::fprintf(stderr, "kerf: %s%s\n", before, message);
-    return static_cast<int>(fault);
+    return code(static_cast<int>(fault));
   };
   try {
-    return work(argc, argv);
+    return code(work(argc, argv));
   } catch (const Error& e) {
     return report("", e.what(), e.fault);
   } catch (const std::filesystem::filesystem_error& e) {

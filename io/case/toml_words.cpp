@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cmath>
+#include <new>
 
 namespace kerf {
 
@@ -74,6 +77,15 @@ std::string after_value(std::string_view line, std::size_t at) {
                      quote(rest));
 }
 
+bool is_number(std::string_view word) {
+  std::string digits;
+  for (const char c : word)
+    if (c != '_' && !(c == '+' && digits.empty())) digits += c;
+  double x = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+  return error == std::errc() && end == digits.data() + digits.size() && std::isfinite(x);
+}
+
 std::string about_number(std::string_view word) {
   if (word.empty()) return "a number has digits after its point and its e, as in 0.5 and 1e-3";
   if (word.back() == ';') return "entries of a list are separated by commas; at the end of a line stands nothing";
@@ -135,6 +147,8 @@ std::string plain_words(std::string_view says, std::string_view line, std::size_
   if (is("could not determine value type")) return about_value(line, at, word);
   if (is("expected '='")) return about_key(line, at, says);
   if (is("leading zero")) return "a number does not begin with 0";
+  // The stream that toml++ reads numbers with does not say when there is no memory for it.
+  if (is("could not be interpreted") && is_number(word)) throw std::bad_alloc();
   if (is("floating-point") || is("integer")) return about_number(word);
   if (is("boolean"))
     return lower(word) == "true" || lower(word) == "false" ? "true and false are written in small letters"

@@ -8,6 +8,7 @@ namespace kerf {
 
 /// What the parser says of `line` (without its end; `column` counts from 1) in plain words, with what would be right:
 /// "a decimal comma? write 0.02". Of what is not known here: "not valid TOML: " and the parser's own words.
+/// Throws std::bad_alloc where the parser refuses a number that is one.
 std::string plain_words(std::string_view parser_says, std::string_view line, std::size_t column);
 
 /// A number with a comma where its point should be, with the point; empty for everything else.

@@ -3,12 +3,14 @@
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"
 #include "io/files.hpp"
+#include "io/mesh/confine.hpp"
 #include "io/mesh/gmsh_module.hpp"
 #include "io/module.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +28,7 @@ namespace kerf {
 namespace {
 
 constexpr unsigned coarse_minutes = 5;  // for what takes gmsh less than a second, unless it never ends
+constexpr unsigned fine_minutes = 120;
 
 struct Module {
   KerfGmshMesher mesh = nullptr;
@@ -165,7 +168,7 @@ Told understand(const std::string& bytes) {
 
 /// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
 /// crash, kerf says so.
-/// `minutes`: how long it may take; 0: any time.
+/// `minutes`: how long it may take.
 Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
@@ -182,11 +185,15 @@ Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work)
     std::signal(SIGTERM, SIG_DFL);
     std::signal(SIGALRM, SIG_DFL);
     alarm(60 * minutes);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // a script that never ends does not outlive kerf
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
     Teller teller(ends[1]);
-    work(teller);
+    if (confine(Confined::Programs))
+      work(teller);
+    else
+      Teller::error(&teller, "this system cannot keep gmsh from starting programs (no seccomp)");
     _exit(0);
   }
   close(ends[1]);
@@ -220,7 +227,7 @@ RawMesh mesh_geometry(const BodySource& source) {
   // Chords that are too long may cross.
   for (const int turn : {12, 48, 192}) {
     const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
-    Told told = in_child(source.keep_mesh ? 0 : coarse_minutes,
+    Told told = in_child(source.keep_mesh ? fine_minutes : coarse_minutes,
                          [&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
     if (told.error.empty()) {
       RawMesh raw = parse_msh(path, read_file(file.name()));

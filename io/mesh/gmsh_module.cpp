@@ -3,6 +3,9 @@
 
 #include "io/mesh/gmsh_module.hpp"
 
+#include "io/mesh/confine.hpp"
+
+#include <dlfcn.h>
 #include <gmsh.h>
 
 #include <algorithm>
@@ -10,13 +13,26 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
 
+/// FLTK, which comes with gmsh, makes ~/.fltk, and /etc/fltk anew where it may, as soon as gmsh begins, unless it has
+/// done so already. Of this copy of FLTK alone; where it has no such variable, nothing happens.
+void keep_fltk_from_writing() {
+  Dl_info here;
+  if (dladdr(reinterpret_cast<void*>(&keep_fltk_from_writing), &here) == 0) return;
+  void* module = dlopen(here.dli_fname, RTLD_LAZY | RTLD_NOLOAD);
+  if (!module) return;
+  if (void* done = dlsym(module, "_ZN2Fl13options_read_E")) *static_cast<unsigned char*>(done) = 1;
+  dlclose(module);  // still loaded by whoever called
+}
+
 class Session {
  public:
   Session() {
+    keep_fltk_from_writing();
     gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
@@ -41,11 +57,28 @@ void throw_logged_error() {
     if (line.rfind("Error", 0) == 0) throw std::runtime_error(line.substr(line.find_first_not_of(" :", 5)));
 }
 
+/// In a thread of its own, which may write no file: scripts of gmsh could.
+void read_script(const std::string& path) {
+  std::exception_ptr failure;
+  std::thread([&] {
+    try {
+      if (!kerf::confine(kerf::Confined::Files))
+        throw std::runtime_error("this system cannot keep a script of gmsh from writing files; save a mesh (.msh)");
+      gmsh::open(path);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }).join();
+  if (failure) std::rethrow_exception(failure);
+}
+
 void open(const std::string& path) {
   gmsh::option::setNumber("Geometry.OCCFixDegenerated", 1);
   gmsh::option::setNumber("Geometry.OCCFixSmallEdges", 1);
-  gmsh::open(path);
+  read_script(path);
   throw_logged_error();
+  for (const char* written_at_the_end : {"General.SaveSession", "General.SaveOptions"})
+    gmsh::option::setNumber(written_at_the_end, 0);
   gmsh::vectorpair entities;
   gmsh::model::getEntities(entities, 3);
   if (!entities.empty())

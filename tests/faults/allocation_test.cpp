@@ -1,0 +1,71 @@
+// Memory that is not there: one allocation fails, or all from one on.
+
+#include "tests/faults/faults.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+namespace kerf::fuzz {
+namespace {
+
+class Allocation : public Faults {
+ protected:
+  /// How many allocations the run makes.
+  long count(Input input) const {
+    input.environment = {"LD_PRELOAD=" KERF_FAULTS_LIBRARY, "KERF_COUNT_ALLOCATIONS=count"};
+    const Outcome o = run(input);
+    const auto found = o.files.find("count");
+    return found == o.files.end() ? 0 : std::stol(found->second);
+  }
+  std::string failing(Input input, const std::string& which, const Outcome& whole) const {
+    input.environment = {"LD_PRELOAD=" KERF_FAULTS_LIBRARY, "KERF_FAIL_ALLOCATION=" + which};
+    const std::string why = unclean(input, run(input, {.memory_gb = 0}), whole);
+    return why.empty() ? "" : fmt::format("allocation {}: {}\n", which, why);
+  }
+};
+
+/// Of all, more at the beginning than at the end.
+std::set<long> spread(long first, long last, int number) {
+  std::set<long> out;
+  for (int k = 0; k < number; ++k)
+    out.insert(std::lround(static_cast<double>(first) *
+                           std::pow(static_cast<double>(last) / static_cast<double>(first), (k + 0.5) / number)));
+  return out;
+}
+
+TEST_F(Allocation, EachOfTheFirstTwoThousandFailsOnce) {
+  const Input small = input("solve", small_case());
+  const Outcome whole = run(small);
+  ASSERT_EQ(whole.code, 0) << whole.error;
+  ASSERT_GT(count(small), 10000);
+  std::string all;
+  for (long n = 1; n <= 2000; ++n) all += failing(small, std::to_string(n), whole);
+  EXPECT_EQ(all, "");
+}
+
+TEST_F(Allocation, OneLaterOnFails) {
+  std::string all;
+  for (const char* command : {"solve", "run"}) {
+    // VTK uses what malloc gave without looking, and crashes.
+    const Input small = input(
+        command, command == std::string("run") ? small_case_with_files() + "[output]\nvtk = false\n" : small_case());
+    const Outcome whole = run(small);
+    ASSERT_EQ(whole.code, 0) << whole.error;
+    for (const long n : spread(2000, count(small), 40)) all += failing(small, std::to_string(n), whole);
+  }
+  EXPECT_EQ(all, "");
+}
+
+TEST_F(Allocation, AllFailFromOneOn) {
+  const Input small = input("run", small_case());
+  const Outcome whole = run(small);
+  ASSERT_EQ(whole.code, 0) << whole.error;
+  std::string all;
+  for (const long n : spread(1, count(small), 100)) all += failing(small, std::to_string(n) + "+", whole);
+  EXPECT_EQ(all, "");
+}
+
+}  // namespace
+}  // namespace kerf::fuzz
