@@ -2,6 +2,7 @@
 
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "bench/hard.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
@@ -38,6 +39,8 @@ const std::vector<Bench>& benches() {
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
        map_case_names()},
+      {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
+       hard_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()}};
   return all;
@@ -127,7 +130,12 @@ int perform(int argc, char** argv) {
     if (!arguments->quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
     if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
   };
-  if (arguments->name == "optimize")
+  if (arguments->name == "hard") {
+    const HardBench bench = run_hard_bench(options);
+    finish(bench);
+    if (const auto n = failures(bench); n > 0)
+      throw Error(Fault::Numerics, fmt::format("{} rows are worse than their limits", n));
+  } else if (arguments->name == "optimize")
     finish(run_optimize_bench(options));
   else if (arguments->name == "map")
     finish(run_map_bench({options, arguments->elements, arguments->seconds, arguments->large}));
