@@ -1,6 +1,7 @@
 #pragma once
 // A family of hard cases: one knob, a case file per value of it, the truth that its results are compared with.
 
+#include "bench/hard.hpp"
 #include "io/result.hpp"
 
 #include <functional>
@@ -57,6 +58,9 @@ struct HardFamily {
 
 /// All of them, in the order of the report.
 const std::vector<HardFamily>& hard_families();
+
+/// Adds a row per value: the benign one is run first, the others are judged against it.
+void run_hard_family(const HardFamily& family, const BenchOptions& options, HardBench& bench);
 
 // By what is turned.
 std::vector<HardFamily> material_families();

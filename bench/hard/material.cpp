@@ -46,10 +46,12 @@ double enclosed_error(const Compared& c) {
 // one an eigenstrain would be known to rounding only, and the stiffness would multiply that.)
 HardCase contrast_case(double ratio, double nu) {
   const double stiff = std::max(ratio, 1.0), soft = std::min(ratio, 1.0);
-  const std::string factor = decimal((1 + nu) * (1 / stiff - 1 / soft)), share = decimal(nu);
-  const auto normal = [&](const char* s) { return fmt::format("\"{} * (({}) - {} * (2*x + 1))\"", factor, s, share); };
-  const std::string strain = fmt::format("eigenstrain = [{}, {}, \"{} * (-0.5*y)\"]\n", normal("0.5*x + 0.25"),
-                                         normal("1.5*x + 0.75"), factor);
+  const double factor = (1 + nu) * (1 / stiff - 1 / soft);
+  const auto normal = [&](double slope, double value) {
+    return fmt::format("\"{} * ({} * x + {})\"", decimal(factor), decimal(slope - 2 * nu), decimal(value - nu));
+  };
+  const std::string strain =
+      fmt::format("eigenstrain = [{}, {}, \"{} * (-0.5*y)\"]\n", normal(0.5, 0.25), normal(1.5, 0.75), decimal(factor));
   return {outline(square, {"held", "loaded", "loaded", "held"}) + material(1, nu) + (ratio > 1 ? strain : "") +
           fmt::format("[[region]]\nname = \"r\"\npolygon = [[0.3, 0.25], [0.7, 0.3], [0.65, 0.7], [0.35, 0.6]]\n"
                       "young = {}\npoisson = {}\n",
@@ -73,6 +75,15 @@ HardFamily contrast(std::string name, std::string title, double nu) {
           .make = [nu](double ratio) { return contrast_case(ratio, nu); },
           .error = [](const Compared& c) { return stress_error(c.seen, exact); },
           .digits = [](double) { return 4.0; }};
+}
+
+HardFamily contrast_half() {
+  HardFamily f = contrast("contrast-half", "Young's contrast, nu = 1/2", 0.5);
+  f.limit +=
+      ". The level of pressure in a soft region that a stiff body encloses follows from its change of volume: the "
+      "penalty (a mu = 1e-3) leaves it known to rounding times 1e-3/ratio";
+  f.digits = [](double ratio) { return std::max(4.0, std::log10(1e-3 / ratio) - 1); };
+  return f;
 }
 
 std::string poisson_label(double nu) {

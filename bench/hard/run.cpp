@@ -140,7 +140,10 @@ void judge(const HardFamily& family, const Benign& benign, Ran& ran, const std::
     row.verdict = on_record ? HardVerdict::Told : HardVerdict::Regressed;
 }
 
-void run_family(const HardFamily& family, const BenchOptions& options, HardBench& bench) {
+}  // namespace
+
+void run_hard_family(const HardFamily& family, const BenchOptions& options, HardBench& bench) {
+  make_folder(options.folder / "cases");
   if (options.on_phase) options.on_phase(family.name);
   Benign benign{run_one(family, family.benign, options.folder)};
   if (benign.ran.seen)
@@ -153,8 +156,6 @@ void run_family(const HardFamily& family, const BenchOptions& options, HardBench
     bench.rows.push_back(std::move(ran.row));
   }
 }
-
-}  // namespace
 
 const std::vector<HardFamily>& hard_families() {
   static const std::vector<HardFamily> all = [] {
@@ -169,12 +170,11 @@ const std::vector<HardFamily>& hard_families() {
 
 HardBench run_hard_bench(const BenchOptions& options) {
   make_folder(options.folder);
-  make_folder(options.folder / "cases");
   HardBench bench{.quick = options.quick};
   for (const HardFamily& family : hard_families()) {
     if (!is_wanted(options.cases, family.name)) continue;
     try {
-      run_family(family, options, bench);
+      run_hard_family(family, options, bench);
     } catch (const Stopped&) {
       break;
     }
