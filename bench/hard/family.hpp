@@ -50,8 +50,8 @@ struct HardFamily {
   std::function<double(const Compared& c)> error = {};  // relative
   std::function<double(double knob)> digits = {};       // that may be lost against the benign error
   double floor = 1e-13;                                 // a smaller benign error counts as this
-  std::function<bool(double knob)> refused = {};        // on record: kerf says that it cannot
-  std::string refusal = {};                             // why
+  std::function<HardVerdict(double knob)> record = {};  // the worst that may become of a row; empty: held
+  std::string why = {};                                 // and why it is not better
   std::function<double(double knob)> axis = {};         // where a value of the knob stands; empty: as it is
   std::function<std::string(double)> label = {};        // what it is called; empty: "%.3g"
 };

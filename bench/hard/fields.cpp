@@ -67,11 +67,12 @@ std::string linear_traction(const Placed& placed) {
                 fmt::format("{} * ((1.5 * p + 0.75) * {} - 0.5 * q * {})", load, m, n));
 }
 
-std::string linear_displacement(const Placed& placed, double young, double poisson) {
+std::string linear_displacement(const Placed& placed, double young, double poisson, double turn) {
   const std::string kappa = decimal(3 - 4 * poisson),
-                    factor = decimal(placed.load * placed.length * (1 + poisson) / young);
-  return turned(fmt::format("{} * 0.25 * ({} * (p * p - q * q + p) - 2 * (p * p + q * q) - 2 * p)", factor, kappa),
-                fmt::format("{} * 0.25 * ({} * (2 * p * q + q))", factor, kappa));
+                    factor = decimal(placed.load * placed.length * (1 + poisson) / young), by = decimal(turn);
+  return turned(
+      fmt::format("{} * 0.25 * ({} * (p * p - q * q + p) - 2 * (p * p + q * q) - 2 * p) - {} * q", factor, kappa, by),
+      fmt::format("{} * 0.25 * ({} * (2 * p * q + q)) + {} * p", factor, kappa, by));
 }
 
 double stress_error(const Seen& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact) {

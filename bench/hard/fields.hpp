@@ -29,7 +29,8 @@ Eigen::Vector3d linear_stress(const Placed& placed, const Vec2& x);  // 11, 22, 
 std::string local_frame(const Placed& placed);
 std::string linear_frame(const Placed& placed);
 std::string linear_traction(const Placed& placed);  // ["..", ".."]
-std::string linear_displacement(const Placed& placed, double young, double poisson);
+/// `turn`: a rotation of the body by so much, in linear elasticity, is added.
+std::string linear_displacement(const Placed& placed, double young, double poisson, double turn = 0);
 
 /// The largest error of the probe's stresses against `exact` there, over the largest of them.
 double stress_error(const Seen& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact);

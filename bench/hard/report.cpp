@@ -72,7 +72,7 @@ std::string family_line(const HardFamily& family, const std::vector<const HardRo
 std::string family_section(const HardFamily& family, const std::vector<const HardRow*>& rows) {
   std::string out =
       fmt::format("\n### `{}`: {}\n\nTruth: {}. Limit: {}.", family.name, family.title, family.truth, family.limit);
-  if (!family.refusal.empty()) out += fmt::format(" Refused: {}.", family.refusal);
+  if (!family.why.empty()) out += fmt::format(" No better because {}.", family.why);
   out += fmt::format(
       "\n\n| {} | error | allowed | digits lost | residual | work | triangles | time / benign | exit | verdict |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n",

@@ -119,7 +119,7 @@ void judge(const HardFamily& family, const Benign& benign, Ran& ran, const std::
   HardRow& row = ran.row;
   if (ran.seen && &ran != &benign.ran)
     row.said = told(ran.seen->result, benign.ran.seen ? &benign.ran.seen->result : nullptr);
-  const bool on_record = family.refused && family.refused(row.value);
+  const HardVerdict record = family.record ? family.record(row.value) : HardVerdict::Held;
   if (ran.seen && benign.ran.seen) {
     row.error =
         row.value == family.benign ? benign.error : error_of(family, row.value, *ran.seen, *benign.ran.seen, folder);
@@ -131,13 +131,13 @@ void judge(const HardFamily& family, const Benign& benign, Ran& ran, const std::
   row.slower = benign.ran.row.seconds > 0 ? row.seconds / benign.ran.row.seconds : 1;
   const bool right = row.error <= row.allowed;
   if (row.exit != 0)
-    row.verdict = on_record ? HardVerdict::Refused : HardVerdict::Regressed;
+    row.verdict = record == HardVerdict::Refused ? HardVerdict::Refused : HardVerdict::Regressed;
   else if (right)
     row.verdict = HardVerdict::Held;
   else if (row.said.empty())
     row.verdict = HardVerdict::Silent;
   else
-    row.verdict = on_record ? HardVerdict::Told : HardVerdict::Regressed;
+    row.verdict = record == HardVerdict::Told ? HardVerdict::Told : HardVerdict::Regressed;
 }
 
 }  // namespace

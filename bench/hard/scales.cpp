@@ -95,9 +95,8 @@ HardFamily of_shift() {
   f.quick = {1e3, 1e5};
   f.benign = 0;
   f.digits = [](double shift) { return std::max(3.0, shift > 0 ? std::log10(shift) + 1 : 0); };
-  f.refused = [](double shift) { return shift > 5e5; };
-  f.refusal =
-      "beyond 1e5 times its extent from the origin the coordinates of a body with crack tips have too few digits";
+  f.record = [](double shift) { return shift > 5e5 ? HardVerdict::Refused : HardVerdict::Held; };
+  f.why = "beyond 1e5 times its extent from the origin the coordinates of a body with crack tips have too few digits";
   return of_place(f, [](double shift) { return Placed{.origin = Vec2(shift, 0.7 * shift)}; });
 }
 

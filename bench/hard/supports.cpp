@@ -71,22 +71,21 @@ double roller_error(const Compared& c) {
 }
 
 HardFamily mechanisms() {
-  return {
-      .name = "mechanisms",
-      .title = "Nearly a mechanism: rollers that are nearly parallel",
-      .knob = "angle between the rollers",
-      .truth = "closed form: the same pressure everywhere, displacements like the distance from the apex",
-      .limit =
-          "an imbalance of rounding is held by rollers that press 1/angle as much: log10(0.1/angle) digits, and "
-          "3 above 1e-13",
-      .values = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8},
-      .quick = {1e-1, 1e-6},
-      .benign = 1e-1,
-      .make = between_rollers,
-      .error = roller_error,
-      .digits = [](double angle) { return 3 + std::log10(0.1 / angle); },
-      .refused = [](double angle) { return angle < 3e-6; },
-      .refusal = "rollers within 3e-6 of parallel are taken for parallel: a note says that the body is free to slide"};
+  return {.name = "mechanisms",
+          .title = "Nearly a mechanism: rollers that are nearly parallel",
+          .knob = "angle between the rollers",
+          .truth = "closed form: the same pressure everywhere, displacements like the distance from the apex",
+          .limit =
+              "an imbalance of rounding is held by rollers that press 1/angle as much: log10(0.1/angle) digits, and "
+              "3 above 1e-13",
+          .values = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8},
+          .quick = {1e-1, 1e-6},
+          .benign = 1e-1,
+          .make = between_rollers,
+          .error = roller_error,
+          .digits = [](double angle) { return 3 + std::log10(0.1 / angle); },
+          .record = [](double angle) { return angle < 3e-6 ? HardVerdict::Told : HardVerdict::Held; },
+          .why = "rollers within 3e-6 of parallel are taken for parallel: a note says that the body is free to slide"};
 }
 
 // Two cracks leave a ligament, which is bent. For a ligament 2a in an infinite body the

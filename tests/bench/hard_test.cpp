@@ -96,7 +96,7 @@ TEST_F(HardBenchTest, SeesRegressions) {
   for (const HardFamily& f : hard_families())
     if (f.name == "shift") family = f;
   family.quick = {1e6};
-  family.refused = {};
+  family.record = {};
   bench.rows.clear();
   run_hard_family(family, {.folder = folder, .quick = true}, bench);
   EXPECT_EQ(bench.rows[0].exit, 3);
@@ -108,7 +108,7 @@ TEST(HardFamilies, SayWhatTheyAre) {
   for (const HardFamily& f : hard_families()) {
     EXPECT_TRUE(names.insert(f.name).second) << f.name;
     EXPECT_FALSE(f.truth.empty() || f.limit.empty() || f.knob.empty() || f.title.empty()) << f.name;
-    EXPECT_EQ(static_cast<bool>(f.refused), !f.refusal.empty()) << f.name;
+    EXPECT_EQ(static_cast<bool>(f.record), !f.why.empty()) << f.name;
     for (const double value : f.quick)
       EXPECT_NE(std::find(f.values.begin(), f.values.end(), value), f.values.end()) << f.name << " " << value;
   }
