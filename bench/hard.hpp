@@ -22,6 +22,7 @@ struct HardRow {
   std::string said;                   // why it was refused, or which digits are left
   double error = nan, digits = nan;   // relative, against the truth of the family; lost against the benign row
   double allowed = nan;               // of the error
+  double estimated = nan;             // what the run itself thinks of its stress
   double residual = nan, work = nan;  // of equilibrium and contact, of the work: as the run certifies them
   double seconds = 0, slower = 1;     // and against the benign row
   Index triangles = 0;

@@ -64,7 +64,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   };
   several("--case", options.cases, "Only this case (may be repeated)");
   several("--element", arguments.elements, "Only this element (may be repeated)");
-  app.add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  app.add_flag("--quick", options.quick,
+               "Two coarse meshes of everything: shows that it works, measures nothing; hard: a few values of "
+               "each knob");
   app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
   app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
@@ -105,8 +107,8 @@ void check(const Arguments& arguments) {
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.name; });
   for (const std::string& name : arguments.options.cases) require_known("case", name, chosen->cases);
-  if (arguments.name == "optimize" && !arguments.elements.empty())
-    throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
+  if ((arguments.name == "optimize" || arguments.name == "hard") && !arguments.elements.empty())
+    throw Error(Fault::Usage, fmt::format("--element does not go with kerf bench {}", arguments.name));
   for (const std::string& name : arguments.elements) require_known("element", name, bench_element_names());
 }
 

@@ -53,6 +53,7 @@ Json hard_section(const HardRow& r) {
           {"error", number(r.error)},
           {"allowed", number(r.allowed)},
           {"digits_lost", number(r.digits)},
+          {"estimated_error", number(r.estimated)},
           {"residual", number(r.residual)},
           {"work_error", number(r.work)},
           {"triangles", r.triangles},

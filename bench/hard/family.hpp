@@ -25,7 +25,7 @@ struct ProbeRow {
 };
 
 /// What a run left: all its numbers, and its probe "p".
-struct Seen {
+struct HardRun {
   Result result;
   std::vector<ProbeRow> probe = {};
 };
@@ -33,10 +33,10 @@ struct Seen {
 /// A run beside what it is judged by: the run at the benign value of the knob, and that of the reference if there is
 /// one.
 struct Compared {
-  const Seen& seen;
+  const HardRun& seen;
   double knob;
-  const Seen& benign;
-  const Seen* reference = nullptr;
+  const HardRun& benign;
+  const HardRun* reference = nullptr;
 };
 
 struct HardFamily {

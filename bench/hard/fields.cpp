@@ -75,7 +75,7 @@ std::string linear_displacement(const Placed& placed, double young, double poiss
       fmt::format("{} * 0.25 * ({} * (2 * p * q + q)) + {} * p", factor, kappa, by));
 }
 
-double stress_error(const Seen& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact) {
+double stress_error(const HardRun& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact) {
   double worst = 0, largest = 0;
   for (const ProbeRow& row : seen.probe) {
     const Eigen::Vector3d s = exact(row.at);

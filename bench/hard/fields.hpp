@@ -33,7 +33,7 @@ std::string linear_traction(const Placed& placed);  // ["..", ".."]
 std::string linear_displacement(const Placed& placed, double young, double poisson, double turn = 0);
 
 /// The largest error of the probe's stresses against `exact` there, over the largest of them.
-double stress_error(const Seen& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact);
+double stress_error(const HardRun& seen, const std::function<Eigen::Vector3d(const Vec2&)>& exact);
 
 /// "[material]", plane strain.
 std::string material(double young, double poisson);

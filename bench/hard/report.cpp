@@ -69,19 +69,21 @@ std::string family_line(const HardFamily& family, const std::vector<const HardRo
                      bad);
 }
 
+constexpr const char* columns =
+    "error | allowed | digits lost | estimated | residual | work | triangles | time / benign | exit | verdict |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|\n";
+
 std::string family_section(const HardFamily& family, const std::vector<const HardRow*>& rows) {
   std::string out =
-      fmt::format("\n### `{}`: {}\n\nTruth: {}. Limit: {}.", family.name, family.title, family.truth, family.limit);
+      fmt::format("\n## `{}`: {}\n\nTruth: {}. Limit: {}.", family.name, family.title, family.truth, family.limit);
   if (!family.why.empty()) out += fmt::format(" No better because {}.", family.why);
-  out += fmt::format(
-      "\n\n| {} | error | allowed | digits lost | residual | work | triangles | time / benign | exit | verdict |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n",
-      family.knob);
+  out += fmt::format("\n\n| {} | {}", family.knob, columns);
   std::string said;
   for (const HardRow* r : rows) {
-    out += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {:.2g} | {} | {} |\n", r->label, error_text(r->error),
-                       error_text(r->allowed), digits_text(r->digits), error_text(r->residual), error_text(r->work),
-                       r->triangles, r->slower, r->exit, name_of(r->verdict));
+    out +=
+        fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {:.2g} | {} | {} |\n", r->label, error_text(r->error),
+                    error_text(r->allowed), digits_text(r->digits), error_text(r->estimated), error_text(r->residual),
+                    error_text(r->work), r->triangles, r->slower, r->exit, name_of(r->verdict));
     if (r->verdict != HardVerdict::Held && !r->said.empty())
       said += fmt::format("* {}: {}\n", r->label, in_cell(first_sentence(r->said)));
   }
@@ -92,6 +94,12 @@ std::string family_section(const HardFamily& family, const std::vector<const Har
 
 std::string hard_page(const HardBench& bench) {
   std::string families =
+      "# Hard cases\n\nMade by `kerf bench hard`. Error: relative, against the truth that each family names; allowed: "
+      "the "
+      "limit, which a row must stay below; digits lost: against the benign row of the family; estimated: what the run "
+      "itself says of the error of its stress; residual, work: of equilibrium and contact, and of the work of the "
+      "loads, "
+      "as the run certifies them; exit: as of `kerf solve`.\n\n"
       "| family | knob | rows | digits lost, at most | time / benign, at most | refused | told | failures |\n"
       "|---|---|---|---|---|---|---|---|\n";
   std::string sections;

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <new>
 #include <sstream>
 
 namespace kerf {
@@ -39,7 +39,8 @@ std::vector<ProbeRow> read_probe(const std::filesystem::path& path) {
 
 struct Ran {
   HardRow row;
-  std::optional<Seen> seen;  // absent: refused before there was a result
+  std::optional<HardRun> seen;  // absent: refused before there was a result
+  bool meant = true;            // that it was refused
 };
 
 /// What the program says that it does not say of the benign run: why it failed, which digits are lost, what it did
@@ -55,11 +56,11 @@ std::string told(const Result& r, const Result* benign) {
 }
 
 /// Of a case that is written to `folder`/cases first.
-Seen solve_case(const HardCase& c, const std::string& name, const std::filesystem::path& folder) {
+HardRun solve_case(const HardCase& c, const std::string& name, const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "cases" / (name + ".toml"), out = folder / "runs" / name;
   for (const auto& [file, bytes] : c.files) write_file(path.parent_path() / file, bytes);
   write_file(path, c.text);
-  Seen seen{run(read_case(path), Job::Solve, {.folder = out}), {}};
+  HardRun seen{run(read_case(path), Job::Solve, {.folder = out}), {}};
   if (std::filesystem::exists(out / "probe_p.csv")) seen.probe = read_probe(out / "probe_p.csv");
   return seen;
 }
@@ -84,30 +85,38 @@ Ran run_one(const HardFamily& family, double value, const std::filesystem::path&
   row.label = label_of(family, value);
   Stopwatch watch;
   try {
-    Seen seen = solve_case(family.make(value), file_name(family, value), folder);
+    HardRun seen = solve_case(family.make(value), file_name(family, value), folder);
     row.seconds = watch.lap();
     const Result& r = seen.result;
     row.exit = r.status == "ok" ? 0 : static_cast<int>(Fault::Numerics);
     row.triangles = r.triangles;
+    if (r.state && r.state->estimated_error) row.estimated = *r.state->estimated_error;
     if (r.state) row.residual = r.contact ? r.contact->kkt : r.state->residual, row.work = r.state->work_error;
     ran.seen = std::move(seen);
   } catch (const Error& e) {
     row.exit = static_cast<int>(e.fault);
     row.said = e.what();
-  } catch (const std::bad_alloc&) {
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::exception& e) {  // no sentence that anybody meant
     row.exit = static_cast<int>(Fault::Numerics);
-    row.said = "out of memory";
+    row.said = fmt::format("unexpected failure: {}", e.what());
+    ran.meant = false;
   }
   if (!ran.seen) row.seconds = watch.lap();
   return ran;
 }
 
-/// Of the run against its truth; the reference, if there is one, is run for it.
-double error_of(const HardFamily& family, double value, const Seen& seen, const Seen& benign,
+/// Of the run against its truth; the reference, if there is one, is run for it. Infinite without a truth.
+double error_of(const HardFamily& family, double value, const HardRun& seen, const HardRun& benign,
                 const std::filesystem::path& folder) {
   if (!family.reference) return family.error({seen, value, benign});
-  const Seen reference = solve_case(family.reference(value), file_name(family, value) + "_reference", folder);
-  return family.error({seen, value, benign, &reference});
+  try {
+    const HardRun reference = solve_case(family.reference(value), file_name(family, value) + "_reference", folder);
+    return reference.result.status == "ok" ? family.error({seen, value, benign, &reference}) : infinity;
+  } catch (const Error&) {
+    return infinity;
+  }
 }
 
 struct Benign {
@@ -131,7 +140,7 @@ void judge(const HardFamily& family, const Benign& benign, Ran& ran, const std::
   row.slower = benign.ran.row.seconds > 0 ? row.seconds / benign.ran.row.seconds : 1;
   const bool right = row.error <= row.allowed;
   if (row.exit != 0)
-    row.verdict = record == HardVerdict::Refused ? HardVerdict::Refused : HardVerdict::Regressed;
+    row.verdict = record == HardVerdict::Refused && ran.meant ? HardVerdict::Refused : HardVerdict::Regressed;
   else if (right)
     row.verdict = HardVerdict::Held;
   else if (row.said.empty())

@@ -63,7 +63,7 @@ TEST_F(HardBenchTest, WritesItsFiles) {
     EXPECT_GT(row["seconds"].get<double>(), 0);
     EXPECT_EQ(row["exit"], 0);
   }
-  EXPECT_NE(text("hard.md").find("### `poisson`"), std::string::npos);
+  EXPECT_NE(text("hard.md").find("## `poisson`"), std::string::npos);
   EXPECT_NE(text("hard.csv").find("shift,1e+05"), std::string::npos);
   EXPECT_GT(fs::file_size(folder / "hard.png"), 1000u);
   // Each row can be run again by itself.

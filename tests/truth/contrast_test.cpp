@@ -118,6 +118,40 @@ size = 0.2
   EXPECT_LT(r["state"]["residual"].get<double>(), 1e-9);
 }
 
+// Wholly enclosed: one pressure per piece, and the mean of all is 0.
+TEST_F(Contrast, LeavesNoLevelOfPressure) {
+  const std::string scene = R"(
+[domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["o", "o", "o", "o"]
+[material]
+young = 1
+poisson = 0.5
+[[region]]
+name = "r"
+polygon = [[0.3, 0.25], [0.7, 0.3], [0.65, 0.7], [0.3, 0.6]]
+young = 1
+poisson = 0.5
+[[boundary]]
+on = "o"
+displacement = ["x*x - y", "-2*x*y + 3*x"]
+[[probe]]
+name = "p"
+points = [[0.1, 0.1], [0.5, 0.5]]
+[mesh]
+size = 0.15
+)";
+  for (const char* ratio : {"region[0].young=1e-4", "region[0].young=1e4"}) {
+    run_scene(scene, Job::Solve, {ratio});
+    const std::vector<double> outside = stress(0), inside = stress(1);
+    run_scene(scene, Job::Solve, {ratio, "solver.backend='umfpack'"});
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(outside[i], stress(0)[i], 1e-8) << ratio;
+      EXPECT_NEAR(inside[i], stress(1)[i], 1e-8) << ratio;
+    }
+  }
+}
+
 // Adjoints go through the same iteration: the map of a body with a stiff region tends to that with a rigid one.
 TEST_F(Contrast, MapsTendToThoseOfARigidRegion) {
   const std::string scene = fmt::format(fmt::runtime(body), fmt::arg("body", ""), fmt::arg("region", ""),
