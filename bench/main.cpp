@@ -2,6 +2,7 @@
 
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "bench/hard.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
@@ -38,6 +39,8 @@ const std::vector<Bench>& benches() {
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
        map_case_names()},
+      {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
+       hard_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()}};
   return all;
@@ -61,7 +64,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   };
   several("--case", options.cases, "Only this case (may be repeated)");
   several("--element", arguments.elements, "Only this element (may be repeated)");
-  app.add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  app.add_flag("--quick", options.quick,
+               "Two coarse meshes of everything: shows that it works, measures nothing; hard: a few values of "
+               "each knob");
   app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
   app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
@@ -102,8 +107,8 @@ void check(const Arguments& arguments) {
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.name; });
   for (const std::string& name : arguments.options.cases) require_known("case", name, chosen->cases);
-  if (arguments.name == "optimize" && !arguments.elements.empty())
-    throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
+  if ((arguments.name == "optimize" || arguments.name == "hard") && !arguments.elements.empty())
+    throw Error(Fault::Usage, fmt::format("--element does not go with kerf bench {}", arguments.name));
   for (const std::string& name : arguments.elements) require_known("element", name, bench_element_names());
 }
 
@@ -128,7 +133,12 @@ int perform(int argc, char** argv) {
     if (!arguments->quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
     if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
   };
-  if (arguments->name == "optimize")
+  if (arguments->name == "hard") {
+    const HardBench bench = run_hard_bench(options);
+    finish(bench);
+    if (const auto n = failures(bench); n > 0)
+      throw Error(Fault::Numerics, fmt::format("{} rows are worse than their limits", n));
+  } else if (arguments->name == "optimize")
     finish(run_optimize_bench(options));
   else if (arguments->name == "map")
     finish(run_map_bench({options, arguments->elements, arguments->seconds, arguments->large}));

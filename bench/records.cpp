@@ -44,6 +44,24 @@ Json run_section(const StateMeasurement& m) {
           {"certified", m.certified}};
 }
 
+Json hard_section(const HardRow& r) {
+  return {{"family", r.family},
+          {"knob", r.label},
+          {"value", number(r.value)},
+          {"verdict", name_of(r.verdict)},
+          {"exit", r.exit},
+          {"error", number(r.error)},
+          {"allowed", number(r.allowed)},
+          {"digits_lost", number(r.digits)},
+          {"estimated_error", number(r.estimated)},
+          {"residual", number(r.residual)},
+          {"work_error", number(r.work)},
+          {"triangles", r.triangles},
+          {"seconds", number(r.seconds)},
+          {"slower", number(r.slower)},
+          {"said", r.said}};
+}
+
 Json map_section(const MapMeasurement& m) {
   return {{"case", m.problem},
           {"poisson", m.poisson},
@@ -292,6 +310,24 @@ void write_validation_csv(const std::filesystem::path& path, const MapBench& ben
   std::vector<Json> rows;
   for (const ValidationMeasurement& v : bench.validations) rows.push_back(validation_section(v));
   write_file(path, csv(validation_section({}), rows));
+}
+
+void write_hard_csv(const std::filesystem::path& path, const HardBench& bench) {
+  std::vector<Json> rows;
+  for (const HardRow& r : bench.rows) rows.push_back(hard_section(r));
+  write_file(path, csv(hard_section({}), rows));
+}
+
+void write_hard_json(const std::filesystem::path& path, const HardBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "hard"},
+              {"status", bench.stopped         ? "stopped"
+                         : failures(bench) > 0 ? "failed"
+                                               : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const HardRow& r : bench.rows) out["rows"].push_back(hard_section(r));
+  write_file(path, out.dump(2) + "\n");
 }
 
 void write_map_json(const std::filesystem::path& path, const MapBench& bench) {

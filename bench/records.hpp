@@ -1,6 +1,7 @@
 #pragma once
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
+#include "bench/hard.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
@@ -12,6 +13,8 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
 void write_map_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_validation_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_map_json(const std::filesystem::path& path, const MapBench& bench);
+void write_hard_csv(const std::filesystem::path& path, const HardBench& bench);
+void write_hard_json(const std::filesystem::path& path, const HardBench& bench);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);

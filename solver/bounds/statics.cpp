@@ -1,6 +1,7 @@
 #include "solver/bounds/statics.hpp"
 
 #include "solver/system.hpp"
+#include "solver/system/elementwise.hpp"
 
 #include "solver/parallel.hpp"
 
@@ -98,8 +99,8 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
       for (int i = 0; i < view.count; ++i)
         for (const Index u : {view.base[i], view.jump[i]})
           if (u != none && m.inner->ordering.row[u] != none) trace[i] += change[m.inner->ordering.row[u]];
-      interior_fields.col(t) += interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace,
-                                         {m.inner->system.penalty, 0});
+      interior_fields.col(t) +=
+          interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace, {penalty_at(m, t), 0});
     }
   });
   return interior_fields;

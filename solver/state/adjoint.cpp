@@ -138,7 +138,7 @@ double energy_of(const Tangent& of, const PenaltyIterate& s) {
   for (const Index t : beside_prescribed(
            m, Eigen::Map<const Eigen::VectorXd>(prescribed.data(), static_cast<Eigen::Index>(prescribed.size())))) {
     const SkeletonMatrix K =
-        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0}).K;
+        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {penalty_at(m, t), 0}).K;
     const Seen view = seen(m.mesh, m.inner->skeleton, t);
     SkeletonVector value(view.count);
     for (int i = 0; i < view.count; ++i) value[i] = prescribed[view.base[i]];
@@ -202,7 +202,7 @@ Loads dual_loads(const Model& m, const Sensitivity& dJ) {
     parallel_for(triangles, m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) {
         const DualLoad load = condense_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                            dJ.interior.col(t), {m.inner->system.penalty, 0});
+                                            dJ.interior.col(t), {penalty_at(m, t), 0});
         local.col(t) = load.F;
         if (penalized) loads.own[t] = load.own;
       }
@@ -231,7 +231,7 @@ Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const std::vec
 }
 
 Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
-  return {m.inner->system.penalty, m.inner->system.penalty > 0 ? s.theta[t] : 0};
+  return {penalty_at(m, t), m.inner->system.penalty > 0 ? s.theta[t] : 0};
 }
 
 // `load` less what the prescribed values do.
@@ -241,7 +241,7 @@ Eigen::VectorXd less_prescribed(const Model& m, Eigen::VectorXd load, const std:
     if (m.inner->skeleton.fixed[u]) prescribed[u] = values[u];
   for (const Index t : beside_prescribed(m, prescribed)) {
     const Condensed c =
-        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {m.inner->system.penalty, 0});
+        condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {penalty_at(m, t), 0});
     const Seen view = seen(m.mesh, m.inner->skeleton, t);
     SkeletonVector value(view.count);
     for (int i = 0; i < view.count; ++i) value[i] = prescribed[view.base[i]];

@@ -100,6 +100,20 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
   return k;
 }
 
+// Very slender bodies: the rounding of K is larger than what it takes to bend them, and K may have lost its
+// definiteness. With a shift above that rounding its factor still is the preconditioner of the exact products.
+Factor factor_of(const LowerTriangle& k, const Element& e, const Ordering& o) {
+  if (!is_definite(e)) return Factor(k, o.contact_rows, false, o.interface_rows);
+  try {
+    return Factor(k, o.contact_rows, true, o.interface_rows);
+  } catch (const Error&) {
+    constexpr double shift = 1e-13;
+    LowerTriangle raised = k;
+    for (Index row = 0; row < k.size; ++row) raised.values[raised.start[row]] *= 1 + shift;
+    return Factor(raised, o.contact_rows, true, o.interface_rows);
+  }
+}
+
 /// Says where tractions are changed because no symmetric stress has them.
 void note_corner_loads(const Mesh& mesh, const Kernel& k, const Scene& scene, const Skeleton& s, const SceneData& data,
                        std::vector<std::string>& notes) {
@@ -164,10 +178,9 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   const double numbering = watch.lap();
   System system = assemble({mesh, k, skeleton, scene, loaded.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !how.factorize ? Factor(LowerTriangle{}, 0)
-                  : !skeleton.unseen.empty()
-                      ? Factor(lifted(system.K, skeleton, ordering), ordering.contact_rows)
-                      : Factor(system.K, ordering.contact_rows, is_definite(e), ordering.interface_rows);
+  Factor factor = !how.factorize             ? Factor(LowerTriangle{}, 0)
+                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.contact_rows)
+                                             : factor_of(system.K, e, ordering);
   seconds.factor = watch.lap();
   return {.mesh = std::move(mesh),
           .element = e,

@@ -16,21 +16,14 @@ constexpr bool needs_penalty(const Element& e) {
   return e.at_vertices == AtVertices::Nothing || e.at_vertices == AtVertices::Rotation;
 }
 
-// Penalty::a, or 0 where nothing asks for one.
+// Penalty::a times mu, or 0 where nothing asks for one.
 double penalty_for(const Element& e, const Scene& scene) {
-  // Below this compliance c mu plain condensation loses more than two digits: nu > 0.498 in plane strain.
-  constexpr double small = 1e-3, floor = 1e-6;
-  double softest = scene.material.mu, stiffest = softest, least = softest * scene.material.c;
-  for (const Material& m : scene.regions) {
-    softest = std::min(softest, m.mu);
-    stiffest = std::max(stiffest, m.mu);
-    least = std::min(least, m.c * m.mu);
-  }
-  if (least >= small || !needs_penalty(e)) return 0;
-  // One a for all materials, so that a uniform pressure stays one mode. The iterations shrink the error by about a/(a +
-  // 1/mu) with the mu of what confines the pressure: a is small for the stiffest. The softest loses digits like
-  // 1/(a mu): six at most; from a contrast of 1e3 on the iterations get slower instead.
-  return std::max(small / stiffest, floor / softest);
+  // Below this compliance c mu plain condensation loses more than two digits: nu > 0.498 in plane strain. As large a
+  // penalty costs as many digits, and the iterations shrink the error by about a/(a + 1/mu).
+  constexpr double small = 1e-3;
+  const std::vector<Material> all = all_materials(scene);
+  const bool asked = std::any_of(all.begin(), all.end(), [](const Material& m) { return m.c * m.mu < small; });
+  return asked && needs_penalty(e) ? small : 0;
 }
 
 // See ForceMoments; per edge of the mesh, a column.
@@ -79,7 +72,8 @@ Condensed condense_triangle(const Assembly& from, Index t, System& a) {
         force_moments(from.kernel, shape, body_force(from.data, from.scene, t, rule_points(from.kernel.load, shape)));
   if (!from.data.strain.empty())
     a.force.col(t).tail(stress_count(from.kernel.element)) = strain_moments(from, shape, t);
-  Condensed c = condense(from.kernel, shape, material_of(from.mesh, from.scene, t), force_of(a, t), {.a = a.penalty});
+  const Material& material = material_of(from.mesh, from.scene, t);
+  Condensed c = condense(from.kernel, shape, material, force_of(a, t), {.a = a.penalty / material.mu});
   if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
   return c;
 }

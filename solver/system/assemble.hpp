@@ -10,7 +10,7 @@ namespace kerf {
 /// and prescribed values. Symmetric positive definite when the supports hold the body (quasi-definite with stresses at
 /// vertices); on the jumps in contact the solution satisfies their law instead of K x = F.
 struct System {
-  double penalty = 0;  // Penalty::a in K; chosen when c is so small that digits would be lost
+  double penalty = 0;  // Penalty::a in K times the mu of each triangle; not 0 when c mu would lose digits
   LowerTriangle K;
   Eigen::MatrixXd force;  // ForceMoments, a column per triangle; no columns without body force and eigenstrain
   Eigen::VectorXd F;

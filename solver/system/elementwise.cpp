@@ -147,10 +147,14 @@ void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<E
   interior[rotation] -= motion.rotation;
 }
 
+double penalty_at(const Model& m, Index t) {
+  return m.inner->system.penalty / material_of(m.mesh, m.scene, t).mu;
+}
+
 Balance recover_interior(const Model& m, const Twofold& values, const Eigen::VectorXd& theta, Field& field) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool loaded = m.inner->system.force.cols() > 0;
-  const double penalty = m.inner->system.penalty;
+  const bool penalized = m.inner->system.penalty > 0;
   const int count = skeleton_count(m.element);
   Eigen::MatrixXd forces(count, triangles), given(count, loaded ? triangles : 0);
   Eigen::MatrixXd sums(2, triangles);
@@ -161,7 +165,7 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
       const Material& material = material_of(m.mesh, m.scene, t);
       TraceForces f;
       field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material, force_of(m.inner->system, t), s.rest,
-                                       {.a = penalty, .theta = penalty > 0 ? theta[t] : 0}, f);
+                                       {.a = penalty_at(m, t), .theta = penalized ? theta[t] : 0}, f);
       add_motion(m, t, s.motion, field.interior.col(t));
       forces.col(t) = s.without_motions(f.of_trace);
       if (loaded) given.col(t) = f.given;
@@ -184,8 +188,7 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const SkeletonMatrix K =
-          condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {.a = m.inner->system.penalty})
-              .K;
+          condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {.a = penalty_at(m, t)}).K;
       double* to = lower_.col(t).data();
       for (int j = 0; j < n; ++j)
         for (int i = j; i < n; ++i) *to++ = K(i, j);

@@ -7,6 +7,9 @@
 
 namespace kerf {
 
+/// Penalty::a of triangle t in K [theory: E.12]; 0 without one.
+double penalty_at(const Model& m, Index t);
+
 /// high + low: a vector in twice the precision. `low` has no size while it is 0.
 struct Twofold {
   Eigen::VectorXd high, low;

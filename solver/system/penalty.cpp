@@ -2,6 +2,8 @@
 
 #include "solver/parallel.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -41,11 +43,11 @@ Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<d
   return all;
 }
 
-// An enclosed body does not feel a uniform theta, so that its error must be watched here: relative to the terms that it
-// is the sum of.
+// An enclosed body does not feel a uniform theta/a, so that its error must be watched here: as a pressure, relative to
+// the terms that it is the sum of.
 void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
   const Eigen::VectorXd before = s.theta;
-  Eigen::VectorXd size(s.theta.size());
+  Eigen::VectorXd size(s.theta.size()), change(s.theta.size());
   const Twofold skeleton = on_skeleton(m, s, loads.prescribed);
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
   parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
@@ -54,16 +56,17 @@ void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
       const SkeletonVector seen_here = skeleton.low.size() > 0
                                            ? strained(m, skeleton, t).rest
                                            : trace_seen(m.mesh, m.inner->skeleton, skeleton.high, t);
-      const double mean =
-          column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] + s.theta[t] * column[count + 1];
-      size[t] =
-          m.inner->system.penalty *
-          (column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) + std::abs(loads.own[t]));
-      s.theta[t] = m.inner->system.penalty * mean;
+      const double a = penalty_at(m, t), mean = column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] +
+                                                s.theta[t] * column[count + 1];
+      size[t] = std::max(
+          column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) + std::abs(loads.own[t]),
+          std::abs(mean));
+      s.theta[t] = a * mean;
+      change[t] = mean - before[t] / a;
     }
   });
-  const double scale = size.size() > 0 ? std::max(size.maxCoeff(), s.theta.cwiseAbs().maxCoeff()) : 0;
-  s.penalty_error = scale > 0 ? (s.theta - before).cwiseAbs().maxCoeff() / scale : 0;
+  const double scale = size.size() > 0 ? size.maxCoeff() : 0;
+  s.penalty_error = scale > 0 ? change.cwiseAbs().maxCoeff() / scale : 0;
 }
 
 // Scattered in the order of the triangles.
@@ -112,43 +115,123 @@ Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::
   return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
 }
 
-void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
-  const Model& m = condensed.m;
-  const Eigen::Index count = m.inner->system.traces.rows() - 2;
-  const double a = m.inner->system.penalty;
-  if (response.size() == 0 || motion != s.motion) {
-    PenaltyIterate unit;
-    unit.theta = Eigen::VectorXd::Ones(s.theta.size());
-    motion = s.motion;
-    response = condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, motion);
-    ++solves;
-    const Eigen::VectorXd skeleton = on_skeleton(m, response, nullptr);
-    stiffness = 0;
-    for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-      const auto column = m.inner->system.traces.col(t);
-      stiffness += area(m.mesh, t) * (1 - a * column[count + 1]) -
-                   a * column.head(count).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t));
+namespace {
+
+// Connected triangles of one material; all triangles are one piece where there is but one material. No more than a
+// number of pieces, each of which costs a solve: those that are left share the last.
+std::vector<Index> pieces_of(const Model& m) {
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  constexpr Index most = 200;
+  std::vector<Index> piece(static_cast<std::size_t>(triangles), m.scene.regions.empty() ? 0 : none);
+  Index count = 0;
+  std::vector<Index> waiting;
+  for (Index first = 0; first < triangles; ++first) {
+    if (piece[first] != none) continue;
+    const Index number = std::min(count++, most - 1);
+    piece[first] = number;
+    waiting.assign(1, first);
+    while (!waiting.empty()) {
+      const Index t = waiting.back();
+      waiting.pop_back();
+      for (const Index e : m.mesh.edges_of[t])
+        for (const Index next : m.mesh.sides[e])
+          if (next != none && piece[next] == none && region_of(m.mesh, next) == region_of(m.mesh, t)) {
+            piece[next] = number;
+            waiting.push_back(next);
+          }
     }
   }
-  const Eigen::VectorXd before = s.theta;
-  update_theta(m, loads, s);
-  double rest = 0, whole = 0;
+  return piece;
+}
+
+// The response to a unit of theta/a on one piece.
+Eigen::VectorXd response_to(const Condensation& condensed, const Loads& loads, const UniformPressure& u, Index k) {
+  const Model& m = condensed.m;
+  PenaltyIterate unit;
+  unit.theta.setZero(static_cast<Eigen::Index>(u.piece.size()));
+  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t)
+    if (u.piece[t] == k) unit.theta[t] = penalty_at(m, t);
+  return condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, u.motion);
+}
+
+// Per piece the sum of |T| values.
+Eigen::VectorXd sums(const Model& m, const UniformPressure& u, const Eigen::VectorXd& values) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(u.size.size());
+  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t) sum[u.piece[t]] += area(m.mesh, t) * values[t];
+  return sum;
+}
+
+// Takes the mean pressure out, which nothing answers: theta/a of the solution with this theta has mean 0.
+void without_level(const Model& m, const Loads& loads, PenaltyIterate& s) {
+  PenaltyIterate next = s;
+  update_theta(m, loads, next);
+  double sum = 0, whole = 0;
   for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-    rest += area(m.mesh, t) * (s.theta[t] - before[t]);
+    sum += area(m.mesh, t) * next.theta[t] / penalty_at(m, t);
     whole += area(m.mesh, t);
   }
+  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) s.theta[t] -= penalty_at(m, t) * sum / whole;
+}
+
+}  // namespace
+
+void UniformPressure::prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions) {
+  const Model& m = condensed.m;
+  if (piece.empty()) piece = pieces_of(m);
+  motion = motions;
+  const Index count = 1 + *std::max_element(piece.begin(), piece.end()), rows = m.inner->ordering.size;
+  const Eigen::Index traces = m.inner->system.traces.rows() - 2;
+  response.resize(rows, count);
+  stiffness.resize(count, count);
+  size.setZero(count);
+  for (Index k = 0; k < count; ++k) {
+    response.col(k) = response_to(condensed, loads, *this, k);
+    ++solves;
+    const Eigen::VectorXd skeleton = on_skeleton(m, response.col(k), nullptr);
+    Eigen::VectorXd left(static_cast<Eigen::Index>(piece.size()));
+    for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) {
+      const auto column = m.inner->system.traces.col(t);
+      const double a = penalty_at(m, t),
+                   mean = column.head(traces).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t)) / area(m.mesh, t);
+      left[t] = a * ((piece[t] == k ? 1 - a * column[traces + 1] : 0) - mean);
+      if (piece[t] == k) size[k] += area(m.mesh, t) * a;
+    }
+    stiffness.col(k) = sums(m, *this, left);
+  }
+  stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
+}
+
+void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
+  const Model& m = condensed.m;
+  if (response.size() == 0 || motion != s.motion) prepare(condensed, loads, s.motion);
+  const Eigen::VectorXd before = s.theta;
+  update_theta(m, loads, s);
+  Eigen::VectorXd rest = sums(m, *this, s.theta - before);
+  // In units in which each piece by itself has stiffness 1 at most.
+  const Eigen::VectorXd root = size.cwiseSqrt();
+  Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() * stiffness * root.cwiseInverse().asDiagonal();
   constexpr double none_left = 1e-11;
-  level_open = !(stiffness > none_left * whole);
+  level_open = !(root.dot(scaled * root) > none_left * size.sum());
   if (level_open) {
-    change_of_area = 2 * rest;
+    change_of_area = 2 * rest.sum();
     largest_strain = s.theta.cwiseAbs().maxCoeff();
     if (must_fit) check_volume(m, change_of_area, largest_strain);
-    s.theta = before.array() - rest / whole;
-    return;
+    rest -= size * (rest.sum() / size.sum());
+    scaled += root * root.transpose() / size.sum();
   }
-  const double delta = rest / stiffness;
-  s.x += delta * response;
-  s.theta = before.array() + delta;
+  const Eigen::VectorXd delta =
+      root.cwiseInverse().cwiseProduct(scaled.ldlt().solve(root.cwiseInverse().cwiseProduct(rest)));
+  if (s.low.size() > 0) {  // a stiff material feels the rounding of x
+    Twofold x{std::move(s.x), std::move(s.low)};
+    for (Eigen::Index k = 0; k < delta.size(); ++k) add(x, delta[k], response.col(k));
+    s.x = std::move(x.high);
+    s.low = std::move(x.low);
+  } else {
+    s.x += response * delta;
+  }
+  s.theta = before;
+  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) s.theta[t] += penalty_at(m, t) * delta[piece[t]];
+  if (level_open) without_level(m, loads, s);
 }
 
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,

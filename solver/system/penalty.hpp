@@ -17,7 +17,7 @@ struct PenaltyIterate {
   Eigen::VectorXd low;         // of x in twice the precision, or nothing: then products run triangle by triangle
   std::vector<Motion> motion;  // per row in contact
   Eigen::VectorXd theta;       // per triangle, with a penalty
-  double penalty_error = 0;    // what this round still changed in theta, relative
+  double penalty_error = 0;    // what this round still changed in theta/a, the pressures, relative
   Certificate certificate;
 };
 
@@ -65,15 +65,18 @@ struct Condensation {
   mutable std::optional<OpenRows> open_rows_ = {};  // of the last call: one thread at a time
 };
 
-/// The iterations shrink every error fast but one: a uniform pressure in a body whose supports leave it no volume to
-/// change falls only by a/(a + c). It is one-dimensional, so it is taken out exactly: theta + delta, x + delta
-/// response, with delta such that the mean over the body of theta - a mean(tr s) vanishes. With c = 0 such a body has
-/// no level of pressure at all, and no solution when its boundary is asked to change the volume: the mean pressure is
-/// then zero.
+/// The iterations shrink every error fast but one: a uniform pressure where there is no volume to change, in a body
+/// that its supports enclose, in a soft region that a stiff one encloses, falls only by a/(a + c) or a/(a + 1/mu) with
+/// the mu of what encloses it. So the uniform pressures, one per connected piece of a material, are taken out exactly:
+/// theta + a delta_k on piece k, x + sum_k delta_k response_k, with delta such that the means over the pieces of
+/// theta - a mean(tr s) vanish [theory: E.23]. With c = 0 everywhere an enclosed body has no level of pressure at all,
+/// and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
 struct UniformPressure {
-  std::vector<Motion> motion;  // that the response was computed with
-  Eigen::VectorXd response;    // of x to theta = 1
-  double stiffness = 0;        // sum_T |T| (1 - a d mean(tr s)/d delta)
+  std::vector<Motion> motion;  // that the responses were computed with
+  std::vector<Index> piece;    // per triangle
+  Eigen::MatrixXd response;    // of x to theta = a on each piece, a column per piece
+  Eigen::MatrixXd stiffness;   // sum_T |T| (a - a d mean(tr s)/d delta), per piece; symmetric
+  Eigen::VectorXd size;        // sum_T |T| a of each piece
   bool level_open = false;     // the last solution leaves the level of pressure free
   double change_of_area = 0;   // that the boundary then asks for
   double largest_strain = 0;
@@ -81,6 +84,9 @@ struct UniformPressure {
   int solves = 0;
 
   void correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s);
+
+ private:
+  void prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions);
 };
 
 /// The two steps that differ between a state and its adjoint, and when to stop.

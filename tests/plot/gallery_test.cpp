@@ -1,8 +1,9 @@
-// Bodies side by side and bars, read back by Cairo.
+// Bodies side by side, bars and small multiples, read back by Cairo.
 
 #include "plot/gallery.hpp"
 
 #include "plot/bars.hpp"
+#include "plot/multiples.hpp"
 #include "tests/support/sample.hpp"
 
 #include <cairo/cairo.h>
@@ -90,6 +91,33 @@ TEST(Bars, AreAsLongAsTheirValues) {
 TEST(Gallery, NamesTheFileThatCannotBeWritten) {
   EXPECT_THROW(draw("/nowhere/a.png", Gallery{}), Error);
   EXPECT_THROW(draw("/nowhere/a.png", BarChart{}), Error);
+}
+
+// A panel with a point of each kind.
+TEST(Multiples, MarkWhatBecameOfAValue) {
+  constexpr std::uint32_t told = 0xe69f00, bad = 0xc01414;
+  const auto drawn = [](std::vector<MultiplePoint> points) {
+    return Multiples{.title = "Errors", .panels = {{.title = "one", .x_label = "knob", .points = std::move(points)}}};
+  };
+  const Multiples all = drawn({{"1", 1e-8, 1e-6, MultipleMark::Good},
+                               {"2", 1e-3, 1e-6, MultipleMark::Told},
+                               {"3", nan, nan, MultipleMark::Refused},
+                               {"4", 0.5, 1e-6, MultipleMark::Bad}});
+  EXPECT_GT(look(all, blue).pixels, 40);
+  EXPECT_GT(look(all, told).pixels, 40);
+  EXPECT_GT(look(all, bad).pixels, 40);
+  const Multiples good = drawn({{"1", 1e-8, 1e-6, MultipleMark::Good}});
+  EXPECT_EQ(look(good, told).pixels + look(good, bad).pixels, 0);
+  // Beyond the axis: at its end, not outside.
+  EXPECT_GT(look(drawn({{"1", 0, nan, MultipleMark::Good}}), blue).pixels, 40);
+  EXPECT_THROW(draw("/nowhere/at/all.png", all), Error);
+}
+
+TEST(Multiples, TakeAnotherLineForMorePanels) {
+  const Multiple panel{.title = "one", .points = {{"1", 1e-8}}};
+  const int one = look(Multiples{.title = "a", .panels = {panel}}, blue).height,
+            five = look(Multiples{.title = "a", .panels = {5, panel}}, blue).height;
+  EXPECT_GT(five, one + 250);
 }
 
 }  // namespace
