@@ -5,6 +5,7 @@
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
+#include "bench/verify/verify.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"
 
@@ -23,6 +24,7 @@ struct Arguments {
   std::vector<std::string> elements;  // state, map
   double seconds = 300;               // state, map
   bool large = false;                 // map
+  std::string pages;                  // verify
   bool list = false, quiet = false, force = false;
   std::string log_level;
 };
@@ -39,7 +41,9 @@ const std::vector<Bench>& benches() {
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
        map_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
-       optimize_case_names()}};
+       optimize_case_names()},
+      {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
+       manual_ids()}};
   return all;
 }
 
@@ -61,7 +65,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   };
   several("--case", options.cases, "Only this case (may be repeated)");
   several("--element", arguments.elements, "Only this element (may be repeated)");
-  app.add_flag("--quick", options.quick, "Two coarse meshes of everything: shows that it works, measures nothing");
+  app.add_flag("--quick", options.quick,
+               "Two coarse meshes of everything: shows that it works, measures nothing; verify: the quick half");
+  app.add_option("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
   app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
   app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
@@ -99,11 +105,14 @@ void check(const Arguments& arguments) {
   if (arguments.name.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.name, names);
   if (arguments.large && arguments.name != "map") throw Error(Fault::Usage, "--large belongs to kerf bench map");
+  if (!arguments.pages.empty() &&
+      (arguments.name != "verify" || arguments.options.quick || !arguments.options.cases.empty()))
+    throw Error(Fault::Usage, "--write belongs to kerf bench verify, with neither --case nor --quick");
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.name; });
   for (const std::string& name : arguments.options.cases) require_known("case", name, chosen->cases);
-  if (arguments.name == "optimize" && !arguments.elements.empty())
-    throw Error(Fault::Usage, "--element does not go with kerf bench optimize");
+  if ((arguments.name == "optimize" || arguments.name == "verify") && !arguments.elements.empty())
+    throw Error(Fault::Usage, "--element does not go with kerf bench " + arguments.name);
   for (const std::string& name : arguments.elements) require_known("element", name, bench_element_names());
 }
 
@@ -127,7 +136,12 @@ int perform(int argc, char** argv) {
     if (!arguments->quiet) print(fmt::format("{}results in {}\n", summary(bench), options.folder.string()));
     if (bench.stopped) throw Error(Fault::Numerics, "stopped; what was done is written");
   };
-  if (arguments->name == "optimize")
+  if (arguments->name == "verify") {
+    const VerifyBench bench = run_verify_bench({options, arguments->pages});
+    finish(bench);
+    if (const int outside = count(bench, "outside"))
+      throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
+  } else if (arguments->name == "optimize")
     finish(run_optimize_bench(options));
   else if (arguments->name == "map")
     finish(run_map_bench({options, arguments->elements, arguments->seconds, arguments->large}));
