@@ -15,6 +15,12 @@ std::string printed(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
+/// Rounding, far below a tolerance around zero, is no number to print.
+std::string printed(const ManualValue& value, const VerifiedValue& found) {
+  constexpr double rounding = 1e-6;
+  return printed(value.absolute && std::abs(found.measured) < rounding * value.tolerance ? 0 : found.measured);
+}
+
 /// In a cell of a table.
 std::string cell(const std::string& text) {
   std::string out;
@@ -52,7 +58,7 @@ std::string index_row(const VerifiedEntry& e) {
   }
   return fmt::format("{} {}{} | {} | {} | {} | {} | {} |\n", head, cell(what->name),
                      e.values.size() > 1 ? fmt::format(" (worst of {})", e.values.size()) : "",
-                     printed(*what->published), printed(found->measured), deviation_text(*what, *found),
+                     printed(*what->published), printed(*what, *found), deviation_text(*what, *found),
                      tolerance_text(*what), e.verdict);
 }
 
@@ -102,10 +108,10 @@ std::string value_rows(const VerifiedEntry& e) {
                           : !value.published ? "first published here"
                           : found.within     ? "within"
                                              : "outside";
-    out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell(value.name),
-                       printed(value.published.value_or(nan)), printed(found.measured),
-                       std::isfinite(found.error_bar) ? fmt::format("{:.1g}", found.error_bar) : "",
-                       deviation_text(value, found), tolerance_text(value), verdict);
+    out +=
+        fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell(value.name), printed(value.published.value_or(nan)),
+                    printed(value, found), std::isfinite(found.error_bar) ? fmt::format("{:.1g}", found.error_bar) : "",
+                    deviation_text(value, found), tolerance_text(value), verdict);
   }
   return out;
 }
