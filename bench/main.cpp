@@ -6,6 +6,7 @@
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
+#include "bench/verify/verify.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"
 
@@ -24,6 +25,7 @@ struct Arguments {
   std::vector<std::string> elements;  // state, map
   double seconds = 300;               // state, map
   bool large = false;                 // map
+  std::string pages;                  // verify
   bool list = false, quiet = false, force = false;
   std::string log_level;
 };
@@ -42,7 +44,9 @@ const std::vector<Bench>& benches() {
       {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
        hard_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
-       optimize_case_names()}};
+       optimize_case_names()},
+      {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
+       manual_ids()}};
   return all;
 }
 
@@ -64,9 +68,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   };
   several("--case", options.cases, "Only this case (may be repeated)");
   several("--element", arguments.elements, "Only this element (may be repeated)");
-  app.add_flag("--quick", options.quick,
-               "Two coarse meshes of everything: shows that it works, measures nothing; hard: a few values of "
-               "each knob");
+  app.add_flag(
+      "--quick", options.quick,
+      "Two coarse meshes of everything: shows that it works, measures nothing; hard: a few values of each knob; "
+      "verify: the quick half");
+  app.add_option("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
   app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
   app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
@@ -104,10 +110,13 @@ void check(const Arguments& arguments) {
   if (arguments.name.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.name, names);
   if (arguments.large && arguments.name != "map") throw Error(Fault::Usage, "--large belongs to kerf bench map");
+  if (!arguments.pages.empty() &&
+      (arguments.name != "verify" || arguments.options.quick || !arguments.options.cases.empty()))
+    throw Error(Fault::Usage, "--write belongs to kerf bench verify, with neither --case nor --quick");
   const auto chosen =
       std::find_if(benches().begin(), benches().end(), [&](const Bench& b) { return b.name == arguments.name; });
   for (const std::string& name : arguments.options.cases) require_known("case", name, chosen->cases);
-  if ((arguments.name == "optimize" || arguments.name == "hard") && !arguments.elements.empty())
+  if (arguments.name != "state" && arguments.name != "map" && !arguments.elements.empty())
     throw Error(Fault::Usage, fmt::format("--element does not go with kerf bench {}", arguments.name));
   for (const std::string& name : arguments.elements) require_known("element", name, bench_element_names());
 }
@@ -138,6 +147,11 @@ int perform(int argc, char** argv) {
     finish(bench);
     if (const auto n = failures(bench); n > 0)
       throw Error(Fault::Numerics, fmt::format("{} rows are worse than their limits", n));
+  } else if (arguments->name == "verify") {
+    const VerifyBench bench = run_verify_bench({options, arguments->pages});
+    finish(bench);
+    if (const int outside = count(bench, "outside"))
+      throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
   } else if (arguments->name == "optimize")
     finish(run_optimize_bench(options));
   else if (arguments->name == "map")

@@ -128,9 +128,10 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
       const Triangle shape = triangle(mesh, s, t);
       const Points x = rule_points(k.load, shape), force = body_force(loading.data, loading.scene, t, x);
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const double term = area(shape) * k.load.w[q] * force.col(q).dot(motion.at(x.col(q)));
-        work += term;
-        size += std::abs(term);
+        const double weight = area(shape) * k.load.w[q];
+        const Vec2 moved = motion.at(x.col(q));
+        work += weight * force.col(q).dot(moved);
+        size += weight * force.col(q).norm() * moved.norm();  // a radial force works on a rotation by rounding alone
       }
     }
   return {work, size > 0 ? std::abs(work) / size : 0};

@@ -26,8 +26,8 @@ std::string describe(const RigidMotion& motion);
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which);
 
-/// Work of tractions and body force on a motion, and its size relative to the sum of the absolute contributions (0
-/// without loads).
+/// Work of tractions and body force on a motion, and its size relative to the sum of the absolute contributions, those
+/// of the body force as large as if it were parallel to the motion (0 without loads).
 struct Work {
   double value = 0, relative = 0;
 };

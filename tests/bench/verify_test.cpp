@@ -1,0 +1,134 @@
+// `kerf bench verify`: the validation manual is whole, and its quick half lies within the tolerances of its sources.
+
+#include "bench/verify/records.hpp"
+
+#include "io/files.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class VerifyBenchTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-verify-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  fs::path folder;
+};
+
+/// Source, second check, and a tolerance with its reason for everything that is compared; those that cannot be run say
+/// why. read_manual refuses what is missing.
+TEST_F(VerifyBenchTest, TheManualIsWhole) {
+  std::set<std::string> titles;
+  int possible = 0, published = 0;
+  for (const std::string& id : manual_ids()) {
+    SCOPED_TRACE(id);
+    const ManualEntry e = read_manual(id, folder);
+    EXPECT_TRUE(titles.insert(e.title).second) << e.title;
+    EXPECT_GT(e.source.size(), 40u);
+    EXPECT_GT(e.setup.size(), 40u);
+    possible += e.impossible.empty();
+    bool compared = false;
+    for (const ManualValue& v : e.values) {
+      if (!v.published || !e.impossible.empty()) continue;
+      compared = true;
+      EXPECT_GT(v.tolerance, 0) << v.name;
+      EXPECT_LE(v.tolerance, v.absolute ? 1 : 0.02) << v.name;
+      EXPECT_GT(v.reason.size(), 10u) << v.name;
+      published += 1;
+    }
+    EXPECT_TRUE(compared || !e.impossible.empty());
+  }
+  EXPECT_GE(possible, 40);
+  EXPECT_GE(published, 100);
+}
+
+/// `kerf bench verify --write docs/validation` was run for the manual as it is.
+TEST_F(VerifyBenchTest, ThePagesHaveEveryBenchmark) {
+  const fs::path pages = fs::path(KERF_CASES).parent_path() / "docs/validation";
+  const std::string index = read_file(pages / "index.md");
+  std::uintmax_t pictures = 0;
+  for (const std::string& id : manual_ids()) {
+    SCOPED_TRACE(id);
+    EXPECT_NE(index.find("[" + id + "](" + id + ".md)"), std::string::npos);
+    const ManualEntry e = read_manual(id, folder);
+    const std::string page = read_file(pages / (id + ".md"));
+    EXPECT_NE(page.find(e.source), std::string::npos);
+    if (!e.impossible.empty()) continue;
+    EXPECT_NE(page.find(e.case_text), std::string::npos);
+    const std::uintmax_t bytes = fs::file_size(pages / (id + ".png"));
+    EXPECT_LE(bytes, 60u * 1024);
+    pictures += bytes;
+  }
+  EXPECT_LE(pictures, 4u << 20);
+}
+
+TEST_F(VerifyBenchTest, TheQuickHalfIsWithinTolerance) {
+  const VerifyBench bench = run_verify_bench({{.folder = folder, .quick = true}, {}});
+  EXPECT_GE(count(bench, "within"), 30);
+  for (const VerifiedEntry& e : bench.entries) {
+    EXPECT_EQ(e.verdict, "within") << e.entry.id << ' ' << e.trouble;
+    EXPECT_TRUE(e.has_picture) << e.entry.id;
+    for (std::size_t k = 0; k < e.values.size(); ++k)
+      EXPECT_TRUE(e.values[k].within) << e.entry.id << ", " << e.entry.values[k].name << ": " << e.values[k].measured;
+  }
+  for (const char* name : {"verify.csv", "verify.json", "index.md", "kirsch.md", "kirsch.png"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  const auto json = nlohmann::json::parse(read_file(folder / "verify.json"));
+  EXPECT_EQ(json["benchmarks"].size(), bench.entries.size());
+}
+
+/// A value that is wrong by more than its tolerance is outside, and so is its benchmark.
+TEST_F(VerifyBenchTest, SaysWhatIsOutside) {
+  VerifyBench bench = run_verify_bench({{.folder = folder, .cases = {"patch-test"}}, {}});
+  ASSERT_EQ(bench.entries.size(), 1u);
+  const VerifiedEntry& e = bench.entries.front();
+  EXPECT_EQ(e.verdict, "within");
+  EXPECT_NEAR(e.values.back().measured, 400, 1e-6);
+  ManualValue value = e.entry.values.back();
+  VerifiedValue found{.measured = 404};
+  judge(value, found);
+  EXPECT_FALSE(found.within);
+  EXPECT_NEAR(found.deviation, 0.01, 1e-12);
+  value.relation = ManualValue::Relation::AtLeast;
+  judge(value, found);
+  EXPECT_TRUE(found.within);
+  value.relation = ManualValue::Relation::AtMost;
+  judge(value, found);
+  EXPECT_FALSE(found.within);
+  value.absolute = true;
+  value.tolerance = 5;
+  judge(value, found);
+  EXPECT_TRUE(found.within);
+  EXPECT_NEAR(found.deviation, 4, 1e-12);
+}
+
+TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
+  write_file(folder / "result.json", R"({"cracks": [{"tips": [{"K_I": 2.5, "K_II": null}]}]})");
+  write_file(folder / "probe_a.csv", "x,y,s_xx\n0,0,3\n1,0,-4\n2,0,1\n");
+  EXPECT_EQ(read_number(folder, "/cracks/0/tips/0/K_I"), 2.5);
+  EXPECT_EQ(read_number(folder, "probe_a.csv:1:s_xx"), -4);
+  EXPECT_EQ(read_number(folder, "probe_a.csv:max:s_xx"), 3);
+  EXPECT_EQ(read_number(folder, "probe_a.csv:min:s_xx"), -4);
+  for (const char* nothing : {"/cracks/1/tips/0/K_I", "/cracks/0/tips/0/K_II", "probe_a.csv:3:s_xx",
+                              "probe_a.csv:0:s_yy", "probe_a.csv:one:s_xx", "probe_a.csv"})
+    EXPECT_THROW(read_number(folder, nothing), Error) << nothing;
+  EXPECT_DOUBLE_EQ(value_of("2*K/sqrt(pi*a)", {{"K", 3}, {"a", 1 / pi}}), 6);
+  EXPECT_THROW(value_of("2*L"), Error);
+}
+
+}  // namespace
+}  // namespace kerf
