@@ -8,6 +8,7 @@
 #include "app/progress.hpp"
 #include "app/run.hpp"
 #include "app/templates.hpp"
+#include "app/watchdog.hpp"
 #include "io/files.hpp"
 #include "io/words.hpp"
 #include "kerf/stop.hpp"
@@ -107,8 +108,8 @@ void declare(CLI::App& app, Arguments& arguments) {
     if (command.name == "check") continue;
     sub->add_flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
     sub->add_option("--max-memory", arguments.max_memory,
-                    "Refuse what would need more, as 800MB or 12GB; default what there is");
-    sub->add_option("--max-seconds", arguments.max_seconds, "Refuse what would take longer")
+                    "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is");
+    sub->add_option("--max-seconds", arguments.max_seconds, "Refuse what would take longer, and end what does")
         ->check(CLI::Range(1e-3, 1e9));
   }
 }
@@ -126,12 +127,16 @@ std::optional<double> memory_limit(const std::string& text) {
   return number * factor;
 }
 
+Allowed limits_of(const Arguments& arguments) {
+  return {memory_limit(arguments.max_memory),
+          arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+}
+
 /// What the run will take, where it is asked for; of long runs that of the state at least, for the memory that there
 /// is. Throws Error(Numerics) when it is more than there is or may be used.
 std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
   constexpr double worth_it = 200000, meshable = 2e7;  // triangles
-  const Allowed limits{memory_limit(arguments.max_memory),
-                       arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+  const Allowed limits = limits_of(arguments);
   const bool asked = arguments.dry_run || limits.memory_mb || limits.seconds,
              validates = job == Job::Validate || (job == Job::Run && c.validate);
   const double rough = rough_triangles(c);
@@ -225,7 +230,20 @@ int perform_mesh(const Arguments& arguments, const Case& c) {
   return 0;
 }
 
-int perform(const Arguments& arguments) {
+int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options) {
+  const std::optional<Forecast> expected = forecast_of(c, job, arguments);
+  Progress progress(log_level(arguments.log_level, arguments.quiet));
+  if (expected && !expected->at_most) progress.expect(expected->seconds);
+  options.threads = arguments.threads;
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
+  const Result result = run(c, job, options);
+  progress.finish();
+  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));
+  if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
+  return 0;
+}
+
+int perform_command(const Arguments& arguments) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "keys") {
     print(keys(arguments.keys, arguments.commands));
@@ -261,16 +279,21 @@ int perform(const Arguments& arguments) {
   make_ready(options.folder, arguments.force || options.resume, "result.json", lock);
   options.lock = &lock;
   catch_signals();
-  const std::optional<Forecast> expected = forecast_of(c, job, arguments);
-  Progress progress(log_level(arguments.log_level, arguments.quiet));
-  if (expected && !expected->at_most) progress.expect(expected->seconds);
-  options.threads = arguments.threads;
-  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
-  const Result result = run(c, job, options);
-  progress.finish();
-  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));
-  if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
-  return 0;
+  return perform_jobs(arguments, c, job, options);
+}
+
+/// Reading counts, too: gmsh may take long for a geometry.
+int perform(const Arguments& arguments) {
+  const Watchdog watchdog(limits_of(arguments));
+  try {
+    return perform_command(arguments);
+  } catch (const Error&) {
+    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+    throw;
+  } catch (const Stopped&) {
+    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+    throw;
+  }
 }
 
 int start(int argc, char** argv) {

@@ -152,12 +152,13 @@ int perform(int argc, char** argv) {
     finish(bench);
     if (const int outside = count(bench, "outside"))
       throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
-  } else if (arguments->name == "optimize")
+  } else if (arguments->name == "optimize") {
     finish(run_optimize_bench(options));
-  else if (arguments->name == "map")
+  } else if (arguments->name == "map") {
     finish(run_map_bench({options, arguments->elements, arguments->seconds, arguments->large}));
-  else
+  } else {
     finish(run_state_bench({options, arguments->elements, arguments->seconds}));
+  }
   return 0;
 }
 

@@ -162,10 +162,23 @@ TEST_F(Hostile, AnEnergyBeyondAllNumbersIsNoResult) {
   }
 }
 
+// A forecast of the first mesh cannot know what an optimization with so many iterations takes: the watch does.
+TEST_F(Hostile, LimitsHoldWhileARunGoesOn) {
+  const std::string endless =
+      "[optimize]\nmethod = \"level-set\"\nvolume = { at_most = 0.5 }\nmax_iterations = 10000\n"
+      "[functional]\nkind = \"compliance\"\n";
+  write("a.toml", small + endless);
+  EXPECT_EQ(kerf("mesh a.toml -o a.msh --quiet"), 0) << error();
+  EXPECT_EQ(kerf("optimize a.toml -o out --quiet --max-seconds 1e6 --max-memory 60MB"), 4);
+  EXPECT_NE(error().find("--max-memory"), std::string::npos) << error();
+  EXPECT_FALSE(fs::exists(folder / "out" / "result.json"));
+}
+
 // It took 17 GB and 100 s until it ran out of memory.
 TEST_F(Hostile, OptimizationLooksAtTheGeometryFirst) {
   std::string text = small;
-  text.replace(text.find("path = "), std::string_view("path = [[0.8, 0.5], [1.2, 0.6]]").size(), "arc = { center = [0.5, 0.5], radius = 1e7, from_deg = 10, to_deg = 200 }");
+  text.replace(text.find("path = "), std::string_view("path = [[0.8, 0.5], [1.2, 0.6]]").size(),
+               "arc = { center = [0.5, 0.5], radius = 1e7, from_deg = 10, to_deg = 200 }");
   write("a.toml", text +
                       "[functional]\nkind = \"compliance\"\n[optimize]\nmethod = \"mma\"\nvolume = { at_most = 0.9 }\n"
                       "[[optimize.hole]]\ncircle = { center = [[0.1, 0.9], [0.1, 0.9]], radius = [0.02, 0.2] }\n");
