@@ -1,5 +1,6 @@
 #include "app/peaks.hpp"
 
+#include "geometry/curved.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"
 #include "solver/system.hpp"
@@ -88,6 +89,50 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
         "displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
         "about small ones (below {:g})",
         state.displacement->largest.value / extent, in_words(state.displacement->largest.at), small_displacement));
+}
+
+namespace {
+
+bool lies_on(const Arc& arc, const Vec2& x) {
+  constexpr double rounding = 1e-9;
+  return std::abs((arc.axes.inverse() * (x - arc.center)).norm() - 1) < rounding;
+}
+
+/// Of the von Mises stress in the middle of the boundary edges that meet in a vertex, the larger one; 0 for none.
+double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, Eigen::Index corner) {
+  const Model& model = adapted.model;
+  const Mesh& mesh = model.mesh;
+  const Index vertex = data.corners.vertex[static_cast<std::size_t>(corner)];
+  const double e33 = corner_eigenstrains(model, data.corners)(4, corner);
+  double largest = 0;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [a, b] = mesh.edges[e];
+    const auto& [left, right] = mesh.sides[e];
+    if ((a != vertex && b != vertex) || (left != none && right != none)) continue;
+    const Index t = left != none ? left : right;
+    const Vec2 middle = 0.5 * (mesh.points[a] + mesh.points[b]);
+    const Eigen::Vector4d s = stress_at(model.inner->kernel, triangle(model, t), adapted.state.interior.col(t), middle);
+    largest = std::max(largest, von_mises(material_of(mesh, model.scene, t), plane_strain, s, e33));
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::string note_on_chords(const Adapted& adapted, const PlotData& data, const Case& c, const Peak& von_mises) {
+  const std::optional<PlacedValue> top = von_mises.singular ? von_mises.regular : std::optional(von_mises.largest);
+  if (!top) return {};
+  const std::vector<Arc> arcs = arcs_of(c.shape);
+  if (std::none_of(arcs.begin(), arcs.end(), [&](const Arc& arc) { return lies_on(arc, top->at); })) return {};
+  const auto found = std::find(data.points.begin(), data.points.end(), top->at);
+  const double middle = beside(adapted, data, c.plane_strain, found - data.points.begin());
+  constexpr double worth_saying = 1.02;
+  if (middle == 0 || top->value < worth_saying * middle) return {};
+  return fmt::format(
+      "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
+      "it is "
+      "larger than on the curve; in the middle of the chords beside it it is {:.4g}",
+      top->value, in_words(top->at), middle);
 }
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 // The largest values of a state, told apart from those that only the mesh makes large.
 
 #include "app/collect.hpp"
+#include "kerf/case_file.hpp"
 
 namespace kerf {
 
@@ -21,5 +22,9 @@ std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& va
 /// the extent: small strains are what everything here is about.
 void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
                std::vector<CrackResult>& cracks);
+
+/// Chords stand for curved sides, and at their corners the stress is larger than on the curve: what to say of a largest
+/// stress there that is by 2 % larger than in the middle of the chords beside it. Empty where there is nothing to say.
+std::string note_on_chords(const Adapted& adapted, const PlotData& data, const Case& c, const Peak& von_mises);
 
 }  // namespace kerf

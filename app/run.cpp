@@ -208,6 +208,10 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   PlotData data = plot_data(adapted.model, adapted.state, c.plane_strain);
   add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
   require_energy(*r.state, data);
+  if (r.state->von_mises) {
+    const std::string chords = note_on_chords(adapted, data, c, *r.state->von_mises);
+    if (!chords.empty()) r.state->notes.push_back(chords);
+  }
   journal.seconds.solve += journal.lap();
   write_state(adapted, data, r.cracks, journal);
   return {std::move(adapted), std::move(data)};

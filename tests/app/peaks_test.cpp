@@ -1,0 +1,81 @@
+// What is said of the largest stress.
+
+#include "app/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/core.h>
+#include <fstream>
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Peaks : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-peaks-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  /// A hole under equal tension from all sides, with the exact tractions of the infinite plate: 2 everywhere on its rim.
+  Result hole(const std::string& mesh) const {
+    std::ofstream(folder / "a.toml") << fmt::format(R"([domain]
+outline = [[-4, -4], [4, -4], [4, 4], [-4, 4]]
+sides = ["outer", "outer", "outer", "outer"]
+[[hole]]
+name = "h"
+circle = {{ center = [0, 0], radius = 1 }}
+[material]
+young = 1
+poisson = 0.3
+state = "plane stress"
+[define]
+r2 = "x^2 + y^2"
+c2 = "(x^2 - y^2)/r2"
+s2 = "2*x*y/r2"
+[[boundary]]
+on = "outer"
+traction = ["(1 - c2/r2)*nx - s2/r2*ny", "-s2/r2*nx + (1 + c2/r2)*ny"]
+[mesh]
+{}
+[solver]
+degree = 2
+[output]
+png = false
+html = false
+vtk = false
+)",
+                                                    mesh);
+    return run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out"});
+  }
+  fs::path folder;
+};
+
+bool speaks_of_chords(const Result& r) {
+  return std::any_of(r.state->notes.begin(), r.state->notes.end(),
+                     [](const std::string& note) { return note.find("corner of the chords") != std::string::npos; });
+}
+
+// Refined at the corners of few chords it comes out 2.09, singular to no list of corners.
+TEST_F(Peaks, AtCornersOfChordsAreSaidToBeTooLarge) {
+  const Result r = hole("size = 0.2\nadapt = { error = 1e-3, max_triangles = 8000 }");
+  ASSERT_TRUE(r.state->von_mises);
+  EXPECT_EQ(r.state->von_mises->largest.value > 2.04, speaks_of_chords(r)) << r.state->von_mises->largest.value;
+}
+
+TEST_F(Peaks, OnFineChordsAreLeftAlone) {
+  const Result r = hole("size = 0.1");
+  ASSERT_TRUE(r.state->von_mises);
+  EXPECT_NEAR(r.state->von_mises->largest.value, 2, 0.06);
+  EXPECT_EQ(r.state->von_mises->largest.value > 2.04, speaks_of_chords(r));
+}
+
+}  // namespace
+}  // namespace kerf
