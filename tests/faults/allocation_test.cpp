@@ -53,7 +53,7 @@ TEST_F(Allocation, OneLaterOnFails) {
         command, command == std::string("run") ? small_case_with_files() + "[output]\nvtk = false\n" : small_case());
     const Outcome whole = run(small);
     ASSERT_EQ(whole.code, 0) << whole.error;
-    for (const long n : spread(2000, count(small), 40)) all += failing(small, std::to_string(n), whole);
+    for (const long n : spread(2000, count(small), 20)) all += failing(small, std::to_string(n), whole);
   }
   EXPECT_EQ(all, "");
 }
@@ -63,7 +63,7 @@ TEST_F(Allocation, AllFailFromOneOn) {
   const Outcome whole = run(small);
   ASSERT_EQ(whole.code, 0) << whole.error;
   std::string all;
-  for (const long n : spread(1, count(small), 100)) all += failing(small, std::to_string(n) + "+", whole);
+  for (const long n : spread(1, count(small), 50)) all += failing(small, std::to_string(n) + "+", whole);
   EXPECT_EQ(all, "");
 }
 

@@ -418,17 +418,17 @@ void tame(Dice& dice, Value& document) {
   const double extent = box_of(document).extent();
   const bool fine = dice.chance(0.02);
   if (!fine && extent > 0 && std::isfinite(extent)) {
-    const std::string size = fmt::format("{:.4g}", extent / 8);
+    const std::string size = fmt::format("{:.4g}", extent / 6);
     if (Value& mesh = member_or_new(document, "mesh"); mesh.kind == Kind::Token && mesh.text.empty())
       mesh.kind = Kind::Table;
-    limit(document, "mesh", "size", extent / 9, infinity, dice.chance(0.95) ? size.c_str() : nullptr);
-    limit(document, "mesh", "crack_tip_size", extent / 80, infinity, nullptr);
-    limit(document, "synthetic", "size", extent / 10, infinity, nullptr);
-    limit(document, "synthetic", "crack_tip_size", extent / 80, infinity, nullptr);
+    limit(document, "mesh", "size", extent / 7, infinity, dice.chance(0.95) ? size.c_str() : nullptr);
+    limit(document, "mesh", "crack_tip_size", extent / 40, infinity, nullptr);
+    limit(document, "synthetic", "size", extent / 8, infinity, nullptr);
+    limit(document, "synthetic", "crack_tip_size", extent / 40, infinity, nullptr);
   }
-  limit(document, "optimize", "max_iterations", 0, 3, "2");
+  limit(document, "optimize", "max_iterations", 0, 2, "1");
   limit(document, "optimize", "starts", 0, 2, nullptr);
-  if (Value* mesh = member(document, "mesh")) limit(*mesh, "adapt", "max_triangles", 0, 800, "600");
+  if (Value* mesh = member(document, "mesh")) limit(*mesh, "adapt", "max_triangles", 0, 500, "400");
   if (Value* validate = member(document, "validate")) limit(*validate, "radii", "count", 0, 3, nullptr);
   if (Value* optimize = member(document, "optimize")) limit(*optimize, "defects", "at_most", 0, 2, nullptr);
   if (dice.chance(0.93)) {
