@@ -161,6 +161,7 @@ void run_hard_family(const HardFamily& family, const BenchOptions& options, Hard
     if (stop_asked(options)) return;
     if (options.on_phase) options.on_phase(fmt::format("{} {:.3g}", family.name, value));
     Ran ran = value == family.benign ? benign.ran : run_one(family, value, options.folder);
+    if (stop_requested()) return;  // what it says is not of the case
     judge(family, benign, ran, options.folder);
     bench.rows.push_back(std::move(ran.row));
   }
