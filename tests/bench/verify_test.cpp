@@ -116,6 +116,19 @@ TEST_F(VerifyBenchTest, SaysWhatIsOutside) {
   EXPECT_NEAR(found.deviation, 4, 1e-12);
 }
 
+/// What was done before a stop is written.
+TEST_F(VerifyBenchTest, StopsBetweenBenchmarks) {
+  VerifyOptions options{{.folder = folder, .cases = {"patch-test", "td-crack", "td-hole"}}, {}};
+  options.bench.stop_asked = [asked = 0]() mutable { return asked++ > 0; };
+  const VerifyBench bench = run_verify_bench(options);
+  EXPECT_TRUE(bench.stopped);
+  ASSERT_EQ(bench.entries.size(), 1u);
+  EXPECT_EQ(bench.entries.front().entry.id, "patch-test");
+  const auto json = nlohmann::json::parse(read_file(folder / "verify.json"));
+  EXPECT_EQ(json["status"], "stopped");
+  EXPECT_EQ(json["benchmarks"].size(), 1u);
+}
+
 TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
   write_file(folder / "result.json", R"({"cracks": [{"tips": [{"K_I": 2.5, "K_II": null}]}]})");
   write_file(folder / "probe_a.csv", "x,y,s_xx\n0,0,3\n1,0,-4\n2,0,1\n");
