@@ -156,10 +156,14 @@ ManualEntry read_manual(const std::string& id, const std::filesystem::path& fold
   if (found == manual_texts().end()) throw Error(Fault::Usage, "the manual has no benchmark " + quote(id));
   const std::filesystem::path path = folder / (id + ".toml");
   write_file(path, found->text);
+  return read_manual_file(path);
+}
+
+ManualEntry read_manual_file(const std::filesystem::path& path) {
   const Node document = read_document(path);
   const Table table(document, {"title", "group", "setup", "source", "check", "impossible", "picture", "case", "quick",
                                "run", "again", "value"});
-  ManualEntry entry{.id = id,
+  ManualEntry entry{.id = path.stem().string(),
                     .title = table.needed_text("title"),
                     .group = table.needed_text("group"),
                     .setup = table.needed_text("setup"),

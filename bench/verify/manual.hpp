@@ -54,8 +54,10 @@ struct ManualEntry {
 /// The names of the files, in alphabetical order; they are the ids.
 std::vector<std::string> manual_ids();
 
-/// One of them; its file is put into `folder` to be read. Throws Error(Usage) naming file, line and what is wrong,
-/// Error(Files).
+/// A benchmark by its file. Throws Error(Usage) naming file, line and what is wrong or missing, Error(Files).
+ManualEntry read_manual_file(const std::filesystem::path& path);
+
+/// One of those that travel inside the program; its file is put into `folder` to be read.
 ManualEntry read_manual(const std::string& id, const std::filesystem::path& folder);
 
 /// The value of an expression in named numbers and pi. Throws Error(Usage).

@@ -72,7 +72,9 @@ std::string index(const VerifyBench& bench) {
       "confirms the value, all numbers\nwith the tolerance and its reason, a picture, and the case file. Tolerances "
       "come from the sources (the stated error of a formula, the distance of\na finite plate to an infinite one), not "
       "from kerf. Where a benchmark has several values the table shows the one that is furthest out in terms of\nits "
-      "tolerance.\n",
+      "tolerance.\n\nBooks and papers are cited as usual, and not all of them were looked up in print: what a value "
+      "was confirmed "
+      "by is under *Second check*. The\nerror bar of a number is its distance to a second computation of kerf.\n",
       count(bench, "within"), count(bench, "outside"), count(bench, "not possible"));
   std::vector<std::string> groups;
   for (const VerifiedEntry& e : bench.entries)

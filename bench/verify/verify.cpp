@@ -92,7 +92,8 @@ void verify(VerifiedEntry& e, const VerifyOptions& options) {
     const bool within = std::ranges::all_of(e.values, [](const VerifiedValue& v) { return v.within; });
     e.verdict = within ? "within" : "outside";
   } catch (const Error& error) {
-    if (error.fault != Fault::Numerics || stop_requested()) throw;
+    if (stop_requested()) throw Stopped{};
+    if (error.fault != Fault::Numerics) throw;
     e.values.clear();
     e.trouble = error.what();
     e.verdict = "outside";

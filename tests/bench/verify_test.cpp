@@ -56,6 +56,38 @@ TEST_F(VerifyBenchTest, TheManualIsWhole) {
   EXPECT_GE(published, 100);
 }
 
+/// What a benchmark lacks is named with its place.
+TEST_F(VerifyBenchTest, RefusesWhatIsNotWhole) {
+  const std::string head = "title = 'a'\ngroup = 'g'\nsetup = 's'\nsource = 'b'\ncheck = 'c'\ncase = 'x'\n",
+                    value = "[[value]]\nname = 'v'\nquantity = 'K'\ntake = { K = '/a' }\n",
+                    right = "published = 1\ntolerance = 0.1\nreason = 'r'\n";
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    write_file(folder / "a.toml", text);
+    try {
+      read_manual_file(folder / "a.toml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Usage);
+      EXPECT_NE(std::string(e.what()).find("a.toml:"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+    }
+  };
+  write_file(folder / "a.toml", head + value + right);
+  EXPECT_EQ(read_manual_file(folder / "a.toml").values.front().tolerance, 0.1);
+  refused(head.substr(head.find("group")) + value + right, "title is missing");
+  refused(head, "at least one value");
+  refused(head + "impossible = 'w'\n" + value + right, "either a case, or the reason");
+  refused(head + "sorce = 'w'\n" + value + right, "did you mean \"source\"?");
+  refused(head + value + "published = 1\nreason = 'r'\n", "published goes with a tolerance");
+  refused(head + value + "published = 1\ntolerance = 0.1\n", "reason is missing");
+  refused(head + value + right + "absolute = 1\n", "exclude each other");
+  refused(head + value + right + "relation = 'more'\n", "at least or at most");
+  refused(head + value + right + "run = 'fine'\n", "there is no run \"fine\"");
+  refused(head + "[[value]]\nname = 'v'\nquantity = 'K'\ntake = { K = '@fine /a' }\n" + right,
+          "there is no run \"fine\"");
+  refused(head + "quick = 1\n" + value + right, "quick is true or false");
+}
+
 /// `kerf bench verify --write docs/validation` was run for the manual as it is.
 TEST_F(VerifyBenchTest, ThePagesHaveEveryBenchmark) {
   const fs::path pages = fs::path(KERF_CASES).parent_path() / "docs/validation";
@@ -114,6 +146,19 @@ TEST_F(VerifyBenchTest, SaysWhatIsOutside) {
   judge(value, found);
   EXPECT_TRUE(found.within);
   EXPECT_NEAR(found.deviation, 4, 1e-12);
+}
+
+/// What was done before a stop is written.
+TEST_F(VerifyBenchTest, StopsBetweenBenchmarks) {
+  VerifyOptions options{{.folder = folder, .cases = {"patch-test", "td-crack", "td-hole"}}, {}};
+  options.bench.stop_asked = [asked = 0]() mutable { return asked++ > 0; };
+  const VerifyBench bench = run_verify_bench(options);
+  EXPECT_TRUE(bench.stopped);
+  ASSERT_EQ(bench.entries.size(), 1u);
+  EXPECT_EQ(bench.entries.front().entry.id, "patch-test");
+  const auto json = nlohmann::json::parse(read_file(folder / "verify.json"));
+  EXPECT_EQ(json["status"], "stopped");
+  EXPECT_EQ(json["benchmarks"].size(), 1u);
 }
 
 TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
