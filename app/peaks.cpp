@@ -94,8 +94,8 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
 namespace {
 
 bool lies_on(const Arc& arc, const Vec2& x) {
-  constexpr double rounding = 1e-9;
-  return std::abs((arc.axes.inverse() * (x - arc.center)).norm() - 1) < rounding;
+  constexpr double sagitta = 0.02;  // corners lie off the curve, so that the area is right
+  return std::abs((arc.axes.inverse() * (x - arc.center)).norm() - 1) < sagitta;
 }
 
 /// Of the von Mises stress in the middle of the boundary edges that meet in a vertex, the larger one; 0 for none.

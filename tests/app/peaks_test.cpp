@@ -63,18 +63,14 @@ bool speaks_of_chords(const Result& r) {
                      [](const std::string& note) { return note.find("corner of the chords") != std::string::npos; });
 }
 
-// Refined at the corners of few chords it comes out 2.09, singular to no list of corners.
+// The mesh refines towards the corners, whose stress has no end: 2.09, 2.38.
 TEST_F(Peaks, AtCornersOfChordsAreSaidToBeTooLarge) {
-  const Result r = hole("size = 0.2\nadapt = { error = 1e-3, max_triangles = 8000 }");
-  ASSERT_TRUE(r.state->von_mises);
-  EXPECT_EQ(r.state->von_mises->largest.value > 2.04, speaks_of_chords(r)) << r.state->von_mises->largest.value;
-}
-
-TEST_F(Peaks, OnFineChordsAreLeftAlone) {
-  const Result r = hole("size = 0.1");
-  ASSERT_TRUE(r.state->von_mises);
-  EXPECT_NEAR(r.state->von_mises->largest.value, 2, 0.06);
-  EXPECT_EQ(r.state->von_mises->largest.value > 2.04, speaks_of_chords(r));
+  for (const char* mesh : {"size = 0.2\nadapt = { error = 1e-3, max_triangles = 8000 }", "size = 0.05"}) {
+    const Result r = hole(mesh);
+    ASSERT_TRUE(r.state->von_mises);
+    EXPECT_GT(r.state->von_mises->largest.value, 2.04) << mesh << ": if this is right now, the note may go";
+    EXPECT_TRUE(speaks_of_chords(r)) << mesh;
+  }
 }
 
 }  // namespace
