@@ -20,7 +20,7 @@ class Faults : public testing::Test {
 
   /// `kerf ARGUMENTS` on this case file, one thread, results in out, no log.
   static Input input(const std::string& command, const std::string& text, const std::vector<std::string>& more = {});
-  Outcome run(const Input& input, const Limits& limits = {}) const;
+  Outcome run(const Input& input, const Limits& limits = {.seconds = 60, .memory_gb = 0}) const;
 
   std::filesystem::path folder;
 };

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -29,6 +30,12 @@ constexpr const char* usage =
     "  --first K --count 1   the one input again; --print shows it, --minimise makes it small\n"
     "  --keep FOLDER         inputs that fail, a folder each with `arguments` and the files\n"
     "  --memory-gb 0         no limit: sanitizers reserve terabytes\n";
+
+std::atomic<bool> stopped = false;
+
+extern "C" void on_signal(int) {
+  stopped = true;
+}
 
 struct Options {
   fs::path program, keep;
@@ -127,7 +134,7 @@ void work_off(Campaign& c, unsigned job) {
   const Options& o = c.options;
   const fs::path work = c.work / fmt::format("{}", job);
   try {
-    for (std::uint64_t i; (i = c.next++) < o.count;) {
+    for (std::uint64_t i; !stopped && (i = c.next++) < o.count;) {
       const std::uint64_t number = o.first + i;
       const Input input = make_input(c.corpus, o.seed, number);
       if (o.print) std::cout << in_words(input);
@@ -157,17 +164,20 @@ int fuzz(const Options& o) {
   std::string name = (fs::temp_directory_path() / "kerf-fuzz-XXXXXX").string();
   if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
   Campaign c{.options = o, .corpus = corpus, .work = name};
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);  // say what was found so far
   std::vector<std::thread> jobs;
   for (unsigned j = 0; j < o.jobs; ++j) jobs.emplace_back([&c, j] { work_off(c, j); });
   for (std::thread& j : jobs) j.join();
   std::error_code ignored;
   fs::remove_all(c.work, ignored);
   if (!c.broken_off.empty()) throw std::runtime_error(c.broken_off);
-  std::uint64_t failed = 0;
+  std::uint64_t failed = 0, tried = 0;
   std::string endings;
-  for (const auto& [code, count] : c.codes)
+  for (const auto& [code, count] : c.codes) {
+    tried += count;
     endings += fmt::format(", {} {}: {}", code < 0 ? "signal" : "exit", std::abs(code), count);
-  std::cout << fmt::format("{} inputs of seed {} from {} case files, {:.0f} s of processor time{}; slow: {}\n", o.count,
+  }
+  std::cout << fmt::format("{} inputs of seed {} from {} case files, {:.0f} s of processor time{}; slow: {}\n", tried,
                            o.seed, corpus.size(), c.seconds, endings, c.slow.load());
   for (const auto& [kind, count] : c.failures) {
     failed += count;
