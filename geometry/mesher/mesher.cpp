@@ -567,10 +567,32 @@ Mesh triangulate(const Shape& shape, const Sizing& sizing, const Background& bac
   return triangulate(shape, sizing, &background);
 }
 
+namespace {
+
+/// Ends that are moved onto the next thing drawn by more than rounding.
+void note_joined_ends(const Shape& shape, const Drawing& drawing, std::vector<std::string>& notes) {
+  for (const Crack& crack : shape.cracks)
+    for (const Vec2& end : {crack.points.front(), crack.points.back()}) {
+      double moved = infinity;
+      for (const Strand& strand : drawing.strands)
+        for (const Index corner : {strand.from, strand.to})
+          moved = std::min(moved, (drawing.corners[std::size_t(corner)] - end).norm());
+      if (moved > touch_tolerance * drawing.extent)
+        notes.push_back(
+            fmt::format("the end of crack \"{}\" at ({:.6g}, {:.6g}) is moved by {:.2g}, onto the next thing drawn: "
+                        "ends within {} of "
+                        "the extent of the body are joined",
+                        crack.name, end.x(), end.y(), moved, join_tolerance));
+    }
+}
+
+}  // namespace
+
 std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& given) {
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   std::vector<std::string> notes;
+  note_joined_ends(shape, drawing, notes);
   for (const TipEnd& tip : free_ends(drawing)) {
     const double size = size_in_room(tip.room, sizing.crack_tip_size);
     if (size >= sizing.crack_tip_size) continue;

@@ -39,7 +39,8 @@ struct Background {
 Mesh triangulate(const Shape& shape, const Sizing& sizing);
 
 /// A tip with less than two of its edges to the next thing drawn, or to the other end of its crack, gets shorter ones:
-/// a twentieth of that. What was made finer so, in words. Throws as triangulate does for the sizing.
+/// a twentieth of that. What was made finer so, in words, and which ends of cracks were moved to join what lies beside
+/// them. Throws as triangulate does for the sizing.
 std::vector<std::string> crowded_tips(const Shape& shape, const Sizing& sizing);
 
 /// The same with the target min(sizing.size, background) instead of what tips, kinks, junctions, mouths and reentrant

@@ -279,5 +279,17 @@ TEST(RandomCracks, AreNamedOrMeshed) {
   EXPECT_GE(curved, 20);
 }
 
+// Two tips 2e-6 apart in a body of 5.7 are one, a mouth 1e-7 beside the side lies on it: the user is told. Ends that
+// meet but for rounding are as drawn.
+TEST(CrackEnds, AreNotJoinedInSilence) {
+  const auto notes = [](std::vector<Crack> cracks) { return crowded_tips(square(std::move(cracks)), {.size = 0.3}); };
+  const auto tips = notes({{"l", {{-1, 0}, {-1e-6, 0}}, {}}, {"r", {{1e-6, 0}, {1, 0}}, {}}});
+  ASSERT_EQ(tips.size(), 1u);
+  EXPECT_NE(tips[0].find("is moved by 2e-06, onto the next thing drawn"), std::string::npos) << tips[0];
+  EXPECT_EQ(notes({{"m", {{-2 + 1e-7, 0}, {0, 0}}, {}}}).size(), 1u);
+  EXPECT_TRUE(notes({{"m", {{-2 + 1e-12, 0}, {0, 0}}, {}}}).empty());
+  EXPECT_TRUE(notes({{"l", {{-1, 0}, {0, 0}}, {}}, {"r", {{1e-12, 0}, {1, 0.2}}, {}}}).empty());
+}
+
 }  // namespace
 }  // namespace kerf
