@@ -15,8 +15,6 @@ run() {  # run LEAKS PROGRAM
 }
 export -f run
 export build filter
-printf '%s\n' '0 test_app' '1 test_solver' '1 test_topo' '1 test_optimize' '0 test_io' '1 test_geometry' '0 test_plot' |
+printf '%s\n' '1 test_solver' '1 test_topo' '1 test_optimize' '0 test_io' '1 test_geometry' '0 test_plot' |
   xargs -P "$jobs" -I{} bash -c 'run {}'
-root=$(dirname "$0")/..
-ASAN_OPTIONS=detect_leaks=0:exitcode=99 "$build/kerf-fuzz" --program "$build/kerf" --corpus "$root/cases" \
-  --corpus "$root/tests/fuzz/corpus" --count 500 --jobs "$jobs" --memory-gb 0 --seconds 20
+ASAN_OPTIONS=detect_leaks=0:exitcode=99 ctest --test-dir "$build" -R '^fuzz$' --output-on-failure

@@ -115,6 +115,24 @@ struct Drive {
   double largest = 0;
 };
 
+double largest_of(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double u : values) largest = std::max(largest, std::abs(u));
+  return largest;
+}
+
+// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a whole
+// shows instead of none.
+double force_of_rounding(const Model& m) {
+  const double largest = largest_of(m.inner->skeleton.prescribed);
+  if (largest == 0) return 0;
+  double stiffness = 0;
+  const LowerTriangle& K = m.inner->system.K;
+  for (Index j = 0; j < K.size; ++j)
+    if (K.start[j] < K.start[j + 1]) stiffness = std::max(stiffness, std::abs(K.values[K.start[j]]));
+  return std::numeric_limits<double>::epsilon() * stiffness * largest;
+}
+
 // The state of an iterate, certified triangle by triangle: the residual, contact and friction by the exact forces, and
 // the work [theory: E.20, E.21].
 Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
@@ -130,6 +148,8 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
       largest = std::max(largest, std::abs(unmet[u]));
       work += prescribed[u] * unmet[u];
     }
+  const double rounding = force_of_rounding(m);
+  largest = std::max(largest, rounding);
   certify(condensed, {rest, largest}, s);
   work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
@@ -141,7 +161,8 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   // An eigenstrain stores energy without any displacement, too.
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
-               size = std::abs(balance.energy) + balance.noise + stored;
+               moved = rounding > 0 ? rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed) : 0,
+               size = std::abs(balance.energy) + balance.noise + stored + moved;
   s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
   state.certificate = s.certificate;
   state.skeleton = values.high;

@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -159,6 +160,17 @@ TEST_F(Hostile, AnEnergyBeyondAllNumbersIsNoResult) {
     EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 4) << traction;
     EXPECT_NE(error().find(word), std::string::npos) << error();
     EXPECT_EQ(result("out").value("status", ""), "failed");
+  }
+}
+
+// Nothing but the last digits of what is prescribed makes stresses then, and those digits are no load.
+TEST_F(Hostile, ABodyMovedAsAWholeIsSolved) {
+  for (const char* moved : {"[1, 0.3]", "[1e-3, 1e3]", "[\"1 - 0.01*y\", \"0.3 + 0.01*x\"]"}) {
+    std::string text = small.substr(0, small.find("[[boundary]]\non = \"right\"")) + "[mesh]\nsize = 0.2\n";
+    text.replace(text.find("[0, 0]\n"), 6, moved);
+    write("a.toml", text);
+    EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << moved << "\n" << text << error();
+    EXPECT_LT(std::abs(result("out")["state"].value("energy", 1.0)), 1e-20) << moved;
   }
 }
 
