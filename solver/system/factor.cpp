@@ -57,6 +57,17 @@ void use_one_thread() {
   if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
 }
 
+struct Work {  // an array of CHOLMOD's
+  explicit Work(Session& its) : session(its) {}
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+  ~Work() {
+    if (array) cholmod_free_dense(&array, &session.c);
+  }
+  Session& session;
+  cholmod_dense* array = nullptr;
+};
+
 }  // namespace
 
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
@@ -107,8 +118,10 @@ struct Factor::Impl {
     const int done = cholmod_factorize(&a, factor, &session.c);
     // cholmod_solve resets the status: it must be read here.
     if (session.c.status == CHOLMOD_NOT_POSDEF)
-      throw Error(Fault::Numerics,
-                  fmt::format("the condensed matrix is not positive definite at column {} of {}", factor->minor, size));
+      throw Error(
+          Fault::Numerics,
+          "rounding has eaten the stiffness of the body: it is slender or nearly free to move, triangles are very "
+          "flat, or materials differ too much; support it more firmly, or refine the mesh there");
     if (!done || session.c.status != CHOLMOD_OK) out_of_memory();
   }
 
@@ -123,11 +136,17 @@ struct Factor::Impl {
     in.xtype = CHOLMOD_REAL;
     in.dtype = CHOLMOD_DOUBLE;
     const BlasCall in_blas;
-    cholmod_dense* out = cholmod_solve(system, factor, &in, &session.c);
-    if (!out) out_of_memory();
-    Dense x = Eigen::Map<Dense>(static_cast<double*>(out->x), size, b.cols());
-    cholmod_free_dense(&out, &session.c);
-    return x;
+    // CHOLMOD 5.12 forgets that it could not have the first of its two work arrays when it can have the second.
+    Work out(session), first(session), second(session);
+    const auto most = factor->maxesize;
+    first.array = cholmod_allocate_dense(in.nrow, in.ncol, in.nrow, CHOLMOD_REAL, &session.c);
+    second.array = cholmod_allocate_dense(std::max<std::size_t>(most, 1), in.ncol, std::max<std::size_t>(most, 1),
+                                          CHOLMOD_REAL, &session.c);
+    if (!first.array || !second.array) out_of_memory();
+    if (!cholmod_solve2(system, factor, &in, nullptr, &out.array, nullptr, &first.array, &second.array, &session.c) ||
+        !out.array)
+      out_of_memory();
+    return Eigen::Map<Dense>(static_cast<double*>(out.array->x), size, b.cols());
   }
 
   // The supernodes hold the columns of L as dense blocks; the last one may begin before these columns.

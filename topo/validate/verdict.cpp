@@ -120,6 +120,10 @@ class Series {
               fmt::format("fewer than two radii fit: the nearest boundary, crack or other feature is {:.3g} away; use "
                           "radii below {:.3g}",
                           clear_, 0.25 * clear_)};
+    if (!std::isfinite(fit_.intercept) || !std::isfinite(T_))
+      return {Verdict::NothingSaid,
+              "the prediction and the differences leave the range of numbers, or are null; use "
+              "larger loads or other units"};
     if (vanishes())
       return {Verdict::Vanishes,
               fmt::format("coefficient and differences are below {:.1g} of what stresses of this size could give",
