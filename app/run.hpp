@@ -8,11 +8,12 @@ namespace kerf {
 
 enum class Job { Run, Solve, Map, Validate, Optimize };
 
-/// Runs the jobs and writes every file of the interface; result.json last. Throws Error(Geometry | Numerics | Files).
-/// A state that cannot be solved is written (status, reason) before Error(Numerics) leaves; a map or a validation that
-/// cannot be had leaves a result with status "failed" and the state. After an optimization mesh, state, cracks and
-/// functional are those of its design; a map and a validation asked for beside it are of the body before it. An
-/// optimization that is asked to stop leaves its files without result.json, and throws Error(Numerics).
+/// Runs the jobs and writes every file of the interface; result.json after all others but the page, and once more last.
+/// Throws Error(Geometry | Numerics | Files). A state that cannot be solved is written (status, reason) before
+/// Error(Numerics) leaves; a map or a validation that cannot be had leaves a result with status "failed" and the state.
+/// After an optimization mesh, state, cracks and functional are those of its design; a map and a validation asked for
+/// beside it are of the body before it. An optimization that is asked to stop leaves its files without result.json, and
+/// throws Error(Numerics).
 Result run(const Case& c, Job job, const RunOptions& options);
 
 /// What `kerf check` prints: the geometry in numbers and what each label selected. Meshes, solves nothing. Draws
