@@ -230,8 +230,10 @@ int perform_mesh(const Arguments& arguments, const Case& c) {
   return 0;
 }
 
-int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options) {
+int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
+  watchdog.pause();
   const std::optional<Forecast> expected = forecast_of(c, job, arguments);
+  watchdog.resume();
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   if (expected && !expected->at_most) progress.expect(expected->seconds);
   options.threads = arguments.threads;
@@ -243,7 +245,7 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
   return 0;
 }
 
-int perform_command(const Arguments& arguments) {
+int perform_command(const Arguments& arguments, Watchdog& watchdog) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "keys") {
     print(keys(arguments.keys, arguments.commands));
@@ -268,6 +270,7 @@ int perform_command(const Arguments& arguments) {
                   : arguments.command == "optimize" ? Job::Optimize
                                                     : Job::Run;
   if (arguments.dry_run) {
+    watchdog.pause();
     const Forecast f = *forecast_of(c, job, arguments);
     print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
     return 0;
@@ -279,14 +282,14 @@ int perform_command(const Arguments& arguments) {
   make_ready(options.folder, arguments.force || options.resume, "result.json", lock);
   options.lock = &lock;
   catch_signals();
-  return perform_jobs(arguments, c, job, options);
+  return perform_jobs(arguments, c, job, options, watchdog);
 }
 
 /// Reading counts, too: gmsh may take long for a geometry.
 int perform(const Arguments& arguments) {
-  const Watchdog watchdog(limits_of(arguments));
+  Watchdog watchdog(limits_of(arguments));
   try {
-    return perform_command(arguments);
+    return perform_command(arguments, watchdog);
   } catch (const Error&) {
     if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
     throw;

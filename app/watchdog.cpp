@@ -29,10 +29,10 @@ double resident_mb() {
 
 struct Watchdog::Impl {
   Allowed limits;
-  Stopwatch since_start;
+  Stopwatch since_look;
   mutable std::mutex mutex;
   std::condition_variable ended;
-  bool over = false;
+  bool over = false, paused = false;
   std::optional<std::string> why;
   std::thread thread;
 
@@ -48,7 +48,8 @@ struct Watchdog::Impl {
     constexpr double patience = 10, much = 1.5;
     double asked = infinity;
     for (std::unique_lock lock(mutex); !over; ended.wait_for(lock, std::chrono::milliseconds(50))) {
-      const double seconds = since_start.lap(), mb = resident_mb();
+      const double seconds = since_look.lap(), mb = resident_mb();
+      if (paused) continue;
       elapsed += seconds;
       if (!why) {
         why = beyond(elapsed, mb);
@@ -81,6 +82,18 @@ Watchdog::~Watchdog() {
   }
   impl_->ended.notify_all();
   impl_->thread.join();
+}
+
+void Watchdog::pause() {
+  if (!impl_) return;
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->paused = true;
+}
+
+void Watchdog::resume() {
+  if (!impl_) return;
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->paused = false;
 }
 
 std::optional<std::string> Watchdog::why() const {

