@@ -83,8 +83,9 @@ TEST(Files, FailureNamesThePathAndLeavesTheOldFile) {
 
 // Who may write into the folder might put them there.
 TEST(Files, LinksAndPipesInTheWayAreRemoved) {
-  const Folder folder;
-  const auto path = folder.path / "a.txt", part = folder.path / "a.txt.part", victim = folder.path / "victim";
+  const test::Folder folder;
+  const std::filesystem::path path = folder.path / "a.txt", part = folder.path / "a.txt.part",
+                              victim = folder.path / "victim";
   write_file(victim, "mine");
   std::filesystem::create_symlink(victim, part);
   write_file(path, "first");
