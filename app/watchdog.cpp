@@ -30,6 +30,7 @@ double resident_mb() {
 struct Watchdog::Impl {
   Allowed limits;
   Stopwatch since_look;
+  double elapsed = 0;  // but for the pauses
   mutable std::mutex mutex;
   std::condition_variable ended;
   bool over = false, paused = false;
@@ -64,7 +65,6 @@ struct Watchdog::Impl {
       _exit(static_cast<int>(Fault::Numerics));
     }
   }
-  double elapsed = 0;
 };
 
 Watchdog::Watchdog(const Allowed& limits) {

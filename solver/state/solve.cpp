@@ -161,7 +161,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   // An eigenstrain stores energy without any displacement, too.
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
-               moved = rounding > 0 ? rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed) : 0,
+               moved = rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed),
                size = std::abs(balance.energy) + balance.noise + stored + moved;
   s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
   state.certificate = s.certificate;

@@ -1,6 +1,9 @@
 // What a machine or a stranger may do to a run: too little memory, pipes and links in the folder, a full disk, a second
 // run, numbers beyond all range. Inputs that once hung, filled the memory or passed in silence.
 
+#include "io/files.hpp"
+#include "tests/support/sample.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -13,10 +16,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <string_view>
 
+namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,42 +43,30 @@ traction = [0, 0.1]
 size = 0.2
 )";
 
-std::string read_all(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 class Hostile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-hostile-XXXXXX").string();
-    folder = mkdtemp(name.data());
+  Hostile() {
     write("a.toml", small);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
   }
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder / name, std::ios::binary) << text;
   }
   /// The exit code, or 128 and the signal. `limits`: of the shell, before kerf starts.
-  int kerf(const std::string& arguments, const std::string& limits = "") const {
+  int run(const std::string& arguments, const std::string& limits = "") const {
     const std::string line = "cd '" + folder.string() + "' && { " + limits + (limits.empty() ? "" : "; ") +
                              "exec timeout -s KILL 60 '" KERF_PROGRAM "' " + arguments + "; } >stdout 2>stderr";
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
   std::string error() const {
-    return read_all(folder / "stderr");
+    return read_file(folder / "stderr");
   }
   nlohmann::json result(const std::string& name) const {
-    return nlohmann::json::parse(read_all(folder / name / "result.json"), nullptr, false);
+    return nlohmann::json::parse(read_file(folder / name / "result.json"), nullptr, false);
   }
 
-  fs::path folder;
+  const test::Folder made;
+  const fs::path folder = made.path;
 };
 
 #ifdef __SANITIZE_ADDRESS__
@@ -90,8 +81,8 @@ TEST_F(Hostile, EveryLimitOfTheAddressSpaceEndsSoonAndInWords) {
   int solved = 0;
   for (int k = 0; k < 30; ++k) {
     const int megabytes = 85 + k * 35;
-    const int code = kerf("solve a.toml -o out --force --quiet --threads " + std::to_string(1 + k % 3),
-                          "ulimit -v " + std::to_string(megabytes * 1000));
+    const int code = run("solve a.toml -o out --force --quiet --threads " + std::to_string(1 + k % 3),
+                         "ulimit -v " + std::to_string(megabytes * 1000));
     EXPECT_TRUE(code == 0 || code == 4 || code == 5) << megabytes << " MB: " << code << " " << error();
     EXPECT_EQ(code != 0, error().find("kerf: ") == 0) << megabytes << " MB: " << error();
     EXPECT_EQ(error().find("unexpected"), std::string::npos) << error();
@@ -106,34 +97,34 @@ TEST_F(Hostile, FilesInTheFolderAreNeitherFollowedNorWaitedFor) {
   fs::create_symlink("../victim", folder / "out" / "result.json.part");
   fs::create_symlink("../victim", folder / "out" / "crack_c.csv");
   ASSERT_EQ(mkfifo((folder / "out" / "state.vtu.part").c_str(), 0600), 0);
-  ASSERT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << error();
-  EXPECT_EQ(read_all(folder / "victim"), "mine");
+  ASSERT_EQ(run("solve a.toml -o out --force --quiet"), 0) << error();
+  EXPECT_EQ(read_file(folder / "victim"), "mine");
   EXPECT_EQ(result("out").value("status", ""), "ok");
   EXPECT_FALSE(fs::is_symlink(folder / "out" / "crack_c.csv"));
   for (const auto& entry : fs::directory_iterator(folder / "out")) EXPECT_NE(entry.path().extension(), ".part");
 }
 
 TEST_F(Hostile, ASecondRunInTheFolderIsRefused) {
-  ASSERT_EQ(kerf("solve a.toml -o out --quiet"), 0) << error();
+  ASSERT_EQ(run("solve a.toml -o out --quiet"), 0) << error();
   const int other = open((folder / "out").c_str(), O_RDONLY | O_DIRECTORY);
   ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
-  EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 5);
+  EXPECT_EQ(run("solve a.toml -o out --force --quiet"), 5);
   EXPECT_NE(error().find("another kerf is writing into 'out'"), std::string::npos) << error();
   EXPECT_EQ(result("out").value("status", ""), "ok") << "what the first run wrote stays";
   close(other);
-  EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << error();
+  EXPECT_EQ(run("solve a.toml -o out --force --quiet"), 0) << error();
 }
 
 // The limit stands between the size of result.json and that of the page.
 TEST_F(Hostile, AFileThatCannotBeWrittenLeavesTheResult) {
   write("a.toml", small + "[output]\nvtk = false\n");
-  ASSERT_EQ(kerf("solve a.toml -o out --quiet"), 0) << error();
+  ASSERT_EQ(run("solve a.toml -o out --quiet"), 0) << error();
   const auto page = fs::file_size(folder / "out" / "report.html");
   std::uintmax_t others = 0;
   for (const auto& entry : fs::directory_iterator(folder / "out"))
     if (entry.path().filename() != "report.html") others = std::max(others, entry.file_size());
   ASSERT_LT(others + 2048, page);
-  EXPECT_EQ(kerf("solve a.toml -o full --quiet", "ulimit -f " + std::to_string((others + 511) / 512 + 2)), 5);
+  EXPECT_EQ(run("solve a.toml -o full --quiet", "ulimit -f " + std::to_string((others + 511) / 512 + 2)), 5);
   EXPECT_NE(error().find("report.html"), std::string::npos) << error();
   EXPECT_EQ(result("full").value("status", ""), "ok");
   EXPECT_FALSE(fs::exists(folder / "full" / "report.html"));
@@ -144,9 +135,9 @@ TEST_F(Hostile, HangingUpStopsCleanly) {
   write("a.toml", small +
                       "[optimize]\nmethod = \"level-set\"\nvolume = { at_most = 0.5 }\nmax_iterations = 10000\n"
                       "[functional]\nkind = \"compliance\"\n");
-  const int code = kerf(
-      "optimize a.toml -o out --quiet & p=$!; while [ ! -e out/checkpoint.bin ]; do sleep 0.1; done; "
-      "kill -HUP $p; wait $p");
+  const int code =
+      run("optimize a.toml -o out --quiet & p=$!; while [ ! -e out/checkpoint.bin ]; do sleep 0.1; done; "
+          "kill -HUP $p; wait $p");
   EXPECT_EQ(code, 4) << error();
   EXPECT_NE(error().find("stopped"), std::string::npos) << error();
   EXPECT_FALSE(fs::exists(folder / "out" / "result.json"));
@@ -157,7 +148,7 @@ TEST_F(Hostile, AnEnergyBeyondAllNumbersIsNoResult) {
     std::string text = small;
     text.replace(text.find("[0, 0.1]"), 8, std::string("[0, ") + traction + "]");
     write("a.toml", text);
-    EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 4) << traction;
+    EXPECT_EQ(run("solve a.toml -o out --force --quiet"), 4) << traction;
     EXPECT_NE(error().find(word), std::string::npos) << error();
     EXPECT_EQ(result("out").value("status", ""), "failed");
   }
@@ -169,7 +160,7 @@ TEST_F(Hostile, ABodyMovedAsAWholeIsSolved) {
     std::string text = small.substr(0, small.find("[[boundary]]\non = \"right\"")) + "[mesh]\nsize = 0.2\n";
     text.replace(text.find("[0, 0]\n"), 6, moved);
     write("a.toml", text);
-    EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << moved << "\n" << text << error();
+    EXPECT_EQ(run("solve a.toml -o out --force --quiet"), 0) << moved << "\n" << text << error();
     EXPECT_LT(std::abs(result("out")["state"].value("energy", 1.0)), 1e-20) << moved;
   }
 }
@@ -182,9 +173,10 @@ TEST_F(Hostile, OptimizationLooksAtTheGeometryFirst) {
   write("a.toml", text +
                       "[functional]\nkind = \"compliance\"\n[optimize]\nmethod = \"mma\"\nvolume = { at_most = 0.9 }\n"
                       "[[optimize.hole]]\ncircle = { center = [[0.1, 0.9], [0.1, 0.9]], radius = [0.02, 0.2] }\n");
-  EXPECT_EQ(kerf("optimize a.toml -o out --quiet"), 3) << error();
+  EXPECT_EQ(run("optimize a.toml -o out --quiet"), 3) << error();
   EXPECT_NE(error().find("too flat"), std::string::npos) << error();
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 }  // namespace
+}  // namespace kerf

@@ -2,11 +2,13 @@
 
 #include "app/run.hpp"
 
+#include "tests/support/sample.hpp"
+
 #include <gtest/gtest.h>
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
 
 namespace kerf {
@@ -16,15 +18,8 @@ namespace fs = std::filesystem;
 
 class Peaks : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-peaks-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  /// A hole under equal tension from all sides, with the exact tractions of the infinite plate: 2 everywhere on its rim.
+  /// A hole under equal tension from all sides, with the exact tractions of the infinite plate: 2 everywhere on its
+  /// rim.
   Result hole(const std::string& mesh) const {
     std::ofstream(folder / "a.toml") << fmt::format(R"([domain]
 outline = [[-4, -4], [4, -4], [4, 4], [-4, 4]]
@@ -55,7 +50,8 @@ vtk = false
                                                     mesh);
     return run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out"});
   }
-  fs::path folder;
+  const test::Folder made;
+  const fs::path folder = made.path;
 };
 
 bool speaks_of_chords(const Result& r) {
