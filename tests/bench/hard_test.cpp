@@ -3,13 +3,13 @@
 
 #include "bench/hard.hpp"
 #include "bench/hard/family.hpp"
+#include "io/files.hpp"
 #include "kerf/types.hpp"
+#include "tests/support/sample.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -20,19 +20,11 @@ namespace fs = std::filesystem;
 
 class HardBenchTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-hard-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   std::string text(const fs::path& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    return read_file(folder / name);
   }
-  fs::path folder;
+  const test::Folder made;
+  const fs::path folder = made.path;
 };
 
 class HardFamilyTest : public HardBenchTest, public testing::WithParamInterface<std::string> {};

@@ -16,7 +16,6 @@
 #include <csignal>
 #include <cstddef>
 #include <fstream>
-#include <iterator>
 
 namespace kerf::fuzz {
 
@@ -25,11 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 #if defined(__x86_64__)
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The text at an address of the child.
 std::string text_at(pid_t child, unsigned long long address) {

@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 namespace kerf::fuzz {
@@ -18,11 +17,6 @@ namespace kerf::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// What the child is started with: nothing of the surroundings that could change what it does.
 struct Words {

@@ -9,14 +9,14 @@
 
 namespace kerf::fuzz {
 
-namespace {
-
 namespace fs = std::filesystem;
 
 std::string bytes_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
+
+namespace {
 
 const std::vector<std::string> outputs = {"out", "out/deeper", "case.toml", "x y", "-", "\xc3\xa9", ""};
 

@@ -51,4 +51,7 @@ void damage_lines(Dice& dice, std::string& text);
 /// A mesh so coarse, limits so low that thousands can be run.
 void tame(Dice& dice, Value& document);
 
+/// What is in a file; nothing where there is none.
+std::string bytes_of(const std::filesystem::path& path);
+
 }  // namespace kerf::fuzz
