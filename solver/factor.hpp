@@ -22,7 +22,7 @@ void return_freed_memory();
 class Factor {
  public:
   /// Runs on one thread: OpenBLAS with two gives other bits. Throws LostDefiniteness when K is not positive definite,
-  /// Error(Numerics) when memory runs out.
+  /// std::bad_alloc when memory runs out.
   Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0);
   ~Factor();
   Factor(Factor&&) noexcept;
