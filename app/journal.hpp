@@ -8,6 +8,8 @@
 
 namespace kerf {
 
+struct RunFields;
+
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
   std::string command;           // that is kept with the case
@@ -15,6 +17,8 @@ struct RunOptions {
   int threads = 1;
   bool resume = false;                                     // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
+  std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
+  RunFields* fields = nullptr;                              // where they are kept; none: in files alone
 };
 
 struct Journal {

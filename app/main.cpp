@@ -132,25 +132,8 @@ Allowed limits_of(const Arguments& arguments) {
           arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
 }
 
-/// What the run will take, where it is asked for; of long runs that of the state at least, for the memory that there
-/// is. Throws Error(Numerics) when it is more than there is or may be used.
 std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
-  constexpr double worth_it = 200000, meshable = 2e7;  // triangles
-  const Allowed limits = limits_of(arguments);
-  const bool asked = arguments.dry_run || limits.memory_mb || limits.seconds,
-             validates = job == Job::Validate || (job == Job::Run && c.validate);
-  const double rough = rough_triangles(c);
-  if (!asked && (rough < worth_it || rough > meshable)) return std::nullopt;  // the mesher refuses more
-  try {
-    Forecast f = forecast(c, asked || !validates ? job : Job::Solve, arguments.threads);
-    refuse_larger(f, limits, c);
-    f.at_most = f.at_most || (!asked && validates);
-    return f;
-  } catch (const Error& e) {
-    if (stop_requested()) throw Error(Fault::Numerics, "stopped while finding out what the run will take");
-    if (asked || e.fault != Fault::Geometry) throw;
-    return std::nullopt;  // too coarse a trial says nothing of the case
-  }
+  return forecast_where_needed(c, job, arguments.threads, limits_of(arguments), arguments.dry_run);
 }
 
 /// Nothing when help or the version was asked for and has been printed.

@@ -22,8 +22,6 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-namespace {
-
 std::string inline_text(const Node& node) {
   std::vector<std::string> parts;
   switch (node.kind) {
@@ -34,6 +32,7 @@ std::string inline_text(const Node& node) {
     case Node::Kind::Float:
       return number(node.number);
     case Node::Kind::String:
+    case Node::Kind::Function:  // what it is called: a file cannot have more of it
       return quoted(node.text);
     case Node::Kind::Date:
       return node.text;
@@ -47,6 +46,8 @@ std::string inline_text(const Node& node) {
     parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value)));
   return fmt::format("{{ {} }}", fmt::join(parts, ", "));
 }
+
+namespace {
 
 void add_table(const std::string& header, const Node& table, std::string& out) {
   out += header + "\n";

@@ -10,6 +10,9 @@ std::string number(double x);
 
 std::string quoted(const std::string& text);
 
+/// A value as it stands behind "key = ", on one line.
+std::string inline_text(const Node& node);
+
 /// "key = value", "[key]" with its keys, or "[[key]]" for every table of a list: what stands at the top of a document.
 void add_entry(const Entry& entry, std::string& out);
 
