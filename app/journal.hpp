@@ -26,7 +26,7 @@ struct Journal {
   std::string title;                                                         // of the pictures
   Units units = {};                                                          // there, too
   bool vtk = true, png = true;                                               // which files are wanted
-  Seconds seconds = {};                                                      // but for the total
+  Seconds seconds = {};
   std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
   Stopwatch since_start = {}, since_lap = {};
   std::string phase = {};    // the present one

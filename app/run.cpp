@@ -291,8 +291,8 @@ Solved solve_design(const Case& design, Journal& journal, Result& r) {
 }
 
 void sum_up(Journal& journal, Result& r) {
+  journal.seconds.total += journal.since_start.lap();
   r.seconds = journal.seconds;
-  r.seconds.total = journal.since_start.lap();
   r.peak_memory_mb = peak_memory_mb();
 }
 

@@ -86,7 +86,7 @@ Swept parse_swept(std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   std::string key(assignment.substr(0, equals));
   std::erase(key, ' ');
-  const std::string name = "--over " + key;
+  const std::string name = fmt::format("--over {}", key);
   if (equals == std::string_view::npos || key.empty())
     throw Error(Fault::Usage, fmt::format("--over {}: values are missing; write key=[1, 2]", quote(assignment)));
   Node values;
@@ -94,7 +94,7 @@ Swept parse_swept(std::string_view assignment) {
     override_value(values, fmt::format("values={}", assignment.substr(equals + 1)));
   } catch (const Error& e) {
     const std::string what = e.what();
-    throw Error(Fault::Usage, name + what.substr(what.find(':')));
+    throw Error(Fault::Usage, fmt::format("{}{}", name, what.substr(what.find(':'))));
   }
   const Node& list = values.entries.at(0).value;
   if (list.kind != Node::Kind::Array || list.items.empty())
@@ -174,15 +174,15 @@ std::string reason_of(const fs::path& folder, const RunRecord& record) {
 
 void write_table(const fs::path& path, const SweepTable& table) {
   std::string out = "run";
-  for (const std::string& key : table.keys) out += "," + csv_text(key);
+  for (const std::string& key : table.keys) out += fmt::format(",{}", csv_text(key));
   out += ",status,reason";
-  for (const std::string& column : table.columns) out += "," + csv_text(column);
+  for (const std::string& column : table.columns) out += fmt::format(",{}", csv_text(column));
   out += "\n";
   for (const SweepTable::Row& row : table.rows) {
     out += csv_text(row.name);
-    for (const std::string& value : row.values) out += "," + csv_text(value);
-    out += "," + csv_text(row.status) + "," + csv_text(row.reason);
-    for (const std::string& cell : row.cells) out += "," + csv_text(cell);
+    for (const std::string& value : row.values) out += fmt::format(",{}", csv_text(value));
+    out += fmt::format(",{},{}", csv_text(row.status), csv_text(row.reason));
+    for (const std::string& cell : row.cells) out += fmt::format(",{}", csv_text(cell));
     out += "\n";
   }
   write_file(path, out);

@@ -4,6 +4,8 @@
 #include "app/forecast.hpp"
 #include "app/program.hpp"
 #include "app/run.hpp"
+#include "app/sweep.hpp"
+#include "io/files.hpp"
 #include "io/kept.hpp"
 #include "kerf/stop.hpp"
 #include "python/document.hpp"
@@ -351,7 +353,16 @@ PYBIND11_MODULE(_kerf, m) {
       .def_static("of_document", &case_of_document)
       .def_property_readonly("name", [](const PythonCase& of) { return of.c.name; })
       .def_property_readonly("title", [](const PythonCase& of) { return of.c.title; })
-      .def_property_readonly("has_map", [](const PythonCase& of) { return of.c.map.has_value(); })
+      .def_property_readonly("has_functions", [](const PythonCase& of) { return of.functions; })
+      .def("keep",
+           [](const PythonCase& of, const std::string& folder) {
+             const KeptCase kept = keep(of.c, {});
+             for (const auto& [name, bytes] : kept.files) {
+               std::filesystem::create_directories((std::filesystem::path(folder) / name).parent_path());
+               write_file(std::filesystem::path(folder) / name, bytes);
+             }
+             write_file(std::filesystem::path(folder) / "case.toml", kept.text);
+           })
       .def("text", [](const PythonCase& of) { return keep(of.c, {}).text; })
       .def("check", [](const PythonCase& of) {
         std::string said;
@@ -367,6 +378,33 @@ PYBIND11_MODULE(_kerf, m) {
           },
           py::kw_only(), py::arg("job"), py::arg("folder"), py::arg("threads"), py::arg("force"), py::arg("resume"),
           py::arg("files"), py::arg("on_phase"), py::arg("on_iteration"));
+  py::class_<SweepPlan>(m, "SweepPlan")
+      .def(py::init([](const std::string& case_file, const std::string& folder,
+                       const std::vector<std::string>& overrides,
+                       const std::vector<std::pair<std::string, std::vector<std::string>>>& over) {
+        SweepPlan plan{.case_file = case_file, .folder = folder, .overrides = overrides};
+        for (const auto& [key, values] : over) plan.over.push_back({key, values});
+        return plan_sweep(std::move(plan));
+      }))
+      .def("runs",
+           [](const SweepPlan& plan) {
+             std::vector<std::pair<std::string, std::vector<std::string>>> out;
+             for (const SweepRun& run : plan.runs) out.emplace_back(run.name, overrides_of(plan, run));
+             return out;
+           })
+      .def("is_to_do",
+           [](const SweepPlan& plan, std::size_t run) {
+             return record_of(plan, plan.runs.at(run)).state == RunRecord::State::Todo;
+           })
+      .def("collect",
+           [](const SweepPlan& plan) {
+             const SweepSummary s = collect_sweep(plan);
+             return std::tuple(s.done, s.failed, s.missing, in_words(s, plan));
+           })
+      .def("write", &write_sweep_script);
+  m.def("write_failure", [](const std::string& folder, int code, const std::string& message) {
+    write_failure(folder, code, message);
+  });
   py::class_<Outcome>(m, "Outcome")
       .def_property_readonly("status", [](const Outcome& o) { return o.result.status; })
       .def_property_readonly("reason", [](const Outcome& o) { return o.result.reason; })

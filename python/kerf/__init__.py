@@ -14,7 +14,7 @@ A case is a file, or a dict with the same keys:
 >>> result.status
 'ok'
 >>> round(result["state"]["energy"], 2)
--0.65
+-0.6
 >>> result.displacement.shape[1]
 2
 
@@ -31,9 +31,10 @@ from ._case import Case
 from ._errors import CaseError, Error, FilesError, GeometryError, SolveError
 from ._kerf import __version__
 from ._result import Result
+from ._sweep import Sweep, sweep
 
-for _class in (Case, CaseError, Error, FilesError, GeometryError, SolveError, Result):
+for _class in (Case, CaseError, Error, FilesError, GeometryError, SolveError, Result, Sweep, sweep):
     _class.__module__ = "kerf"
 del _class
 
-__all__ = ["Case", "CaseError", "Error", "FilesError", "GeometryError", "Result", "SolveError", "__version__"]
+__all__ = ["Case", "CaseError", "Error", "FilesError", "GeometryError", "Result", "SolveError", "Sweep", "__version__", "sweep"]

@@ -6,12 +6,8 @@ import tempfile
 import weakref
 
 from . import _kerf
+from ._errors import SolveError
 from ._result import Result
-
-
-def _toml(value):
-    """A value as an override has it: True is true in TOML."""
-    return _kerf.toml(value)
 
 
 class Case:
@@ -26,8 +22,18 @@ class Case:
     """
 
     def __init__(self, source, *, set=None, name=None, folder=None):
-        overrides = [f"{key}={_toml(value)}" for key, value in (set or {}).items()]
-        self._source, self._set = source, dict(set or {})
+        self._begin((source, name, folder), [f"{key}={_kerf.toml(value)}" for key, value in (set or {}).items()])
+
+    @classmethod
+    def _overridden(cls, origin, overrides):
+        """With overrides as the program has them."""
+        made = cls.__new__(cls)
+        made._begin(origin, list(overrides))
+        return made
+
+    def _begin(self, origin, overrides):
+        self._origin, self._overrides = origin, overrides
+        source, name, folder = origin
         if isinstance(source, dict):
             self._case = _kerf.Case.of_document(source, name or "case", os.fspath(folder or ""), overrides)
         else:
@@ -89,4 +95,12 @@ class Case:
             raise
         if folder is None:
             weakref.finalize(result, shutil.rmtree, where, ignore_errors=True)
+        if result.status != "ok":
+            raise _unfinished(result)
         return result
+
+
+def _unfinished(result):
+    error = SolveError(result.reason or result.status)
+    error.result = result
+    return error

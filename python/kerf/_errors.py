@@ -27,9 +27,10 @@ class GeometryError(Error, ValueError):
 
 
 class SolveError(Error, ArithmeticError):
-    """Not solvable, not converged, too large, or stopped."""
+    """Not solvable, not converged, infeasible, too large, or stopped. ``result`` is what was found, or None."""
 
     exit_code = 4
+    result = None
 
 
 class FilesError(Error, OSError):
