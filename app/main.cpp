@@ -41,12 +41,12 @@ struct Arguments {
   std::vector<CommandWords> commands;  // and their options
   std::string line;                    // as it was typed
   bool list = false, dry_run = false;
-  std::string max_memory;  // "12GB"
-  double max_seconds = 0;  // 0: any
+  std::string max_memory;         // "12GB"
+  double max_seconds = 0;         // 0: any
   std::vector<std::string> over;  // of sweep
   int jobs = 0;                   // 0: one per core
   int threads_of_run = 1;
-  std::string write;              // a script instead of runs
+  std::string write;  // a script instead of runs
   bool collect = false;
 };
 
@@ -258,8 +258,12 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
 
 /// The command that makes the table of this sweep again, in any folder.
 std::string collecting(const Arguments& arguments, const SweepPlan& plan) {
-  std::vector<std::string> words{"kerf",     "sweep", std::filesystem::absolute(plan.case_file).string(), "-o",
-                                 std::filesystem::absolute(plan.folder).string(), "--collect"};
+  std::vector<std::string> words{"kerf",
+                                 "sweep",
+                                 std::filesystem::absolute(plan.case_file).string(),
+                                 "-o",
+                                 std::filesystem::absolute(plan.folder).string(),
+                                 "--collect"};
   for (const std::string& one : arguments.overrides) words.insert(words.end(), {"--set", one});
   for (const std::string& one : arguments.over) words.insert(words.end(), {"--over", one});
   std::vector<const char*> argv;
@@ -283,12 +287,12 @@ int perform_sweep(const Arguments& arguments) {
   lock.take(plan.folder);
   catch_signals();
   if (!arguments.collect)
-    run_sweep(plan, {arguments.jobs > 0 ? arguments.jobs : arguments.threads, arguments.threads_of_run, arguments.quiet});
+    run_sweep(plan,
+              {arguments.jobs > 0 ? arguments.jobs : arguments.threads, arguments.threads_of_run, arguments.quiet});
   const SweepSummary done = collect_sweep(plan);
   if (!arguments.quiet) print(in_words(done, plan));
   if (stop_requested()) throw Error(Fault::Numerics, "stopped; the same command goes on with what is left");
-  if (done.failed > 0)
-    throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
+  if (done.failed > 0) throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
   return 0;
 }
 

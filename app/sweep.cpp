@@ -52,7 +52,8 @@ std::string name_of(const std::vector<std::string>& keys, const std::vector<std:
 void refuse_twice(const SweepPlan& plan) {
   std::set<std::string> keys;
   for (const Swept& one : plan.over) {
-    if (!keys.insert(one.key).second) throw Error(Fault::Usage, fmt::format("--over {}: the key stands twice", one.key));
+    if (!keys.insert(one.key).second)
+      throw Error(Fault::Usage, fmt::format("--over {}: the key stands twice", one.key));
     std::set<std::string> values;
     for (const std::string& value : one.values)
       if (!values.insert(value).second)
@@ -100,7 +101,7 @@ Swept parse_swept(std::string_view assignment) {
   if (list.kind != Node::Kind::Array || list.items.empty())
     throw Error(Fault::Usage, fmt::format("{}: write a list of its values, as '{}=[1, 2]'", name, key));
   Swept out{key, {}};
-  for (const Node& value : list.items) out.values.push_back(inline_text(value));
+  for (const Node& value : list.items) out.values.push_back(inline_text(value, Digits::Needed));
   return out;
 }
 
@@ -109,8 +110,10 @@ SweepPlan plan_sweep(SweepPlan plan) {
   refuse_twice(plan);
   double count = 1;
   for (const Swept& one : plan.over) count *= static_cast<double>(one.values.size());
-  if (plan.over.empty()) throw Error(Fault::Usage, "a sweep needs a key and its values: --over 'mesh.size=[0.1, 0.05]'");
-  if (count > most) throw Error(Fault::Usage, fmt::format("a sweep of {:.0f} runs; at most {:.0f} are made", count, most));
+  if (plan.over.empty())
+    throw Error(Fault::Usage, "a sweep needs a key and its values: --over 'mesh.size=[0.1, 0.05]'");
+  if (count > most)
+    throw Error(Fault::Usage, fmt::format("a sweep of {:.0f} runs; at most {:.0f} are made", count, most));
   const std::vector<std::string> keys = short_keys(plan.over);
   std::set<std::string> taken;
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {

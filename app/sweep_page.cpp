@@ -95,18 +95,19 @@ std::string drawn(const Panel& panel, const std::string& key) {
       line += fmt::format("{}{}", line.empty() ? "M" : "L", at(x, y));
       const std::string place = at(x, y);
       const std::size_t comma = place.find(',');
-      dots += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"2.4\" fill=\"hsl({} 60% 50%)\"><title>{}{}{:.6g}: "
-                          "{:.6g}</title></circle>",
-                          place.substr(0, comma), place.substr(comma + 1), hue, escape_html(name),
-                          name.empty() ? "" : ", ", x, y);
+      dots += fmt::format(
+          "<circle cx=\"{}\" cy=\"{}\" r=\"2.4\" fill=\"hsl({} 60% 50%)\"><title>{}{}{:.6g}: "
+          "{:.6g}</title></circle>",
+          place.substr(0, comma), place.substr(comma + 1), hue, escape_html(name), name.empty() ? "" : ", ", x, y);
     }
     out += fmt::format("<path class=\"curve\" stroke=\"hsl({} 60% 50%)\" d=\"{}\"/>{}", hue, line, dots);
   }
   out += fmt::format("<text x=\"{}\" y=\"{}\">{:.4g}</text><text x=\"{}\" y=\"{}\" text-anchor=\"end\">{:.4g}</text>",
                      left, height - 10, panel.low.x(), width - right, height - 10, panel.high.x());
-  out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text></svg><figcaption>{}: {:.6g} to "
-                     "{:.6g}</figcaption></figure>\n",
-                     width / 2, height - 10, escape_html(key), escape_html(panel.name), panel.low.y(), panel.high.y());
+  out += fmt::format(
+      "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text></svg><figcaption>{}: {:.6g} to "
+      "{:.6g}</figcaption></figure>\n",
+      width / 2, height - 10, escape_html(key), escape_html(panel.name), panel.low.y(), panel.high.y());
   return out;
 }
 
@@ -134,9 +135,10 @@ std::string pictures(const SweepTable& table, const fs::path& folder) {
     for (const char* picture : {"design.png", "map.png", "von_mises.png"}) {
       if (!fs::exists(folder / row.name / picture)) continue;
       const std::string name = escape_html(row.name);
-      out += fmt::format("<figure><a href=\"{0}/report.html\"><img loading=\"lazy\" src=\"{0}/{1}\" alt=\"{2}\"></a>"
-                         "<figcaption>{2}</figcaption></figure>\n",
-                         name, picture, escape_html(label(table, row, table.keys.size())));
+      out += fmt::format(
+          "<figure><a href=\"{0}/report.html\"><img loading=\"lazy\" src=\"{0}/{1}\" alt=\"{2}\"></a>"
+          "<figcaption>{2}</figcaption></figure>\n",
+          name, picture, escape_html(label(table, row, table.keys.size())));
       break;
     }
   if (out.empty()) return out;
@@ -193,15 +195,15 @@ void write_sweep_page(const fs::path& path, const SweepTable& table, const fs::p
   const std::string title = escape_html(fmt::format("Sweep of {}", table.title));
   std::string keys;
   for (const std::string& key : table.keys) keys += fmt::format("{}{}", keys.empty() ? "" : ", ", key);
-  write_file(path,
-             fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                         "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
-                         "</head>\n<body>\n<main>\n<h1>{}</h1>\n<p>{} runs over {}: {} ok, {} failed, {} not yet run. "
-                         "All numbers are in <a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
-                         title, style, title, table.rows.size(), escape_html(keys), count("ok"), count("failed"),
-                         count("missing")) +
-                 failures(table) + panels(table) + pictures(table, folder) + table_of(table) +
-                 "</main>\n</body>\n</html>\n");
+  write_file(
+      path,
+      fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+                  "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
+                  "</head>\n<body>\n<main>\n<h1>{}</h1>\n<p>{} runs over {}: {} ok, {} failed, {} not yet run. "
+                  "All numbers are in <a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
+                  title, style, title, table.rows.size(), escape_html(keys), count("ok"), count("failed"),
+                  count("missing")) +
+          failures(table) + panels(table) + pictures(table, folder) + table_of(table) + "</main>\n</body>\n</html>\n");
 }
 
 }  // namespace kerf

@@ -10,9 +10,9 @@ namespace kerf {
 struct SweepTable {
   struct Row {
     std::string name;
-    std::vector<std::string> values;     // of the keys
-    std::string status, reason = {};     // "ok", "failed", "missing", or what the result says
-    std::vector<std::string> cells = {}; // by columns; as many as were known when it was added
+    std::vector<std::string> values;      // of the keys
+    std::string status, reason = {};      // "ok", "failed", "missing", or what the result says
+    std::vector<std::string> cells = {};  // by columns; as many as were known when it was added
   };
   std::string title;
   std::vector<std::string> keys, columns = {};

@@ -24,8 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<std::string> arguments_of(const SweepPlan& plan, const SweepRun& run, int threads) {
-  std::vector<std::string> out{"run",         fs::absolute(plan.case_file).string(), "-o", (plan.folder / run.name).string(),
-                               "--force",     "--quiet",  "--log-level",  "error",
+  std::vector<std::string> out{"run",         fs::absolute(plan.case_file).string(),
+                               "-o",          (plan.folder / run.name).string(),
+                               "--force",     "--quiet",
+                               "--log-level", "error",
                                "--threads",   std::to_string(threads)};
   for (const std::string& assignment : overrides_of(plan, run)) {
     out.emplace_back("--set");
@@ -123,7 +125,8 @@ std::string list_of_runs(const SweepPlan& plan) {
   for (const SweepRun& run : plan.runs) {
     out += run.name;
     out += '\t';
-    for (const std::string& assignment : overrides_of(plan, run)) out += fmt::format("--set {} ", for_shell(assignment));
+    for (const std::string& assignment : overrides_of(plan, run))
+      out += fmt::format("--set {} ", for_shell(assignment));
     out.back() = '\n';
   }
   return out;

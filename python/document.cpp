@@ -59,9 +59,8 @@ class Callable {
 
   double operator()(const Vec2& x, const Vec2& n) const {
     const py::gil_scoped_acquire python;
-    PyObject* const out = arguments_ == 4
-                              ? PyObject_CallFunction(function_, "dddd", x.x(), x.y(), n.x(), n.y())
-                              : PyObject_CallFunction(function_, "dd", x.x(), x.y());
+    PyObject* const out = arguments_ == 4 ? PyObject_CallFunction(function_, "dddd", x.x(), x.y(), n.x(), n.y())
+                                          : PyObject_CallFunction(function_, "dd", x.x(), x.y());
     const double value = out ? PyFloat_AsDouble(out) : nan;
     Py_XDECREF(out);
     if (!PyErr_Occurred()) return value;
@@ -128,7 +127,8 @@ class Conversion {
     for (const auto& [key, value] : table) {
       if (!PyUnicode_Check(key.ptr())) refuse(path, fmt::format("keys are strings, not {}", type_name(key)));
       std::string name = text_of(key, path);
-      const std::string inner = depth == 0 ? name : path + "." + name;
+      const std::string part = is_safe_name(name) ? name : quote(name);
+      const std::string inner = depth == 0 ? part : fmt::format("{}.{}", path, part);
       Node below = convert(value, inner, depth + 1);
       const Position position = below.position;
       node.entries.push_back({std::move(name), position, std::move(below)});

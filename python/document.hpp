@@ -34,8 +34,8 @@ class Trouble {
 /// A value of a key, at the path.
 Node value_node(pybind11::handle value, const std::string& path, const std::shared_ptr<Trouble>& trouble);
 
-/// A whole case. Numbers, strings, lists, tuples, arrays, dicts and callables, nested; every node's position is its path, such as
-/// crack[0].path. Throws Error(Usage) with the path for what is none of these.
+/// A whole case. Numbers, strings, lists, tuples, arrays, dicts and callables, nested; every node's position is its
+/// path, such as crack[0].path. Throws Error(Usage) with the path for what is none of these.
 Node node_of(pybind11::handle value, const std::shared_ptr<Trouble>& trouble);
 
 }  // namespace kerf

@@ -346,7 +346,7 @@ PYBIND11_MODULE(_kerf, m) {
     const Node node = value_node(value, "set", trouble);
     if (has_functions(node))
       throw Error(Fault::Usage, "a function stands in the dict of a case; what is set or swept are values");
-    return inline_text(node);
+    return inline_text(node, Digits::Needed);
   });
   py::class_<PythonCase>(m, "Case")
       .def_static("of_file", &case_of_file)
@@ -364,17 +364,18 @@ PYBIND11_MODULE(_kerf, m) {
              write_file(std::filesystem::path(folder) / "case.toml", kept.text);
            })
       .def("text", [](const PythonCase& of) { return keep(of.c, {}).text; })
-      .def("check", [](const PythonCase& of) {
-        std::string said;
-        compute_for(of, [&] { said = check(of.c); });
-        return said;
-      })
+      .def("check",
+           [](const PythonCase& of) {
+             std::string said;
+             compute_for(of, [&] { said = check(of.c); });
+             return said;
+           })
       .def(
           "run",
           [](const PythonCase& of, std::string job, std::string folder, int threads, bool force, bool resume,
              bool files, py::object on_phase, py::object on_iteration) {
-            return run_case(of, {std::move(job), std::move(folder), threads, force, resume, files,
-                                 std::move(on_phase), std::move(on_iteration)});
+            return run_case(of, {std::move(job), std::move(folder), threads, force, resume, files, std::move(on_phase),
+                                 std::move(on_iteration)});
           },
           py::kw_only(), py::arg("job"), py::arg("folder"), py::arg("threads"), py::arg("force"), py::arg("resume"),
           py::arg("files"), py::arg("on_phase"), py::arg("on_iteration"));
@@ -402,9 +403,8 @@ PYBIND11_MODULE(_kerf, m) {
              return std::tuple(s.done, s.failed, s.missing, in_words(s, plan));
            })
       .def("write", &write_sweep_script);
-  m.def("write_failure", [](const std::string& folder, int code, const std::string& message) {
-    write_failure(folder, code, message);
-  });
+  m.def("write_failure",
+        [](const std::string& folder, int code, const std::string& message) { write_failure(folder, code, message); });
   py::class_<Outcome>(m, "Outcome")
       .def_property_readonly("status", [](const Outcome& o) { return o.result.status; })
       .def_property_readonly("reason", [](const Outcome& o) { return o.result.reason; })

@@ -221,9 +221,9 @@ Node& entry_called(Node& list, const std::string& word, const std::string& overr
         if (entry.value.text == word) return item;
         names.push_back(entry.value.text);
       }
-  throw Error(Fault::Usage, fmt::format("{}: {} needs an index before it, counted from 0: [0].{}{}", override_name,
-                                        quote(word), word,
-                                        names.empty() ? "" : fmt::format("; or a name: {}", fmt::join(names, ", "))));
+  throw Error(Fault::Usage,
+              fmt::format("{}: {} needs an index before it, counted from 0: [0].{}{}", override_name, quote(word), word,
+                          names.empty() ? "" : fmt::format("; or a name: {}", fmt::join(names, ", "))));
 }
 
 }  // namespace

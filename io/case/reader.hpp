@@ -23,8 +23,8 @@ struct Entry;
 struct Node {
   enum class Kind { Boolean, Integer, Float, String, Date, Function, Array, Table } kind = Kind::Table;
   bool boolean = false;
-  double number = 0;  // of Integer too
-  std::string text;   // of Function what it is called
+  double number = 0;         // of Integer too
+  std::string text;          // of Function what it is called
   Expression function = {};  // in place of an expression, in documents that are no files
   std::vector<Node> items;
   std::vector<Entry> entries;  // in the order of the file

@@ -17,8 +17,8 @@ using Json = nlohmann::ordered_json;
 bool is_left_out(const std::string& path) {
   static constexpr std::array<std::string_view, 7> whole{"schema", "version", "case",      "title",
                                                          "units",  "reason",  "mesh.adapt"};
-  static constexpr std::array<std::string_view, 6> parts{".notes",  ".rows", ".reason", ".covariance",
-                                                         ".starts", ".names"};
+  static constexpr std::array<std::string_view, 6> parts{".notes",      ".rows",   ".reason",
+                                                         ".covariance", ".starts", ".names"};
   return std::ranges::find(whole, path) != whole.end() ||
          std::ranges::any_of(parts, [&](std::string_view part) { return path.ends_with(part); }) ||
          (path.starts_with("time_s.") && path != "time_s.total");
@@ -38,7 +38,10 @@ void walk(const Json& value, const std::string& path, std::vector<Leaf>& out) {
       walk(item, named ? path + "." + item["name"].get<std::string>() : fmt::format("{}[{}]", path, k), out);
     }
   } else if (!path.ends_with(".name")) {
-    out.push_back({path, value.is_string() ? value.get<std::string>() : value.is_null() ? "" : value.dump(),
+    out.push_back({path,
+                   value.is_string() ? value.get<std::string>()
+                   : value.is_null() ? ""
+                                     : value.dump(),
                    value.is_number()});
   }
 }
