@@ -10,7 +10,6 @@ namespace kerf {
 /// The shared object `name` with these functions: beside the program (build tree), in ../lib/kerf (installed), beside the
 /// library that this is part of (Python), or in `folder`, where it was built or installed (programs of others). It stays
 /// loaded until the program ends. A null handle: `reason` says why there is none.
-/// stays loaded until the program ends. A null handle: `reason` says why there is none.
 struct LoadedModule {
   void* handle = nullptr;
   std::string reason = {};
