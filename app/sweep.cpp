@@ -61,6 +61,16 @@ void refuse_twice(const SweepPlan& plan) {
   }
 }
 
+/// The exit code and the reason in failed.txt.
+std::pair<std::string, std::string> read_failure(const fs::path& folder) {
+  const std::string text = read_file(folder / "failed.txt");
+  const std::size_t line = std::min(text.find('\n'), text.size());
+  std::string reason = text.substr(std::min(line + 1, text.size()));
+  while (reason.ends_with('\n')) reason.pop_back();
+  constexpr std::string_view program = "kerf: ";
+  return {text.substr(0, line), reason.starts_with(program) ? reason.substr(program.size()) : reason};
+}
+
 /// The text of case.toml without the comment at its head, which tells who made it.
 std::string without_head(std::string text) {
   while (text.starts_with("#")) text.erase(0, std::min(text.find('\n'), text.size() - 1) + 1);
@@ -144,12 +154,9 @@ RunRecord record_of(const SweepPlan& plan, const SweepRun& run) {
   const bool ended = fs::exists(folder / "result.json"), failed = fs::exists(folder / "failed.txt");
   if ((!ended && !failed) || !is_of_this_case(plan, run)) return {};
   if (failed) {
-    const std::string text = read_file(folder / "failed.txt");
-    const std::size_t line = std::min(text.find('\n'), text.size() - 1) + 1;
-    std::string reason = text.substr(line);
-    while (reason.ends_with('\n')) reason.pop_back();
-    const bool final = text.starts_with("3\n") || text.starts_with("4\n");
-    return {final ? RunRecord::State::Failed : RunRecord::State::Todo, std::move(reason)};
+    const auto [code, reason] = read_failure(folder);
+    const bool final = code == "3" || code == "4";
+    return {final ? RunRecord::State::Failed : RunRecord::State::Todo, reason};
   }
   RunRecord out{RunRecord::State::Done, {}};
   for (const Leaf& leaf : leaves_of_result(folder / "result.json")) {
@@ -168,11 +175,7 @@ namespace {
 /// What is known of a run that is not done, for the table.
 std::string reason_of(const fs::path& folder, const RunRecord& record) {
   if (!record.reason.empty()) return record.reason;
-  if (!fs::exists(folder / "failed.txt")) return "";
-  const std::string text = read_file(folder / "failed.txt");
-  std::string reason = text.substr(std::min(text.find('\n'), text.size() - 1) + 1);
-  while (reason.ends_with('\n')) reason.pop_back();
-  return reason;
+  return fs::exists(folder / "failed.txt") ? read_failure(folder).second : std::string();
 }
 
 void write_table(const fs::path& path, const SweepTable& table) {

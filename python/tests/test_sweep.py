@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import warnings
 
 import kerf
 
@@ -146,13 +147,15 @@ class Sweeps(unittest.TestCase):
         done = subprocess.run(["snakemake", "--cores", "2", "--quiet"], cwd=out, capture_output=True, text=True,
                               env=os.environ | {"PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}"})
         rows = table(out)
-        self.assertEqual([row["status"] for row in rows], ["ok", "failed"] * 2, done.stderr)
+        self.assertEqual((done.returncode, [row["status"] for row in rows]), (0, ["ok", "failed"] * 2), done.stderr)
 
     def test_dask(self):
         try:
             import distributed
         except ImportError:
             self.skipTest("dask.distributed is not installed")
+        warnings.simplefilter("ignore")  # of dask's own
+        self.addCleanup(warnings.resetwarnings)
         with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
                 distributed.Client(cluster) as client:
             case = plate() | {"body": {"force": [lambda x, y: 0.0, 0]}}
