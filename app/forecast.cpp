@@ -2,6 +2,7 @@
 
 #include "app/progress.hpp"
 #include "kerf/mesher.hpp"
+#include "kerf/stop.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -201,6 +202,24 @@ void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c) {
   if (limits.seconds && f.seconds > *limits.seconds)
     refuse(fmt::format("this takes longer than the {} that are allowed", duration(*limits.seconds)),
            margin * std::pow(*limits.seconds / f.seconds, 1 / 1.2));
+}
+
+std::optional<Forecast> forecast_where_needed(const Case& c, Job job, int threads, const Allowed& limits, bool asked) {
+  constexpr double worth_it = 200000, meshable = 2e7;  // triangles
+  asked = asked || limits.memory_mb || limits.seconds;
+  const bool validates = job == Job::Validate || (job == Job::Run && c.validate);
+  const double rough = rough_triangles(c);
+  if (!asked && (rough < worth_it || rough > meshable)) return std::nullopt;  // the mesher refuses more
+  try {
+    Forecast f = forecast(c, asked || !validates ? job : Job::Solve, threads);
+    refuse_larger(f, limits, c);
+    f.at_most = f.at_most || (!asked && validates);
+    return f;
+  } catch (const Error& e) {
+    if (stop_requested()) throw Error(Fault::Numerics, "stopped while finding out what the run will take");
+    if (asked || e.fault != Fault::Geometry) throw;
+    return std::nullopt;  // too coarse a trial says nothing of the case
+  }
 }
 
 }  // namespace kerf

@@ -34,4 +34,9 @@ struct Allowed {
 /// Throws Error(Numerics) when it would take more, with the size that would fit.
 void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c);
 
+/// What the run will take, where it is asked for or limits are given; of long runs that of the state at least, for the
+/// memory that there is. Throws Error(Numerics) when it is more than there is or may be used.
+std::optional<Forecast> forecast_where_needed(const Case& c, Job job, int threads, const Allowed& limits,
+                                              bool asked = false);
+
 }  // namespace kerf

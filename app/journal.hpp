@@ -8,21 +8,25 @@
 
 namespace kerf {
 
+struct RunFields;
+
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
   std::string command;           // that is kept with the case
   FolderLock* lock = nullptr;    // taken when the folder is there; none: who calls keeps others out
   int threads = 1;
-  bool resume = false;                                     // an optimization goes on from its checkpoint
-  std::function<void(const std::string& phase)> on_phase;  // called as each phase begins
+  bool resume = false;                                      // an optimization goes on from its checkpoint
+  std::function<void(const std::string& phase)> on_phase;   // called as each phase begins
+  std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
+  RunFields* fields = nullptr;                              // where they are kept; none: in files alone
 };
 
 struct Journal {
   const RunOptions& options;
-  std::string title;                                                         // of the pictures
-  Units units = {};                                                          // there, too
-  bool vtk = true, png = true;                                               // which files are wanted
-  Seconds seconds = {};                                                      // but for the total
+  std::string title;            // of the pictures
+  Units units = {};             // there, too
+  bool vtk = true, png = true;  // which files are wanted
+  Seconds seconds = {};
   std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
   Stopwatch since_start = {}, since_lap = {};
   std::string phase = {};    // the present one

@@ -7,9 +7,11 @@
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/run.hpp"
+#include "app/sweep.hpp"
 #include "app/templates.hpp"
 #include "app/watchdog.hpp"
 #include "io/files.hpp"
+#include "io/kept.hpp"
 #include "io/words.hpp"
 #include "kerf/stop.hpp"
 
@@ -39,8 +41,13 @@ struct Arguments {
   std::vector<CommandWords> commands;  // and their options
   std::string line;                    // as it was typed
   bool list = false, dry_run = false;
-  std::string max_memory;  // "12GB"
-  double max_seconds = 0;  // 0: any
+  std::string max_memory;         // "12GB"
+  double max_seconds = 0;         // 0: any
+  std::vector<std::string> over;  // of sweep
+  int jobs = 0;                   // 0: one per core
+  int threads_of_run = 1;
+  std::string write;  // a script instead of runs
+  bool collect = false;
 };
 
 struct Command {
@@ -55,11 +62,28 @@ const std::vector<Command>& commands() {
       {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
       {"validate", "The expansion against computations with changes of finite size"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
+      {"sweep", "A case with many values of some of its keys, a table and a page of them all"},
       {"mesh", "The mesh alone, for gmsh or ParaView"},
       {"keys", "What may stand in a case file: all keys, or one of them"},
       {"init", "Write a commented case to begin from"},
       {"bench", "Speed against error, with CSV, JSON and pictures"}};
   return all;
+}
+
+void declare_sweep(CLI::App& sub, Arguments& arguments) {
+  sub.add_option("--over", arguments.over, "A key and its values: 'mesh.size=[0.1, 0.05]' (may be repeated)")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false)
+      ->type_name("KEY=[VALUES]");
+  sub.add_option("--jobs", arguments.jobs, "Runs at a time; default one per core")->check(CLI::Range(1, 4096));
+  sub.add_option("--threads", arguments.threads_of_run, "Number of threads of each run; default 1")
+      ->check(CLI::Range(1, 256));
+  sub.add_option("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing")
+      ->check(CLI::IsMember({"snakemake", "slurm"}));
+  sub.add_flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
+  sub.add_flag("--quiet", arguments.quiet, "No summary and no progress");
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -98,6 +122,10 @@ void declare(CLI::App& app, Arguments& arguments) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
+    if (command.name == "sweep") {
+      declare_sweep(*sub, arguments);
+      continue;
+    }
     if (command.name == "run" || command.name == "optimize")
       sub->add_flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
@@ -132,25 +160,8 @@ Allowed limits_of(const Arguments& arguments) {
           arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
 }
 
-/// What the run will take, where it is asked for; of long runs that of the state at least, for the memory that there
-/// is. Throws Error(Numerics) when it is more than there is or may be used.
 std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
-  constexpr double worth_it = 200000, meshable = 2e7;  // triangles
-  const Allowed limits = limits_of(arguments);
-  const bool asked = arguments.dry_run || limits.memory_mb || limits.seconds,
-             validates = job == Job::Validate || (job == Job::Run && c.validate);
-  const double rough = rough_triangles(c);
-  if (!asked && (rough < worth_it || rough > meshable)) return std::nullopt;  // the mesher refuses more
-  try {
-    Forecast f = forecast(c, asked || !validates ? job : Job::Solve, arguments.threads);
-    refuse_larger(f, limits, c);
-    f.at_most = f.at_most || (!asked && validates);
-    return f;
-  } catch (const Error& e) {
-    if (stop_requested()) throw Error(Fault::Numerics, "stopped while finding out what the run will take");
-    if (asked || e.fault != Fault::Geometry) throw;
-    return std::nullopt;  // too coarse a trial says nothing of the case
-  }
+  return forecast_where_needed(c, job, arguments.threads, limits_of(arguments), arguments.dry_run);
 }
 
 /// Nothing when help or the version was asked for and has been printed.
@@ -245,12 +256,53 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
   return 0;
 }
 
+/// The command that makes the table of this sweep again, in any folder.
+std::string collecting(const Arguments& arguments, const SweepPlan& plan) {
+  std::vector<std::string> words{"kerf",
+                                 "sweep",
+                                 std::filesystem::absolute(plan.case_file).string(),
+                                 "-o",
+                                 std::filesystem::absolute(plan.folder).string(),
+                                 "--collect"};
+  for (const std::string& one : arguments.overrides) words.insert(words.end(), {"--set", one});
+  for (const std::string& one : arguments.over) words.insert(words.end(), {"--over", one});
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  return command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+int perform_sweep(const Arguments& arguments) {
+  SweepPlan plan{.case_file = arguments.case_file, .folder = arguments.folder, .overrides = arguments.overrides};
+  if (plan.folder.empty()) plan.folder = std::filesystem::path("out") / (plan.case_file.stem().string() + "_sweep");
+  for (const std::string& one : arguments.over) plan.over.push_back(parse_swept(one));
+  plan = plan_sweep(std::move(plan));
+  keep_file(plan.case_file, overrides_of(plan, plan.runs[0]));  // a key that cannot be is said before anything is made
+  if (!arguments.write.empty()) {
+    print(write_sweep_script(plan, arguments.write, arguments.threads_of_run, collecting(arguments, plan)));
+    return 0;
+  }
+  std::error_code failed;
+  std::filesystem::create_directories(plan.folder, failed);
+  FolderLock lock;
+  lock.take(plan.folder);
+  catch_signals();
+  if (!arguments.collect)
+    run_sweep(plan,
+              {arguments.jobs > 0 ? arguments.jobs : arguments.threads, arguments.threads_of_run, arguments.quiet});
+  const SweepSummary done = collect_sweep(plan);
+  if (!arguments.quiet) print(in_words(done, plan));
+  if (stop_requested()) throw Error(Fault::Numerics, "stopped; the same command goes on with what is left");
+  if (done.failed > 0 && !arguments.collect) throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
+  return 0;
+}
+
 int perform_command(const Arguments& arguments, Watchdog& watchdog) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "keys") {
     print(keys(arguments.keys, arguments.commands));
     return 0;
   }
+  if (arguments.command == "sweep") return perform_sweep(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
   RunOptions options;

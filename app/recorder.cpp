@@ -126,6 +126,7 @@ void Recorder::see(const Iterate& iterate) {
     Stopwatch watch;
     write_iterate(iterate);
     output_ += watch.lap();
+    if (journal_.options.on_iteration) journal_.options.on_iteration(row);
   }
   check_stop();
 }

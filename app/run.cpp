@@ -8,6 +8,7 @@
 #include "app/refuse.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
+#include "io/document.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "io/mesh_source.hpp"
@@ -201,6 +202,9 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
+  if (has_functions(*c.document))
+    r.state->notes.emplace_back(
+        "functions of a program are known at sampled points alone: what is said of errors holds as sampled");
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
@@ -235,6 +239,7 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   note(limits_of_map(task, solved.adapted.model));
   note(bound_map(task, analysis, body_of(c, solved.adapted), map));
   r.map = map.result;
+  if (journal.options.fields) journal.options.fields->map = map.full;
   journal.seconds.map = journal.lap();
   write_map(task, map, solved.adapted.model, solved.data, journal);
   return analysis;
@@ -286,8 +291,8 @@ Solved solve_design(const Case& design, Journal& journal, Result& r) {
 }
 
 void sum_up(Journal& journal, Result& r) {
+  journal.seconds.total += journal.since_start.lap();
   r.seconds = journal.seconds;
-  r.seconds.total = journal.since_start.lap();
   r.peak_memory_mb = peak_memory_mb();
 }
 
@@ -372,6 +377,11 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   }
   if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
   journal.seconds.output += journal.lap();
+  if (RunFields* const fields = journal.options.fields) {
+    fields->mesh = adapted.model.mesh;
+    fields->state = out->solved.data;
+    fields->indicator = adapted.indicator.eta;
+  }
   sum_up(journal, r);
   write_json(journal.file("result.json"), r);  // before the page: a disk may be full
   if (c.output.html) {

@@ -1,12 +1,21 @@
 #pragma once
 // Case -> files. The whole toolkit in one page of calls.
 
+#include "app/collect.hpp"
 #include "app/journal.hpp"
 #include "kerf/case_file.hpp"
 
 namespace kerf {
 
 enum class Job { Run, Solve, Map, Validate, Optimize };
+
+/// What the numbers of a result come from, of the body that its state belongs to, for who wants more than files.
+struct RunFields {
+  Mesh mesh;
+  PlotData state;             // at corners of split_for_stress
+  Eigen::VectorXd indicator;  // of the error, per triangle
+  FullMap map;                // empty without a map everywhere
+};
 
 /// Runs the jobs and writes every file of the interface; result.json after all others but the page, and once more last.
 /// Throws Error(Geometry | Numerics | Files). A state that cannot be solved is written (status, reason) before

@@ -2,6 +2,7 @@
 #   program  kerf, kerf-bench, completion, manual pages, cases, documents     package kerf
 #   vtk      the module that writes VTK files                                 package kerf-vtk
 #   gmsh     the module that reads gmsh's files, where it is built            package kerf-gmsh
+#   python   the Python module, where it is built                             package python3-kerf
 #   dev      static libraries, headers, find_package(kerf)                    package libkerf-dev
 include(CMakePackageConfigHelpers)
 list(TRANSFORM rooms PREPEND kerf_ OUTPUT_VARIABLE libraries)
@@ -105,6 +106,19 @@ set(CPACK_DEBIAN_GMSH_DESCRIPTION "meshes and geometries of gmsh, a module of ke
 Reads .geo, .step and .brep files through the library of gmsh.")
 set(CPACK_DEBIAN_GMSH_PACKAGE_DEPENDS "kerf ${same_version}")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-kerf)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "topological derivatives in Python, a module of kerf
+Cases as dicts, results as arrays of numpy, sweeps. It holds all that it
+computes with: the program is not needed.")
+if(KERF_WITH_PYTHON)
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "kerf ${same_version}, kerf-vtk ${same_version}, libopenblas0-pthread")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-meshio, python3-distributed, snakemake")
+
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkerf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "library of kerf: headers and static libraries
@@ -120,10 +134,11 @@ execute_process(COMMAND date -R -u -d "@$ENV{SOURCE_DATE_EPOCH}" OUTPUT_VARIABLE
 if(NOT changed)
   execute_process(COMMAND date -R -u OUTPUT_VARIABLE changed OUTPUT_STRIP_TRAILING_WHITESPACE)
 endif()
-foreach(component PROGRAM VTK GMSH DEV)
+foreach(component PROGRAM VTK GMSH PYTHON DEV)
   set(debian_name ${CPACK_DEBIAN_${component}_PACKAGE_NAME})
   string(TOLOWER ${component} lower)
-  if(component STREQUAL GMSH AND NOT TARGET kerf_gmsh_module OR component STREQUAL VTK AND NOT TARGET kerf_vtk_module)
+  if(component STREQUAL GMSH AND NOT TARGET kerf_gmsh_module OR component STREQUAL VTK AND NOT TARGET kerf_vtk_module
+      OR component STREQUAL PYTHON AND NOT KERF_WITH_PYTHON)
     continue()
   endif()
   list(APPEND CPACK_COMPONENTS_ALL ${lower})

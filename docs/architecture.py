@@ -9,7 +9,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ROOMS = ["bench", "app", "plot", "io", "optimize", "topo", "solver", "geometry"]
+ROOMS = ["python", "bench", "app", "plot", "io", "optimize", "topo", "solver", "geometry"]
 WIDTH, LEFT, BOX, HEIGHT, GAP = 1000, 20, 640, 74, 22
 
 
@@ -60,7 +60,7 @@ def draw():
                  f"{len(list((ROOT / room).glob('*.cpp')))} sources"]
         if public[room]:
             lines.append("public: " + clipped([name for name in public[room] if name != "kerf"], 84))
-        if doors[room] and room not in ("app", "bench"):
+        if doors[room] and room not in ("app", "bench", "python"):
             lines.append("doors: " + clipped(doors[room], 84))
         out.append(f'<rect x="{LEFT}" y="{top}" width="{BOX}" height="{HEIGHT}" rx="6" fill="#eef3f8" stroke="#456"/>')
         out.append(f'<text x="{LEFT + 12}" y="{top + 19}" font-weight="bold" font-size="14">{room}</text>')

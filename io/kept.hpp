@@ -15,4 +15,7 @@ struct KeptCase {
 /// `head`: lines of its comment. Throws Error(Files) where a file that the case names cannot be read any more.
 KeptCase keep(const Case& c, const std::vector<std::string>& head);
 
+/// The same of a file that is not read as a case: keys may be wrong, and geometries are only copied.
+KeptCase keep_file(const std::filesystem::path& path, std::span<const std::string> overrides);
+
 }  // namespace kerf

@@ -7,9 +7,9 @@
 
 namespace kerf {
 
-/// The shared object `name` with these functions: beside the program (build tree), in ../lib/kerf (installed), or in
-/// `folder`, where it was built or installed (programs of others). It stays loaded until the program ends. A null
-/// handle: `reason` says why there is none.
+/// The shared object `name` with these functions: beside the program (build tree), in ../lib/kerf (installed), beside the
+/// library that this is part of (Python), or in `folder`, where it was built or installed (programs of others). It stays
+/// loaded until the program ends. A null handle: `reason` says why there is none.
 struct LoadedModule {
   void* handle = nullptr;
   std::string reason = {};

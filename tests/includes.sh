@@ -11,6 +11,7 @@ complain() {
 declare -A below=(
   [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry"
   [io]="io optimize topo solver geometry" [plot]="plot io optimize topo solver geometry"
+  [python]="python app plot io optimize topo solver geometry"
   [bench]="bench app plot io optimize topo solver geometry" [app]="app plot io optimize topo solver geometry"
 )
 # The room that a public header belongs to.
@@ -70,7 +71,7 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
       *" $file "*) ;;
       *) complain "$file includes $1, which belongs in ${*:2}" ;;
     esac
-  done < <(grep -rlE "^#include <$1" include geometry solver topo optimize io plot bench app --include=*.cpp --include=*.hpp)
+  done < <(grep -rlE "^#include <$1" include geometry solver topo optimize io plot bench app python --include=*.cpp --include=*.hpp)
 }
 only CGAL/ geometry/mesher/mesher.cpp
 only cholmod solver/system/factor.cpp
@@ -81,12 +82,13 @@ only muParser io/case/expression.cpp
 only vtk io/result/vtk_module.cpp
 only gmsh io/mesh/gmsh_module.cpp
 only cairo plot/figure/pen.hpp
-only nlohmann io/result/result.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
+only nlohmann io/result/result.cpp io/result/leaves.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
 only CLI app/main.cpp bench/main.cpp
 only spdlog app/progress.cpp
+only pybind11 python/module.cpp python/document.cpp python/document.hpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
 # single file belong into its anonymous namespace.
-headers=$(find include geometry solver topo optimize io plot bench app -name '*.hpp')
+headers=$(find include geometry solver topo optimize io plot bench app python -name '*.hpp')
 while IFS= read -r name; do
   complain "struct or class $name is defined in more than one header: $(grep -lE "^(struct|class) $name( |$)[^;]*$" $headers | tr '\n' ' ')"
 done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" $headers | awk '{print $2}' | sort | uniq -d)

@@ -2,10 +2,12 @@
 
 #include "io/case/fingerprint.hpp"
 #include "io/case/sections.hpp"
+#include "io/document.hpp"
 #include "kerf/element.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -82,7 +84,7 @@ void note_places(const Node& node, const std::string& path, std::map<std::string
   };
   for (const Entry& entry : node.entries) note(path.empty() ? entry.key : path + "." + entry.key, entry.value);
   for (std::size_t i = 0; i < node.items.size(); ++i)
-    if (const Node::Kind kind = node.items[i].kind; kind == Node::Kind::Table || kind == Node::Kind::String)
+    if (const Node::Kind kind = node.items[i].kind; kind != Node::Kind::Integer && kind != Node::Kind::Float)
       note(fmt::format("{}[{}]", path, i), node.items[i]);
 }
 
@@ -149,38 +151,46 @@ Element read_element(const Value& table, const Value& blamed, const Element& oth
 }
 
 Case read_case(const std::filesystem::path& path, std::span<const std::string> overrides) {
-  Node root = read_document(path);
+  return read_case(read_document(path), {path.stem().string(), path.parent_path(), path.string() + ":1:1"}, overrides);
+}
+
+Case read_case(Node root, const Origin& origin, std::span<const std::string> overrides) {
   for (const std::string& assignment : overrides) override_value(root, assignment);
   const Value document{&root, ""};
   allow_only(document);
 
   Case c;
-  c.name = path.stem().string();
+  c.name = origin.name;
   const auto title = find(document, "title");
   c.title = title ? text(*title) : c.name;
   read_units(document, c);
-  const std::optional<MeshFile> file = read_shape(document, path.parent_path(), c);
+  const std::optional<MeshFile> file = read_shape(document, origin.folder, c);
   read_material(document, c);
   const ReadRegions regions = read_regions(document, file, c);
   const std::vector<Loop>& frozen = regions.frozen;
   Definitions definitions = read_definitions(document, c);
   read_eigenstrains(document, regions.tables, definitions, c);
   read_conditions(document, definitions, c);
-  read_functional(document, path.parent_path(), definitions, c);
+  read_functional(document, origin.folder, definitions, c);
   read_mesh(document, c);
   read_solver(document, c);
   read_synthetic(document, c);
-  read_optimize(document, path.parent_path(), frozen, definitions, c);
+  read_optimize(document, origin.folder, frozen, definitions, c);
   check_all_used(definitions);
   read_map(document, c);
-  read_probes(document, path.parent_path(), c);
+  read_probes(document, origin.folder, c);
   read_output(document, c);
-  c.folder = path.parent_path();
+  c.folder = origin.folder;
   if (c.optimize) c.fingerprint = fingerprint(root, c.folder);
-  c.places[""] = path.string() + ":1:1";
+  c.places[""] = origin.place;
   note_places(root, "", c.places);
   c.document = std::make_shared<const Node>(std::move(root));
   return c;
+}
+
+bool has_functions(const Node& document) {
+  return document.kind == Node::Kind::Function || std::ranges::any_of(document.items, has_functions) ||
+         std::ranges::any_of(document.entries, [](const Entry& entry) { return has_functions(entry.value); });
 }
 
 std::string place_of(const Case& c, std::string key) {

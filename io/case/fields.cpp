@@ -22,6 +22,8 @@ std::string describe(const Node& node) {
       return quote(node.text);
     case Node::Kind::Date:
       return "a date";
+    case Node::Kind::Function:
+      return "a function";
     case Node::Kind::Array:
       return fmt::format("a list of {}", node.items.size());
     case Node::Kind::Table:

@@ -24,6 +24,7 @@ void append(std::string& out, const Node& node, const std::string& path, const s
       return begin('n', std::bit_cast<std::uint64_t>(node.number + 0.0));
     case Node::Kind::String:
     case Node::Kind::Date:
+    case Node::Kind::Function:
       begin('s', 0);
       // Of files their contents count: a copy of the case elsewhere goes on with the same optimization.
       append_text(names_file(path, node.text) && std::filesystem::is_regular_file(folder / node.text)

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -20,6 +21,25 @@ void mark_used(Definitions& definitions, std::vector<std::string> names) {
   }
 }
 
+/// A black box: nothing is proved of it, data are sampled.
+Formula of_function(const Value& field) {
+  const std::string where = to_string(field.node->position) + ": " + field.name + ": ";
+  return {[f = field.node->function, where](const Vec2& x, const Vec2& n) {
+            double value = 0;
+            try {
+              value = f(x, n);
+            } catch (const Error& e) {
+              throw Error(e.fault, where + e.what());
+            }
+            if (!std::isfinite(value))
+              throw Error(Fault::Usage, fmt::format("{}the function is not finite ({}) at ({:.6g}, {:.6g}); it must "
+                                                    "have a value wherever it is applied",
+                                                    where, value, x.x(), x.y()));
+            return value;
+          },
+          std::nullopt, nullptr};
+}
+
 }  // namespace
 
 Formula formula(const Value& field, Definitions& definitions, bool on_boundary) {
@@ -29,6 +49,7 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
     return Formula{[value](const Vec2&, const Vec2&) { return value; }, value, syntax};
   };
   if (field.node->kind == Node::Kind::Integer || field.node->kind == Node::Kind::Float) return fixed(number(field));
+  if (field.node->kind == Node::Kind::Function) return of_function(field);
   if (field.node->kind != Node::Kind::String)
     fail(field.node->position, field.name + " must be a number or an expression in a string, \"1 + x\"");
   const std::string where = to_string(field.node->position) + ": " + field.name + ": ";

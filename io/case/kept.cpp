@@ -2,6 +2,7 @@
 
 #include "io/case/named_files.hpp"
 #include "io/case/write.hpp"
+#include "io/document.hpp"
 #include "io/files.hpp"
 
 #include <fmt/format.h>
@@ -56,15 +57,33 @@ class Copies {
 
 }  // namespace
 
-KeptCase keep(const Case& c, const std::vector<std::string>& head) {
+namespace {
+
+KeptCase keep_document(Node document, const fs::path& folder, const std::string& title,
+                       const std::vector<std::string>& head) {
   KeptCase out;
-  Node document = *c.document;
-  Copies(out).take(document, c.folder, "input/");
+  Copies(out).take(document, folder, "input/");
+  if (has_functions(document)) out.text += "# Not all of it: functions stand here as their names\n";
   for (const std::string& line : head) out.text += fmt::format("# {}\n", line);
-  out.text += fmt::format("title = {}\n", quoted(c.title));
+  out.text += fmt::format("title = {}\n", quoted(title));
   std::erase_if(document.entries, [](const Entry& e) { return e.key == "title"; });
   add_entries(document.entries, out.text);
   return out;
+}
+
+}  // namespace
+
+KeptCase keep(const Case& c, const std::vector<std::string>& head) {
+  return keep_document(*c.document, c.folder, c.title, head);
+}
+
+KeptCase keep_file(const fs::path& path, std::span<const std::string> overrides) {
+  Node document = read_document(path);
+  for (const std::string& assignment : overrides) override_value(document, assignment);
+  std::string title = path.stem().string();
+  for (const Entry& entry : document.entries)
+    if (entry.key == "title") title = entry.value.text;
+  return keep_document(std::move(document), path.parent_path(), title, {});
 }
 
 }  // namespace kerf

@@ -212,6 +212,20 @@ Node value_of(std::string_view text, const Position& origin) {
   return value;
 }
 
+/// The table of a list whose name that is: "c" of crack.c.path.
+Node& entry_called(Node& list, const std::string& word, const std::string& override_name) {
+  std::vector<std::string> names;
+  for (Node& item : list.items)
+    for (const Entry& entry : item.entries)
+      if (entry.key == "name" && entry.value.kind == Node::Kind::String) {
+        if (entry.value.text == word) return item;
+        names.push_back(entry.value.text);
+      }
+  throw Error(Fault::Usage,
+              fmt::format("{}: {} needs an index before it, counted from 0: [0].{}{}", override_name, quote(word), word,
+                          names.empty() ? "" : fmt::format("; or a name: {}", fmt::join(names, ", "))));
+}
+
 }  // namespace
 
 void override_value(Node& document, std::string_view assignment) {
@@ -236,9 +250,10 @@ void override_value(Node& document, std::string_view assignment) {
                                               step.index, node->items.size()));
       node = &node->items[step.index];
     } else {
-      if (node->kind == Node::Kind::Array)
-        throw Error(Fault::Usage, fmt::format("{}: {} needs an index before it, counted from 0: [0].{}", name,
-                                              quote(step.key), step.key));
+      if (node->kind == Node::Kind::Array) {
+        node = &entry_called(*node, step.key, name);
+        continue;
+      }
       if (node->kind != Node::Kind::Table)
         throw Error(Fault::Usage,
                     fmt::format("{}: {} would lie inside a value that is no table", name, quote(step.key)));

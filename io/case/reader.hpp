@@ -1,6 +1,8 @@
 #pragma once
 // A TOML document as plain data that remembers where everything stands. toml++ lives in reader.cpp and nowhere else.
 
+#include "io/case/expression.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,10 +21,11 @@ std::string to_string(const Position& position);  // "file:line:column" or "--se
 
 struct Entry;
 struct Node {
-  enum class Kind { Boolean, Integer, Float, String, Date, Array, Table } kind = Kind::Table;
+  enum class Kind { Boolean, Integer, Float, String, Date, Function, Array, Table } kind = Kind::Table;
   bool boolean = false;
-  double number = 0;  // of Integer too
-  std::string text;
+  double number = 0;         // of Integer too
+  std::string text;          // of Function what it is called
+  Expression function = {};  // in place of an expression, in documents that are no files
   std::vector<Node> items;
   std::vector<Entry> entries;  // in the order of the file
   Position position;
@@ -39,8 +42,8 @@ Node read_document(const std::filesystem::path& path);
 /// The whole of a regular file. Throws Error(Files), naming what is wrong with it.
 std::string read_text(const std::filesystem::path& path);
 
-/// "mesh.size=0.02", "crack[0].contact='open'": replaces a value or adds a key. Throws Error(Usage) naming the
-/// override.
+/// "mesh.size=0.02", "crack[0].contact='open'", "crack.c.contact='open'" of the crack whose name is c: replaces a value
+/// or adds a key. Throws Error(Usage) naming the override.
 void override_value(Node& document, std::string_view assignment);
 
 }  // namespace kerf

@@ -24,7 +24,14 @@ std::string quoted(const std::string& text) {
 
 namespace {
 
-std::string inline_text(const Node& node) {
+std::string needed_digits(double x) {
+  const std::string text = fmt::format("{}", x);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+}  // namespace
+
+std::string inline_text(const Node& node, Digits digits) {
   std::vector<std::string> parts;
   switch (node.kind) {
     case Node::Kind::Boolean:
@@ -32,21 +39,24 @@ std::string inline_text(const Node& node) {
     case Node::Kind::Integer:
       return fmt::format("{:.0f}", node.number);
     case Node::Kind::Float:
-      return number(node.number);
+      return digits == Digits::All ? number(node.number) : needed_digits(node.number);
     case Node::Kind::String:
+    case Node::Kind::Function:  // what it is called: a file cannot have more of it
       return quoted(node.text);
     case Node::Kind::Date:
       return node.text;
     case Node::Kind::Array:
-      for (const Node& item : node.items) parts.push_back(inline_text(item));
+      for (const Node& item : node.items) parts.push_back(inline_text(item, digits));
       return fmt::format("[{}]", fmt::join(parts, ", "));
     case Node::Kind::Table:
       break;
   }
   for (const Entry& entry : node.entries)
-    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value)));
+    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value, digits)));
   return fmt::format("{{ {} }}", fmt::join(parts, ", "));
 }
+
+namespace {
 
 void add_table(const std::string& header, const Node& table, std::string& out) {
   out += header + "\n";

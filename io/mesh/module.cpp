@@ -17,6 +17,8 @@ LoadedModule load_module(const char* name, const std::filesystem::path& folder,
     places.push_back(program.parent_path() / name);
     places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / name);
   }
+  if (Dl_info here{}; dladdr(reinterpret_cast<const void*>(&load_module), &here) != 0 && here.dli_fname)
+    places.push_back(std::filesystem::path(here.dli_fname).parent_path() / name);
   places.push_back(folder / name);
   LoadedModule found;
   for (const auto& place : places) {

@@ -1,0 +1,74 @@
+#pragma once
+// One case with many values of some of its keys: what is to be run, what has been, and a table of it.
+
+#include "kerf/types.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerf {
+
+/// A key and the values that it takes, as TOML.
+struct Swept {
+  std::string key;
+  std::vector<std::string> values;
+};
+/// "mesh.size=[0.1, 0.05]". Throws Error(Usage).
+Swept parse_swept(std::string_view assignment);
+
+/// A run of the sweep: a folder and its values, one for every key that is swept.
+struct SweepRun {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+struct SweepPlan {
+  std::filesystem::path case_file, folder;
+  std::vector<std::string> overrides;  // of all runs: "key=value"
+  std::vector<Swept> over;
+  std::vector<SweepRun> runs;  // every value with every other, the last key fastest
+};
+/// The folders are called by their values, so that a sweep that gets further values keeps what it has. Throws
+/// Error(Usage) for a key or a value that stands twice, and for too many runs.
+SweepPlan plan_sweep(SweepPlan plan);
+
+/// All overrides of a run.
+std::vector<std::string> overrides_of(const SweepPlan& plan, const SweepRun& run);
+
+/// What is known of a run by its folder: done and failed ones are of the case as it is now. A failure that another
+/// attempt may mend (files, a signal, no memory) is still to be done.
+struct RunRecord {
+  enum class State { Todo, Done, Failed } state = State::Todo;
+  std::string reason;  // of a failure
+};
+RunRecord record_of(const SweepPlan& plan, const SweepRun& run);
+
+/// A failure, for record_of: to failed.txt in the folder of the run.
+void write_failure(const std::filesystem::path& folder, int exit_code, const std::string& message);
+
+struct SweepSummary {
+  std::size_t done = 0, failed = 0, missing = 0;
+  std::vector<std::string> failures;  // "name: reason"
+};
+/// sweep.csv and sweep.html, from the folders of the runs.
+SweepSummary collect_sweep(const SweepPlan& plan);
+
+/// "97 runs done, 3 failed", with the failures.
+std::string in_words(const SweepSummary& summary, const SweepPlan& plan);
+
+/// Runs what is to be done, each in a process of its own, `jobs` at a time. Returns early when a stop is asked for.
+struct SweepHow {
+  int jobs = 1, threads = 1;
+  bool quiet = false;
+};
+void run_sweep(const SweepPlan& plan, const SweepHow& how);
+
+/// A Snakefile, or a job array for Slurm, in the folder, which run one case each by `kerf run`; `again` is the command
+/// that then makes the table. Returns what to type.
+std::string write_sweep_script(const SweepPlan& plan, const std::string& kind, int threads, const std::string& again);
+
+}  // namespace kerf

@@ -1,0 +1,40 @@
+"""kerf: topological derivatives for plane elastic bodies with cracks in contact.
+
+A case is a file, or a dict with the same keys:
+
+>>> import kerf
+>>> plate = {
+...     "domain": {"outline": [[0, 0], [1, 0], [1, 1], [0, 1]], "sides": ["bottom", "right", "top", "left"]},
+...     "crack": [{"name": "c", "path": [[0.3, 0.5], [0.7, 0.5]]}],
+...     "material": {"young": 1.0, "poisson": 0.3},
+...     "boundary": [{"on": ["bottom", "top"], "traction": [0, "ny"]}],
+...     "mesh": {"size": 0.2},
+... }
+>>> result = kerf.Case(plate).solve()
+>>> result.status
+'ok'
+>>> round(result["state"]["energy"], 2)
+-0.6
+>>> result.displacement.shape[1]
+2
+
+An error says which key is wrong:
+
+>>> plate["mesh"]["size"] = -1
+>>> kerf.Case(plate)
+Traceback (most recent call last):
+  ...
+kerf.CaseError: mesh.size: size in [mesh] must be positive, not -1
+"""
+
+from ._case import Case
+from ._errors import CaseError, Error, FilesError, GeometryError, SolveError
+from ._kerf import __version__
+from ._result import Result
+from ._sweep import Sweep, sweep
+
+for _class in (Case, CaseError, Error, FilesError, GeometryError, SolveError, Result, Sweep, sweep):
+    _class.__module__ = "kerf"
+del _class
+
+__all__ = ["Case", "CaseError", "Error", "FilesError", "GeometryError", "Result", "SolveError", "Sweep", "__version__", "sweep"]
