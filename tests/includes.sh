@@ -81,7 +81,7 @@ only muParser io/case/expression.cpp
 only vtk io/result/vtk_module.cpp
 only gmsh io/mesh/gmsh_module.cpp
 only cairo plot/figure/pen.hpp
-only nlohmann io/result/result.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
+only nlohmann io/result/result.cpp io/result/read.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
 only CLI app/main.cpp bench/main.cpp
 only spdlog app/progress.cpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
