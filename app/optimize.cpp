@@ -184,8 +184,10 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   journal.seconds.optimize = journal.lap() - recorder.output();
   draw_optimization(out, recorder, journal);
   if (journal.html) add_design(journal.arrays, recorder.snapshots(64));
-  if (task.truth || out.fit)
+  if (task.truth || out.fit) {
     journal.picture("found.png", [&] { return found_picture(task, request, out, journal.title); });
+    if (journal.html) add_found(journal.arrays, found_picture(task, request, out, journal.title));
+  }
   journal.seconds.output += recorder.output() + journal.lap();
   return out;
 }

@@ -1,5 +1,6 @@
 #include "app/page_data.hpp"
 
+#include "app/draw.hpp"
 #include "solver/stress.hpp"
 #include "topo/near.hpp"
 
@@ -118,6 +119,20 @@ void add_design(std::vector<NamedArray>& arrays, const std::vector<Snapshot>& sn
   }
   if (shots.numbers.empty() || points.numbers.empty()) return;
   for (NamedArray* a : {&shots, &lines, &points}) arrays.push_back(std::move(*a));
+}
+
+void add_found(std::vector<NamedArray>& arrays, const Picture& found) {
+  NamedArray lines{.name = "found.lines", .width = 2}, points{.name = "found.points", .width = 2};
+  const auto add = [&](std::uint32_t kind, const std::vector<Vec2>& line) {
+    lines.indices.insert(lines.indices.end(), {kind, static_cast<std::uint32_t>(line.size())});
+    for (const Vec2& p : line)
+      for (const double value : {p.x(), p.y()}) points.numbers.push_back(static_cast<float>(value));
+  };
+  for (const Trace& t : found.traces)
+    add(t.dashed ? 0 : t.rgb == true_color ? 1 : t.rgb == found_color ? 2 : 3, t.line);
+  for (const auto* all : {&found.outlines, &found.cracks})
+    for (const auto& line : *all) add(4, line);
+  for (NamedArray* a : {&lines, &points}) arrays.push_back(std::move(*a));
 }
 
 }  // namespace kerf

@@ -15,6 +15,9 @@ void add_state(std::vector<NamedArray>& arrays, const Adapted& adapted, const Pl
 void add_map(std::vector<NamedArray>& arrays, const MapTask& task, const Mapped& map, const Model& model,
              const PlotData& data);
 
+/// What an inverse problem found: the lines of its picture.
+void add_found(std::vector<NamedArray>& arrays, const Picture& found);
+
 /// Outlines of iterates of an optimization.
 void add_design(std::vector<NamedArray>& arrays, const std::vector<Snapshot>& snapshots);
 

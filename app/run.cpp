@@ -14,6 +14,7 @@
 #include "io/kept.hpp"
 #include "io/mesh_source.hpp"
 #include "kerf/stop.hpp"
+#include "plot/page.hpp"
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -377,6 +378,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   if (journal.html) {
     add_state(journal.arrays, adapted, out->solved.data,
               design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
+    thin(journal.arrays, most_triangles);
     write_arrays(journal.file("report.bin"), journal.arrays);
     write_report(journal.options.folder);
     journal.seconds.output += journal.lap();

@@ -21,6 +21,11 @@ struct PageData {
 /// arrays inside, tables that need no script.
 std::string page(const Result& result, const PageData& data);
 
+/// Fewer triangles in the same arrays, where there are more than so many: vertices inside the body become one with a
+/// neighbor, evenly over the mesh, and no triangle turns over. Lines stay, so that there may be more than that.
+void thin(std::vector<NamedArray>& arrays, std::size_t at_most);
+inline constexpr std::size_t most_triangles = 60000;
+
 /// Throws Error(Files) naming the path.
 void write_page(const std::filesystem::path& path, const Result& result, const PageData& data);
 

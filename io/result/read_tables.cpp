@@ -120,6 +120,11 @@ std::vector<Iteration> read_history(const std::filesystem::path& path, const Opt
     row.note = t.text(i, "note");
     for (const std::string& name : names.bounds)
       if (t.has(name)) row.bounds.push_back(t.number(i, name));
+    const auto n = static_cast<Eigen::Index>(names.variables.size());
+    row.variables = Eigen::VectorXd::Constant(n, nan);
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (const std::string& name = names.variables[static_cast<std::size_t>(k)]; t.has(name))
+        row.variables[k] = t.number(i, name);
     out.push_back(std::move(row));
   }
   return out;

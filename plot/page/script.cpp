@@ -109,8 +109,11 @@ std::string mark(const Vec2& at, const char* kind, const char* field, double val
 }
 
 void add_tips(const Result& r, std::vector<std::string>& marks) {
-  for (const CrackResult& c : r.cracks)
+  for (const CrackResult& c : r.cracks) {
     for (const TipResult& tip : c.tips) marks.push_back(mark(tip.at, "tip", "", nan, "", "tip of crack " + c.name));
+    for (const auto& t : c.transitions)
+      marks.push_back(mark(t.at, "change", "", nan, "", fmt::format("crack {}: {} to {}", c.name, t.from, t.to)));
+  }
 }
 
 std::vector<std::string> state_marks(const Result& r) {

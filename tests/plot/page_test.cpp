@@ -144,5 +144,63 @@ TEST(Page, TagsAreBalanced) {
   }
 }
 
+/// A square of n x n cells, two triangles each.
+std::vector<NamedArray> fine_square(std::uint32_t n) {
+  NamedArray points{"points", 2}, triangles{"triangles", 3}, map{"map"}, eta{"error_indicator"}, outline{"outline", 2};
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= n; ++i) {
+      points.numbers.insert(points.numbers.end(), {float(i) / float(n), float(j) / float(n)});
+      map.numbers.push_back(float(i) + 2 * float(j));
+    }
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t a = j * (n + 1) + i;
+      triangles.indices.insert(triangles.indices.end(), {a, a + 1, a + n + 2, a, a + n + 2, a + n + 1});
+      eta.numbers.insert(eta.numbers.end(), {float(a), float(a) + 0.5F});
+    }
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (const std::uint32_t from : {k, n * (n + 1) + k})
+      outline.indices.insert(outline.indices.end(), {from, from + 1});
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (const std::uint32_t side : {0U, n})
+      outline.indices.insert(outline.indices.end(), {k * (n + 1) + side, (k + 1) * (n + 1) + side});
+  return {points, triangles, map, eta, outline};
+}
+
+TEST(Thin, FewerTrianglesCoverTheSameBody) {
+  std::vector<NamedArray> arrays = fine_square(40);
+  thin(arrays, 5000);
+  EXPECT_EQ(find_array(arrays, "triangles")->rows(), 3200u) << "nothing to do";
+  thin(arrays, 900);
+  const NamedArray &points = *find_array(arrays, "points"), &triangles = *find_array(arrays, "triangles"),
+                   &map = *find_array(arrays, "map");
+  EXPECT_LE(triangles.rows(), 900u);
+  EXPECT_GT(triangles.rows(), 600u);
+  EXPECT_EQ(map.rows(), points.rows());
+  EXPECT_EQ(find_array(arrays, "error_indicator")->rows(), triangles.rows());
+  double area = 0;
+  for (std::size_t t = 0; t < triangles.rows(); ++t) {
+    const auto x = [&](std::size_t k) {
+      const std::uint32_t v = triangles.indices[3 * t + k];
+      return Vec2(points.numbers[2 * v], points.numbers[2 * v + 1]);
+    };
+    const double own = 0.5 * cross(x(1) - x(0), x(2) - x(0));
+    EXPECT_GT(own, 0) << t;
+    area += own;
+  }
+  EXPECT_NEAR(area, 1, 1e-6);
+  for (std::size_t v = 0; v < points.rows(); ++v)  // values go with their places
+    EXPECT_NEAR(map.numbers[v], 40 * (points.numbers[2 * v] + 2 * points.numbers[2 * v + 1]), 1e-4);
+  const NamedArray& outline = *find_array(arrays, "outline");
+  EXPECT_EQ(outline.rows(), 160u);
+  double length = 0;
+  for (std::size_t e = 0; e < outline.rows(); ++e) {
+    const std::uint32_t a = outline.indices[2 * e], b = outline.indices[2 * e + 1];
+    length += std::hypot(points.numbers[2 * a] - points.numbers[2 * b],
+                         points.numbers[2 * a + 1] - points.numbers[2 * b + 1]);
+  }
+  EXPECT_NEAR(length, 4, 1e-5);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -8,7 +8,16 @@ const dashes = [undefined, [8, 4], [2, 4], [10, 4, 2, 4]];
 function axes(colors, spec) {
   const common = { stroke: colors.ink, grid: { stroke: colors.rule, width: 1 }, ticks: { stroke: colors.rule, width: 1 }, font: "13px system-ui, sans-serif", labelFont: "600 13px system-ui, sans-serif" };
   const values = (u, splits) => splits.map((v) => (v === null ? "" : format(v, 4)));
-  return [{ ...common, label: spec.x, values, labelSize: 24, space: 70 }, { ...common, label: spec.y, values, size: 84, labelSize: 24 }];
+  const of = (log, more) => {
+    // Of a logarithmic axis only the powers of ten, unless there are too few of them.
+    const few = (u, splits) => {
+      const tens = splits.map((v) => (v !== null && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v : null));
+      return tens.filter((v) => v !== null).length > 2 ? tens : splits;
+    };
+    const only = log ? { filter: few } : {};
+    return { ...common, ...more, values, grid: { ...common.grid, ...only }, ticks: { ...common.ticks, ...only } };
+  };
+  return [of(spec.logX, { label: spec.x, labelSize: 24, space: 70 }), of(spec.logY, { label: spec.y, size: 76, labelSize: 24 })];
 }
 
 /** Stretches where `on` is 1, from half way to half way between their neighbors. */
@@ -55,7 +64,7 @@ export function curve(root, spec) {
     width = Math.max(240, stage.clientWidth);
     const options = {
       width, height: Math.round(Math.min(320, Math.max(210, 0.42 * width))),
-      scales: { x: { time: false, distr: spec.logX ? 3 : 1 }, y: { distr: spec.logY ? 3 : 1 } },
+      scales: { x: { time: false, distr: spec.logX ? 3 : 1, ...(spec.logX ? { range: (u, low, high) => [low / 1.25, high * 1.25] } : {}) }, y: { distr: spec.logY ? 3 : 1 } },
       axes: axes(colors, spec),
       cursor: { drag: { x: true, y: false }, points: { size: 7 } },
       legend: { live: true },

@@ -52,12 +52,6 @@ export function design(root, data) {
     const zoom = 0.94 * Math.min(width / (high[0] - low[0] || 1), height / (high[1] - low[1] || 1));
     const to = (x, y) => [width / 2 + (x - (low[0] + high[0]) / 2) * zoom, height / 2 - (y - (low[1] + high[1]) / 2) * zoom];
     c.beginPath();
-    for (const line of shots[0].boundary.slice(0, 1)) path(c, line, to, true);
-    c.strokeStyle = colors.dim;
-    c.setLineDash([4, 4]);
-    c.stroke();
-    c.setLineDash([]);
-    c.beginPath();
     for (const line of shot.boundary) path(c, line, to, true);
     c.fillStyle = colors.lines[0];
     c.globalAlpha = 0.85;
@@ -71,6 +65,13 @@ export function design(root, data) {
     c.strokeStyle = colors.bad;
     c.lineWidth = 2.5;
     c.stroke();
+    c.beginPath();
+    for (const line of shots[0].boundary) path(c, line, to, true);
+    c.strokeStyle = colors.dim;
+    c.lineWidth = 1;
+    c.setLineDash([4, 4]);
+    c.stroke();
+    c.setLineDash([]);
     const text = `iteration ${shot.iteration}: objective ${format(shot.objective)}${data.design.unit ? ` ${data.design.unit}` : ""}, volume fraction ${format(shot.volume, 4)}`;
     said.value = text;
     slider.setAttribute("aria-valuetext", text);

@@ -283,8 +283,10 @@ export class Figure {
     for (const mark of this.spec.marks) {
       if (mark.field && mark.field !== this.id) continue;
       const [mx, my] = this.toScreen(...this.moved(mark.x, mark.y));
-      if (Math.hypot(mx - px, my - py) < 9 && Number.isFinite(mark.value))
-        return { ...this.valueAt(...this.moved(mark.x, mark.y)), x: mark.x, y: mark.y, value: mark.value, mark };
+      if (Math.hypot(mx - px, my - py) > 9) continue;
+      const found = this.valueAt(...this.moved(mark.x, mark.y)) || this.valueAt(...this.toBody(px, py));
+      if (Number.isFinite(mark.value)) return { ...found, x: mark.x, y: mark.y, value: mark.value, mark };
+      if (found) return { ...found, mark };
     }
     return this.valueAt(...this.toBody(px, py), 5 / this.zoom * this.unit);
   }

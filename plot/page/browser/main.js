@@ -5,6 +5,7 @@ import { load } from "./data.js";
 import { design } from "./design.js";
 import { element } from "./dom.js";
 import { Figure } from "./figure.js";
+import { found } from "./found.js";
 
 /** Light or dark as the reader has it, or as the button says. */
 function themes() {
@@ -95,6 +96,7 @@ function start() {
     if (root && data.array("points")) figures.push(new Figure(root, data, spec));
   }
   if (data.design) design(document.getElementById("design"), data);
+  found(document.getElementById("found"), data);
   cracks(data);
   validation(data);
   history(data);

@@ -9,7 +9,9 @@ export function format(value, digits = 6) {
   let [mantissa, power] = text.split("e");
   if (mantissa.includes(".")) mantissa = mantissa.replace(/\.?0+$/, "");
   text = mantissa.replace("-", "−");
-  return power ? `${text}×10${superscript(power.replace("+", ""))}` : text;
+  if (!power) return text;
+  const ten = `10${superscript(power.replace("+", ""))}`;
+  return text === "1" ? ten : text === "−1" ? `−${ten}` : `${text}×${ten}`;
 }
 
 const raised = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };

@@ -80,7 +80,8 @@ function marks(c, figure, theme) {
     if (mark.field && mark.field !== figure.id) continue;
     const [x, y] = figure.toScreen(...figure.moved(mark.x, mark.y));
     c.beginPath();
-    c.arc(x, y, mark.kind === "tip" ? 3 : 5.5, 0, 2 * Math.PI);
+    if (mark.kind === "change") c.rect(x - 3, y - 3, 6, 6);
+    else c.arc(x, y, mark.kind === "tip" ? 3 : 5.5, 0, 2 * Math.PI);
     c.fillStyle = mark.kind === "holds" ? theme.good : mark.kind === "fails" || mark.kind === "tip" ? theme.bad : theme.paper;
     c.fill();
     c.lineWidth = 1.6;
