@@ -19,13 +19,14 @@ class Mesh2 {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) of_.push_back(t);
   }
 
-  /// Every vertex at most once, and no two neighbors: what is left is as finely graded as before. Whether any went.
-  bool pass(std::size_t at_most) {
+  /// Every vertex at most once, and no two neighbors: what is left is as finely graded as before. No triangle is made
+  /// whose shape is not better than `good`. Whether any vertex went.
+  bool pass(std::size_t at_most, double good) {
     list_fans();
     std::vector<bool> locked(fixed_.size(), false);
     const std::size_t before = alive_;
     for (std::uint32_t v = 0; v < fixed_.size() && alive_ > at_most; ++v)
-      if (!fixed_[v] && !locked[v] && first_[v + 1] > first_[v]) remove(v, locked);
+      if (!fixed_[v] && !locked[v] && first_[v + 1] > first_[v]) remove(v, good, locked);
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       if (triangles_[t][0] == triangles_[t][1]) continue;  // gone
@@ -76,8 +77,7 @@ class Mesh2 {
     return longest > 0 ? twice / longest : 0;
   }
 
-  void remove(std::uint32_t v, std::vector<bool>& locked) {
-    constexpr double good = 0.25;
+  void remove(std::uint32_t v, double good, std::vector<bool>& locked) {
     const auto begin = fan_.begin() + first_[v], end = fan_.begin() + first_[v + 1];
     std::vector<std::uint32_t> ring;
     for (auto t = begin; t != end; ++t)
@@ -165,8 +165,9 @@ void thin(std::vector<NamedArray>& arrays, std::size_t at_most) {
   for (std::size_t t = 0; t < count; ++t)
     for (std::size_t k = 0; k < 3; ++k) all[t][k] = triangles->indices[3 * t + k];
   Mesh2 mesh(points->numbers, std::move(all), fixed_corners(arrays, corners));
-  while (mesh.size() > at_most && mesh.pass(at_most)) {
-  }
+  for (const double good : {0.2, 0.1, 0.05, 0.02})  // shapes as good as will do
+    while (mesh.size() > at_most && mesh.pass(at_most, good)) {
+    }
   std::vector<std::uint32_t> kept, number(corners, 0);
   std::vector<bool> used(corners, false);
   for (const Triangle& t : mesh.triangles())
