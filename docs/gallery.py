@@ -56,7 +56,7 @@ PICTURES = {
     "two_loads": ["design"],
 }
 # Processors round otherwise, and a design follows the last digit: what is drawn may differ by these shares.
-TOLERANCE, TOLERANCE_OF_DESIGNS = 2e-3, 2e-2
+TOLERANCE, TOLERANCE_OF_DESIGNS = 2e-4, 2e-2
 
 
 def picture_path(name, picture):
