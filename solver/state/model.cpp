@@ -3,6 +3,7 @@
 #include "geometry/topology.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
+#include "solver/system/lost_definiteness.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
@@ -106,7 +107,7 @@ Factor factor_of(const LowerTriangle& k, const Element& e, const Ordering& o) {
   if (!is_definite(e)) return Factor(k, o.contact_rows, false, o.interface_rows);
   try {
     return Factor(k, o.contact_rows, true, o.interface_rows);
-  } catch (const Error&) {
+  } catch (const LostDefiniteness&) {
     constexpr double shift = 1e-13;
     LowerTriangle raised = k;
     for (Index row = 0; row < k.size; ++row) raised.values[raised.start[row]] *= 1 + shift;
