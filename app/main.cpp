@@ -58,10 +58,10 @@ struct Command {
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
       {"run", "Every job that the case names: solve, map, validate, optimize, report"},
-      {"solve", "The state alone"},
+      {"solve", "The state alone: displacement, stress, contact, stress intensities"},
       {"map", "The state and the map of the topological derivative"},
       {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
-      {"validate", "The expansion against computations with changes of finite size"},
+      {"validate", "The state, and whether a map is right: holes of several radii are made and compared"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
       {"sweep", "A case with many values of some of its keys, a table and a page of them all"},
       {"report", "The page of a run, made again from the files in its folder"},
