@@ -288,13 +288,13 @@ Picture found_picture(const std::string& title, const Found& found) {
   p.points = p.outlines.back();
   for (const Loop& hole : found.frame.holes) p.outlines.push_back(closed(hole));
   for (const Crack& crack : found.frame.cracks) p.cracks.push_back(crack.points);
-  constexpr std::uint32_t gray = 0x9aa4ae, blue = 0x0072b2, orange = 0xd55e00, green = 0x009e73;
+  constexpr std::uint32_t gray = 0x9aa4ae, orange = 0xd55e00;
   add(found.start, gray, 2.5, true);
   if (found.truth) {
-    add(*found.truth, green, 7, false);
+    add(*found.truth, true_color, 7, false);
     p.subtitle += ", green: true";
   }
-  add(found.found, blue, 3, false);
+  add(found.found, found_color, 3, false);
   if (!found.ellipses.empty()) p.subtitle += ", orange: 95 % of the uncertainty of centers and points";
   for (const UncertaintyEllipse& e : found.ellipses) {
     const Mat2 turn = Eigen::Rotation2Dd(e.angle).toRotationMatrix();

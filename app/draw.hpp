@@ -28,6 +28,7 @@ Picture check_picture(const std::string& title, const Mesh& mesh, const Scene& s
 /// (T - price of area) / price over a level set's design, and where it is least.
 Picture optimality_picture(const std::string& title, const HoleMargin& holes);
 
+inline constexpr std::uint32_t found_color = 0x0072b2, true_color = 0x009e73;
 /// An inverse problem: what was found over what is true, where that is known, and where it began.
 struct Found {
   const Shape& frame;

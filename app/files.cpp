@@ -79,9 +79,10 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
                          name == "optimize.pvd" || name == "history.csv";
     if (resumed && !resume) old.push_back(entry.path());
     for (const char* known :
-         {"result.json", "state.vtu", "map.vtu", "map.csv", "validate.csv", "mesh.png", "measured.csv", "von_mises.png",
-          "map.png", "validate.png", "report.html", "design.png", "evolution.png", "history.png", "optimality.png",
-          "design.toml", "design.svg", "design.dxf", "design.msh", "design.step", "case.toml"})
+         {"result.json",  "state.vtu",     "map.vtu",     "map.csv",        "validate.csv", "mesh.png",
+          "measured.csv", "von_mises.png", "map.png",     "validate.png",   "report.html",  "report.bin",
+          "design.png",   "evolution.png", "history.png", "optimality.png", "design.toml",  "design.svg",
+          "design.dxf",   "design.msh",    "design.step", "case.toml"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }

@@ -1,6 +1,7 @@
 #pragma once
 // What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
 
+#include "io/arrays.hpp"
 #include "io/files.hpp"
 #include "io/result.hpp"
 #include "plot/picture.hpp"
@@ -23,11 +24,11 @@ struct RunOptions {
 
 struct Journal {
   const RunOptions& options;
-  std::string title;            // of the pictures
-  Units units = {};             // there, too
-  bool vtk = true, png = true;  // which files are wanted
-  Seconds seconds = {};
-  std::vector<std::pair<std::string, std::filesystem::path>> pictures = {};  // caption and file, for the page
+  std::string title;                         // of the pictures
+  Units units = {};                          // there, too
+  bool vtk = true, png = true, html = true;  // which files are wanted
+  Seconds seconds = {};                      // the total in the end
+  std::vector<NamedArray> arrays = {};       // for the page
   Stopwatch since_start = {}, since_lap = {};
   std::string phase = {};    // the present one
   std::string missing = {};  // files that are wanted and cannot be had, and why; empty mostly
@@ -41,20 +42,14 @@ struct Journal {
   double lap() {
     return since_lap.lap();
   }
-  /// Draws what `make` returns, if pictures are wanted. Takes the place of an earlier one of the same name.
+  /// Draws what `make` returns, if pictures are wanted.
   template <typename Make>
-  void picture(const std::string& name, const std::string& caption, const Make& make) {
+  void picture(const std::string& name, const Make& make) const {
     if (!png) return;
     auto drawn = make();
     if constexpr (std::is_same_v<decltype(drawn), Picture>) drawn.units = units;
     draw(file(name), drawn);
-    list(name, caption);
   }
-  /// The picture that was drawn last comes first on the page.
-  void show_last_first();
-
- private:
-  void list(const std::string& name, const std::string& caption);
 };
 
 }  // namespace kerf

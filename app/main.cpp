@@ -6,6 +6,7 @@
 #include "app/optimize.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "app/report.hpp"
 #include "app/run.hpp"
 #include "app/sweep.hpp"
 #include "app/templates.hpp"
@@ -57,12 +58,13 @@ struct Command {
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
       {"run", "Every job that the case names: solve, map, validate, optimize, report"},
-      {"solve", "The state alone"},
+      {"solve", "The state alone: displacement, stress, contact, stress intensities"},
       {"map", "The state and the map of the topological derivative"},
       {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
-      {"validate", "The expansion against computations with changes of finite size"},
+      {"validate", "The state, and whether a map is right: holes of several radii are made and compared"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
       {"sweep", "A case with many values of some of its keys, a table and a page of them all"},
+      {"report", "The page of a run, made again from the files in its folder"},
       {"mesh", "The mesh alone, for gmsh or ParaView"},
       {"keys", "What may stand in a case file: all keys, or one of them"},
       {"init", "Write a commented case to begin from"},
@@ -106,6 +108,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       sub->add_flag("--list", arguments.list, "Print the names and what they show; write nothing");
       sub->add_option("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
       sub->add_flag("--force", arguments.force, "Overwrite the file");
+      continue;
+    }
+    if (command.name == "report") {
+      sub->add_option("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>")->required();
+      sub->add_flag("--quiet", arguments.quiet, "Do not say what was written");
       continue;
     }
     if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
@@ -241,6 +248,19 @@ int perform_mesh(const Arguments& arguments, const Case& c) {
   return 0;
 }
 
+int perform_report(const Arguments& arguments) {
+  const std::filesystem::path folder = arguments.folder;
+  if (!std::filesystem::is_directory(folder))
+    throw Error(Fault::Files, fmt::format("{} is no folder; give the folder of a run that has ended, such as "
+                                          "out/cracked_plate",
+                                          folder.string()));
+  FolderLock lock;
+  lock.take(folder);
+  write_report(folder);
+  if (!arguments.quiet) print(fmt::format("wrote {}\n", (folder / "report.html").string()));
+  return 0;
+}
+
 int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
   watchdog.pause();
   const std::optional<Forecast> expected = forecast_of(c, job, arguments);
@@ -299,6 +319,7 @@ int perform_sweep(const Arguments& arguments) {
 
 int perform_command(const Arguments& arguments, Watchdog& watchdog) {
   if (arguments.command == "init") return perform_init(arguments);
+  if (arguments.command == "report") return perform_report(arguments);
   if (arguments.command == "keys") {
     print(keys(arguments.keys, arguments.commands));
     return 0;

@@ -1,6 +1,7 @@
 #include "app/optimize.hpp"
 
 #include "app/draw.hpp"
+#include "app/page_data.hpp"
 #include "app/recorder.hpp"
 #include "io/history.hpp"
 #include "kerf/analysis.hpp"
@@ -102,13 +103,11 @@ Picture found_picture(const OptimizeTask& task, const OptimizeRequest& request, 
 }
 
 void draw_optimization(const OptimizeSection& section, const Recorder& recorder, Journal& journal) {
-  const auto evolution = [&] { return Evolution{journal.title, sentence(section.result), recorder.snapshots()}; };
-  journal.picture("evolution.png", "Evolution of the design", evolution);
-  journal.picture("history.png", "Objective and volume",
-                  [&] { return history_curves(section.result, section.names, journal.title); });
+  const auto evolution = [&] { return Evolution{journal.title, sentence(section.result), recorder.snapshots(12)}; };
+  journal.picture("evolution.png", evolution);
+  journal.picture("history.png", [&] { return history_curves(section.result, section.names, journal.title); });
   if (section.result.holes.mesh)
-    journal.picture("optimality.png", "Whether small holes pay",
-                    [&] { return optimality_picture(journal.title, section.result.holes); });
+    journal.picture("optimality.png", [&] { return optimality_picture(journal.title, section.result.holes); });
 }
 
 /// Pictures of what there is. Throws Error(Numerics).
@@ -184,8 +183,11 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   recorder.finish(out.result.history);
   journal.seconds.optimize = journal.lap() - recorder.output();
   draw_optimization(out, recorder, journal);
-  if (task.truth || out.fit)
-    journal.picture("found.png", "What was found", [&] { return found_picture(task, request, out, journal.title); });
+  if (journal.html) add_design(journal.arrays, recorder.snapshots(64));
+  if (task.truth || out.fit) {
+    journal.picture("found.png", [&] { return found_picture(task, request, out, journal.title); });
+    if (journal.html) add_found(journal.arrays, found_picture(task, request, out, journal.title));
+  }
   journal.seconds.output += recorder.output() + journal.lap();
   return out;
 }

@@ -110,7 +110,7 @@ void Recorder::write_iterate(const Iterate& iterate) {
   }
   write_designs();
   write_history();
-  if (journal_.png) {
+  if (journal_.png || journal_.html) {
     add(snapshots_, {row.number, row.objective, row.volume_fraction,
                      contours(strong_part(iterate.model.mesh, task_.request.level_set.ersatz > 0))});
     write_checkpoint(snapshots_file(journal_.options.folder), to_checkpoint(snapshots_, task_.fingerprint));
@@ -153,8 +153,8 @@ void Recorder::finish(const std::vector<Iteration>& history) {
   output_ += watch.lap();
 }
 
-std::vector<Snapshot> Recorder::snapshots() const {
-  return pick(snapshots_, 12);
+std::vector<Snapshot> Recorder::snapshots(std::size_t most) const {
+  return pick(snapshots_, most);
 }
 
 }  // namespace kerf

@@ -31,8 +31,8 @@ class Recorder {
   double output() const {
     return output_;
   }
-  /// For evolution.png, once finished.
-  std::vector<Snapshot> snapshots() const;
+  /// At most so many, once finished.
+  std::vector<Snapshot> snapshots(std::size_t most) const;
 
  private:
   void write_history() const;

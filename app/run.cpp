@@ -5,7 +5,9 @@
 #include "app/files.hpp"
 #include "app/map.hpp"
 #include "app/optimize.hpp"
+#include "app/page_data.hpp"
 #include "app/refuse.hpp"
+#include "app/report.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
 #include "io/document.hpp"
@@ -240,6 +242,7 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   note(bound_map(task, analysis, body_of(c, solved.adapted), map));
   r.map = map.result;
   if (journal.options.fields) journal.options.fields->map = map.full;
+  if (journal.html) add_map(journal.arrays, task, map, solved.adapted.model, solved.data);
   journal.seconds.map = journal.lap();
   write_map(task, map, solved.adapted.model, solved.data, journal);
   return analysis;
@@ -274,8 +277,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
   const Body body = body_of(design);
   const Mesh mesh = triangulate(body.shape, body.sizing);
   write_mesh(journal.file("design.msh"), mesh, design.shape);
-  journal.picture("design.png", "The design", [&] { return picture_of(design, mesh); });
-  journal.show_last_first();
+  journal.picture("design.png", [&] { return picture_of(design, mesh); });
   journal.seconds.output += journal.lap();
 }
 
@@ -283,8 +285,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 Solved solve_design(const Case& design, Journal& journal, Result& r) {
   Solved solved = solve_state(design, journal, r);
   write_mesh(journal.file("design.msh"), solved.adapted.model.mesh, design.shape);
-  journal.picture("design.png", "The design", [&] { return picture_of(design, solved.adapted.model.mesh); });
-  journal.show_last_first();
+  journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });
   r.functional = {design.functional.kind, r.optimize->objective};
   journal.seconds.output += journal.lap();
   return solved;
@@ -384,8 +385,12 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   }
   sum_up(journal, r);
   write_json(journal.file("result.json"), r);  // before the page: a disk may be full
-  if (c.output.html) {
-    write_page(journal.file("report.html"), r, journal.pictures);
+  if (journal.html) {
+    add_state(journal.arrays, adapted, out->solved.data,
+              design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
+    thin(journal.arrays, most_triangles);
+    write_arrays(journal.file("report.bin"), journal.arrays);
+    write_report(journal.options.folder);
     journal.seconds.output += journal.lap();
     sum_up(journal, r);
     write_json(journal.file("result.json"), r);
@@ -403,8 +408,12 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
   prepare_folder(options, read.fingerprint);
   write_kept(kept, options.folder);
-  Journal journal{
-      .options = options, .title = read.title, .units = read.units, .vtk = read.output.vtk, .png = read.output.png};
+  Journal journal{.options = options,
+                  .title = read.title,
+                  .units = read.units,
+                  .vtk = read.output.vtk,
+                  .png = read.output.png,
+                  .html = read.output.html};
   if (journal.vtk) try {
       require_vtk();
     } catch (const Error& e) {

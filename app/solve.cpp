@@ -147,9 +147,8 @@ void write_state(const Adapted& adapted, const PlotData& data, const std::vector
                  Journal& journal) {
   if (!stop_requested()) journal.begin("write the state");
   write_state_files(journal, adapted, data, cracks);
-  journal.picture("mesh.png", "Mesh", [&] { return mesh_picture(journal.title, adapted.model.mesh); });
-  journal.picture("von_mises.png", "Von Mises stress",
-                  [&] { return stress_picture(journal.title, adapted.model, data); });
+  journal.picture("mesh.png", [&] { return mesh_picture(journal.title, adapted.model.mesh); });
+  journal.picture("von_mises.png", [&] { return stress_picture(journal.title, adapted.model, data); });
   journal.seconds.output += journal.lap();
 }
 

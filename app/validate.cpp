@@ -15,8 +15,7 @@ ValidationResult validate_expansion(const Body& body, const Functional& j, Valid
   journal.seconds.validate = journal.lap();
   if (!stop_requested()) journal.begin("write the validation");
   write_validation_csv(journal.file("validate.csv"), result);
-  journal.picture("validate.png", "Validation: what the prediction leaves of the difference",
-                  [&] { return validation_chart(result, journal.title); });
+  journal.picture("validate.png", [&] { return validation_chart(result, journal.title); });
   journal.seconds.output += journal.lap();
   check_stop();
   return result;

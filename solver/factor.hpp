@@ -21,8 +21,8 @@ void return_freed_memory();
 /// matrix that is not definite goes to UMFPACK, without such rows.
 class Factor {
  public:
-  /// Runs on one thread: OpenBLAS with two gives other bits. Throws Error(Numerics) naming the first bad column when K
-  /// is not positive definite (Error::what says "column N"), or when memory runs out.
+  /// Runs on one thread: OpenBLAS with two gives other bits. Throws LostDefiniteness when K is not positive definite,
+  /// std::bad_alloc when memory runs out.
   Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0);
   ~Factor();
   Factor(Factor&&) noexcept;

@@ -13,10 +13,14 @@ struct Inner {
   Skeleton skeleton;
   Ordering ordering;
   System system;
-  Factor factor;                      // empty when not asked for
-  std::vector<RigidMotion> floating;  // rigid motions that the supports leave free; the loads balance on them
-  SceneData data = {};                // of the scene on the mesh
+  std::shared_ptr<const Factor> factor;  // empty when not asked for; shared by models that differ in their loads alone
+  std::vector<RigidMotion> floating;     // rigid motions that the supports leave free; the loads balance on them
+  SceneData data = {};                   // of the scene on the mesh
 };
+
+/// The same body under other loads, by the factor of `model`: `scene` has the materials and the laws of cracks that the
+/// model has, and supports on the same labels and components. Throws as `prepare` does.
+Model with_loads(const Model& model, Scene scene);
 
 Triangle triangle(const Model& model, Index t);
 

@@ -4,17 +4,17 @@
 set -euo pipefail
 build=$1 jobs=$2
 # Leaks are looked for in the tests of rooms alone: fontconfig, gmsh and VTK keep what they took until the end.
-export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 OPENBLAS_NUM_THREADS=1
+export OPENBLAS_NUM_THREADS=1
 slow=$(dirname "$0")/slow_tests.txt
 filter="-$(grep -v '^#' "$slow" | paste -sd:)"
 run() {  # run LEAKS PROGRAM
   local leaks=$1 program=$2
   [ -x "$build/$program" ] || return 0
   echo "== $program"
-  ASAN_OPTIONS=detect_leaks=$leaks:exitcode=99 "$build/$program" --gtest_brief=1 --gtest_filter="$filter"
+  ASAN_OPTIONS=detect_leaks=$leaks:exitcode=99:handle_sigill=1 "$build/$program" --gtest_brief=1 --gtest_filter="$filter"
 }
 export -f run
 export build filter
 printf '%s\n' '1 test_solver' '1 test_topo' '1 test_optimize' '0 test_io' '1 test_geometry' '0 test_plot' |
   xargs -P "$jobs" -I{} bash -c 'run {}'
-ASAN_OPTIONS=detect_leaks=0:exitcode=99 ctest --test-dir "$build" -R '^fuzz$' --output-on-failure
+ASAN_OPTIONS=detect_leaks=0:exitcode=99:handle_sigill=1 ctest --test-dir "$build" -R '^fuzz$' --output-on-failure

@@ -3,8 +3,10 @@
 
 #include "kerf/state.hpp"
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace kerf {
 
@@ -60,6 +62,9 @@ class TangentSolver {
   /// `only` (0 elsewhere), of all when it is empty.
   TangentField solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough = to_rounding,
                      std::span<const Index> only = {});
+
+  /// The same under `count` loads with all supports at rest. One elimination per triangle serves many of them.
+  std::vector<TangentField> solve_all(std::size_t count, const std::function<Eigen::VectorXd(std::size_t)>& load);
 
  private:
   struct Impl;

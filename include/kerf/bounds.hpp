@@ -1,7 +1,11 @@
 #pragma once
-// Two-sided bounds of the potential energy [theory: B.1].
+// Two-sided bounds of the potential energy, and of stresses at points, K and G [theory: B.1].
 
+#include "kerf/fracture.hpp"
 #include "kerf/state.hpp"
+
+#include <array>
+#include <memory>
 
 namespace kerf {
 
@@ -24,5 +28,32 @@ struct EnergyBounds {
 
 /// For mixed elements with a rotation that is discontinuous between triangles, and cracks without friction.
 EnergyBounds energy_bounds(const Model& model, const Field& state);
+
+/// A quantity of the exact solution: lower <= it <= upper when `guaranteed` (as EnergyBounds); `value` is the middle.
+struct Bounded {
+  double value = 0, lower = 0, upper = 0;  // nan: not available
+  bool guaranteed = false;
+  std::string note;  // why not available, or not guaranteed
+};
+
+/// Bounds of linear quantities Q of a state. Q = known + l(u) by a singular field that is taken out in closed form; w
+/// is the solution under the loads l, and with J(u) the potential energy -2k l = J(u + k w) - J(u - k w), both bounded
+/// [theory: B.11]. One solve by the factor of the model per quantity. Not with contact, body force, eigenstrain,
+/// several materials or orthotropic ones: `note` says so.
+class QuantityBounds {
+ public:
+  /// Model and state must outlive it.
+  QuantityBounds(const Model& model, const Field& state);
+  ~QuantityBounds();
+
+  /// s11, s22, s12 at a point inside the body.
+  std::array<Bounded, 3> stress(const Vec2& x) const;
+  /// K_I, K_II and G of an end of a straight crack.
+  std::array<Bounded, 3> tip(const TipIntensity& tip) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace kerf

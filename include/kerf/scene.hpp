@@ -33,7 +33,8 @@ struct CrackLaw {
   /// interlock at every vertex.
   std::function<Vec2(const Vec2& x)> normal = {};
   /// Pressure p of a fluid in the crack, in the first component: it acts on both faces, sigma_nn = -p - the pressure of
-  /// contact [theory: C.15]. Negative: suction. The direction of the normal that it is given is arbitrary; empty: none.
+  /// contact [theory: C.15]. Negative: suction. A shear q in the second component: sigma_nt = -q, t = n turned by +90
+  /// degrees, on open cracks alone. The direction of the normal n that it is given is arbitrary; empty: none.
   BoundaryField pressure = {};
 };
 

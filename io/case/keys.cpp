@@ -316,26 +316,30 @@ constexpr Key rows[] = {
     {"solver.element",
      Word,
      {.words = element_names},
-     "bdms, afw; bdms-c: continuous rotation; arnold-winther-c: stress continuous at vertices; arnold-winther-nc: "
-     "nonconforming; p1, p2: displacements, for comparison.",
+     "Which finite element. bdms suits nearly everything. The others are there to compare with: bdms-c has a "
+     "continuous "
+     "rotation, arnold-winther-c a stress that is continuous at vertices, arnold-winther-nc is nonconforming, p1 and "
+     "p2 "
+     "are the common elements for displacements.",
      "\"afw\"",
      "\"bdms\""},
     {"solver.degree", Whole, {.range = {1, 3}}, "Of bdms and afw; the others have none but 1.", "2", "1"},
     {"solver.contact",
      Word,
      {.words = contact_method_words},
-     "How contact is solved: the same answer; the last two to compare with.",
+     "How contact is solved. All give the same answer; the last two are there to compare with.",
      "\"uzawa\"",
      "\"dual-qp\""},
     {"solver.backend",
      Word,
      {.words = backend_words, .later_words = later_backends},
-     "umfpack: the saddle point that is not condensed, with its own active set, whatever contact says; slow, to check "
-     "with.",
+     "umfpack solves the whole system at once, without condensing it, and contact in its own way, whatever contact "
+     "says. "
+     "Slow; for checks.",
      "\"umfpack\"",
      "\"cholmod\""},
 
-    {"functional", Table, {}, "What J is."},
+    {"functional", Table, {}, "The number of interest, J: what a map differentiates and an optimization makes small."},
     {"functional.kind",
      Word,
      {.words = functional_kinds, .required = true},
@@ -418,13 +422,15 @@ constexpr Key rows[] = {
     {"map.radius",
      Number,
      {.range = positive},
-     "The radius that the mask, and the value of a clamped hole, is for: points with less than 4 radii to the next "
-     "boundary, crack, tip, end of contact, other material, end of a support or load, or to the ring of the functional "
-     "are masked.",
+     "The radius of the hole that you have in mind. A point is masked where such a hole would come too near to "
+     "something: "
+     "less than 4 radii to the next boundary, crack, tip, end of contact, other material, end of a support or load, or "
+     "to "
+     "the ring of the functional. The value of a clamped hole is for this radius.",
      "0.01",
      "the smallest of validate.radii, else 0.005 of the body's diagonal"},
 
-    {"validate", Table, {}, "The expansion against changes of finite size."},
+    {"validate", Table, {}, "Is the map right? Holes of several radii are made at some points and compared with it."},
     {"validate.points",
      Points,
      {},

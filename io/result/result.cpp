@@ -130,6 +130,7 @@ Json units_section(const Result& result) {
   if (const auto& j = result.functional_dimension) {
     out["functional"] = unit(u, *j);
     out["topological_derivative"] = unit(u, per_area(*j));
+    out["functional_powers"] = {number(j->stress), number(j->length)};
   }
   return out;
 }
@@ -212,6 +213,7 @@ Json validate_section(const ValidationResult& validation) {
                       {"order", number(row.order)},
                       {"same_contact", row.same_contact}});
     points.push_back({{"at", place(v.at)},
+                      {"perturbation", validation.perturbation},
                       {"coefficient", number(v.coefficient)},
                       {"order", number(v.order)},
                       {"verdict", std::string(word(v.verdict))},
@@ -319,6 +321,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"ending", word(o.ending)},
               {"converged", o.ending == Ending::Optimal},
               {"optimality", number(o.optimality)}};
+  if (names.volume_at_most) out["volume_at_most"] = number(*names.volume_at_most);
   if (std::isfinite(o.holes.least)) {
     out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
     if (o.holes.proof) out["hole_margin"]["proof"] = word(*o.holes.proof);

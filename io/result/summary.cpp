@@ -158,9 +158,10 @@ void add_map(std::string& out, const MapResult& map, const std::string& unit) {
   if (map.masked_share > 0)
     add_sentence(
         out, "",
-        fmt::format("masked: the expansion cannot hold at radius {} on {:.3g} % of the area; min and max leave "
-                    "it out",
-                    six(map.radius), 100 * map.masked_share));
+        fmt::format(
+            "masked: a change at radius {} on {:.3g} % of the area would come too near to something; min and max "
+            "leave that out",
+            six(map.radius), 100 * map.masked_share));
   if (map.biactive_length > 0)
     add_sentence(out, "",
                  fmt::format("a length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "

@@ -82,7 +82,7 @@ void note_open(EdgeData& d, const EdgeValues& given) {
 // Data of an edge at gauss(data_points).
 using Sampled = Eigen::Matrix<double, 2, data_points>;
 
-// Both sides of the cracks under pressure, and what acts on them.
+// Both sides of the cracks whose faces are loaded, and what acts on them, in the frame of the edge.
 void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Sampled>& load) {
   for (const LoadedCrack& c : m.inner->data.pressures)
     for (std::size_t j = 0; j < c.values.size(); ++j)
@@ -93,13 +93,12 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
         d.triangle = m.mesh.sides[d.edge][side];
         while (m.mesh.edges_of[d.triangle][d.side] != d.edge) ++d.side;
         d.displacement.setZero();
-        d.unseen[0] = std::sqrt(given.rest[0]);
-        d.primitive[0] = std::sqrt(given.primitive[0]);
-        d.moved[0] = given.error[0];
+        d.unseen = given.rest.cwiseSqrt();
+        d.primitive = given.primitive.cwiseSqrt();
+        d.moved = given.error;
         note_open(d, given);
         data.push_back(d);
-        load.emplace_back(Sampled::Zero());
-        load.back().row(0) = (side == 0 ? -1 : 1) * given.at.row(0);
+        load.emplace_back((side == 0 ? -1 : 1) * given.at);
       }
 }
 

@@ -32,7 +32,7 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
       force[row - leading] = s.force[u];
       jump[row - leading] = s.skeleton[u];
     }
-  Eigen::MatrixXd S = m.inner->factor.contact_complement();
+  Eigen::MatrixXd S = m.inner->factor->contact_complement();
   Eigen::VectorXd load = S * (jump + free_jumps) - force;
   std::vector<std::vector<Index>> blocks;
   for (const auto& crack : m.mesh.cracks)
@@ -86,11 +86,11 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
     }
   }
   if (contact_rows > 0) {
-    const Eigen::VectorXd jumps = couple.size() > 0 ? Eigen::VectorXd(m.inner->factor.solve(load).tail(contact_rows))
+    const Eigen::VectorXd jumps = couple.size() > 0 ? Eigen::VectorXd(m.inner->factor->solve(load).tail(contact_rows))
                                                     : Eigen::VectorXd::Zero(contact_rows);
     load.tail(contact_rows) += pressures_everywhere(m, s, jumps);
   }
-  const Eigen::VectorXd change = m.inner->factor.solve(load);
+  const Eigen::VectorXd change = m.inner->factor->solve(load);
   Eigen::MatrixXd interior_fields = s.interior;
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {

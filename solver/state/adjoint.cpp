@@ -348,6 +348,56 @@ struct TangentSolver::Impl {
   std::vector<bool> held;
   UniformPressure uniform = {};
   Refining refining = {};
+
+  /// A field of which all but the interior is known, and what that follows from.
+  struct Traced {
+    TangentField field;
+    PenaltyIterate solution;
+    Twofold values;
+  };
+
+  Traced trace(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough) {
+    const Model& m = condensed.m;
+    const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+    const Tangent tangent{condensed,
+                          held,
+                          {.F = on_rows(m, less_prescribed(m, load, prescribed)),
+                           .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
+                           .prescribed = prescribed},
+                          Eigen::VectorXd::Zero(m.inner->ordering.contact_rows),
+                          on_rows(m, load)};
+    Traced t;
+    t.solution = solve_tangent(tangent, uniform, enough, refining, t.field);
+    t.values = on_skeleton(m, t.solution, prescribed);
+    t.field.force = on_skeleton(m, t.solution.force, nullptr);
+    t.field.interior.setZero(interior_count(m.element), triangles);
+    return t;
+  }
+
+  void fill(Traced& of, Index t) const {
+    const Model& m = condensed.m;
+    const Strained s = strained(m, of.values, t);
+    of.field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, s.rest,
+                                        penalty_of(m, of.solution, t));
+    add_motion(m, t, s.motion, of.field.interior.col(t));
+  }
+
+  // Without a penalty the elimination of a triangle is the same for all fields.
+  void fill(std::span<Traced> of, Index t) const {
+    const Model& m = condensed.m;
+    Eigen::MatrixXd rest(skeleton_count(m.element), static_cast<Eigen::Index>(of.size()));
+    std::vector<RigidMotion> motion(of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const Strained s = strained(m, of[i].values, t);
+      rest.col(static_cast<Eigen::Index>(i)) = s.rest;
+      motion[i] = s.motion;
+    }
+    const Eigen::MatrixXd found = interiors(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), rest);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      of[i].field.interior.col(t) = found.col(static_cast<Eigen::Index>(i));
+      add_motion(m, t, motion[i], of[i].field.interior.col(t));
+    }
+  }
 };
 
 TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
@@ -360,31 +410,33 @@ TangentSolver::~TangentSolver() = default;
 TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
                                   std::span<const Index> only) {
   const Model& m = impl_->condensed.m;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const Tangent tangent{impl_->condensed,
-                        impl_->held,
-                        {.F = on_rows(m, less_prescribed(m, load, prescribed)),
-                         .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
-                         .prescribed = prescribed},
-                        Eigen::VectorXd::Zero(m.inner->ordering.contact_rows),
-                        on_rows(m, load)};
-  TangentField field;
-  const PenaltyIterate solution = solve_tangent(tangent, impl_->uniform, enough, impl_->refining, field);
-  const Twofold values = on_skeleton(m, solution, prescribed);
-  field.force = on_skeleton(m, solution.force, nullptr);
-  field.interior.setZero(interior_count(m.element), triangles);
-  const auto fill = [&](Index t) {
-    const Strained s = strained(m, values, t);
-    field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, s.rest,
-                                     penalty_of(m, solution, t));
-    add_motion(m, t, s.motion, field.interior.col(t));
-  };
-  for (const Index t : only) fill(t);
+  Impl::Traced traced = impl_->trace(load, prescribed, enough);
+  for (const Index t : only) impl_->fill(traced, t);
   if (only.empty())
-    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-      for (Index t = begin; t < end; ++t) fill(t);
+    parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) impl_->fill(traced, t);
     });
-  return field;
+  return std::move(traced.field);
+}
+
+std::vector<TangentField> TangentSolver::solve_all(std::size_t count,
+                                                   const std::function<Eigen::VectorXd(std::size_t)>& load) {
+  const Model& m = impl_->condensed.m;
+  const std::vector<double> at_rest(static_cast<std::size_t>(m.inner->skeleton.total), 0);
+  std::vector<TangentField> fields;
+  fields.reserve(count);
+  constexpr std::size_t most = 32;  // what a core's cache holds of one triangle's columns
+  while (fields.size() < count) {
+    const std::size_t here = m.inner->system.penalty > 0 ? 1 : std::min(most, count - fields.size());
+    std::vector<Impl::Traced> traced;
+    for (std::size_t i = 0; i < here; ++i)
+      traced.push_back(impl_->trace(load(fields.size() + i), at_rest, to_rounding));
+    parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) here == 1 ? impl_->fill(traced.front(), t) : impl_->fill(traced, t);
+    });
+    for (Impl::Traced& t : traced) fields.push_back(std::move(t.field));
+  }
+  return fields;
 }
 
 TangentField solve_linear(const Model& m, const Eigen::VectorXd& load, const std::vector<double>& prescribed,

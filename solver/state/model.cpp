@@ -3,6 +3,7 @@
 #include "geometry/topology.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
+#include "solver/system/lost_definiteness.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
@@ -106,7 +107,7 @@ Factor factor_of(const LowerTriangle& k, const Element& e, const Ordering& o) {
   if (!is_definite(e)) return Factor(k, o.contact_rows, false, o.interface_rows);
   try {
     return Factor(k, o.contact_rows, true, o.interface_rows);
-  } catch (const Error&) {
+  } catch (const LostDefiniteness&) {
     constexpr double shift = 1e-13;
     LowerTriangle raised = k;
     for (Index row = 0; row < k.size; ++row) raised.values[raised.start[row]] *= 1 + shift;
@@ -151,6 +152,42 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
                           rows, edges, most, shortest, at.x(), at.y()));
 }
 
+// What comes before the matrix: the loads checked against the supports, the unknowns numbered.
+struct Prepared {
+  Prepared(Mesh of, Kernel by, Scene under, int on)
+      : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
+    Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads), threads};
+    skeleton = number(mesh, kernel, {scene, loaded.data});
+    note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
+    floating = check_supports(mesh, kernel, skeleton, loaded, notes);
+    if (!floating.empty())
+      for (const Index pin : pins(mesh, kernel, skeleton, floating)) skeleton.fixed[pin] = true;
+    data = std::move(loaded.data);
+  }
+
+  Model model(Ordering ordering, System system, std::shared_ptr<const Factor> factor, const ModelSeconds& seconds) && {
+    const Element element = kernel.element;
+    return {.mesh = std::move(mesh),
+            .element = element,
+            .scene = std::move(scene),
+            .notes = std::move(notes),
+            .threads = threads,
+            .seconds = seconds,
+            .inner = std::make_shared<Inner>(Inner{std::move(kernel), std::move(skeleton), std::move(ordering),
+                                                   std::move(system), std::move(factor), std::move(floating),
+                                                   std::move(data)})};
+  }
+
+  Mesh mesh;
+  Kernel kernel;
+  Scene scene;
+  int threads;
+  Skeleton skeleton;
+  std::vector<std::string> notes;
+  std::vector<RigidMotion> floating;
+  SceneData data;
+};
+
 }  // namespace
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
@@ -162,34 +199,34 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
     if (r >= static_cast<Index>(scene.regions.size()))
       throw std::invalid_argument("prepare: one material per region is needed");
   Stopwatch watch;
-  const Kernel k = kernel(e);
-  Loaded loaded{scene, scene_data(mesh, scene, k.load, threads), threads};
-  Skeleton skeleton = number(mesh, k, {scene, loaded.data});
-  std::vector<std::string> notes;
-  note_corner_loads(mesh, k, scene, skeleton, loaded.data, notes);
-  std::vector<RigidMotion> floating = check_supports(mesh, k, skeleton, loaded, notes);
-  if (!floating.empty())
-    for (const Index pin : pins(mesh, k, skeleton, floating)) skeleton.fixed[pin] = true;
-  Ordering ordering = order(mesh, skeleton, how.interface_edges);
+  Prepared made(std::move(mesh), kernel(e), std::move(scene), threads);
+  Ordering ordering = order(made.mesh, made.skeleton, how.interface_edges);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
-  if (mesh.triangles.size() > large) return_freed_memory();
-  check_contact(mesh, scene, ordering.contact_rows);
+  if (made.mesh.triangles.size() > large) return_freed_memory();
+  check_contact(made.mesh, made.scene, ordering.contact_rows);
   ModelSeconds seconds;
   const double numbering = watch.lap();
-  System system = assemble({mesh, k, skeleton, scene, loaded.data, ordering, threads, how.plain});
+  System system =
+      assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
-  Factor factor = !how.factorize             ? Factor(LowerTriangle{}, 0)
-                  : !skeleton.unseen.empty() ? Factor(lifted(system.K, skeleton, ordering), ordering.contact_rows)
-                                             : factor_of(system.K, e, ordering);
+  auto factor = std::make_shared<const Factor>(
+      !how.factorize                  ? Factor(LowerTriangle{}, 0)
+      : !made.skeleton.unseen.empty() ? Factor(lifted(system.K, made.skeleton, ordering), ordering.contact_rows)
+                                      : factor_of(system.K, e, ordering));
   seconds.factor = watch.lap();
-  return {.mesh = std::move(mesh),
-          .element = e,
-          .scene = std::move(scene),
-          .notes = std::move(notes),
-          .threads = threads,
-          .seconds = seconds,
-          .inner = std::make_shared<Inner>(Inner{k, std::move(skeleton), std::move(ordering), std::move(system),
-                                                 std::move(factor), std::move(floating), std::move(loaded.data)})};
+  return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
+}
+
+Model with_loads(const Model& m, Scene scene) {
+  Stopwatch watch;
+  Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads);
+  if (made.skeleton.total != m.inner->skeleton.total || made.skeleton.fixed != m.inner->skeleton.fixed)
+    throw std::invalid_argument("with_loads: the supports differ");
+  Ordering ordering = m.inner->ordering;
+  System system = assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false});
+  ModelSeconds seconds;
+  seconds.assemble = watch.lap();
+  return std::move(made).model(std::move(ordering), std::move(system), m.inner->factor, seconds);
 }
 
 bool certified(const State& state) {

@@ -85,7 +85,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(contact_rows).setZero();
   const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.inner->system.K, s.x)) : F;
-  const Eigen::VectorXd y = m.inner->factor.forward(rest);
+  const Eigen::VectorXd y = m.inner->factor->forward(rest);
   ++state.linear_solves;
   Eigen::VectorXd correction;
   if (contact_rows > 0) {
@@ -100,7 +100,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     for (Index i = 0; i < contact_rows; ++i)
       if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - contact_rows + i] = 0;
   } else {
-    correction = m.inner->factor.backward(y);
+    correction = m.inner->factor->backward(y);
   }
   if (guess)
     s.x += correction;
@@ -157,7 +157,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
-  const Eigen::VectorXd half = m.inner->factor.forward(missed);
+  const Eigen::VectorXd half = m.inner->factor->forward(missed);
   // An eigenstrain stores energy without any displacement, too.
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
@@ -207,7 +207,7 @@ struct Settling {
   // The next set of motions, and F with the forces of the rows that move.
   Eigen::VectorXd exchange(const Eigen::VectorXd& F, const Eigen::VectorXd& rest, const Eigen::VectorXd& jump,
                            PenaltyIterate& s) const {
-    const Eigen::VectorXd y = condensed.m.inner->factor.forward(rest);
+    const Eigen::VectorXd y = condensed.m.inner->factor->forward(rest);
     const Contact contact = dual_qp(condensed.S, condensed.load(y) + condensed.S * jump, condensed.points, s.motion);
     ++state.linear_solves;
     state.contact_iterations += contact.iterations;

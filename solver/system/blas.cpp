@@ -1,11 +1,10 @@
 #include "solver/system/blas.hpp"
 
-#include "kerf/types.hpp"
-
 #include <dlfcn.h>
 #include <sys/mman.h>
 
 #include <mutex>
+#include <new>
 #include <vector>
 
 namespace kerf {
@@ -65,7 +64,7 @@ BlasCall::~BlasCall() {
 }
 
 void out_of_memory() {
-  throw Error(Fault::Numerics, "not enough memory for the factorization; use a coarser mesh (mesh.size)");
+  throw std::bad_alloc();
 }
 
 }  // namespace kerf

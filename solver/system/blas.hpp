@@ -5,7 +5,7 @@ namespace kerf {
 
 /// Held around calls that reach the BLAS (CHOLMOD, UMFPACK). OpenBLAS takes 128 MB of address space for every thread
 /// that is inside at once, keeps it, and where it gets none asks again for ever: so it is asked for before, where it can
-/// be refused. Another BLAS needs nothing of it. Throws Error(Numerics) when there is too little address space.
+/// be refused. Another BLAS needs nothing of it. Throws std::bad_alloc when there is too little address space.
 class BlasCall {
  public:
   BlasCall();
@@ -14,7 +14,7 @@ class BlasCall {
   BlasCall& operator=(const BlasCall&) = delete;
 };
 
-/// The words for want of memory, the same from everywhere. Throws Error(Numerics).
+/// Throws std::bad_alloc: an Error would be taken for a body that cannot be solved, where loops try another.
 [[noreturn]] void out_of_memory();
 
 }  // namespace kerf

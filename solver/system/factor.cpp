@@ -2,6 +2,7 @@
 
 #include "kerf/stop.hpp"
 #include "solver/system/blas.hpp"
+#include "solver/system/lost_definiteness.hpp"
 
 #include <cholmod.h>
 #include <dlfcn.h>
@@ -118,8 +119,7 @@ struct Factor::Impl {
     const int done = cholmod_factorize(&a, factor, &session.c);
     // cholmod_solve resets the status: it must be read here.
     if (session.c.status == CHOLMOD_NOT_POSDEF)
-      throw Error(
-          Fault::Numerics,
+      throw LostDefiniteness(
           "rounding has eaten the stiffness of the body: it is slender or nearly free to move, triangles are very "
           "flat, or materials differ too much; support it more firmly, or refine the mesh there");
     if (!done || session.c.status != CHOLMOD_OK) out_of_memory();

@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 auto lower(const Model& m) {
-  return m.inner->factor.contact_factor().triangularView<Eigen::Lower>();
+  return m.inner->factor->contact_factor().triangularView<Eigen::Lower>();
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Penalt
 }
 
 Condensation::Condensation(const Model& model)
-    : m(model), S(model.inner->factor.contact_complement()), points(contact_points(model)) {}
+    : m(model), S(model.inner->factor->contact_complement()), points(contact_points(model)) {}
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
   return lower(m) * y.tail(m.inner->ordering.contact_rows);
@@ -95,7 +95,7 @@ Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
 Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {
   const auto l = lower(m);
   y.tail(jump.size()) = l.transpose() * jump;
-  Eigen::VectorXd x = m.inner->factor.backward(y);
+  Eigen::VectorXd x = m.inner->factor->backward(y);
   x.tail(jump.size()) = jump;
   return x;
 }
@@ -109,8 +109,8 @@ Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::
 
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                            const Eigen::VectorXd* held) const {
-  const Eigen::VectorXd y = m.inner->factor.forward(b);
-  if (m.inner->ordering.contact_rows == 0) return m.inner->factor.backward(y);
+  const Eigen::VectorXd y = m.inner->factor->forward(b);
+  if (m.inner->ordering.contact_rows == 0) return m.inner->factor->backward(y);
   if (!held) return complete(y, moving_jumps(load(y), motion));
   return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
 }

@@ -19,9 +19,9 @@ class Frozen {
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
     const Model& m = condensed_.m;
-    Eigen::VectorXd y = m.inner->factor.forward(b);
+    Eigen::VectorXd y = m.inner->factor->forward(b);
     const Index rows = m.inner->ordering.contact_rows;
-    if (rows == 0) return m.inner->factor.backward(y);
+    if (rows == 0) return m.inner->factor->backward(y);
     Eigen::VectorXd jump = Eigen::VectorXd::Zero(rows);
     if (!moving_.empty()) {
       const Eigen::VectorXd load = condensed_.load(y);

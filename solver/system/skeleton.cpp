@@ -380,14 +380,16 @@ Index corner_in(const Mesh& mesh, const Skeleton& s, Index t, Index vertex) {
   return s.corners.of[t][i];
 }
 
-// Of one edge of a crack: the pressure pushes its right side along the normal, its left side the other way.
+// Of one edge of a crack: the pressure pushes its right side along the normal, its left side the other way, and a shear
+// so along the normal turned by +90 degrees.
 void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e, const EdgeValues& values,
                   Eigen::VectorXd& load) {
   const EdgeRule rule = gauss(data_points);
   const double l = length(mesh, e);
   for (int q = 0; q < data_points; ++q) {
     const double at = rule.s[q];
-    const Vec2 moment = l * rule.w[q] * values.at(0, q) * normal(mesh, e);
+    const Vec2 n = normal(mesh, e);
+    const Vec2 moment = l * rule.w[q] * (values.at(0, q) * n + values.at(1, q) * Vec2(-n.y(), n.x()));
     if (is_mixed(k.element)) {
       const Eigen::VectorXd basis = trace_basis(k.trace, at);
       for (int g = 0; g < basis.size(); ++g)

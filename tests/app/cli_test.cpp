@@ -387,6 +387,28 @@ TEST_F(Cli, UnitsAreSaidEverywhere) {
   expect_failure("check a.toml --set units.length='\"mm\"'", 2, "stress");
 }
 
+TEST_F(Cli, ReportMakesThePageAgain) {
+  EXPECT_EQ(kerf("solve a.toml -o out --set output.vtk=false").code, 0);
+  const std::string before = read_all(folder / "out/report.html");
+  fs::remove(folder / "out/report.html");
+  const Outcome o = kerf("report out");
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_EQ(o.out, "wrote out/report.html\n");
+  const std::string again = read_all(folder / "out/report.html");
+  const std::size_t end = before.find("<div class=\"key\">");  // then comes the time
+  EXPECT_EQ(again.substr(0, end), before.substr(0, end));
+  EXPECT_NE(again.find("data-array=\"von_mises\""), std::string::npos);
+  EXPECT_EQ(kerf("report out --quiet").out, "");
+  EXPECT_EQ(read_all(folder / "out/report.html"), again) << "the same files, the same bytes";
+  fs::remove(folder / "out/report.bin");
+  EXPECT_EQ(kerf("report out").code, 0) << "without what is drawn: the words and the tables";
+  EXPECT_EQ(read_all(folder / "out/report.html").find("data-array=\"von_mises\""), std::string::npos);
+  expect_failure("report nowhere", 5, "nowhere is no folder");
+  expect_failure("report .", 5, "holds no result.json");
+  std::ofstream(folder / "out/result.json") << "{";
+  expect_failure("report out", 5, "result.json is damaged");
+}
+
 TEST_F(Cli, AStopInAValidationLeavesTheStateAndWhatWasValidated) {
   const Outcome o = kerf(
       "run a.toml --set mesh.size=0.012 --set output.png=false "

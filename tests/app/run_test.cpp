@@ -222,6 +222,9 @@ TEST_F(Run, EveryShippedCaseRunsCoarsely) {
     }
     EXPECT_GE(r["mesh"]["min_angle_deg"].get<double>(), 25) << name;
   }
+  // The pictures in docs/gallery are drawn from the same numbers.
+  const std::string gallery = (fs::path(KERF_CASES).parent_path() / "docs/gallery.py").string();
+  EXPECT_EQ(std::system(("python3 " + gallery + " --check --results " + folder.string()).c_str()), 0);
 }
 
 TEST_F(Run, FailureIsWrittenWithItsReason) {

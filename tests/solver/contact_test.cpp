@@ -366,9 +366,9 @@ TEST(Contact, AllMethodsAgreeOnAFactorizedBody) {
                                 return field.displacement(x, exact::side_of(field, x));
                               }});
   const Model m = prepare(exact::crack_mesh(32), element("bdms"), scene, 1);
-  const Problem p{m.inner->factor.contact_complement(),
-                  m.inner->factor.contact_factor().triangularView<Eigen::Lower>() *
-                      m.inner->factor.forward(m.inner->system.F).tail(m.inner->ordering.contact_rows),
+  const Problem p{m.inner->factor->contact_complement(),
+                  m.inner->factor->contact_factor().triangularView<Eigen::Lower>() *
+                      m.inner->factor->forward(m.inner->system.F).tail(m.inner->ordering.contact_rows),
                   normal_points(m.inner->ordering.contact_rows)};
   expect_all_agree(p, 1e-10, "case III");
   const Contact c = dual_qp(p.S, p.r, p.points);

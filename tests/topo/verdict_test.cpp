@@ -112,7 +112,7 @@ TEST(Verdict, NamesThePartsThatAPointDoesNotSee) {
   const Body b{rectangle({-1, -1}, {1, 1}), s, {.size = 0.4}, element("bdms", 1)};
   const Validation v = validated(b, {"", {energy()}}, {0, 0}, {}, {0.08, 0.04, 0.02, 0.01});
   EXPECT_EQ(v.verdict, Verdict::Holds) << text(v);
-  EXPECT_NE(v.reason.find("hardly seen here: trace"), std::string::npos) << v.reason;
+  EXPECT_NE(v.reason.find("hardly tested: trace"), std::string::npos) << v.reason;
   ASSERT_EQ(v.modes.size(), 2u);
   EXPECT_NEAR(v.modes[1].value, v.coefficient, 1e-6 * std::abs(v.coefficient));
 }

@@ -74,14 +74,14 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
   b->opening.resize(n, n);
   b->slope.resize(n);
   TangentSolver solver(m, tied(status));
-  const std::vector<double> nowhere(static_cast<std::size_t>(m.inner->skeleton.total), 0);
+  const auto unit = [&](std::size_t i) -> Eigen::VectorXd {
+    return Eigen::VectorXd::Unit(m.inner->skeleton.total, unknowns[i]);
+  };
+  for (TangentField& field : solver.solve_all(unknowns.size(), unit)) b->response.push_back(std::move(field));
   for (Eigen::Index i = 0; i < n; ++i) {
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(m.inner->skeleton.total);
-    unit[unknowns[static_cast<std::size_t>(i)]] = 1;
-    b->response.push_back(solver.solve(unit, nowhere));
-    for (Eigen::Index k = 0; k < n; ++k)
-      b->opening(k, i) = b->response.back().skeleton[unknowns[static_cast<std::size_t>(k)]];
-    b->slope[i] = along(dJ, b->response.back());
+    const Field& field = b->response[static_cast<std::size_t>(i)];
+    for (Eigen::Index k = 0; k < n; ++k) b->opening(k, i) = field.skeleton[unknowns[static_cast<std::size_t>(k)]];
+    b->slope[i] = along(dJ, field);
   }
   b->opening = 0.5 * (b->opening + b->opening.transpose()).eval();
   return b;

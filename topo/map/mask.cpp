@@ -1,5 +1,6 @@
 #include "topo/map/mask.hpp"
 #include "kerf/state.hpp"
+#include "topo/near.hpp"
 
 #include "geometry/plane.hpp"
 #include "solver/parallel.hpp"
@@ -13,6 +14,13 @@ namespace {
 
 struct Segment {
   Vec2 a, b;
+  Near kind;
+};
+
+/// Distance to the nearest feature less `clear`, and which one it is.
+struct Looked {
+  std::vector<double> margin;
+  std::vector<Near> to;
 };
 
 std::vector<Segment> features(const Model& m) {
@@ -22,8 +30,12 @@ std::vector<Segment> features(const Model& m) {
     const bool interface =
         left != none && right != none && !m.mesh.region.empty() && m.mesh.region[left] != m.mesh.region[right];
     const bool crack = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
-    if (left == none || right == none || crack || interface)
-      all.push_back({m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]});
+    const bool boundary = left == none || right == none;
+    if (boundary || crack || interface)
+      all.push_back({m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]],
+                     boundary ? Near::Boundary
+                     : crack  ? Near::Crack
+                              : Near::Material});
   }
   return all;
 }
@@ -35,14 +47,12 @@ double to_rings(const Functional& j, const Vec2& x) {
   return least;
 }
 
-}  // namespace
-
 // Segments in square cells of side `reach` (few enough of them): a point looks into its own, where every segment that
 // comes near enough is listed.
-std::vector<double> margins(const Model& m, const Functional& j, std::span<const Vec2> points, const MaskReach& c) {
+Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, const MaskReach& c) {
   const auto& [clear, radius, reach] = c;
-  std::vector<double> margin(points.size(), -clear);  // outside the box
-  if (m.mesh.points.empty()) return margin;
+  Looked out{std::vector<double>(points.size(), -clear), std::vector<Near>(points.size(), Near::Nothing)};
+  if (m.mesh.points.empty()) return out;  // outside the box
   Vec2 low = m.mesh.points[0], high = low;
   for (const Vec2& p : m.mesh.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double width = (high - low).maxCoeff();
@@ -61,13 +71,30 @@ std::vector<double> margins(const Model& m, const Functional& j, std::span<const
     for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
       const Vec2& x = points[p];
       if (!x.allFinite() || (x - low).minCoeff() < 0 || (high - x).minCoeff() < 0) continue;
-      double least = std::min(reach, to_rings(j, x) - radius + clear);
+      const double to_ring = to_rings(j, x) - radius + clear;
+      double least = std::min(reach, to_ring);
+      Near what = to_ring < reach ? Near::Ring : Near::Nothing;
       for (const Segment& s : cells[static_cast<std::size_t>(column(x.y(), 1)) * across + column(x.x(), 0)])
-        least = std::min(least, distance(x, s.a, s.b));
-      margin[p] = least - clear;
+        if (const double here = distance(x, s.a, s.b); here < least) {
+          least = here;
+          what = s.kind;
+        }
+      out.margin[p] = least - clear;
+      out.to[p] = what;
     }
   });
-  return margin;
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> margins(const Model& m, const Functional& j, std::span<const Vec2> points, const MaskReach& c) {
+  return look(m, j, points, c).margin;
+}
+
+std::vector<Near> nearest(const Model& m, const Functional& j, std::span<const Vec2> points, double reach,
+                          double radius) {
+  return look(m, j, points, {reach, radius, reach}).to;
 }
 
 std::vector<bool> too_close(const Model& m, const Functional& j, std::span<const Vec2> points, double clear,

@@ -21,11 +21,11 @@ Responses responses(const Model& m, const Field& s, std::span<const Term> readin
   const std::vector<bool> singular = singular_corners(m, s, r.corners);
   r.stress = recover_stress(m, s, r.corners, singular, m.scene.body);
   r.value = read(m, s, readings);
-  const std::vector<double> homogeneous(static_cast<std::size_t>(m.inner->skeleton.total), 0.0);
+  const auto slope = [&](std::size_t k) -> Eigen::VectorXd { return derivative(readings[k], m, s).skeleton; };
   TangentSolver solver(m, tied(contact_status(m, s)));
-  for (const Term& reading : readings) {
-    r.dual.push_back(solver.solve(derivative(reading, m, s).skeleton, homogeneous));
-    r.dual_stress.push_back(recover_stress(m, r.dual.back(), r.corners, singular));
+  for (TangentField& dual : solver.solve_all(readings.size(), slope)) {
+    r.dual_stress.push_back(recover_stress(m, dual, r.corners, singular));
+    r.dual.push_back(std::move(dual));
   }
   return r;
 }

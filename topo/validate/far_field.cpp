@@ -64,8 +64,8 @@ class Outside {
       const BallChange& change = c.of->changes[0];
       tail.col(k) << rest.head(c.begin), change.ball, rest.tail(rest.size() - c.begin), change.contact;
     }
-    y.bottomRows(tail.rows()) = inner.factor.interface_factor().triangularView<Eigen::Lower>().transpose() * tail;
-    return inner.factor.backward(y);
+    y.bottomRows(tail.rows()) = inner.factor->interface_factor().triangularView<Eigen::Lower>().transpose() * tail;
+    return inner.factor->backward(y);
   }
 
   // Row i * columns + k: change k of the domain integral of term i; a column per triangle.

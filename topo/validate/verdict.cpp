@@ -287,7 +287,7 @@ std::string unseen(const Validation& v) {
     if (std::abs(m.value) < seen * std::abs(v.coefficient))
       words += fmt::format("{}{} ({:.1f} % of T)", words.empty() ? "" : ", ", m.name,
                            100 * std::abs(m.value / v.coefficient));
-  return words.empty() ? words : "; hardly seen here: " + words;
+  return words.empty() ? words : "; parts of the formula that hardly count here, and are hardly tested: " + words;
 }
 
 }  // namespace

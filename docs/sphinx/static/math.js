@@ -1,0 +1,6 @@
+// Formulas are in the page as TeX; KaTeX, which lies beside the page, sets them.
+document.addEventListener("DOMContentLoaded", () => {
+  for (const place of document.querySelectorAll(".math")) {
+    katex.render(place.textContent, place, { displayMode: place.tagName === "DIV", throwOnError: false });
+  }
+});

@@ -1,0 +1,337 @@
+// result.json and the tables beside it, read back: the mirror of result.cpp, section by section.
+
+#include "io/files.hpp"
+#include "io/read_result.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/result/read_tables.hpp"
+
+namespace kerf {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// null, or nothing: not a number.
+double number(const Json& from, const char* key) {
+  const auto found = from.find(key);
+  return found == from.end() || found->is_null() ? nan : found->get<double>();
+}
+double number(const Json& value) {
+  return value.is_null() ? nan : value.get<double>();
+}
+std::optional<double> maybe(const Json& from, const char* key) {
+  const auto found = from.find(key);
+  return found == from.end() || found->is_null() ? std::nullopt : std::optional(found->get<double>());
+}
+Index count(const Json& from, const char* key) {
+  return from.value(key, Index{0});
+}
+std::string text(const Json& from, const char* key) {
+  return from.value(key, std::string());
+}
+std::vector<std::string> texts(const Json& from, const char* key) {
+  return from.value(key, std::vector<std::string>());
+}
+/// An empty array where there is none.
+const Json& list(const Json& from, const char* key) {
+  static const Json none_there = Json::array();
+  const auto found = from.find(key);
+  return found == from.end() || found->is_null() ? none_there : *found;
+}
+
+Vec2 place(const Json& at) {
+  return {number(at.at(0)), number(at.at(1))};
+}
+PlacedValue placed(const Json& value) {
+  return {place(value.at("at")), number(value, "value")};
+}
+Peak peak(const Json& from) {
+  Peak out{placed(from), from.value("singular", false), std::nullopt};
+  if (from.contains("regular") && !from["regular"].is_null()) out.regular = placed(from["regular"]);
+  return out;
+}
+ResultantResult resultant(const Json& from) {
+  return {text(from, "on"), place(from.at("force")), number(from, "moment")};
+}
+Eigen::VectorXd numbers(const Json& from) {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(from.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = number(from[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+/// The one whose word it is; the first where there is none.
+template <typename T, std::size_t n>
+T from_word(const std::array<std::string_view, n>& words, const std::string& word) {
+  for (std::size_t i = 0; i < n; ++i)
+    if (words[i] == word) return static_cast<T>(i);
+  return T{};
+}
+Verdict verdict(const std::string& said) {
+  for (const Verdict v : {Verdict::Holds, Verdict::Fails, Verdict::Vanishes, Verdict::OutOfRange})
+    if (word(v) == said) return v;
+  return Verdict::NothingSaid;
+}
+
+void read_mesh(const Json& from, Result& r) {
+  r.triangles = count(from, "triangles");
+  r.vertices = count(from, "vertices");
+  r.mesh = {number(from, "h_min"), number(from, "h_max"), number(from, "min_angle_deg"), number(from, "mean_quality")};
+  if (!from.contains("adapt")) return;
+  r.adapt = AdaptResult{{}, text(from["adapt"], "stopped")};
+  for (const Json& round : from["adapt"].at("rounds"))
+    r.adapt->rounds.emplace_back(count(round, "triangles"), number(round, "estimated_error"));
+}
+
+StateResult state(const Json& from) {
+  StateResult s;
+  s.element = text(from, "element");
+  s.degree = from.value("degree", 1);
+  s.unknowns = count(from, "unknowns");
+  s.condensed_unknowns = count(from, "condensed_unknowns");
+  s.residual = number(from, "residual");
+  s.work_error = number(from, "work_error");
+  s.energy = number(from, "energy");
+  s.compliance = number(from, "compliance");
+  s.area = number(from, "area");
+  s.estimated_error = maybe(from, "estimated_error");
+  if (const Json& bounds = list(from, "energy_bounds"); bounds.size() == 2)
+    s.energy_bounds = {number(bounds[0]), number(bounds[1])};
+  s.of_polygon = text(from, "energy_bounds_of") == "polygon";
+  s.notes = texts(from, "notes");
+  if (from.contains("max_von_mises")) s.von_mises = peak(from["max_von_mises"]);
+  if (from.contains("max_displacement")) s.displacement = Peak{placed(from["max_displacement"])};
+  if (from.contains("resultants")) {
+    const Json& all = from["resultants"];
+    for (const Json& r : list(all, "loads")) s.loads.push_back(resultant(r));
+    for (const Json& r : list(all, "reactions")) s.reactions.push_back(resultant(r));
+    if (all.contains("body")) s.body = resultant(all["body"]);
+    if (all.contains("balance")) s.balance = resultant(all["balance"]);
+  }
+  if (from.contains("plate")) s.thickness = number(from["plate"], "thickness");
+  return s;
+}
+
+CrackResult crack(const Json& from) {
+  CrackResult out;
+  out.name = text(from, "name");
+  out.length = number(from, "length");
+  out.max_opening = number(from, "max_opening");
+  out.max_pressure = number(from, "max_pressure");
+  for (const Json& t : list(from, "transitions"))
+    out.transitions.push_back({place(t.at("at")), text(t, "from"), text(t, "to")});
+  for (const Json& t : list(from, "tips")) {
+    TipResult tip{place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II"), maybe(t, "G"), maybe(t, "T"), std::nullopt};
+    if (t.contains("spread") && !t["spread"].is_null())
+      tip.spread = {number(t["spread"], "K_I"), number(t["spread"], "K_II"), number(t["spread"], "T")};
+    out.tips.push_back(tip);
+  }
+  out.fluid_pressure = maybe(from, "fluid_pressure");
+  if (from.contains("pressure_peak")) out.pressure = peak(from["pressure_peak"]);
+  return out;
+}
+
+FunctionalResult functional(const Json& from) {
+  FunctionalResult out{text(from, "kind"), number(from, "value"), {}};
+  for (const Json& t : list(from, "terms"))
+    out.terms.push_back({text(t, "kind"), number(t, "factor"), number(t, "value")});
+  return out;
+}
+
+MapResult map(const Json& from) {
+  MapResult out;
+  out.perturbation = text(from, "perturbation");
+  out.min = placed(from.at("min"));
+  out.max = placed(from.at("max"));
+  out.excluded_radius = number(from, "excluded_radius");
+  out.radius = number(from, "radius");
+  out.masked_share = number(from, "masked_share");
+  out.biactive_length = number(from, "biactive_length");
+  for (const Json& p : list(from, "points")) {
+    const std::optional<double> angle = maybe(p, "angle_deg");
+    out.oriented = out.oriented || angle;
+    out.points.push_back({.at = place(p.at("at")),
+                          .value = number(p, "value"),
+                          .angle = angle.value_or(0) * pi / 180,
+                          .masked = p.value("masked", false),
+                          .lower = maybe(p, "lower"),
+                          .upper = maybe(p, "upper")});
+  }
+  return out;
+}
+
+Validation validation(const Json& from) {
+  Validation v;
+  v.at = place(from.at("at"));
+  v.coefficient = number(from, "coefficient");
+  v.order = number(from, "order");
+  v.verdict = verdict(text(from, "verdict"));
+  v.reason = text(from, "reason");
+  v.intercept = number(from, "intercept");
+  v.plateau = number(from, "plateau");
+  v.c2 = number(from, "c2");
+  v.c3 = number(from, "c3");
+  v.on_mesh = number(from, "on_mesh");
+  v.bar = number(from, "bar");
+  if (from.contains("independent")) {
+    const Json& drawn = from["independent"];
+    v.drawn.radius = number(drawn, "radius");
+    v.drawn.difference = number(drawn, "difference");
+    v.drawn.coefficient = number(drawn, "formula");
+    v.drawn.intercept = number(drawn, "intercept");
+  }
+  for (const Json& row : list(from, "rows"))
+    v.rows.push_back({number(row, "radius"), number(row, "J"), number(row, "difference"), number(row, "predicted"),
+                      number(row, "remainder"), number(row, "order"), row.value("same_contact", true)});
+  return v;
+}
+
+Identified identified(const Json& from) {
+  Identified i{text(from, "name"), text(from, "truth"), numbers(from.at("found")), numbers(from.at("exact"))};
+  i.position_error = i.truth.empty() ? 0 : number(from, "position_error");
+  i.size_error = i.truth.empty() ? 0 : number(from, "size_error");
+  return i;
+}
+
+LeastSquares fit(const Json& from) {
+  LeastSquares out;
+  out.readings = from.value("readings", 0);
+  out.start = number(from, "start");
+  out.end = number(from, "end");
+  out.noise = number(from, "noise");
+  out.estimated = from.value("estimated", false);
+  out.steps = from.value("steps", 0);
+  out.state_solves = from.value("state_solves", 0);
+  out.optimality = number(from, "optimality");
+  out.stopped = text(from, "stopped");
+  const Json &variables = list(from, "variables"), &rows = list(from, "covariance");
+  const auto n = static_cast<Eigen::Index>(variables.size());
+  out.variables.resize(n);
+  out.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    out.variables[i] = number(variables[k], "value");
+    if (rows.size() == variables.size()) out.covariance.row(i) = numbers(rows[k]).transpose();
+  }
+  for (const Json& e : list(from, "ellipses"))
+    out.ellipses.push_back(
+        {text(e, "name"), place(e.at("at")), place(e.at("semi_axes")), number(e, "angle_deg") * pi / 180});
+  return out;
+}
+
+FinerDesign finer(const Json& from) {
+  FinerDesign out;
+  out.size = number(from, "size");
+  for (const Element& e : elements)
+    if (e.name == text(from, "element") && e.degree == from.value("degree", 1)) out.element = e;
+  out.objective = number(from, "objective");
+  out.volume_fraction = number(from, "volume_fraction");
+  out.violation = number(from, "violation");
+  for (const Json& b : list(from, "bounds")) out.bounds.push_back(number(b, "value"));
+  out.residual = number(from, "residual");
+  out.failure = text(from, "failure");
+  return out;
+}
+
+void read_optimize(const Json& from, Result& r) {
+  OptimizeResult o;
+  o.method = from_word<OptimizeMethod>(optimize_method_words, text(from, "method"));
+  o.iterations = from.value("iterations", 0);
+  o.state_solves = from.value("state_solves", 0);
+  o.objective = number(from, "objective");
+  o.volume_fraction = number(from, "volume_fraction");
+  o.feasible = from.value("feasible", false);
+  o.stopped = text(from, "stopped");
+  o.ending = from_word<Ending>(ending_words, text(from, "ending"));
+  o.optimality = number(from, "optimality");
+  if (from.contains("hole_margin")) {
+    const Json& holes = from["hole_margin"];
+    o.holes.least = number(holes, "least");
+    o.holes.at = place(holes.at("at"));
+    if (holes.contains("proof")) o.holes.proof = verdict(text(holes, "proof"));
+  }
+  if (from.contains("bump_margin")) {
+    o.bumps.least = number(from["bump_margin"], "least");
+    o.bumps.at = place(from["bump_margin"].at("at"));
+  }
+  if (from.contains("finer")) o.finer = finer(from["finer"]);
+  o.notes = texts(from, "notes");
+  OptimizeNames& names = r.optimize_names;
+  names.volume_at_most = maybe(from, "volume_at_most");
+  for (const Json& b : list(from, "bounds")) {
+    names.bounds.push_back(text(b, "name"));
+    names.at_most.push_back(number(b, "at_most"));
+  }
+  const Json& variables = list(from, "variables");
+  o.variables.resize(static_cast<Eigen::Index>(variables.size()));
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    names.variables.push_back(text(variables[i], "name"));
+    o.variables[static_cast<Eigen::Index>(i)] = number(variables[i], "value");
+  }
+  if (from.contains("least_squares")) r.fit = fit(from["least_squares"]);
+  for (const Json& i : list(from, "identified")) r.identified.push_back(identified(i));
+  r.optimize = std::move(o);
+}
+
+Seconds seconds(const Json& from) {
+  return {number(from, "mesh"),    number(from, "assemble"), number(from, "factor"),   number(from, "solve"),
+          number(from, "contact"), number(from, "map"),      number(from, "validate"), number(from, "optimize"),
+          number(from, "output"),  number(from, "total")};
+}
+
+Result from_json(const Json& from) {
+  Result r;
+  r.version = text(from, "version");
+  r.case_name = text(from, "case");
+  r.status = text(from, "status");
+  r.title = text(from, "title");
+  if (from.contains("reason")) r.reason = text(from, "reason");
+  if (from.contains("units")) {
+    const Json& units = from["units"];
+    r.units = {text(units, "length"), text(units, "stress")};
+    if (const Json& powers = list(units, "functional_powers"); powers.size() == 2)
+      r.functional_dimension = Dimension{number(powers[0]), number(powers[1])};
+  }
+  if (from.contains("mesh")) read_mesh(from["mesh"], r);
+  if (from.contains("state")) r.state = state(from["state"]);
+  if (from.contains("contact")) {
+    const Json& c = from["contact"];
+    r.contact = ContactResultSummary{
+        text(c, "method"),        c.value("iterations", 0),   c.value("linear_solves", 0), number(c, "kkt"),
+        number(c, "open_length"), number(c, "closed_length"), number(c, "biactive_length")};
+  }
+  for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
+  if (from.contains("functional")) r.functional = functional(from["functional"]);
+  if (from.contains("map")) r.map = map(from["map"]);
+  if (from.contains("validate")) {
+    r.validate = ValidationResult{};
+    for (const Json& v : from["validate"]) {
+      r.validate->perturbation = text(v, "perturbation");
+      r.validate->points.push_back(validation(v));
+    }
+  }
+  if (from.contains("optimize")) read_optimize(from["optimize"], r);
+  if (from.contains("time_s")) r.seconds = seconds(from["time_s"]);
+  r.peak_memory_mb = number(from, "peak_memory_mb");
+  return r;
+}
+
+}  // namespace
+
+Result read_result(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "result.json";
+  Result r;
+  try {
+    r = from_json(Json::parse(read_file(path)));
+  } catch (const Json::exception& e) {
+    throw Error(Fault::Files, fmt::format("{} is damaged, or no result that kerf has written", path.string()));
+  }
+  for (CrackResult& c : r.cracks) read_crack_rows(folder / ("crack_" + c.name + ".csv"), c);
+  if (r.optimize) r.optimize->history = read_history(folder / "history.csv", r.optimize_names);
+  return r;
+}
+
+}  // namespace kerf

@@ -1,0 +1,122 @@
+#include "io/history.hpp"
+#include "io/text.hpp"
+#include "plot/figure/ticks.hpp"
+#include "plot/page/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+namespace kerf {
+
+namespace {
+
+enum class Mood { Good, Warn, Bad };
+
+std::string line(const char* job, Mood mood, const std::string& word, const std::string& why) {
+  const char* kind = mood == Mood::Good ? "good" : mood == Mood::Warn ? "warn" : "bad";
+  return fmt::format("<li class=\"{}\"><span class=\"job\">{}</span><p><span class=\"word\">{}</span>{}{}</p></li>\n",
+                     kind, job, escape_html(word), why.empty() ? "" : ": ", escape_html(why));
+}
+
+std::string of_state(const Result& r) {
+  const StateResult& s = *r.state;
+  if (r.status == "not converged") return line("state", Mood::Bad, r.status, r.reason.value_or(""));
+  std::string why = fmt::format("residual {}", pretty(s.residual, 2));
+  if (r.contact) why += fmt::format(", contact solved to {}", pretty(r.contact->kkt, 2));
+  if (std::isfinite(s.work_error))
+    why += fmt::format(", work of the loads equals twice the energy to {}", pretty(s.work_error, 2));
+  if (s.estimated_error)
+    why += fmt::format("; estimated error of the stress {} %", pretty(100 * *s.estimated_error, 3));
+  return line("state", Mood::Good, "ok", why);
+}
+
+std::string of_refinement(const AdaptResult& adapt) {
+  return line("mesh", adapt.stopped.starts_with("reached") ? Mood::Good : Mood::Warn, "refined", adapt.stopped);
+}
+
+std::string of_map(const MapResult& map) {
+  if (!std::isfinite(map.min.value))
+    return line("map", Mood::Warn, "no values", "no place of the body has a value of the map");
+  std::string why = fmt::format("from {} to {}", pretty(map.min.value), pretty(map.max.value));
+  if (map.masked_share > 0)
+    why += fmt::format("; at radius {} it says nothing of {:.3g} % of the area", pretty(map.radius),
+                       100 * map.masked_share);
+  return line("map", Mood::Good, "made", why);
+}
+
+/// "2 hold, 1 fails": the words of the points, in the order of the verdicts; the reason where there is one word.
+std::string of_validation(const ValidationResult& validation) {
+  std::map<Verdict, int> count;
+  for (const Validation& v : validation.points) ++count[v.verdict];
+  std::string words;
+  for (const auto& [verdict, n] : count) {
+    if (!words.empty()) words += ", ";
+    words += count.size() == 1 ? std::string(word(verdict)) : fmt::format("{} at {}", word(verdict), n);
+  }
+  const Validation* worst = nullptr;
+  for (const Validation& v : validation.points)
+    if (!worst || (v.verdict == Verdict::Fails && worst->verdict != Verdict::Fails) ||
+        (v.verdict != Verdict::Holds && worst->verdict == Verdict::Holds))
+      worst = &v;
+  if (!worst) return {};
+  const Mood mood = count.count(Verdict::Fails) > 0                        ? Mood::Bad
+                    : count.count(Verdict::Holds) > 0 && count.size() == 1 ? Mood::Good
+                                                                           : Mood::Warn;
+  std::string why = fmt::format("{} point{}", validation.points.size(), validation.points.size() == 1 ? "" : "s");
+  if (!worst->reason.empty()) why += fmt::format("; at {}: {}", place(worst->at), worst->reason);
+  return line("validation", mood, words, why);
+}
+
+std::string of_optimization(const OptimizeResult& o) {
+  std::string why = o.stopped;
+  const std::string said(word(o.ending));
+  if (why.starts_with(said + ": ")) why = why.substr(said.size() + 2);
+  const Mood mood = o.ending == Ending::Optimal ? Mood::Good : o.ending == Ending::Infeasible ? Mood::Bad : Mood::Warn;
+  return line("optimization", mood, said, why);
+}
+
+}  // namespace
+
+std::string verdicts(const Result& r) {
+  std::string out;
+  const bool elsewhere =
+      r.status == "ok" || (r.status == "not converged" && r.state) || (r.status == "infeasible" && r.optimize);
+  if (!elsewhere) out += line("run", Mood::Bad, r.status, r.reason.value_or(""));
+  if (r.adapt) out += of_refinement(*r.adapt);
+  if (r.state) out += of_state(r);
+  if (r.map) out += of_map(*r.map);
+  if (r.validate) out += of_validation(*r.validate);
+  if (r.optimize) out += of_optimization(*r.optimize);
+  return out.empty() ? out : fmt::format("<ul class=\"verdicts\" aria-label=\"Verdicts\">\n{}</ul>\n", out);
+}
+
+std::string key_numbers(const Result& r) {
+  std::string out;
+  const auto add = [&](const std::string& name, const std::string& number) {
+    out += fmt::format("<div><b>{}</b><span>{}</span></div>\n", number, escape_html(name));
+  };
+  if (r.optimize) {
+    add("objective", with_unit(r.optimize->objective, r.units, r.functional_dimension));
+    add("volume fraction", pretty(r.optimize->volume_fraction, 4));
+  }
+  if (r.functional)
+    add(r.functional->kind + " (functional)", with_unit(r.functional->value, r.units, r.functional_dimension));
+  if (r.state) {
+    add("energy", with_unit(r.state->energy, r.units, dimension::energy));
+    add("compliance", with_unit(r.state->compliance, r.units, dimension::energy));
+    if (const auto& peak = r.state->von_mises)
+      add("largest von Mises stress",
+          with_unit((peak->singular && peak->regular ? *peak->regular : peak->largest).value, r.units,
+                    dimension::stress));
+    if (const auto& peak = r.state->displacement)
+      add("largest displacement", with_unit(peak->largest.value, r.units, dimension::length));
+  }
+  if (r.triangles > 0) add("triangles", fmt::format("{}", r.triangles));
+  if (r.state) add("unknowns", fmt::format("{}", r.state->unknowns));
+  if (std::isfinite(r.seconds.total)) add("seconds", fmt::format("{:.3g}", r.seconds.total));
+  return fmt::format("<div class=\"key\">\n{}</div>\n", out);
+}
+
+}  // namespace kerf

@@ -1,0 +1,95 @@
+#include "solver/bounds/nucleus.hpp"
+
+#include <cmath>
+#include <complex>
+
+namespace kerf {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+double kappa(const Material& m) {
+  return 8 * m.mu / plane_modulus(m) - 1;
+}
+
+// From s11 + s22 and s22 - s11 + 2i s12.
+Mat2 tensor(double sum, const Complex& difference) {
+  const double half = 0.5 * difference.real(), shear = 0.5 * difference.imag();
+  return (Mat2() << 0.5 * sum - half, shear, shear, 0.5 * sum + half).finished();
+}
+
+Vec2 vector(const Complex& z) {
+  return {z.real(), z.imag()};
+}
+
+Complex number(const Vec2& x) {
+  return {x.x(), x.y()};
+}
+
+// F(z) of the field Phi = Omega = F, with its primitive and its derivative.
+struct Potential {
+  Complex F, P, D;
+};
+struct TipPotential {
+  Complex B;
+  double length;
+
+  Potential operator()(const Complex& z) const {  // z from the tip
+    if (std::isinf(length)) {
+      const Complex root = std::sqrt(z);
+      return {B / (z * root), -2.0 * B / root, -1.5 * B / (z * z * root)};
+    }
+    // B sqrt(2a)/((z - a) sqrt(z^2 - a^2)) with z from the middle; the cut runs between the tips.
+    const Complex other = z + length, root = z * std::sqrt(other / z), F = B * std::sqrt(length) / (z * root);
+    return {F, -2.0 * B / std::sqrt(length) * std::sqrt(other / z), -F * (1.5 / z + 0.5 / other)};
+  }
+};
+
+}  // namespace
+
+Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
+  const double size = plane_modulus(m) / (8 * pi), mu = m.mu, k = kappa(m);
+  Complex c = 0;
+  double d = 0;
+  switch (part) {
+    case PointStress::Trace:
+      d = -4 * size;
+      break;
+    case PointStress::Difference:
+      c = -size;
+      break;
+    case PointStress::Shear:
+      c = Complex(0, size);
+      break;
+  }
+  // phi = c/z, psi = d/z.
+  return {[=](const Vec2& at) -> Vec2 {
+            const Complex z = number(at - x);
+            return vector(k * c / z + z * std::conj(c / (z * z)) - std::conj(d / z)) / (2 * mu);
+          },
+          [=](const Vec2& at) -> Mat2 {
+            const Complex z = number(at - x), square = z * z;
+            return tensor(-4 * (c / square).real(), 2.0 * (std::conj(z) * 2.0 * c / (square * z) - d / square));
+          }};
+}
+
+Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, double length, int mode) {
+  const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
+  const TipPotential potential{mode == 1 ? Complex(size) : Complex(0, -size), length};
+  return {[=](const Vec2& at) -> Vec2 {
+            const Complex z = number(frame.transpose() * (at - tip));
+            const Potential here = potential(z), mirrored = potential(std::conj(z));
+            return frame * vector(k * here.P - mirrored.P - (z - std::conj(z)) * std::conj(here.F)) / (2 * mu);
+          },
+          [=](const Vec2& at) -> Mat2 {
+            const Complex z = number(frame.transpose() * (at - tip));
+            const Potential here = potential(z), mirrored = potential(std::conj(z));
+            const double sum = 4 * here.F.real();
+            // s22 - i s12
+            const Complex normal = here.F + mirrored.F + (z - std::conj(z)) * std::conj(here.D);
+            return frame * tensor(sum, {2 * normal.real() - sum, -2 * normal.imag()}) * frame.transpose();
+          }};
+}
+
+}  // namespace kerf

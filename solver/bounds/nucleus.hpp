@@ -1,0 +1,25 @@
+#pragma once
+// Singular fields whose reciprocal work with a state is a quantity of it: a stress at a point, K at a tip [theory:
+// B.11].
+
+#include "kerf/material.hpp"
+
+#include <functional>
+
+namespace kerf {
+
+/// A field in equilibrium without body force, away from where it is singular. Compliance of one isotropic material.
+struct Nucleus {
+  std::function<Vec2(const Vec2& x)> displacement;
+  std::function<Mat2(const Vec2& x)> stress;
+};
+
+enum class PointStress { Trace, Difference, Shear };  // s11 + s22, (s22 - s11)/2, s12
+/// int_boundary (t.G - s(G) n.u) around x, of a state without body force near x, is that part of its stress at x.
+Nucleus point_nucleus(const Material& material, const Vec2& x, PointStress part);
+
+/// The same for K_I or K_II of a straight crack that ends at `tip` and runs along frame's -x from there, over `length`
+/// to its other tip, or without end (infinity). Its faces carry no traction, and it has no dislocation [Bueckner 1970].
+Nucleus tip_nucleus(const Material& material, const Vec2& tip, const Mat2& frame, double length, int mode);
+
+}  // namespace kerf

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
+below them; a run has the summary that its tutorial shows; cases in ```toml blocks of the README and the tutorials are read by kerf check; the README is short;
+CITATION.cff is valid."""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+source, program = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+problems = []
+FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
+
+
+def blocks(path, language):
+    text = (source / path).read_text(encoding="utf-8")
+    for found in FENCE.finditer(text):
+        if found[1] == language:
+            yield text[:found.start()].count("\n") + 2, found[2]
+
+
+def kerf(arguments, folder):
+    done = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True)
+    # The log is not what the reader is told about, nor are summaries.
+    return done.returncode, [line for line in done.stderr.splitlines() if not line.startswith("[")]
+
+
+def try_commands(path, folder):
+    count = 0
+    for line, block in blocks(path, "console"):
+        shutil.rmtree(folder / "out", ignore_errors=True)
+        for command, said in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.M):
+            words = shlex.split(command)
+            if words[0] != "kerf":
+                continue
+            _, errors = kerf(words[1:], folder)
+            count += 1
+            if errors != said.splitlines():
+                problems.append(f"{path}:{line}: {command}\n  should say {said.splitlines()}\n  says       {errors}")
+    return count
+
+
+def try_cases(path, folder):
+    count = 0
+    for line, block in blocks(path, "toml"):
+        if "[domain]" not in block or "[material]" not in block:
+            continue  # a part of a case
+        (folder / "block.toml").write_text(block, encoding="utf-8")
+        code, errors = kerf(["check", "block.toml"], folder)
+        count += 1
+        if code:
+            problems.append(f"{path}:{line}: kerf check says {errors}")
+    return count
+
+
+def check_objective():
+    """The objective of the developer's tutorial is the one that tests/contributing.sh adds and validates."""
+    text = (source / "tests/contributing.sh").read_text(encoding="utf-8")
+    code = re.search(r"^Term deflection\(\) \{.*?^\}$", text, re.M | re.S)
+    if not code or code[0] not in (source / "docs/tutorials/developer.md").read_text(encoding="utf-8"):
+        problems.append("docs/tutorials/developer.md: deflection() is not that of tests/contributing.sh")
+
+
+def check_run(path, folder):
+    """A command whose summary has the lines that stand below it, in this order."""
+    for line, block in blocks(path, "console"):
+        command, *said = block.splitlines()
+        done = subprocess.run([program, *shlex.split(command)[2:], "-o", "out/run", "--force"], cwd=folder, capture_output=True,
+                              text=True)
+        summary = done.stdout.splitlines()
+        for expected in said:
+            if expected not in summary:
+                problems.append(f"{path}:{line}: the summary has no line {expected!r}")
+                continue
+            summary = summary[summary.index(expected) + 1:]
+
+
+def check_citation():
+    """The fields that the schema 1.2.0 of the Citation File Format asks for, and the version of the program."""
+    text = (source / "CITATION.cff").read_text(encoding="utf-8")
+    keys = re.findall(r"^([a-z-]+):", text, re.M)
+    known = {"cff-version", "message", "type", "title", "abstract", "authors", "version", "license", "keywords", "doi",
+             "date-released", "repository-code", "url", "identifiers", "references", "preferred-citation", "contact", "commit"}
+    for missing in {"cff-version", "message", "title", "authors"} - set(keys):
+        problems.append(f"CITATION.cff: {missing} is missing")
+    for key in set(keys) - known:
+        problems.append(f"CITATION.cff: {key} is no key of the format")
+    if len(set(keys)) != len(keys):
+        problems.append("CITATION.cff: a key stands twice")
+    version = re.search(r"project\(kerf VERSION ([\d.]+)", (source / "CMakeLists.txt").read_text())[1]
+    if f"\nversion: {version}\n" not in text:
+        problems.append(f"CITATION.cff: the version is {version}")
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    os.symlink(source / "cases", folder / "cases")
+    commands = sum(try_commands(path, folder) for path in ["docs/faq.md"])
+    pages = ["README.md", *(str(p.relative_to(source)) for p in sorted((source / "docs/tutorials").glob("*.md")))]
+    cases = sum(try_cases(path, folder) for path in pages)
+    os.symlink(source / "docs", folder / "docs")
+    check_run("docs/tutorials/engineer.md", folder)
+check_objective()
+check_citation()
+lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
+if lines > 120:
+    problems.append(f"README.md has {lines} lines; 120 are allowed")
+if commands < 10 or cases < 1:
+    problems.append(f"only {commands} commands and {cases} cases were found")
+print("\n".join(problems) or f"{commands} commands say what the documents say, {cases} cases are read")
+sys.exit(bool(problems))

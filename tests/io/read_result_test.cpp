@@ -1,0 +1,163 @@
+#include "io/read_result.hpp"
+
+#include "io/arrays.hpp"
+#include "io/files.hpp"
+#include "io/history.hpp"
+#include "tests/support/sample.hpp"
+
+namespace kerf {
+namespace {
+
+using test::Folder;
+
+/// Every section that a result may have.
+Result everything() {
+  Result r = test::full_result();
+  r.units = {"mm", "MPa"};
+  r.functional_dimension = dimension::energy;
+  r.status = "infeasible";
+  r.reason = "the design violates a constraint";
+  r.adapt = AdaptResult{{{100, 0.5}, {200, 0.125}}, "reached 0.2"};
+  StateResult& s = *r.state;
+  s.degree = 2;
+  s.work_error = 1e-12;
+  s.of_polygon = true;
+  s.von_mises = Peak{{{1, 2}, 3}, true, PlacedValue{{4, 5}, 6}};
+  s.displacement = Peak{{{1, 0}, 0.5}};
+  s.loads = {{"top", {1, 2}, 3}};
+  s.reactions = {{"bottom", {-1, -2}, -3}};
+  s.body = ResultantResult{"", {0, 1}, 2};
+  s.balance = ResultantResult{};
+  s.thickness = 5;
+  r.functional->terms = {{"volume", 2, 3}};
+  r.map->points[1].value = std::nan("");
+  OptimizeResult o;
+  o.method = OptimizeMethod::Mma;
+  o.iterations = 1;
+  o.ending = Ending::Infeasible;
+  o.stopped = "infeasible: peak";
+  o.feasible = false;
+  o.finer = {.size = 0.1, .element = bdms(2), .objective = 1, .volume_fraction = 0.5, .bounds = {2}, .violation = 0.01};
+  o.holes.least = -0.5;
+  o.holes.at = {1, 1};
+  o.holes.proof = Verdict::OutOfRange;
+  o.bumps.least = 0.25;
+  o.notes = {"a note, with \"quotes\""};
+  o.variables = Eigen::Vector2d(0.5, 1.0 / 3);
+  for (int i = 0; i < 2; ++i)
+    o.history.push_back({.number = i,
+                         .objective = 10.0 / (3 + i),
+                         .merit = 4,
+                         .volume_fraction = 0.5,
+                         .bounds = {1.0 + i},
+                         .violation = 0.1,
+                         .step = 0.2,
+                         .optimality = std::nan(""),
+                         .holes = i,
+                         .triangles = 1000,
+                         .state_solves = 2,
+                         .accepted = i == 0,
+                         .note = i ? "refused, \"too far\"" : "",
+                         .variables = Eigen::Vector2d(0.5, 0.25)});
+  r.optimize = std::move(o);
+  r.optimize_names = {{"peak"}, {3.5}, 0.4, {"h.x", "h.y"}};
+  LeastSquares fit;
+  fit.variables = Eigen::Vector2d(1, 2);
+  fit.covariance = Eigen::Matrix2d{{0.25, 0.125}, {0.125, 1}};
+  fit.readings = 10;
+  fit.start = 2, fit.end = 1, fit.noise = 0.5, fit.steps = 3, fit.state_solves = 4, fit.optimality = 1e-9;
+  fit.stopped = "small";
+  fit.ellipses = {{"hole 'h'", {1, 2}, {0.5, 0.25}, pi / 4}};
+  r.fit = fit;
+  r.identified = {{.name = "hole 'h'",
+                   .truth = "hole 't'",
+                   .found = Eigen::Vector3d(1, 2, 0.5),
+                   .exact = Eigen::Vector3d(1, 2.25, 0.5),
+                   .position_error = 0.25,
+                   .size_error = 0.125}};
+  return r;
+}
+
+void write(const std::filesystem::path& folder, const Result& r) {
+  write_json(folder / "result.json", r);
+  for (const CrackResult& c : r.cracks) write_crack_csv(folder / ("crack_" + c.name + ".csv"), c);
+  if (r.optimize) write_history_csv(folder / "history.csv", r.optimize->history, r.optimize_names);
+}
+
+TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
+  for (const Result& r : {everything(), test::full_result(), Result{.version = "1", .case_name = "bare"}}) {
+    const Folder folder;
+    write(folder.path, r);
+    const std::filesystem::path again = folder.path / "again";
+    std::filesystem::create_directory(again);
+    const Result read = read_result(folder.path);
+    write(again, read);
+    EXPECT_EQ(read_file(again / "result.json"), read_file(folder.path / "result.json"));
+    for (const char* name : {"crack_c.csv", "history.csv"})
+      if (std::filesystem::exists(folder.path / name)) {
+        EXPECT_EQ(read_file(again / name), read_file(folder.path / name)) << name;
+      }
+    EXPECT_EQ(read.map.has_value(), r.map.has_value());
+  }
+  const Folder folder;
+  write(folder.path, everything());
+  const Result read = read_result(folder.path);
+  ASSERT_EQ(read.optimize->history.size(), 2u);
+  EXPECT_EQ(read.optimize->history[1].note, "refused, \"too far\"");
+  EXPECT_FALSE(read.optimize->history[1].accepted);
+  EXPECT_EQ(read.optimize->history[1].bounds, std::vector<double>{2});
+  EXPECT_EQ(read.cracks[0].rows.size(), 21u);
+  EXPECT_TRUE(read.cracks[0].rows[0].closed);
+  EXPECT_FALSE(read.cracks[0].rows[20].closed);
+  EXPECT_EQ(unit(read.units, per_area(*read.functional_dimension)), "MPa");
+}
+
+TEST(ReadResult, WhatIsNoResultIsNamed) {
+  const Folder folder;
+  EXPECT_THROW(read_result(folder.path), Error);
+  for (const char* text :
+       {"", "{", "[]", "{\"map\": {\"perturbation\": 3}}", "{\"state\": 5}", "{\"cracks\": [{\"tips\": [{}]}]}"}) {
+    write_file(folder.path / "result.json", text);
+    try {
+      read_result(folder.path);
+      FAIL() << text;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Files);
+      EXPECT_NE(std::string(e.what()).find("result.json is damaged"), std::string::npos) << e.what();
+    }
+  }
+  write(folder.path, everything());
+  write_file(folder.path / "crack_c.csv", "s,x\n1,2\n");
+  EXPECT_THROW(read_result(folder.path), Error);
+  write_file(folder.path / "crack_c.csv", "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n1,2,three,4,5,6,7,open\n");
+  EXPECT_THROW(read_result(folder.path), Error);
+}
+
+TEST(Arrays, ThereAndBack) {
+  const Folder folder;
+  const auto path = folder.path / "a.bin";
+  write_arrays(path,
+               std::vector<NamedArray>{{"points", 2, {1, 2, 3, 4.5F}}, {"triangles", 3, {}, {0, 1, 70000}}, {"none"}});
+  const std::vector<NamedArray> read = read_arrays(path);
+  ASSERT_EQ(read.size(), 3u);
+  EXPECT_EQ(read[0].numbers, (std::vector<float>{1, 2, 3, 4.5F}));
+  EXPECT_EQ(read[1].indices, (std::vector<std::uint32_t>{0, 1, 70000}));
+  EXPECT_EQ(read[1].width, 3u);
+  EXPECT_EQ(find_array(read, "points")->rows(), 2u);
+  EXPECT_EQ(find_array(read, "nothing"), nullptr);
+  EXPECT_TRUE(read_file(path).starts_with("kerf arrays 1\npoints f32 2 2\ntriangles u32 3 1\nnone u32 1 0\n\n"));
+}
+
+TEST(Arrays, DamagedFilesAreRefused) {
+  const Folder folder;
+  const auto path = folder.path / "a.bin";
+  for (const char* text :
+       {"", "kerf arrays 2\n\n", "kerf arrays 1\n", "kerf arrays 1\na f32 1 4\n\n1234", "kerf arrays 1\na f64 1 0\n\n",
+        "kerf arrays 1\na f32 0 0\n\n", "kerf arrays 1\na f32 1 99999999999999\n\n", "kerf arrays 1\n\nmore"}) {
+    write_file(path, text);
+    EXPECT_THROW(read_arrays(path), Error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace kerf
