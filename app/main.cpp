@@ -312,7 +312,8 @@ int perform_sweep(const Arguments& arguments) {
   const SweepSummary done = collect_sweep(plan);
   if (!arguments.quiet) print(in_words(done, plan));
   if (stop_requested()) throw Error(Fault::Numerics, "stopped; the same command goes on with what is left");
-  if (done.failed > 0 && !arguments.collect) throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
+  if (done.failed > 0 && !arguments.collect)
+    throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
   return 0;
 }
 

@@ -202,7 +202,7 @@ class Optimizations(unittest.TestCase):
         "boundary": [{"on": "left", "displacement": [0, 0]}, {"on": "right", "traction": [0, -1]}],
         "mesh": {"size": 0.25},
         "functional": {"kind": "compliance"},
-        "optimize": {"method": "mma", "volume": {"at_most": 0.95}, "max_iterations": 3, "hole": [
+        "optimize": {"method": "mma", "volume": {"at_most": 0.99}, "max_iterations": 4, "hole": [
             {"circle": {"center": [[0.5, 1.5], [0.3, 0.7]], "radius": [0.1, 0.2]},
              "start": {"center": [1.0, 0.5], "radius": 0.15}}]},
     }

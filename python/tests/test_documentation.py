@@ -20,7 +20,7 @@ class Documentation(unittest.TestCase):
         self.assertGreater(doctest.testmod(kerf).attempted, 5)
 
     def test_tutorials(self):
-        scripts = sorted((pathlib.Path(os.environ["KERF_SOURCE"]) / "docs" / "tutorial").glob("*.py"))
+        scripts = sorted((pathlib.Path(os.environ["KERF_SOURCE"]) / "docs" / "tutorials").glob("sweep.py"))
         self.assertTrue(scripts)
         for script in scripts:
             with self.subTest(script.name), tempfile.TemporaryDirectory() as folder:

@@ -63,7 +63,7 @@ def places(node, path=()):
 
 
 def mutated(case, chance):
-    for _ in range(chance.randint(1, 3)):
+    for _ in range(chance.randint(1, 2)):
         all_places = list(places(case))
         if not all_places:
             return case
@@ -71,17 +71,17 @@ def mutated(case, chance):
         node = case
         for key in way:
             node = node[key]
-        how = chance.randrange(6)
+        how = chance.randrange(10)
         if how == 0:
             del node[last]
         elif how == 1 and isinstance(node, list):
             node.insert(last, copy.copy(node[last]))
         elif how == 2 and isinstance(node, dict):
             node[chance.choice(["", "sze", "path", "name", "\0", "on", 7])] = node.pop(last)
-        elif how == 3 and isinstance(node[last], (int, float)):
-            node[last] *= chance.choice([-1, 0, 1e-3, 3, 1e6])
-        elif how == 4:
+        elif how == 3:
             node[last] = case  # contains itself
+        elif how > 5 and isinstance(node[last], (int, float)):
+            node[last] *= chance.choice([-1, 0, 1e-3, 0.9, 1.1, 3, 1e6])
         else:
             node[last] = chance.choice(values)
     return case
@@ -109,7 +109,7 @@ class Mutations(unittest.TestCase):
             ends[end] = ends.get(end, 0) + 1
         self.assertEqual(sum(ends.values()), 200)
         self.assertGreater(ends["CaseError"], 80, ends)
-        self.assertGreater(ends["Result"], 10, ends)
+        self.assertGreater(ends["Result"], 8, ends)
         self.assertEqual(kerf.Case(plate()).solve().status, "ok")
 
 

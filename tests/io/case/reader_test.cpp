@@ -75,6 +75,10 @@ TEST(Override, BadOnesAreNamed) {
             "--set domain.sides[4]: there is no [4]; the list has 4 entries, counted from 0");
   EXPECT_EQ(error(square, {"domain.sides.a='c'"}),
             "--set domain.sides.a: \"a\" needs an index before it, counted from 0: [0].a");
+  const std::string cracked = square + "[[crack]]\nname = 'c'\npath = [[0.5, 0.5], [1, 0.5]]\n";
+  EXPECT_EQ(error(cracked, {"crack.d.contact=open"}),
+            "--set crack.d.contact: \"d\" needs an index before it, counted from 0: [0].d; or a name: c");
+  EXPECT_EQ(error(cracked, {"crack.c.friction=-1"}).find("--set crack.c.friction: "), 0u);
   EXPECT_EQ(error(square, {"material.young.a=1"}),
             "--set material.young.a: \"a\" would lie inside a value that is no table");
   for (const char* bad :
