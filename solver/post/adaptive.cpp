@@ -243,7 +243,8 @@ void drop_factor(Model& m) {
                 .tractions = inner.system.tractions,
                 .traces = inner.system.traces};
   m.inner = std::make_shared<const Inner>(Inner{inner.kernel, inner.skeleton, inner.ordering, std::move(system),
-                                                Factor(LowerTriangle{}, 0), inner.floating, inner.data});
+                                                std::make_shared<const Factor>(LowerTriangle{}, 0), inner.floating,
+                                                inner.data});
 }
 
 /// Why the last round is the last one; empty: it is not. `without_gain`: rounds in a row.

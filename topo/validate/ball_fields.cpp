@@ -88,8 +88,13 @@ InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const 
   Model m{.mesh = inner.part.mesh,
           .element = kernel.element,
           .scene = scene,
-          .inner = std::make_shared<Inner>(
-              Inner{kernel, inner.skeleton, inner.ordering, inner.system, Factor(LowerTriangle{}, 0), {}, inner.data})};
+          .inner = std::make_shared<Inner>(Inner{kernel,
+                                                 inner.skeleton,
+                                                 inner.ordering,
+                                                 inner.system,
+                                                 std::make_shared<const Factor>(LowerTriangle{}, 0),
+                                                 {},
+                                                 inner.data})};
   Field s;
   s.skeleton = complete(inner, contour, body);
   s.force.setZero(inner.skeleton.total);

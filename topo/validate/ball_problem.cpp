@@ -37,7 +37,7 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
     plain = std::make_unique<Model>(prepare(m.mesh, m.inner->kernel.element, floored(m.scene), m.threads, without));
   }
   const Inner& o = *operators().inner;
-  W = o.factor.interface_complement();
+  W = o.factor->interface_complement();
   const Index trailing = o.ordering.contact_rows, leading = o.ordering.size - trailing;
   status = contact_status(m, s);
   jump.resize(trailing);
