@@ -33,7 +33,7 @@ def read(app, docname, source):
     text = re.sub(r"^( *)```math$", r"\1```{math}\n\1:nowrap:", source[0], flags=re.M)
     if docname == "theory/bibliography":
         text = ENTRY.sub(lambda found: f'- <span id="{slug(found[1])}"></span>**[{found[1]}]**', text)
-    if docname == "index" and pathlib.Path(app.srcdir, "python.md").exists():  # it comes with the Python module
+    if docname == "index" and pathlib.Path(app.srcdir, "python").with_suffix(".md").exists():  # it comes with the module
         text = text.replace("\ncase-files\nresults\n", "\ncase-files\npython\nresults\n")
     if docname == "theory/README":  # the chapters in the order of its table
         text += toctree(re.findall(r"^\|.*\]\((\w+)\.md\)", text, re.M))

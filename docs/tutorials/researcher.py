@@ -5,8 +5,9 @@ import numpy as np
 
 import kerf
 
-# [rates] A field with a known solution: u is the gradient of exp(x) cos(y), so it has no divergence, and its stress is
-# in equilibrium without a body force.
+# [rates]
+# A field with a known solution: u is the gradient of exp(x) cos(y), so it has no divergence, and its stress is in
+# equilibrium without a body force.
 YOUNG, POISSON = 1.0, 0.3
 MU = YOUNG / (2 * (1 + POISSON))
 
@@ -52,7 +53,8 @@ def rates():
 # [end of rates]
 
 
-# [own] How far does the upper left corner of a cracked plate move? The weight is a function of ours.
+# [own]
+# How far does the upper left corner of a cracked plate move? The weight is a function of ours.
 def corner(x, y):
     return np.exp(-4 * ((x + 1.5) ** 2 + (y - 1.5) ** 2))
 
@@ -76,7 +78,8 @@ def own_functional():
 # [end of own]
 
 
-# [validate] Is that map right? Holes of five radii are made at a point, and the plate is solved each time.
+# [validate]
+# Is that map right? Holes of five radii are made at a point, and the plate is solved each time.
 def validation():
     case = kerf.Case(plate | {"validate": {"points": [[0.2, 0.9]], "radii": {"largest": 0.16, "ratio": 0.5, "count": 5}}})
     point = case.validate()["validate"][0]
