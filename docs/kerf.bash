@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate optimize mesh keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check validate optimize report mesh keys init bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -21,6 +21,7 @@ _kerf() {
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    report) options="--help --quiet" ;;
     mesh) options="--help --output --format --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
