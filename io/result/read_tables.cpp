@@ -46,6 +46,7 @@ class Table {
     if (rows_.empty()) refuse();
     const Row head = rows_.front();
     rows_.erase(rows_.begin());
+    column_count_ = head.size();
     for (std::size_t k = 0; k < head.size(); ++k) column_.emplace(head[k], k);
     for (const Row& row : rows_)
       if (row.size() != head.size()) refuse();
@@ -61,8 +62,14 @@ class Table {
   const std::string& text(std::size_t row, std::string_view name) const {
     return rows_[row][column_.at(std::string(name))];
   }
+  std::size_t columns() const {
+    return column_count_;
+  }
   double number(std::size_t row, std::string_view name) const {
-    const std::string& cell = text(row, name);
+    return number(row, column_.at(std::string(name)));
+  }
+  double number(std::size_t row, std::size_t column) const {
+    const std::string& cell = rows_[row][column];
     double out = nan;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), out);
     if (!cell.empty() && (error != std::errc() || end != cell.data() + cell.size())) refuse();
@@ -72,14 +79,15 @@ class Table {
     const double value = number(row, name);
     return value > -1e9 && value < 1e9 ? static_cast<int>(value) : 0;
   }
-
- private:
   [[noreturn]] void refuse() const {
     throw Error(Fault::Files, fmt::format("{} is damaged, or no table that kerf has written", path_.string()));
   }
+
+ private:
   std::filesystem::path path_;
   std::vector<Row> rows_;
-  std::map<std::string, std::size_t> column_;
+  std::map<std::string, std::size_t> column_;  // the first of a name
+  std::size_t column_count_ = 0;
 };
 
 }  // namespace
@@ -104,6 +112,8 @@ std::vector<Iteration> read_history(const std::filesystem::path& path, const Opt
   if (!std::filesystem::exists(path)) return out;
   const Table t(path, {"iteration", "objective", "merit", "volume_fraction", "violation", "step", "optimality", "holes",
                        "triangles", "state_solves", "accepted", "note"});
+  constexpr std::size_t first_of_users = 11;
+  if (t.columns() != first_of_users + names.bounds.size() + names.variables.size() + 1) t.refuse();
   for (std::size_t i = 0; i < t.size(); ++i) {
     Iteration row;
     row.number = t.whole(i, "iteration");
@@ -118,13 +128,11 @@ std::vector<Iteration> read_history(const std::filesystem::path& path, const Opt
     row.state_solves = t.whole(i, "state_solves");
     row.accepted = t.whole(i, "accepted") != 0;
     row.note = t.text(i, "note");
-    for (const std::string& name : names.bounds)
-      if (t.has(name)) row.bounds.push_back(t.number(i, name));
-    const auto n = static_cast<Eigen::Index>(names.variables.size());
-    row.variables = Eigen::VectorXd::Constant(n, nan);
-    for (Eigen::Index k = 0; k < n; ++k)
-      if (const std::string& name = names.variables[static_cast<std::size_t>(k)]; t.has(name))
-        row.variables[k] = t.number(i, name);
+    // By their place: names of users may be those of other columns.
+    std::size_t column = first_of_users;
+    for (std::size_t k = 0; k < names.bounds.size(); ++k) row.bounds.push_back(t.number(i, column++));
+    row.variables = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(names.variables.size()), nan);
+    for (double& value : row.variables) value = t.number(i, column++);
     out.push_back(std::move(row));
   }
   return out;

@@ -49,6 +49,12 @@ std::string folded(const std::string& summary, const std::string& html) {
   return fmt::format("<details><summary>{}</summary>\n{}</details>\n", escape_html(summary), html);
 }
 
+std::string folded_section(const std::string& title, const std::string& summary, const std::string& html) {
+  return fmt::format(
+      "<details class=\"section\"><summary><h2>{}</h2> <span class=\"dim\">{}</span></summary>\n{}</details>\n",
+      escape_html(title), escape_html(summary), html);
+}
+
 void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Units& units, const Dimension& of) {
   const auto placed = [&](const PlacedValue& v) { return with_unit(v.value, units, of) + " at " + at_place(v.at); };
   if (!peak.singular) return facts.add(name, placed(peak.largest));

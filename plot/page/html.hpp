@@ -26,6 +26,8 @@ std::string table(const std::vector<std::string>& heads, const std::vector<std::
 
 /// Open when it is asked for, and on paper.
 std::string folded(const std::string& summary, const std::string& html);
+/// The same as a section of the page.
+std::string folded_section(const std::string& title, const std::string& summary, const std::string& html);
 
 /// What a finer mesh does not change first.
 void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Units& units, const Dimension& of);

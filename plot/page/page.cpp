@@ -42,24 +42,24 @@ std::string command_of(const std::string& case_text) {
   return out;
 }
 
+std::string footer(const Result& r, const std::string& command) {
+  const std::string by = command.empty() ? command : fmt::format("<code>{}</code><br>\n", escape_html(command));
+  return fmt::format("<footer>{}kerf {}</footer>\n", by, escape_html(r.version));
+}
+
 std::string ending(const Result& r, const PageData& data) {
-  std::string out = "<h2>Time</h2>\n";
   std::string spent = time_bars(r.seconds) + fmt::format("<p>Total {:.3f} s", r.seconds.total);
   if (r.peak_memory_mb > 0) spent += fmt::format(", peak memory {:.1f} MB", r.peak_memory_mb);
-  out += folded(fmt::format("{:.3g} seconds", r.seconds.total), spent + ".</p>\n");
-  if (!data.case_text.empty()) {
-    out += "<h2>Case</h2>\n";
-    const std::string command = command_of(data.case_text);
-    if (!command.empty()) out += fmt::format("<p>Made by <code>{}</code></p>\n", escape_html(command));
-    std::string text;
-    for (std::size_t at = 0; at < data.case_text.size();) {
-      const std::size_t end = std::min(data.case_text.find('\n', at), data.case_text.size());
-      text += escape_html(data.case_text.substr(at, end - at)) + '\n';
-      at = end + 1;
-    }
-    out += folded("The case as it was given, overrides included (case.toml)", "<pre>" + text + "</pre>\n");
+  std::string out = folded_section("Time", fmt::format("{:.3g} seconds", r.seconds.total), spent + ".</p>\n");
+  if (data.case_text.empty()) return out + footer(r, {});
+  std::string text;
+  for (std::size_t at = 0; at < data.case_text.size();) {
+    const std::size_t end = std::min(data.case_text.find('\n', at), data.case_text.size());
+    text += escape_html(data.case_text.substr(at, end - at)) + '\n';
+    at = end + 1;
   }
-  return out + fmt::format("<footer>kerf {}</footer>\n", escape_html(r.version));
+  out += folded_section("Case", "as it was given, overrides included (case.toml)", "<pre>" + text + "</pre>\n");
+  return out + footer(r, command_of(data.case_text));
 }
 
 }  // namespace

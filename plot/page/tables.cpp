@@ -145,9 +145,9 @@ std::string cracks_section(const Result& r) {
 
 std::string tables_section(const Result& r) {
   std::string out;
-  if (r.triangles > 0) out += "<h2>Mesh</h2>\n" + folded(fmt::format("{} triangles", r.triangles), mesh_table(r));
-  if (r.state) out += "<h2>State</h2>\n" + folded("Energies, largest values, resultants", state_table(r));
-  if (r.contact) out += "<h2>Contact</h2>\n" + folded("How it was solved, and how long it is", contact_table(r));
+  if (r.triangles > 0) out += folded_section("Mesh", fmt::format("{} triangles", r.triangles), mesh_table(r));
+  if (r.state) out += folded_section("State", "energies, largest values, resultants", state_table(r));
+  if (r.contact) out += folded_section("Contact", "how it was solved, what is open and closed", contact_table(r));
   return out;
 }
 

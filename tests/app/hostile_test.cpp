@@ -117,7 +117,7 @@ TEST_F(Hostile, ASecondRunInTheFolderIsRefused) {
 
 // The limit stands between the size of result.json and that of the page.
 TEST_F(Hostile, AFileThatCannotBeWrittenLeavesTheResult) {
-  write("a.toml", small + "[output]\nvtk = false\n");
+  write("a.toml", small + "[output]\nvtk = false\npng = false\n");
   ASSERT_EQ(run("solve a.toml -o out --quiet"), 0) << error();
   const auto page = fs::file_size(folder / "out" / "report.html");
   std::uintmax_t others = 0;

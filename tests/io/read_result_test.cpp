@@ -60,7 +60,7 @@ Result everything() {
                          .note = i ? "refused, \"too far\"" : "",
                          .variables = Eigen::Vector2d(0.5, 0.25)});
   r.optimize = std::move(o);
-  r.optimize_names = {{"peak"}, {3.5}, 0.4, {"h.x", "h.y"}};
+  r.optimize_names = {{"objective"}, {3.5}, 0.4, {"h.x", "h.y"}};
   LeastSquares fit;
   fit.variables = Eigen::Vector2d(1, 2);
   fit.covariance = Eigen::Matrix2d{{0.25, 0.125}, {0.125, 1}};

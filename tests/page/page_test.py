@@ -139,6 +139,13 @@ class PageTest(unittest.TestCase):
                     self.quiet()
             self.assertLess((folder / "report.html").stat().st_size, largest)
 
+    def test_the_page_of_every_case_is_small(self):
+        """Of the state on the mesh that the case asks for; map, outlines of designs and tables add less than a half."""
+        for case in sorted((sources / "cases").glob("*.toml")):
+            out = self.folder / "small" / case.stem
+            pages.run(kerf, "solve", case, "-o", out, "--quiet", "--set", "output.vtk=false", "--set", "output.png=false")
+            self.assertLess((out / "report.html").stat().st_size, largest / 1.5, case.stem)
+
     def test_figures_are_drawn(self):
         kinds = set()
         for part in ("", "#webgl"):
@@ -315,7 +322,10 @@ class PageTest(unittest.TestCase):
                     self.browser.ask("for (const d of document.querySelectorAll('details')) d.open = true")
                     self.browser.settle()
                     wide, there = self.browser.ask("return [document.documentElement.scrollWidth, document.documentElement.clientWidth]")
-                    self.assertLessEqual(wide, there)
+                    beyond = self.browser.ask("""
+                        return [...document.querySelectorAll("main *")].filter((e) => !e.closest(".scroll") && e.getBoundingClientRect().right > arguments[0])
+                          .map((e) => `${e.tagName}.${e.className} ${e.getBoundingClientRect().right} ${e.textContent.slice(0, 30)}`)""", there)
+                    self.assertLessEqual(wide, there, beyond)
 
     def test_alt_texts_state_the_finding(self):
         self.show(self.cracked)

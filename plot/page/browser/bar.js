@@ -1,6 +1,6 @@
 // The scale of the colors.
 
-import { format } from "./numbers.js";
+import { format, formatAll } from "./numbers.js";
 
 /** `canvas` as wide as its style says; the table between the ends, ticks below, arrows where values may lie beyond. */
 export function drawBar(canvas, { scale, colors, field, theme }) {
@@ -31,8 +31,9 @@ export function drawBar(canvas, { scale, colors, field, theme }) {
   c.fillText(name, left, 14, width - 2 * left);
   c.textAlign = "center";
   let free = -Infinity;
-  for (const value of scale.ticks) {
-    const x = left + scale.at(value) * (right - left), text = format(value, 4), half = c.measureText(text).width / 2;
+  const texts = formatAll(scale.ticks);
+  for (const [i, value] of scale.ticks.entries()) {
+    const x = left + scale.at(value) * (right - left), text = texts[i], half = c.measureText(text).width / 2;
     c.beginPath();
     c.moveTo(x, top + thick);
     c.lineTo(x, top + thick + 4);

@@ -1,13 +1,13 @@
 // Curves: cracks along their arc length, validations, histories. uPlot draws them.
 
 import { element, theme } from "./dom.js";
-import { format } from "./numbers.js";
+import { format, formatAll } from "./numbers.js";
 
 const dashes = [undefined, [8, 4], [2, 4], [10, 4, 2, 4]];
 
 function axes(colors, spec) {
   const common = { stroke: colors.ink, grid: { stroke: colors.rule, width: 1 }, ticks: { stroke: colors.rule, width: 1 }, font: "13px system-ui, sans-serif", labelFont: "600 13px system-ui, sans-serif" };
-  const values = (u, splits) => splits.map((v) => (v === null ? "" : format(v, 4)));
+  const values = (u, splits) => formatAll(splits);
   const of = (log, more) => {
     // Of a logarithmic axis only the powers of ten, unless there are too few of them.
     const few = (u, splits) => {
@@ -46,9 +46,15 @@ function shade(u, spec, colors) {
   c.restore();
 }
 
+/** A range about the values that is no narrower than `span`: rounding is not to look like a change. */
+const atLeast = (span) => (u, low, high) => {
+  const half = Math.max(span / 2, 0.55 * (high - low)), middle = (low + high) / 2;
+  return [middle - half, middle + half];
+};
+
 /**
  * Draws into `root`, and once more when its width or the theme changes.
- * spec: { x, y, data: [x, ...], series: [{ label, dash }], logX, logY, shaded, alt }.
+ * spec: { x, y, data: [x, ...], series: [{ label, dash }], logX, logY, span, shaded, alt }.
  */
 export function curve(root, spec) {
   const stage = root.querySelector(".plot");
@@ -64,7 +70,7 @@ export function curve(root, spec) {
     width = Math.max(240, stage.clientWidth);
     const options = {
       width, height: Math.round(Math.min(320, Math.max(210, 0.42 * width))),
-      scales: { x: { time: false, distr: spec.logX ? 3 : 1, ...(spec.logX ? { range: (u, low, high) => [low / 1.25, high * 1.25] } : {}) }, y: { distr: spec.logY ? 3 : 1 } },
+      scales: { x: { time: false, distr: spec.logX ? 3 : 1, ...(spec.logX ? { range: (u, low, high) => [low / 1.25, high * 1.25] } : {}) }, y: { distr: spec.logY ? 3 : 1, ...(spec.span ? { range: atLeast(spec.span) } : {}) } },
       axes: axes(colors, spec),
       cursor: { drag: { x: true, y: false }, points: { size: 7 } },
       legend: { live: true },

@@ -17,11 +17,13 @@ export function format(value, digits = 6) {
 const raised = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 const superscript = (text) => [...text].map((c) => raised[c]).join("");
 
-/** The power of ten times 1, 2 or 5 that is nearest below. */
-export function roundDown(value) {
-  const power = 10 ** Math.floor(Math.log10(value));
-  const lead = value / power;
-  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
+/** As few digits as tell these apart, and no fewer than four. */
+export function formatAll(values) {
+  for (let digits = 4; ; ++digits) {
+    const out = values.map((v) => (v === null ? "" : format(v, digits)));
+    const said = out.filter((text) => text !== "");
+    if (digits === 12 || new Set(said).size === said.length) return out;
+  }
 }
 
 /** Round numbers in [low, high], about `count` of them. */
