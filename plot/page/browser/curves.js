@@ -17,7 +17,7 @@ function axes(colors, spec) {
     const only = log ? { filter: few } : {};
     return { ...common, ...more, values, grid: { ...common.grid, ...only }, ticks: { ...common.ticks, ...only } };
   };
-  return [of(spec.logX, { label: spec.x, labelSize: 24, space: 70 }), of(spec.logY, { label: spec.y, size: 76, labelSize: 24 })];
+  return [of(spec.logX, { label: spec.x, labelSize: 24, space: 52 }), of(spec.logY, { label: spec.y, size: 76, labelSize: 24 })];
 }
 
 /** Stretches where `on` is 1, from half way to half way between their neighbors. */

@@ -34,7 +34,7 @@ export function design(root, data) {
   const slider = element("input", { type: "range", min: "0", max: String(shots.length - 1), step: "1", value: String(shots.length - 1), id: "iteration" });
   const play = element("button", { type: "button" }, ["play"]);
   const said = element("output", { class: "readout" });
-  stage.before(element("div", { class: "controls" }, [
+  if (shots.length > 1) stage.before(element("div", { class: "controls" }, [
     element("span", { class: "control wide" }, [element("label", { for: "iteration" }, ["iteration"]), slider]), play]));
   stage.after(said);
 

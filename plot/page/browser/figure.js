@@ -229,6 +229,7 @@ export class Figure {
     this.center = [0, 1].map((k) => ((low[k] + high[k]) / 2 - this.middle[k]) / this.unit);
     this.whole = 0.84 * Math.min(width / size[0], height / size[1]);
     this.zoom = this.whole;
+    this.fitted = [width, height];
   }
   box() {
     return { width: this.stage.clientWidth || 300, height: this.stage.clientHeight || 200 };
@@ -237,7 +238,7 @@ export class Figure {
     const before = this.zoom / this.whole, center = this.center;
     this.fit();
     this.zoom = this.whole * before;
-    this.center = center;
+    if (before !== 1) this.center = center;
     this.draw();
   }
   /** By a factor, about a place of the stage that stays where it is. */
@@ -402,6 +403,7 @@ export class Figure {
   drawNow() {
     const { width, height } = this.box(), pixel = this.renderer.pixelRatio();
     const { canvas } = this;
+    if (width !== this.fitted[0] || height !== this.fitted[1]) this.resize();
     if (canvas.width !== Math.round(width * pixel) || canvas.height !== Math.round(height * pixel)) {
       canvas.width = Math.round(width * pixel);
       canvas.height = Math.round(height * pixel);

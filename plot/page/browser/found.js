@@ -4,7 +4,7 @@ import { element, theme } from "./dom.js";
 
 // By kind: start, true, found, uncertainty, the body.
 const looks = [
-  { color: "dim", width: 2, dash: [6, 5] }, { color: "good", width: 7 }, { color: "one", width: 2.5 }, { color: "load", width: 2 }, { color: "ink", width: 1.2 },
+  { color: "dim", width: 2, dash: [6, 5] }, { color: "good", width: 8, alpha: 0.45 }, { color: "support", width: 2.5 }, { color: "load", width: 2 }, { color: "ink", width: 1.2 },
 ];
 
 export function found(root, data) {
@@ -38,7 +38,8 @@ export function found(root, data) {
         c.beginPath();
         for (let i = 0; i < one.line.length; i += 2)
           (i ? c.lineTo : c.moveTo).call(c, width / 2 + (one.line[i] - (low[0] + high[0]) / 2) * zoom, height / 2 - (one.line[i + 1] - (low[1] + high[1]) / 2) * zoom);
-        c.strokeStyle = look.color === "one" ? colors.lines[0] : colors[look.color];
+        c.strokeStyle = colors[look.color];
+        c.globalAlpha = look.alpha || 1;
         c.lineWidth = look.width;
         c.setLineDash(look.dash || []);
         c.stroke();
