@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate optimize sweep mesh keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check validate optimize sweep report mesh keys init bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -22,6 +22,7 @@ _kerf() {
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     sweep) options="--help --output --set --over --jobs --threads --write --collect --quiet" ;;
+    report) options="--help --quiet" ;;
     mesh) options="--help --output --format --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
