@@ -55,10 +55,10 @@ TEST(QuantityBounds, ContainKAndGOfAStraightCrackUnderATurnedStress) {
   const double normal = 0.5 * std::pow(std::sin(slope), 2) + std::pow(std::cos(slope), 2),
                shear = 0.5 * std::sin(slope) * std::cos(slope), k1 = normal * std::sqrt(pi), k2 = shear * std::sqrt(pi),
                rate = (k1 * k1 + k2 * k2) / plane_modulus(f.material);
-  for (const std::vector<Index>& held : {std::vector<Index>{}, std::vector<Index>{0}, std::vector<Index>{0, 1, 2, 3}})
+  for (const std::vector<Index>& held : {std::vector<Index>{}, std::vector<Index>{0, 1, 2, 3}})
     for (const int degree : {1, 2}) {
       std::vector<double> width;
-      for (const int n : {8, 16, 32}) {
+      for (const int n : {8, 16}) {
         const Problem p = problem(f, n, degree, held);
         const QuantityBounds bounds(p.model, p.state);
         for (const TipIntensity& tip : crack_tips(p.model, p.state)) {
@@ -69,10 +69,11 @@ TEST(QuantityBounds, ContainKAndGOfAStraightCrackUnderATurnedStress) {
           expect_contains(two, k2, which + " K_II");
           expect_contains(g, rate, which + " G");
           if (!tip.at_start) width.push_back(half_width(one) / k1);
-          fmt::print("{}: K_I {:.6f} [{:.6f}, {:.6f}] {} K_II [{:.6f}, {:.6f}] exact {:.6f} {:.6f} {}\n", which,
-                     tip.K_I, one.lower, one.upper, one.guaranteed, two.lower, two.upper, k1, k2, one.note);
+          EXPECT_TRUE(one.guaranteed && two.guaranteed && g.guaranteed) << which << one.note;
         }
       }
+      EXPECT_LT(width[0], degree == 1 ? 0.08 : 0.03);
+      EXPECT_LT(width[1], 0.6 * width[0]);  // of the order of the mesh size: the tips are not resolved
     }
 }
 
@@ -91,8 +92,7 @@ TEST(QuantityBounds, ContainStressesAtPoints) {
           expect_contains(s[0], exact(0, 0), which);
           expect_contains(s[1], exact(1, 1), which);
           expect_contains(s[2], exact(0, 1), which);
-          fmt::print("{}: [{:.6f}, {:.6f}] {:.6f}  [{:.6f}, {:.6f}] {:.6f}\n", which, s[0].lower, s[0].upper,
-                     exact(0, 0), s[2].lower, s[2].upper, exact(0, 1));
+          for (const Bounded& b : s) EXPECT_TRUE(b.guaranteed) << which << b.note;
         }
       }
 }
