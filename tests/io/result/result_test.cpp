@@ -31,9 +31,9 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j), (Keys{"schema", "version", "case", "status", "mesh", "state", "contact", "cracks", "functional",
                            "map", "validate", "time_s", "peak_memory_mb", "title"}));
   EXPECT_EQ(keys(j["mesh"]), (Keys{"triangles", "vertices", "h_min", "h_max", "min_angle_deg", "mean_quality"}));
-  EXPECT_EQ(keys(j["state"]), (Keys{"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance",
-                                    "area", "estimated_error", "energy_bounds", "degree", "work_error",
-                                    "energy_bounds_of", "notes"}));
+  EXPECT_EQ(keys(j["state"]),
+            (Keys{"element", "unknowns", "condensed_unknowns", "residual", "energy", "compliance", "area",
+                  "estimated_error", "energy_bounds", "degree", "work_error", "energy_bounds_of", "notes"}));
   EXPECT_EQ(keys(j["contact"]),
             (Keys{"method", "iterations", "linear_solves", "kkt", "open_length", "closed_length", "biactive_length"}));
   ASSERT_EQ(j["cracks"].size(), 1u);
@@ -47,8 +47,9 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["map"]["min"]), (Keys{"at", "value"}));
   EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper", "masked", "angle_deg"}));
   ASSERT_EQ(j["validate"].size(), 3u);
-  EXPECT_EQ(keys(j["validate"][0]), (Keys{"at", "coefficient", "order", "verdict", "rows", "reason", "intercept",
-                                          "plateau", "c2", "c3", "on_mesh", "bar", "independent", "modes"}));
+  EXPECT_EQ(keys(j["validate"][0]),
+            (Keys{"at", "perturbation", "coefficient", "order", "verdict", "rows", "reason", "intercept", "plateau",
+                  "c2", "c3", "on_mesh", "bar", "independent", "modes"}));
   EXPECT_EQ(keys(j["validate"][0]["rows"][0]),
             (Keys{"radius", "J", "difference", "predicted", "remainder", "order", "same_contact"}));
   EXPECT_EQ(keys(j["time_s"]),
