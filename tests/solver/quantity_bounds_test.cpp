@@ -72,7 +72,7 @@ TEST(QuantityBounds, ContainKAndGOfAStraightCrackUnderATurnedStress) {
           EXPECT_TRUE(one.guaranteed && two.guaranteed && g.guaranteed) << which << one.note;
         }
       }
-      EXPECT_LT(width[0], degree == 1 ? 0.08 : 0.03);
+      EXPECT_LT(width[0], degree == 1 ? 0.12 : 0.04);
       EXPECT_LT(width[1], 0.6 * width[0]);  // of the order of the mesh size: the tips are not resolved
     }
 }
