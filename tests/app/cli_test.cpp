@@ -426,7 +426,8 @@ TEST_F(Cli, SaysBeforehandWhatARunTakesAndRefusesWhatIsTooMuch) {
   const Outcome told = kerf(run + "--dry-run");
   EXPECT_EQ(told.code, 0) << told.error;
   EXPECT_FALSE(fs::exists(folder / "r"));
-  for (const std::string limit : {"--max-memory 20MB", "--max-seconds 0.01"}) {
+  // Not so short that a busy machine needs it to read the case.
+  for (const std::string limit : {"--max-memory 20MB", "--set mesh.size=0.006 --max-seconds 0.3"}) {
     const Outcome o = kerf(run + limit + " --log-level off");
     EXPECT_EQ(o.code, 4) << o.error;
     EXPECT_NE(o.error.find("allowed: "), std::string::npos) << o.error;
