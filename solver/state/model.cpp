@@ -68,11 +68,12 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
     constexpr double balanced = 1e-3;
     const Work w = work_on(mesh, k, s, {scene, loaded.data}, motions[i]);
     if (w.relative > balanced)
-      throw Error(Fault::Numerics,
-                  fmt::format("the supports leave the body free to make {}, and the loads do not balance on it (net "
-                              "work {:.3g} of the loads' absolute work); add a [[boundary]] with a displacement that "
-                              "stops it, or loads in equilibrium",
-                              describe(motions[i]), w.relative));
+      throw Error(
+          Fault::Numerics,
+          fmt::format("nothing holds the body against {}, and the loads push it that way (their net work is {:.3g} of "
+                      "the sum of its parts); add a [[boundary]] with a displacement that stops it, or loads in "
+                      "equilibrium",
+                      describe(motions[i]), w.relative));
     free += (free.empty() ? "" : ", ") + describe(motions[i]);
     worst = std::max(worst, w.relative);
     work[static_cast<Eigen::Index>(i)] = w.value;
