@@ -104,6 +104,24 @@ Known work_on(const Model& m, const Nucleus& G) {
   return known;
 }
 
+/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
+std::string unresolved(const Model& m, const std::vector<Vec2>& singular, Index own) {
+  constexpr double far = 0.5;  // of the length of an edge
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    const Index crack = m.mesh.crack[e];
+    const bool outer = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+    const bool face = crack != none && crack != own && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
+    if (!outer && !face) continue;
+    const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
+    for (const Vec2& x : singular)
+      if (distance(x, a, b) < far * length(m.mesh, static_cast<Index>(e)))
+        return fmt::format(
+            "the bounds are estimates: the mesh is coarse on the boundary or the crack beside ({:.6g}, {:.6g})", x.x(),
+            x.y());
+  }
+  return {};
+}
+
 Bounded lost(std::string why) {
   return {nan, nan, nan, false, std::move(why)};
 }
@@ -157,7 +175,8 @@ struct QuantityBounds::Impl {
   EnergyBounds energy;
   std::string why;  // nothing can be bounded
 
-  Bounded bound(const Nucleus& G, Index own) const {
+  /// G is singular at `singular`; `own` is the crack whose faces it leaves free.
+  Bounded bound(const Nucleus& G, const std::vector<Vec2>& singular, Index own) const {
     if (!why.empty()) return lost(why);
     const Scene counter_scene = counter(m, G, own);
     const Model dual = with_loads(m, counter_scene);
@@ -184,13 +203,18 @@ struct QuantityBounds::Impl {
       b.note = !of[0].guaranteed   ? of[0].note
                : !of[1].guaranteed ? of[1].note
                                    : std::string("the bounds are estimates: a traction is not resolved by the mesh");
+    if (const std::string coarse = unresolved(m, singular, own); b.guaranteed && !coarse.empty()) {
+      b.guaranteed = false;
+      b.note = coarse;
+    }
     return b;
   }
 };
 
 QuantityBounds::QuantityBounds(const Model& m, const Field& u)
-    : impl_(std::make_unique<Impl>(Impl{m, u, energy_bounds(m, u), unavailable(m)})) {
+    : impl_(std::make_unique<Impl>(Impl{m, u, {}, unavailable(m)})) {
   if (!impl_->why.empty()) return;
+  impl_->energy = energy_bounds(m, u);
   if (!std::isfinite(impl_->energy.upper - impl_->energy.lower))
     impl_->why = impl_->energy.note;
   else
@@ -199,8 +223,12 @@ QuantityBounds::QuantityBounds(const Model& m, const Field& u)
 QuantityBounds::~QuantityBounds() = default;
 
 std::array<Bounded, 3> QuantityBounds::stress(const Vec2& x) const {
+  if (locate(impl_->m.mesh, {&x, 1}).front() == none) {
+    const Bounded outside = lost("no bounds: the point lies outside the body");
+    return {outside, outside, outside};
+  }
   const Material& material = impl_->m.scene.material;
-  const auto of = [&](PointStress part) { return impl_->bound(point_nucleus(material, x, part), none); };
+  const auto of = [&](PointStress part) { return impl_->bound(point_nucleus(material, x, part), {x}, none); };
   const Bounded trace = of(PointStress::Trace), difference = of(PointStress::Difference);
   return {combined(trace, 0.5, difference, -1), combined(trace, 0.5, difference, 1), of(PointStress::Shear)};
 }
@@ -208,6 +236,7 @@ std::array<Bounded, 3> QuantityBounds::stress(const Vec2& x) const {
 std::array<Bounded, 3> QuantityBounds::tip(const TipIntensity& of) const {
   const Model& m = impl_->m;
   const auto all_lost = [](const std::string& why) { return std::array{lost(why), lost(why), lost(why)}; };
+  if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return all_lost("no bounds: the crack is bonded");
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == of.crack && t.at_start == of.at_start; });
@@ -220,7 +249,7 @@ std::array<Bounded, 3> QuantityBounds::tip(const TipIntensity& of) const {
     return all_lost("no bounds: the line of the crack meets the body again behind the mouth of the crack");
   const double length = inside ? found->vertices.back().norm() : infinity;
   const auto bound = [&](int mode) {
-    return impl_->bound(tip_nucleus(m.scene.material, found->at, found->frame, length, mode), of.crack);
+    return impl_->bound(tip_nucleus(m.scene.material, found->at, found->frame, length, mode), {found->at}, of.crack);
   };
   const Bounded one = bound(1), two = bound(2);
   const auto first = square(one), second = square(two);

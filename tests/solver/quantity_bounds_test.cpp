@@ -105,6 +105,18 @@ TEST(QuantityBounds, SayWhyThereAreNone) {
   const Model m = prepare(p.model.mesh, element("bdms", 1), contact, 1);
   const State s = solve(m);
   EXPECT_EQ(QuantityBounds(m, s).stress({0.3, 0.9})[0].note, "no bounds: a crack may be in contact");
+  const QuantityBounds bounds(p.model, p.state);
+  const Bounded outside = bounds.stress({9, 9})[0];
+  EXPECT_EQ(outside.note, "no bounds: the point lies outside the body");
+  EXPECT_TRUE(std::isnan(outside.lower) && !outside.guaranteed);
+  // Beside the crack, nearer than half an edge: the sampled tractions are not proof enough.
+  const Bounded near = bounds.stress({0.05 * std::sin(slope), -0.05 * std::cos(slope)})[2];
+  EXPECT_FALSE(near.guaranteed);
+  EXPECT_FALSE(near.note.empty());
+  contact.laws[0].kind = CrackLaw::Kind::Bonded;
+  const Model bonded = prepare(p.model.mesh, element("bdms", 1), contact, 1);
+  const State whole = solve(bonded);
+  EXPECT_EQ(QuantityBounds(bonded, whole).tip({.crack = 0})[0].note, "no bounds: the crack is bonded");
 }
 
 }  // namespace
