@@ -82,7 +82,7 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
          {"result.json",  "state.vtu",     "map.vtu",     "map.csv",        "validate.csv", "mesh.png",
           "measured.csv", "von_mises.png", "map.png",     "validate.png",   "report.html",  "report.bin",
           "design.png",   "evolution.png", "history.png", "optimality.png", "design.toml",  "design.svg",
-          "design.dxf",   "design.msh",    "design.step", "case.toml"})
+          "design.dxf",   "design.msh",    "design.step", "case.toml",  "bounds.csv"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }

@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 #include "app/peaks.hpp"
 
+#include "app/bounds.hpp"
 #include "app/draw.hpp"
 #include "app/files.hpp"
 #include "app/map.hpp"
@@ -176,9 +177,13 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
     };
     return solve_once(body, how, journal);
   }
+  const BoundsTask task{body, c.map_request.perturbation, c.plane_strain};
+  if (const auto& of = c.adapt->of)
+    how.goal = [&](const Model& m, const State& s) { return goal_indicator(task, *of, c.functional, m, s); };
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
   r.adapt = adapt_result(adapted);
+  if (c.adapt->of) r.adapt->of = in_words(*c.adapt->of, c.shape);
   return adapted;
 }
 
@@ -354,6 +359,27 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   return out;
 }
 
+/// What [bounds] and mesh.adapt ask for.
+std::optional<BoundsRequest> bounds_asked(const Case& c) {
+  std::optional<BoundsRequest> asked = c.bounds;
+  if (!c.adapt || !c.adapt->of) return asked;
+  const GoalRequest& goal = *c.adapt->of;
+  if (!asked) asked = BoundsRequest{.tips = goal.crack != none};
+  if (goal.crack == none && goal.quantity != "energy" && std::ranges::count(asked->points, goal.at) == 0)
+    asked->points.push_back(goal.at);
+  return asked->tips || !asked->points.empty() ? asked : std::nullopt;
+}
+
+/// The intervals that the case asks for.
+void bound(const Outcome& out, const BoundsRequest& asked, Journal& journal, Result& r) {
+  journal.begin("bound quantities");
+  const Body body = body_of(out.c, out.solved.adapted);
+  r.bounds = bound_quantities({body, out.c.map_request.perturbation, out.c.plane_strain}, asked, out.solved.adapted,
+                              out.analysis ? &*out.analysis : nullptr, journal.options.threads);
+  write_bounds_csv(journal.file("bounds.csv"), *r.bounds);
+  journal.seconds.bounds += journal.lap();
+}
+
 /// The jobs and their files.
 Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
@@ -366,9 +392,10 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   journal.seconds.solve += journal.lap();
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
 
-  journal.begin("write");
   const Case& c = out->c;
   const Adapted& adapted = out->solved.adapted;
+  if (const auto asked = bounds_asked(c); asked && certified(adapted.state)) bound(*out, *asked, journal, r);
+  journal.begin("write");
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (const Probe& probe : c.probes)
     write_probe_file(journal.file("probe_" + probe.name + ".csv"), probe.points, adapted, map_task(c), mapped);

@@ -1,6 +1,7 @@
 #pragma once
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
+#include "kerf/bounds.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
 #include "kerf/units.hpp"
@@ -15,7 +16,7 @@ namespace kerf {
 
 struct Seconds {
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, map = 0, validate = 0, optimize = 0, output = 0,
-         total = 0;
+         total = 0, bounds = 0;
 };
 
 struct PlacedValue {
@@ -88,8 +89,9 @@ struct StateResult {
 };
 
 struct AdaptResult {
-  std::vector<std::pair<Index, double>> rounds;  // triangles, estimated error
+  std::vector<std::pair<Index, double>> rounds;  // triangles, estimated error or half width
   std::string stopped;                           // why
+  std::string of = {};                           // the quantity that is bounded, if one is
 };
 
 struct ContactResultSummary {
@@ -124,6 +126,22 @@ struct ValidationResult {
   std::vector<Validation> points;
 };
 
+/// Intervals that contain the quantity of the exact solution, guaranteed or said not to be.
+struct BoundedTip {
+  std::string crack;
+  bool at_start = false;
+  Vec2 at = Vec2::Zero();
+  Bounded K_I, K_II, G;
+};
+struct BoundedPoint {
+  Vec2 at = Vec2::Zero();
+  Bounded s_xx, s_yy, s_xy, von_mises, derivative;
+};
+struct BoundsResult {
+  std::vector<BoundedTip> tips;
+  std::vector<BoundedPoint> points;
+};
+
 /// What the numbers of an optimization are called, and their limits.
 struct OptimizeNames {
   std::vector<std::string> bounds;
@@ -143,6 +161,7 @@ struct Result {
   std::optional<StateResult> state;
   std::optional<ContactResultSummary> contact;
   std::vector<CrackResult> cracks;
+  std::optional<BoundsResult> bounds;
   std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
   std::optional<ValidationResult> validate;
@@ -165,6 +184,9 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 /// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed. Of a crack
 /// under the pressure of a fluid also fluid_pressure.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
+
+/// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note; a row per quantity, an empty cell is not known.
+void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
 /// columns.

@@ -14,6 +14,9 @@ namespace kerf {
 struct Indicator {
   Eigen::VectorXd eta;  // per triangle
   double relative = 0;  // sum over the body, divided by the efficiency index and by |s|: a relative L2 stress error
+  // Of a goal:
+  double power = 1;       // `relative` falls like this power of the norm of eta
+  std::string note = {};  // why `relative` is not to be relied on yet
 };
 /// The efficiency index is measured on the body itself, against the recovered stress where that is one (theory: R.6):
 /// 1.2 to 1.5 of the true error on adapted meshes, 0.8 to 2.5 on coarse ones in random scenes. An estimate, not a
@@ -26,7 +29,7 @@ enum class Refinement { Remesh, Bisect };
 
 struct Round {
   Index triangles = 0;
-  double estimated_error = 0;
+  double estimated_error = 0;  // Indicator::relative, of the goal if there is one
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0;  // seconds; contact within solve
 };
 
@@ -40,6 +43,8 @@ struct Adaptation {
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
   std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
+  /// What to refine for, if not the stress: `relative` is what `error` is asked of.
+  std::function<Indicator(const Model&, const State&)> goal = {};
 };
 
 struct Adapted {

@@ -4,8 +4,8 @@
 #include "kerf/fracture.hpp"
 #include "kerf/state.hpp"
 
-#include <array>
 #include <memory>
+#include <vector>
 
 namespace kerf {
 
@@ -36,20 +36,35 @@ struct Bounded {
   std::string note;  // why not available, or not guaranteed
 };
 
+/// Of the stress at a point: its components, and what follows from them by interval arithmetic.
+struct StressBounds {
+  Bounded trace, difference;  // s11 + s22, (s22 - s11)/2
+  Bounded s11, s22, s12;
+  std::vector<Eigen::VectorXd> eta = {};  // the indicators of the dual solutions of trace, difference and s12, if asked
+};
+/// Of an end of a crack; the indicators are those of K_I and K_II.
+struct TipBounds {
+  Bounded K_I, K_II, G;
+  std::vector<Eigen::VectorXd> eta = {};
+};
+/// Of the von Mises stress; in plane strain with s33 = nu (s11 + s22).
+Bounded von_mises_bounds(const Material& material, bool plane_strain, const StressBounds& stress);
+
 /// Bounds of linear quantities Q of a state. Q = known + l(u) by a singular field that is taken out in closed form; w
 /// is the solution under the loads l, and with J(u) the potential energy -2k l = J(u + k w) - J(u - k w), both bounded
 /// [theory: B.11]. One solve by the factor of the model per quantity. Not with contact, body force, eigenstrain,
 /// several materials or orthotropic ones: `note` says so.
 class QuantityBounds {
  public:
-  /// Model and state must outlive it.
-  QuantityBounds(const Model& model, const Field& state);
+  /// Model and state must outlive it. `with_indicators`: the error indicator of each dual solution, which says where a
+  /// finer mesh narrows the interval.
+  QuantityBounds(const Model& model, const State& state, bool with_indicators = false);
   ~QuantityBounds();
 
-  /// s11, s22, s12 at a point inside the body.
-  std::array<Bounded, 3> stress(const Vec2& x) const;
-  /// K_I, K_II and G of an end of a straight crack.
-  std::array<Bounded, 3> tip(const TipIntensity& tip) const;
+  /// At a point inside the body.
+  StressBounds stress(const Vec2& x) const;
+  /// Of an end of a straight crack.
+  TipBounds tip(const TipIntensity& tip) const;
 
  private:
   struct Impl;

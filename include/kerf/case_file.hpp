@@ -24,13 +24,30 @@ struct Probe {
   std::vector<Vec2> points;
 };
 
+/// A quantity that an adapted mesh is to bound.
+struct GoalRequest {
+  std::string quantity;  // a word of goal_words
+  Index crack = none;    // of K_I, K_II and G, at one of its ends
+  bool at_start = false;
+  Vec2 at = Vec2::Zero();  // of stresses and T
+};
+inline constexpr std::array<std::string_view, 9> goal_words{
+    "K_I", "K_II", "G", "s_xx", "s_yy", "s_xy", "von_mises", "topological_derivative", "energy"};
+
 struct AdaptRequest {
-  double error = 1e-2;  // wanted, relative L2 stress error as estimated
+  double error = 1e-2;  // wanted, relative L2 stress error as estimated; of a goal the relative half width
   Index max_triangles = 200000;
+  std::optional<GoalRequest> of = {};
 };
 
 struct MapJob {
   std::vector<Vec2> points;  // empty: everywhere in the body
+};
+
+/// Intervals that contain quantities of the exact solution.
+struct BoundsRequest {
+  bool tips = true;          // K_I, K_II and G at every tip
+  std::vector<Vec2> points;  // stresses and T there
 };
 
 struct OutputRequest {
@@ -88,6 +105,7 @@ struct Case {
   std::optional<MapJob> map;
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;
+  std::optional<BoundsRequest> bounds;
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
   std::optional<FitRequest> fit;

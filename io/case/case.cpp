@@ -54,6 +54,7 @@ void read_mesh(const Value& document, Case& c) {
     c.adapt.emplace();
     c.adapt->error = in_range(need(*adapt, "error"));
     take(*adapt, "max_triangles", c.adapt->max_triangles);
+    c.adapt->of = read_goal(*adapt, c);
   }
 }
 
@@ -179,6 +180,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   check_all_used(definitions);
   read_map(document, c);
   read_probes(document, origin.folder, c);
+  read_bounds(document, c);
   read_output(document, c);
   c.folder = origin.folder;
   if (c.optimize) c.fingerprint = fingerprint(root, c.folder);

@@ -303,7 +303,7 @@ constexpr Key rows[] = {
     {"mesh.adapt.error",
      Number,
      {.range = positive, .required = true},
-     "Wanted estimated relative error of the stress.",
+     "Wanted estimated relative error of the stress; with of, wanted relative half width of the interval.",
      "1e-3"},
     {"mesh.adapt.max_triangles",
      Whole,
@@ -311,6 +311,16 @@ constexpr Key rows[] = {
      "Ends the refinement; the last mesh may have more.",
      "50000",
      "200000"},
+    {"mesh.adapt.of",
+     Word,
+     {.words = goal_words},
+     "Refine for this quantity, until half the width of its guaranteed interval is error times the quantity. What it "
+     "takes is what [bounds] takes.",
+     "\"K_I\"",
+     "the stress everywhere"},
+    {"mesh.adapt.crack", Text, {}, "Of K_I, K_II and G: the name of a straight open crack.", "\"c\""},
+    {"mesh.adapt.tip", Word, {.words = path_ends}, "The end of its path.", "\"end\""},
+    {"mesh.adapt.at", Pair, {}, "Of stresses and the topological derivative: where.", "[0.5, 0.5]"},
 
     {"solver", Table, {}, "How the state is computed."},
     {"solver.element",
@@ -462,6 +472,20 @@ constexpr Key rows[] = {
      "How many points it has.",
      "101"},
     {"probe[].file", Text, {.one_of = true}, "A file with the columns x,y.", "\"points.csv\""},
+
+    {"bounds",
+     Table,
+     {},
+     "Intervals that contain quantities of the exact solution; the result says which are guaranteed, and why others are "
+     "not. One solve by the factor of the state and two bounds of energies per quantity. For now of one isotropic "
+     "material without body force and eigenstrain, and cracks that are open."},
+    {"bounds.tips", Boolean, {}, "K_I, K_II and G at the tips of straight open cracks.", "false", "true"},
+    {"bounds.points",
+     Points,
+     {},
+     "Stresses here, the von Mises stress, and T of the energy or the compliance for a circular hole or inclusion. Three "
+     "quantities per point.",
+     "[[0.5, 0.5]]"},
 
     {"output", Table, {}, "Which files are written beside result.json and the tables."},
     {"output.vtk", Boolean, {}, "Fields for ParaView.", "false", "true"},

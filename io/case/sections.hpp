@@ -102,4 +102,10 @@ Material elastic(const Value& table, const Elastic& constants, bool in_plane_str
 /// [[probe]]; files lie relative to `folder`.
 void read_probes(const Value& document, const std::filesystem::path& folder, Case& c);
 
+/// [bounds].
+void read_bounds(const Value& document, Case& c);
+
+/// The quantity that mesh.adapt refines for, if it names one. After the shape.
+std::optional<GoalRequest> read_goal(const Value& adapt, const Case& c);
+
 }  // namespace kerf

@@ -59,4 +59,32 @@ void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack
   write_file(path, {out.data(), out.size()});
 }
 
+void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "quantity,crack,tip,x,y,value,lower,upper,guaranteed,note\n");
+  const auto row = [&](const char* quantity, const std::string& crack, const char* tip, const Vec2& at,
+                       const Bounded& b) {
+    fmt::format_to(std::back_inserter(out), "{},{},{},", quantity, csv_text(crack), tip);
+    for (const double value : {at.x(), at.y(), b.value, b.lower, b.upper}) {
+      append_cell(out, value);
+      out.push_back(',');
+    }
+    fmt::format_to(std::back_inserter(out), "{},{}\n", b.guaranteed ? "yes" : "no", csv_text(b.note));
+  };
+  for (const BoundedTip& t : bounds.tips) {
+    const char* tip = t.at_start ? "start" : "end";
+    row("K_I", t.crack, tip, t.at, t.K_I);
+    row("K_II", t.crack, tip, t.at, t.K_II);
+    row("G", t.crack, tip, t.at, t.G);
+  }
+  for (const BoundedPoint& p : bounds.points) {
+    row("s_xx", "", "", p.at, p.s_xx);
+    row("s_yy", "", "", p.at, p.s_yy);
+    row("s_xy", "", "", p.at, p.s_xy);
+    row("von_mises", "", "", p.at, p.von_mises);
+    row("topological_derivative", "", "", p.at, p.derivative);
+  }
+  write_file(path, {out.data(), out.size()});
+}
+
 }  // namespace kerf

@@ -81,7 +81,7 @@ void read_mesh(const Json& from, Result& r) {
   r.vertices = count(from, "vertices");
   r.mesh = {number(from, "h_min"), number(from, "h_max"), number(from, "min_angle_deg"), number(from, "mean_quality")};
   if (!from.contains("adapt")) return;
-  r.adapt = AdaptResult{{}, text(from["adapt"], "stopped")};
+  r.adapt = AdaptResult{{}, text(from["adapt"], "stopped"), text(from["adapt"], "of")};
   for (const Json& round : from["adapt"].at("rounds"))
     r.adapt->rounds.emplace_back(count(round, "triangles"), number(round, "estimated_error"));
 }
@@ -131,6 +131,24 @@ CrackResult crack(const Json& from) {
   }
   out.fluid_pressure = maybe(from, "fluid_pressure");
   if (from.contains("pressure_peak")) out.pressure = peak(from["pressure_peak"]);
+  return out;
+}
+
+Bounded bounded(const Json& from, const char* key) {
+  const auto found = from.find(key);
+  if (found == from.end() || found->is_null()) return {nan, nan, nan};
+  return {number(*found, "value"), number(*found, "lower"), number(*found, "upper"), found->value("guaranteed", false),
+          text(*found, "note")};
+}
+
+BoundsResult bounds(const Json& from) {
+  BoundsResult out;
+  for (const Json& t : list(from, "tips"))
+    out.tips.push_back({text(t, "crack"), text(t, "tip") == "start", place(t.at("at")), bounded(t, "K_I"),
+                        bounded(t, "K_II"), bounded(t, "G")});
+  for (const Json& p : list(from, "points"))
+    out.points.push_back({place(p.at("at")), bounded(p, "s_xx"), bounded(p, "s_yy"), bounded(p, "s_xy"),
+                          bounded(p, "von_mises"), bounded(p, "topological_derivative")});
   return out;
 }
 
@@ -279,7 +297,7 @@ void read_optimize(const Json& from, Result& r) {
 Seconds seconds(const Json& from) {
   return {number(from, "mesh"),    number(from, "assemble"), number(from, "factor"),   number(from, "solve"),
           number(from, "contact"), number(from, "map"),      number(from, "validate"), number(from, "optimize"),
-          number(from, "output"),  number(from, "total")};
+          number(from, "output"),  number(from, "total"),    from.contains("bounds") ? number(from, "bounds") : 0};
 }
 
 Result from_json(const Json& from) {
@@ -304,6 +322,7 @@ Result from_json(const Json& from) {
         number(c, "open_length"), number(c, "closed_length"), number(c, "biactive_length")};
   }
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
+  if (from.contains("bounds")) r.bounds = bounds(from["bounds"]);
   if (from.contains("functional")) r.functional = functional(from["functional"]);
   if (from.contains("map")) r.map = map(from["map"]);
   if (from.contains("validate")) {

@@ -44,6 +44,7 @@ Json mesh_section(const Result& result) {
     for (const auto& [triangles, error] : result.adapt->rounds)
       rounds.push_back({{"triangles", triangles}, {"estimated_error", number(error)}});
     section["adapt"] = {{"rounds", rounds}, {"stopped", result.adapt->stopped}};
+    if (!result.adapt->of.empty()) section["adapt"]["of"] = result.adapt->of;
   }
   return section;
 }
@@ -168,6 +169,34 @@ Json crack_section(const CrackResult& crack) {
               {"tips", std::move(tips)}};
   if (crack.fluid_pressure) out["fluid_pressure"] = number(*crack.fluid_pressure);
   if (crack.pressure) out["pressure_peak"] = peak_section(*crack.pressure);
+  return out;
+}
+
+Json bounded(const Bounded& b) {
+  Json out = {{"value", number(b.value)},
+              {"lower", number(b.lower)},
+              {"upper", number(b.upper)},
+              {"guaranteed", b.guaranteed}};
+  if (!b.note.empty()) out["note"] = b.note;
+  return out;
+}
+
+Json bounds_section(const BoundsResult& bounds) {
+  Json out = {{"tips", Json::array()}, {"points", Json::array()}};
+  for (const BoundedTip& t : bounds.tips)
+    out["tips"].push_back({{"crack", t.crack},
+                           {"tip", t.at_start ? "start" : "end"},
+                           {"at", place(t.at)},
+                           {"K_I", bounded(t.K_I)},
+                           {"K_II", bounded(t.K_II)},
+                           {"G", bounded(t.G)}});
+  for (const BoundedPoint& p : bounds.points)
+    out["points"].push_back({{"at", place(p.at)},
+                             {"s_xx", bounded(p.s_xx)},
+                             {"s_yy", bounded(p.s_yy)},
+                             {"s_xy", bounded(p.s_xy)},
+                             {"von_mises", bounded(p.von_mises)},
+                             {"topological_derivative", bounded(p.derivative)}});
   return out;
 }
 
@@ -348,10 +377,12 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
 }
 
 Json time_section(const Seconds& s) {
-  return {{"mesh", number(s.mesh)},         {"assemble", number(s.assemble)}, {"factor", number(s.factor)},
-          {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
-          {"validate", number(s.validate)}, {"optimize", number(s.optimize)}, {"output", number(s.output)},
-          {"total", number(s.total)}};
+  Json out = {{"mesh", number(s.mesh)},         {"assemble", number(s.assemble)}, {"factor", number(s.factor)},
+              {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
+              {"validate", number(s.validate)}, {"optimize", number(s.optimize)}, {"output", number(s.output)},
+              {"total", number(s.total)}};
+  if (s.bounds > 0) out["bounds"] = number(s.bounds);
+  return out;
 }
 
 }  // namespace
@@ -363,6 +394,7 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.state) out["state"] = state_section(*result.state);
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
+  if (result.bounds) out["bounds"] = bounds_section(*result.bounds);
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
   if (result.validate) out["validate"] = validate_section(*result.validate);

@@ -147,6 +147,44 @@ void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
   }
 }
 
+/// "K_I 1.2 in [1.1, 1.3] MPa √m", with what the interval is worth where it is no guarantee.
+std::string interval(const char* name, const Bounded& b, const std::string& unit) {
+  if (!std::isfinite(b.value)) return fmt::format("{}: none", name);
+  return fmt::format("{} in [{}, {}]{}{}", name, six(b.lower), six(b.upper), with_blank(unit),
+                     b.guaranteed ? "" : " (estimate)");
+}
+
+void add_bounds(std::string& out, const BoundsResult& bounds, const Units& u, const std::string& of_map) {
+  std::string heading = "bounds", said;
+  const auto line = [&](const std::string& place, std::vector<std::string> items,
+                        std::initializer_list<const Bounded*> of) {
+    items.insert(items.begin(), place);
+    add(out, heading, items);
+    heading.clear();
+    for (const Bounded* b : of)
+      if (!b->note.empty() && b->note != said) {
+        said = b->note;
+        add_sentence(out, "", "note: " + said);
+      }
+  };
+  const std::string intensity = unit(u, dimension::stress_intensity), stress = unit(u, dimension::stress);
+  for (const BoundedTip& t : bounds.tips)
+    line("tip " + at(t.at),
+         {interval("K_I", t.K_I, intensity), interval("K_II", t.K_II, intensity),
+          interval("G", t.G, unit(u, dimension::release_rate))},
+         {&t.K_I, &t.K_II, &t.G});
+  constexpr std::size_t shown = 10;
+  for (std::size_t i = 0; i < std::min(bounds.points.size(), shown); ++i) {
+    const BoundedPoint& p = bounds.points[i];
+    line(at(p.at),
+         {interval("s_xx", p.s_xx, stress), interval("s_yy", p.s_yy, stress), interval("s_xy", p.s_xy, stress),
+          interval("von Mises", p.von_mises, stress), interval("topological derivative", p.derivative, of_map)},
+         {&p.s_xx, &p.derivative});
+  }
+  if (bounds.points.size() > shown)
+    add(out, "", {fmt::format("and {} more points in bounds.csv", bounds.points.size() - shown)});
+}
+
 void add_map(std::string& out, const MapResult& map, const std::string& unit) {
   add(out, "map", {clean_text(map.perturbation), item("min", map.min.value, unit) + ' ' + at(map.min.at)});
   add(out, "", {item("max", map.max.value, unit) + ' ' + at(map.max.at)});
@@ -226,7 +264,7 @@ void add_times(std::string& out, const Result& result) {
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
   for (const auto& [name, value] :
        {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
-        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("map", s.map),
+        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds), std::pair("map", s.map),
         std::pair("validate", s.validate), std::pair("optimize", s.optimize), std::pair("output", s.output)}) {
     if (value > 0) items.push_back(fmt::format("{} {:.3f}", name, value));
   }
@@ -263,7 +301,10 @@ std::string summary(const Result& result) {
          fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
   }
   if (result.adapt)
-    add_sentence(out, "adapt", fmt::format("{} after {} rounds", result.adapt->stopped, result.adapt->rounds.size()));
+    add_sentence(out, "adapt",
+                 fmt::format("{}{} after {} rounds",
+                             result.adapt->of.empty() ? "" : fmt::format("for {}: ", clean_text(result.adapt->of)),
+                             result.adapt->stopped, result.adapt->rounds.size()));
   if (result.state) {
     const StateResult& s = *result.state;
     add(out, "state",
@@ -294,6 +335,7 @@ std::string summary(const Result& result) {
     add(out, "", lengths);
   }
   for (const CrackResult& crack : result.cracks) add_crack(out, crack, u);
+  if (result.bounds) add_bounds(out, *result.bounds, u, of_map);
   if (result.functional) add_functional(out, *result.functional, of_functional);
   if (result.map) add_map(out, *result.map, of_map);
   if (result.validate) add_validation(out, *result.validate);

@@ -11,7 +11,7 @@ std::string time_bars(const Seconds& s) {
   std::vector<std::pair<std::string, double>> phases;
   for (const auto& [name, value] :
        {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
-        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("map", s.map),
+        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds), std::pair("map", s.map),
         std::pair("validate", s.validate), std::pair("optimize", s.optimize), std::pair("output", s.output)}) {
     if (std::isfinite(value) && value > 0) phases.emplace_back(name, value);
   }

@@ -1,3 +1,4 @@
+#include "kerf/adaptive.hpp"
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
@@ -172,17 +173,20 @@ std::string unavailable(const Model& m) {
 struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
+  bool with_indicators;
   EnergyBounds energy;
   std::string why;  // nothing can be bounded
 
-  /// G is singular at `singular`; `own` is the crack whose faces it leaves free.
-  Bounded bound(const Nucleus& G, const std::vector<Vec2>& singular, Index own) const {
+  /// G is singular at `singular`; `own` is the crack whose faces it leaves free. The indicator of w goes to `eta`.
+  Bounded bound(const Nucleus& G, const std::vector<Vec2>& singular, Index own,
+                std::vector<Eigen::VectorXd>& eta) const {
     if (!why.empty()) return lost(why);
     const Scene counter_scene = counter(m, G, own);
     const Model dual = with_loads(m, counter_scene);
     const State w = solve(dual);
     const EnergyBounds other = energy_bounds(dual, w);
     if (!std::isfinite(other.upper - other.lower)) return lost(other.note);
+    if (with_indicators) eta.push_back(error_indicator(dual, w).eta);
     const double gap = energy.upper - energy.lower, other_gap = other.upper - other.lower;
     const double k = gap > 0 && other_gap > 0 ? std::sqrt(gap / other_gap) : 1;
     std::array<EnergyBounds, 2> of;
@@ -211,8 +215,8 @@ struct QuantityBounds::Impl {
   }
 };
 
-QuantityBounds::QuantityBounds(const Model& m, const Field& u)
-    : impl_(std::make_unique<Impl>(Impl{m, u, {}, unavailable(m)})) {
+QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
+    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, {}, unavailable(m)})) {
   if (!impl_->why.empty()) return;
   impl_->energy = energy_bounds(m, u);
   if (!std::isfinite(impl_->energy.upper - impl_->energy.lower))
@@ -222,20 +226,37 @@ QuantityBounds::QuantityBounds(const Model& m, const Field& u)
 }
 QuantityBounds::~QuantityBounds() = default;
 
-std::array<Bounded, 3> QuantityBounds::stress(const Vec2& x) const {
+StressBounds QuantityBounds::stress(const Vec2& x) const {
   if (locate(impl_->m.mesh, {&x, 1}).front() == none) {
     const Bounded outside = lost("no bounds: the point lies outside the body");
-    return {outside, outside, outside};
+    return {outside, outside, outside, outside, outside};
   }
   const Material& material = impl_->m.scene.material;
-  const auto of = [&](PointStress part) { return impl_->bound(point_nucleus(material, x, part), {x}, none); };
-  const Bounded trace = of(PointStress::Trace), difference = of(PointStress::Difference);
-  return {combined(trace, 0.5, difference, -1), combined(trace, 0.5, difference, 1), of(PointStress::Shear)};
+  StressBounds s;
+  const auto of = [&](PointStress part) { return impl_->bound(point_nucleus(material, x, part), {x}, none, s.eta); };
+  s.trace = of(PointStress::Trace);
+  s.difference = of(PointStress::Difference);
+  s.s12 = of(PointStress::Shear);
+  s.s11 = combined(s.trace, 0.5, s.difference, -1);
+  s.s22 = combined(s.trace, 0.5, s.difference, 1);
+  return s;
 }
 
-std::array<Bounded, 3> QuantityBounds::tip(const TipIntensity& of) const {
+// 4 mu c = 1 - 2 nu in plane strain.
+Bounded von_mises_bounds(const Material& m, bool plane_strain, const StressBounds& s) {
+  const double share = std::pow(plane_strain ? 2 * m.mu * m.c : 0.5, 2);
+  const auto trace = square(s.trace), difference = square(s.difference), shear = square(s.s12);
+  const auto root = [&](int side) { return std::sqrt(share * trace[side] + 3 * (difference[side] + shear[side])); };
+  Bounded b = combined(combined(s.trace, 1, s.difference, 1), 1, s.s12, 1);  // what they say of themselves
+  b.lower = root(0);
+  b.upper = root(1);
+  b.value = 0.5 * (b.lower + b.upper);
+  return b;
+}
+
+TipBounds QuantityBounds::tip(const TipIntensity& of) const {
   const Model& m = impl_->m;
-  const auto all_lost = [](const std::string& why) { return std::array{lost(why), lost(why), lost(why)}; };
+  const auto all_lost = [](const std::string& why) { return TipBounds{lost(why), lost(why), lost(why)}; };
   if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return all_lost("no bounds: the crack is bonded");
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
@@ -248,17 +269,20 @@ std::array<Bounded, 3> QuantityBounds::tip(const TipIntensity& of) const {
   if (!inside && behind_mouth(m.mesh, *found))
     return all_lost("no bounds: the line of the crack meets the body again behind the mouth of the crack");
   const double length = inside ? found->vertices.back().norm() : infinity;
+  TipBounds b;
   const auto bound = [&](int mode) {
-    return impl_->bound(tip_nucleus(m.scene.material, found->at, found->frame, length, mode), {found->at}, of.crack);
+    return impl_->bound(tip_nucleus(m.scene.material, found->at, found->frame, length, mode), {found->at}, of.crack,
+                        b.eta);
   };
-  const Bounded one = bound(1), two = bound(2);
-  const auto first = square(one), second = square(two);
+  b.K_I = bound(1);
+  b.K_II = bound(2);
+  const auto first = square(b.K_I), second = square(b.K_II);
   const double modulus = plane_modulus(m.scene.material);
-  Bounded rate = combined(one, 1, two, 1);
-  rate.lower = (first[0] + second[0]) / modulus;
-  rate.upper = (first[1] + second[1]) / modulus;
-  rate.value = 0.5 * (rate.lower + rate.upper);
-  return {one, two, rate};
+  b.G = combined(b.K_I, 1, b.K_II, 1);
+  b.G.lower = (first[0] + second[0]) / modulus;
+  b.G.upper = (first[1] + second[1]) / modulus;
+  b.G.value = 0.5 * (b.G.lower + b.G.upper);
+  return b;
 }
 
 }  // namespace kerf

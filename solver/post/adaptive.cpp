@@ -35,12 +35,13 @@ std::vector<Index> mark(const Eigen::VectorXd& eta) {
 }
 
 Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
-             const Indicator& indicator) {
+             const Indicator& indicator) {  // of the goal
   if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta), sizing.mirrored_tips);
   constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
   // Below the goal: at singular points the error falls slower than the order of the element says.
   constexpr double safety = 0.7;
-  Goal goal{.error = safety * wanted.error / indicator.relative * indicator.eta.norm(),
+  const double share = std::pow(safety * wanted.error / indicator.relative, 1 / indicator.power);
+  Goal goal{.error = share * indicator.eta.norm(),
             .order = static_cast<double>(model.element.order),
             .max_triangles = std::min<double>(wanted.max_triangles, most_growth * indicator.eta.size())};
   // The indicator grades the mesh: the growth that is right around a tip without it makes twice the triangles at
@@ -215,8 +216,14 @@ struct Adapting {
   const Adaptation& wanted;
 };
 
-/// A mesh solved, with its indicator and what that took; `meshing`: seconds.
-Adapted one_round(const Adapting& of, Mesh mesh, double meshing) {
+/// A mesh solved, with its indicator, that of the goal, and what that took.
+struct Solved {
+  Adapted adapted;
+  Indicator goal;
+};
+
+/// `meshing`: seconds.
+Solved one_round(const Adapting& of, Mesh mesh, double meshing) {
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
   Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads);
@@ -228,9 +235,11 @@ Adapted one_round(const Adapting& of, Mesh mesh, double meshing) {
   round.contact = state.seconds.contact;
   Indicator indicator = error_indicator(model, state);
   add_chords(of.shape, model, state, indicator);
+  Indicator goal = of.wanted.goal ? of.wanted.goal(model, state) : indicator;
   round.estimate = watch.lap();
-  round.estimated_error = indicator.relative;
-  return {.model = std::move(model), .state = std::move(state), .indicator = std::move(indicator), .rounds = {round}};
+  round.estimated_error = goal.relative;
+  return {{.model = std::move(model), .state = std::move(state), .indicator = std::move(indicator), .rounds = {round}},
+          std::move(goal)};
 }
 
 /// Matrix and factor, most of the memory, are not needed to write a state down.
@@ -248,11 +257,11 @@ void drop_factor(Model& m) {
 }
 
 /// Why the last round is the last one; empty: it is not. `without_gain`: rounds in a row.
-std::string reason_to_end(const Adapted& a, const std::vector<Round>& rounds, const Adaptation& wanted,
+std::string reason_to_end(const Solved& now, const std::vector<Round>& rounds, const Adaptation& wanted,
                           int without_gain, double best) {
   constexpr std::size_t most_rounds = 40;
   const Round& round = rounds.back();
-  const std::string unseen = unseen_by_estimate(a.model);
+  const std::string unseen = now.goal.note.empty() ? unseen_by_estimate(now.adapted.model) : now.goal.note;
   std::string why;
   if (round.estimated_error <= wanted.error && unseen.empty())
     why = fmt::format("reached the asked error {:.3g}", wanted.error);
@@ -286,20 +295,21 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
   int without_gain = 0;
   try {
     while (true) {
-      Adapted now = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap());
+      Solved solved = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap());
+      Adapted& now = solved.adapted;
       last.reset();
       watch.lap();
       rounds.push_back(now.rounds.front());
       constexpr double gain = 0.95;
       without_gain = rounds.back().estimated_error < gain * best ? 0 : without_gain + 1;
       best = std::min(best, rounds.back().estimated_error);
-      now.stopped = reason_to_end(now, rounds, wanted, without_gain, best);
+      now.stopped = reason_to_end(solved, rounds, wanted, without_gain, best);
       now.rounds = rounds;
       now.sizing = sizing;
-      if (!now.stopped.empty()) return now;
+      if (!now.stopped.empty()) return std::move(now);
       sizing.ends = contact_ends(now.model, now.state);
       last.emplace(std::move(now));
-      mesh = refined(shape, sizing, wanted, last->model, last->indicator);
+      mesh = refined(shape, sizing, wanted, last->model, solved.goal);
       drop_factor(last->model);
     }
   } catch (const Stopped&) {

@@ -64,7 +64,8 @@ TEST(QuantityBounds, ContainKAndGOfAStraightCrackUnderATurnedStress) {
         for (const TipIntensity& tip : crack_tips(p.model, p.state)) {
           const std::string which =
               fmt::format("held {} degree {} n {} start {}", held.size(), degree, n, tip.at_start);
-          const auto [one, two, g] = bounds.tip(tip);
+          const TipBounds b = bounds.tip(tip);
+          const Bounded &one = b.K_I, &two = b.K_II, &g = b.G;
           expect_contains(one, k1, which + " K_I");
           expect_contains(two, k2, which + " K_II");
           expect_contains(g, rate, which + " G");
@@ -89,10 +90,19 @@ TEST(QuantityBounds, ContainStressesAtPoints) {
           const Mat2 exact = f.stress(x, exact::side_of(f, x));
           const std::string which =
               fmt::format("held {} degree {} n {} at {} {}", held.size(), degree, n, x.x(), x.y());
-          expect_contains(s[0], exact(0, 0), which);
-          expect_contains(s[1], exact(1, 1), which);
-          expect_contains(s[2], exact(0, 1), which);
-          for (const Bounded& b : s) EXPECT_TRUE(b.guaranteed) << which << b.note;
+          expect_contains(s.s11, exact(0, 0), which);
+          expect_contains(s.s22, exact(1, 1), which);
+          expect_contains(s.s12, exact(0, 1), which);
+          for (const Bounded& b : {s.s11, s.s22, s.s12}) EXPECT_TRUE(b.guaranteed) << which << b.note;
+          for (const bool plane_strain : {true, false}) {
+            const Bounded v = von_mises_bounds(f.material, plane_strain, s);
+            const double s33 = plane_strain ? 0.3 * exact.trace() : 0;
+            const Mat2 square = exact * exact;
+            const double mean = (exact.trace() + s33) / 3;
+            expect_contains(v, std::sqrt(1.5 * (square.trace() + s33 * s33 - 3 * mean * mean)), which + " von Mises");
+            EXPECT_TRUE(v.guaranteed);
+            EXPECT_LT(v.upper - v.lower, 4 * (s.trace.upper - s.trace.lower + s.s12.upper - s.s12.lower));
+          }
         }
       }
 }
@@ -104,19 +114,19 @@ TEST(QuantityBounds, SayWhyThereAreNone) {
   contact.laws[0].kind = CrackLaw::Kind::Unilateral;
   const Model m = prepare(p.model.mesh, element("bdms", 1), contact, 1);
   const State s = solve(m);
-  EXPECT_EQ(QuantityBounds(m, s).stress({0.3, 0.9})[0].note, "no bounds: a crack may be in contact");
+  EXPECT_EQ(QuantityBounds(m, s).stress({0.3, 0.9}).s11.note, "no bounds: a crack may be in contact");
   const QuantityBounds bounds(p.model, p.state);
-  const Bounded outside = bounds.stress({9, 9})[0];
+  const Bounded outside = bounds.stress({9, 9}).s11;
   EXPECT_EQ(outside.note, "no bounds: the point lies outside the body");
   EXPECT_TRUE(std::isnan(outside.lower) && !outside.guaranteed);
   // Beside the crack, nearer than half an edge: the sampled tractions are not proof enough.
-  const Bounded near = bounds.stress({0.05 * std::sin(slope), -0.05 * std::cos(slope)})[2];
+  const Bounded near = bounds.stress({0.05 * std::sin(slope), -0.05 * std::cos(slope)}).s12;
   EXPECT_FALSE(near.guaranteed);
   EXPECT_FALSE(near.note.empty());
   contact.laws[0].kind = CrackLaw::Kind::Bonded;
   const Model bonded = prepare(p.model.mesh, element("bdms", 1), contact, 1);
   const State whole = solve(bonded);
-  EXPECT_EQ(QuantityBounds(bonded, whole).tip({.crack = 0})[0].note, "no bounds: the crack is bonded");
+  EXPECT_EQ(QuantityBounds(bonded, whole).tip({.crack = 0}).K_I.note, "no bounds: the crack is bonded");
 }
 
 }  // namespace

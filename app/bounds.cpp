@@ -1,0 +1,155 @@
+#include "app/bounds.hpp"
+
+#include "geometry/curved.hpp"
+#include "kerf/derivative_bounds.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+bool may_touch(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral;
+}
+
+/// Cracks may touch, and none does.
+bool open_everywhere(const Model& m, const State& s) {
+  bool some = false;
+  for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c) {
+    if (!may_touch(m.scene.laws[c])) continue;
+    some = true;
+    for (const CrackPoint& p : crack_profile(m, s, c))
+      if (p.status != CrackPoint::Status::Open) return false;
+  }
+  return some;
+}
+
+struct Opened {
+  Model model;
+  State state;
+};
+/// The body with cracks that never touch.
+Opened opened(const Model& m, int threads) {
+  Scene scene = m.scene;
+  for (CrackLaw& law : scene.laws)
+    if (may_touch(law)) law.kind = CrackLaw::Kind::Open;
+  Opened o{prepare(m.mesh, m.element, std::move(scene), threads), {}};
+  o.state = solve(o.model);
+  return o;
+}
+
+void qualify(Bounded& b, const std::string& why) {
+  if (why.empty() || !b.guaranteed) return;
+  b.guaranteed = false;
+  b.note = why;
+}
+
+BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, const Model& model, const State& state,
+                       const Analysis* analysis) {
+  BoundsResult out;
+  const QuantityBounds bounds(model, state);
+  if (request.tips)
+    for (const TipIntensity& tip : crack_tips(model, state)) {
+      const TipBounds b = bounds.tip(tip);
+      out.tips.push_back(
+          {task.body.shape.cracks[static_cast<std::size_t>(tip.crack)].name, tip.at_start, tip.at, b.K_I, b.K_II, b.G});
+    }
+  for (const Vec2& x : request.points) {
+    const StressBounds s = bounds.stress(x);
+    BoundedPoint p{x, s.s11, s.s22, s.s12, von_mises_bounds(model.scene.material, task.plane_strain, s), {}};
+    p.derivative = analysis ? derivative_bounds(*analysis, task.perturbation, s)
+                            : Bounded{nan, nan, nan, false, "no bounds: the functional is not known"};
+    out.points.push_back(std::move(p));
+  }
+  return out;
+}
+
+/// Squares of what both solutions lack, each as a share of its own: the half width is the product of the two, which
+/// falls the most where that sum does.
+void add_shares(Eigen::VectorXd& squares, const Eigen::VectorXd& eta) {
+  const double whole = eta.squaredNorm();
+  if (whole > 0) squares += eta.cwiseAbs2() / whole;
+}
+
+struct GoalBound {
+  Bounded interval;
+  std::vector<Eigen::VectorXd> eta;  // of the dual solutions
+};
+
+GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Functional& j, const Model& m,
+                     const State& s) {
+  if (goal.quantity == "energy") {
+    const EnergyBounds e = energy_bounds(m, s);
+    return {{0.5 * (e.lower + e.upper), e.lower, e.upper, e.guaranteed, e.note}, {}};
+  }
+  const QuantityBounds bounds(m, s, true);
+  if (goal.crack != none) {
+    TipIntensity at{.crack = goal.crack, .at_start = goal.at_start};
+    const TipBounds tip = bounds.tip(at);
+    return {goal.quantity == "K_I" ? tip.K_I : goal.quantity == "K_II" ? tip.K_II : tip.G, tip.eta};
+  }
+  const StressBounds stress = bounds.stress(goal.at);
+  GoalBound out{{}, stress.eta};
+  if (goal.quantity == "topological_derivative")
+    out.interval = derivative_bounds(analyze(j, m, s), task.perturbation, stress);
+  else if (goal.quantity == "von_mises")
+    out.interval = von_mises_bounds(m.scene.material, task.plane_strain, stress);
+  else
+    out.interval = goal.quantity == "s_xx" ? stress.s11 : goal.quantity == "s_yy" ? stress.s22 : stress.s12;
+  return out;
+}
+
+}  // namespace
+
+std::string in_words(const GoalRequest& goal, const Shape& shape) {
+  if (goal.crack != none)
+    return fmt::format("{} at the {} of crack \"{}\"", goal.quantity, goal.at_start ? "start" : "end",
+                       shape.cracks[static_cast<std::size_t>(goal.crack)].name);
+  if (goal.quantity == "energy") return "the energy";
+  return fmt::format("{} at ({:.6g}, {:.6g})", goal.quantity, goal.at.x(), goal.at.y());
+}
+
+Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Functional& j, const Model& m,
+                         const State& s) {
+  const std::string what = in_words(goal, task.body.shape);
+  if (open_everywhere(m, s))
+    throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {} is bounded for cracks with contact = \"open\"; the cracks "
+                                          "are open everywhere here",
+                                          what));
+  const GoalBound bound = bound_goal(task, goal, j, m, s);
+  const Bounded& b = bound.interval;
+  if (!std::isfinite(b.lower) || !std::isfinite(b.upper))
+    throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {}: {}", what, b.note));
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  add_shares(squares, error_indicator(m, s).eta);
+  for (const Eigen::VectorXd& eta : bound.eta) add_shares(squares, eta);
+  const double half = 0.5 * (b.upper - b.lower);
+  Indicator goal_of{.eta = squares.cwiseSqrt(), .relative = half / std::max(std::abs(b.value), 1e-300), .power = 2};
+  if (!b.guaranteed) goal_of.note = b.note;
+  return goal_of;
+}
+
+BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
+                              const Analysis* analysis, int threads) {
+  std::string why;
+  if (!arcs_of(task.body.shape).empty())
+    why = "the interval is that of the polygon that the mesh makes of curved sides";
+  std::optional<Opened> free;
+  if (open_everywhere(adapted.model, adapted.state)) {
+    free = opened(adapted.model, threads);
+    why = "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere";
+  }
+  BoundsResult out =
+      bounds_of(task, request, free ? free->model : adapted.model, free ? free->state : adapted.state, analysis);
+  for (BoundedTip& t : out.tips)
+    for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
+  for (BoundedPoint& p : out.points)
+    for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, why);
+  return out;
+}
+
+}  // namespace kerf
