@@ -2,12 +2,7 @@
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
-#include "solver/bounds/nucleus.hpp"
-#include "solver/post/crack_tip.hpp"
-#include "solver/quadrature.hpp"
-#include "solver/system.hpp"
-
-#include <fmt/core.h>
+#include "solver/bounds/dual.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,20 +10,6 @@
 namespace kerf {
 
 namespace {
-
-Vec2 turned(const Vec2& n) {
-  return {-n.y(), n.x()};
-}
-
-// In the components of a support.
-Vec2 components_of(const Support& support, const Vec2& u, const Vec2& n) {
-  return support.normal_frame ? Vec2(n.dot(u), turned(n).dot(u)) : u;
-}
-
-BoundaryField sum(const BoundaryField& a, double factor, const BoundaryField& b) {
-  if (!a) return [factor, b](const Vec2& x, const Vec2& n) -> Vec2 { return factor * b(x, n); };
-  return [a, factor, b](const Vec2& x, const Vec2& n) -> Vec2 { return a(x, n) + factor * b(x, n); };
-}
 
 /// Every edge of the boundary has a label, so that it can be loaded.
 Mesh labelled(Mesh mesh) {
@@ -38,89 +19,8 @@ Mesh labelled(Mesh mesh) {
   return mesh;
 }
 
-/// The loads of w: what makes G + w free of tractions, and at rest on supports.
-Scene counter(const Model& m, const Nucleus& G, Index own) {
-  Scene s;
-  s.material = m.scene.material;
-  s.regions = m.scene.regions;
-  s.laws = m.scene.laws;
-  for (std::size_t c = 0; c < s.laws.size(); ++c) {
-    s.laws[c].pressure = {};
-    if (s.laws[c].kind == CrackLaw::Kind::Bonded || static_cast<Index>(c) == own) continue;
-    s.laws[c].pressure = [G](const Vec2& x, const Vec2& n) -> Vec2 {
-      const Vec2 t = G.stress(x) * n;
-      return {n.dot(t), turned(n).dot(t)};
-    };
-  }
-  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
-  for (Index label = 0; label < labels; ++label)
-    s.tractions.push_back({label, [G](const Vec2& x, const Vec2& n) -> Vec2 { return -G.stress(x) * n; }});
-  for (Support support : m.scene.supports) {
-    const Support as = support;
-    support.value = [G, as](const Vec2& x, const Vec2& n) -> Vec2 { return -components_of(as, G.displacement(x), n); };
-    s.supports.push_back(support);
-  }
-  return s;
-}
-
-/// The scene of u + k w.
-Scene superposed(const Scene& u, const Scene& w, double k) {
-  Scene s = u;
-  for (const Traction& t : w.tractions) s.tractions.push_back({t.label, sum({}, k, t.value)});
-  for (std::size_t i = 0; i < s.supports.size(); ++i)
-    s.supports[i].value = sum(u.supports[i].value, k, w.supports[i].value);
-  for (std::size_t c = 0; c < s.laws.size(); ++c)
-    if (w.laws[c].pressure) s.laws[c].pressure = sum(u.laws[c].pressure, k, w.laws[c].pressure);
-  return s;
-}
-
 Field superposed(const Field& u, const Field& w, double k) {
-  return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, u.eigenstrain};
-}
-
-/// A number and what it may be off by.
-struct Known {
-  double value = 0, error = 0;
-};
-
-/// int t.G over the tractions t of u; the error by halved edges.
-Known work_on(const Model& m, const Nucleus& G) {
-  static const EdgeRule rule = gauss(12);
-  Known known;
-  for (const Traction& t : m.scene.tractions)
-    for (const Index e : labeled(m.inner->data, t.label)) {
-      const EdgeLine line = edge_line(m.mesh, e);
-      const auto over = [&](double from, double to) {
-        double work = 0;
-        for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-          const Vec2 x = line.a + (from + rule.s[q] * (to - from)) * (line.b - line.a);
-          work += rule.w[q] * (to - from) * t.value(x, line.n).dot(G.displacement(x));
-        }
-        return work * length(m.mesh, e);
-      };
-      const double halved = over(0, 0.5) + over(0.5, 1);
-      known.value += halved;
-      known.error += std::abs(halved - over(0, 1));
-    }
-  return known;
-}
-
-/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
-std::string unresolved(const Model& m, const std::vector<Vec2>& singular, Index own) {
-  constexpr double far = 0.5;  // of the length of an edge
-  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
-    const Index crack = m.mesh.crack[e];
-    const bool outer = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
-    const bool face = crack != none && crack != own && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
-    if (!outer && !face) continue;
-    const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
-    for (const Vec2& x : singular)
-      if (distance(x, a, b) < far * length(m.mesh, static_cast<Index>(e)))
-        return fmt::format(
-            "the bounds are estimates: the mesh is coarse on the boundary or the crack beside ({:.6g}, {:.6g})", x.x(),
-            x.y());
-  }
-  return {};
+  return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, 1};
 }
 
 Bounded lost(std::string why) {
@@ -161,12 +61,42 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 std::string unavailable(const Model& m) {
   for (const CrackLaw& law : m.scene.laws)
     if (law.kind == CrackLaw::Kind::Unilateral) return "no bounds: a crack may be in contact";
-  if (m.scene.body) return "no bounds: there is a body force";
-  if (has_eigenstrain(m.scene)) return "no bounds: there is an eigenstrain";
-  if (!m.scene.regions.empty()) return "no bounds: there are several materials";
-  if (!isotropic(m.scene.material)) return "no bounds: the material is orthotropic";
   return {};
 }
+
+/// The singular field may reach through the whole body.
+bool is_plain(const Scene& s) {
+  return s.regions.empty() && !s.body && !has_eigenstrain(s);
+}
+
+const Eigenstrain* eigenstrain_at(const Model& m, Index triangle) {
+  const std::size_t place = static_cast<std::size_t>(region_of(m.mesh, triangle) + 1);
+  return place < m.scene.eigenstrain.size() && m.scene.eigenstrain[place] ? &m.scene.eigenstrain[place] : nullptr;
+}
+
+/// Why G cannot be cut off about x.
+std::string no_disc(const Model& m, Index triangle) {
+  const Material& material = material_of(m.mesh, m.scene, triangle);
+  if (!isotropic(material)) return "no bounds: the material there is orthotropic";
+  if (eigenstrain_at(m, triangle)) return "no bounds: there is an eigenstrain";
+  if (material.c == 0) return "no bounds: an incompressible body cannot follow the singular field where it is cut off";
+  return {};
+}
+
+/// To the next boundary, interface, or crack with faces.
+double clearance(const Model& m, const Vec2& x) {
+  double least = infinity;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const auto [left, right] = m.mesh.sides[e];
+    const Index crack = m.mesh.crack[e];
+    const bool face = crack != none && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
+    if (left == none || right == none || face || is_interface(m.mesh, e))
+      least = std::min(least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]));
+  }
+  return least;
+}
+
+constexpr double within = 0.95;  // of what is free, the disc about a point
 
 }  // namespace
 
@@ -177,39 +107,36 @@ struct QuantityBounds::Impl {
   EnergyBounds energy;
   std::string why;  // nothing can be bounded
 
-  /// G is singular at `singular`; `own` is the crack whose faces it leaves free. The indicator of w goes to `eta`.
-  Bounded bound(const Nucleus& G, const std::vector<Vec2>& singular, Index own,
-                std::vector<Eigen::VectorXd>& eta) const {
-    if (!why.empty()) return lost(why);
-    const Scene counter_scene = counter(m, G, own);
-    const Model dual = with_loads(m, counter_scene);
+  /// The indicator of w goes to `eta`.
+  Bounded bound(const Dual& of, std::vector<Eigen::VectorXd>& eta) const {
+    const Model dual = with_loads(m, of.loads);
     const State w = solve(dual);
     const EnergyBounds other = energy_bounds(dual, w);
     if (!std::isfinite(other.upper - other.lower)) return lost(other.note);
     if (with_indicators) eta.push_back(error_indicator(dual, w).eta);
     const double gap = energy.upper - energy.lower, other_gap = other.upper - other.lower;
     const double k = gap > 0 && other_gap > 0 ? std::sqrt(gap / other_gap) : 1;
-    std::array<EnergyBounds, 2> of;
+    std::array<EnergyBounds, 2> energies;
     for (const int side : {0, 1}) {
       const double share = side == 0 ? k : -k;
       const Model model = with_loads(m, superposed(m.scene, dual.scene, share));
-      of[side] = energy_bounds(model, superposed(u, w, share));
-      if (!std::isfinite(of[side].upper - of[side].lower)) return lost(of[side].note);
+      energies[side] = energy_bounds(model, superposed(u, w, share));
+      if (!std::isfinite(energies[side].upper - energies[side].lower)) return lost(energies[side].note);
     }
-    const Known known = work_on(m, G);
+    const auto& [more, less] = energies;
     Bounded b;
-    b.lower = known.value - known.error - (of[0].upper - of[1].lower) / (2 * k);
-    b.upper = known.value + known.error - (of[0].lower - of[1].upper) / (2 * k);
+    b.lower = of.known.value - of.known.error - (more.upper - less.lower) / (2 * k);
+    b.upper = of.known.value + of.known.error - (more.lower - less.upper) / (2 * k);
     b.value = 0.5 * (b.lower + b.upper);
     constexpr double negligible = 0.01;
-    b.guaranteed = of[0].guaranteed && of[1].guaranteed && known.error <= negligible * (b.upper - b.lower);
+    b.guaranteed = more.guaranteed && less.guaranteed && of.known.error <= negligible * (b.upper - b.lower);
     if (!b.guaranteed)
-      b.note = !of[0].guaranteed   ? of[0].note
-               : !of[1].guaranteed ? of[1].note
-                                   : std::string("the bounds are estimates: a traction is not resolved by the mesh");
-    if (const std::string coarse = unresolved(m, singular, own); b.guaranteed && !coarse.empty()) {
+      b.note = !more.guaranteed   ? more.note
+               : !less.guaranteed ? less.note
+                                  : std::string("the bounds are estimates: a load is not resolved by the mesh");
+    if (b.guaranteed && !of.estimate.empty()) {
       b.guaranteed = false;
-      b.note = coarse;
+      b.note = of.estimate;
     }
     return b;
   }
@@ -227,13 +154,26 @@ QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicat
 QuantityBounds::~QuantityBounds() = default;
 
 StressBounds QuantityBounds::stress(const Vec2& x) const {
-  if (locate(impl_->m.mesh, {&x, 1}).front() == none) {
+  const Index where = locate(impl_->m.mesh, {&x, 1}).front();
+  if (where == none) {
     const Bounded outside = lost("no bounds: the point lies outside the body");
     return {outside, outside, outside, outside, outside};
   }
-  const Material& material = impl_->m.scene.material;
+  const Model& m = impl_->m;
+  const auto all_lost = [](const std::string& why) {
+    return StressBounds{lost(why), lost(why), lost(why), lost(why), lost(why)};
+  };
+  if (!impl_->why.empty()) return all_lost(impl_->why);
+  const bool plain = is_plain(m.scene);
+  const Material& material = material_of(m.mesh, m.scene, where);
+  if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
+  if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
+  const Disc disc{x, plain ? infinity : within * clearance(m, x)};
   StressBounds s;
-  const auto of = [&](PointStress part) { return impl_->bound(point_nucleus(material, x, part), {x}, none, s.eta); };
+  const auto of = [&](PointStress part) {
+    const Nucleus G = point_nucleus(material, x, part);
+    return impl_->bound(plain ? global_dual(m, G, x, none) : local_dual(m, G, disc), s.eta);
+  };
   s.trace = of(PointStress::Trace);
   s.difference = of(PointStress::Difference);
   s.s12 = of(PointStress::Shear);
@@ -257,27 +197,32 @@ Bounded von_mises_bounds(const Material& m, bool plane_strain, const StressBound
 TipBounds QuantityBounds::tip(const TipIntensity& of) const {
   const Model& m = impl_->m;
   const auto all_lost = [](const std::string& why) { return TipBounds{lost(why), lost(why), lost(why)}; };
+  if (!impl_->why.empty()) return all_lost(impl_->why);
   if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return all_lost("no bounds: the crack is bonded");
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == of.crack && t.at_start == of.at_start; });
   if (found == tips.end()) return all_lost("no bounds: that end of the crack is no tip");
-  if (found->curved || found->edges.size() != m.mesh.cracks[of.crack].size())
-    return all_lost("no bounds: the crack is not straight");
-  if (has_pressure(m.scene.laws[of.crack])) return all_lost("no bounds: there is a pressure in the crack");
-  const bool inside = std::ranges::count_if(tips, [&](const CrackTip& t) { return t.crack == of.crack; }) == 2;
-  if (!inside && behind_mouth(m.mesh, *found))
-    return all_lost("no bounds: the line of the crack meets the body again behind the mouth of the crack");
-  const double length = inside ? found->vertices.back().norm() : infinity;
+  if (found->curved) return all_lost("no bounds: the crack is curved");
+  const Index where = m.mesh.sides[found->edges.front()][0];
+  const Material& material = material_of(m.mesh, m.scene, where);
+  const bool inside = std::ranges::count_if(tips, [&](const CrackTip&t) { return t.crack == of.crack; }) == 2,
+             straight = found->edges.size() == m.mesh.cracks[of.crack].size(),
+             plain = is_plain(m.scene) && straight && !has_pressure(m.scene.laws[of.crack]) &&
+                     (inside || !behind_mouth(m.mesh, *found));
+  if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
+  if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
+  const Disc disc{found->at, within * std::min(found->room, found->vertices.back().norm()), &*found};
+  const double length = inside && plain ? found->vertices.back().norm() : infinity;
   TipBounds b;
   const auto bound = [&](int mode) {
-    return impl_->bound(tip_nucleus(m.scene.material, found->at, found->frame, length, mode), {found->at}, of.crack,
-                        b.eta);
+    const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
+    return impl_->bound(plain ? global_dual(m, G, found->at, of.crack) : local_dual(m, G, disc), b.eta);
   };
   b.K_I = bound(1);
   b.K_II = bound(2);
   const auto first = square(b.K_I), second = square(b.K_II);
-  const double modulus = plane_modulus(m.scene.material);
+  const double modulus = plane_modulus(material);
   b.G = combined(b.K_I, 1, b.K_II, 1);
   b.G.lower = (first[0] + second[0]) / modulus;
   b.G.upper = (first[1] + second[1]) / modulus;

@@ -17,7 +17,11 @@ Result everything() {
   r.functional_dimension = dimension::energy;
   r.status = "infeasible";
   r.reason = "the design violates a constraint";
-  r.adapt = AdaptResult{{{100, 0.5}, {200, 0.125}}, "reached 0.2"};
+  r.adapt = AdaptResult{{{100, 0.5}, {200, 0.125}}, "reached 0.2", "K_I at the end of crack \"c\""};
+  const Bounded some{1, 0.5, 1.5, true, ""}, lost{std::nan(""), std::nan(""), std::nan(""), false, "why, \"so\""};
+  r.bounds = BoundsResult{{{"c", true, {1, 2}, some, lost, some}, {"c", false, {3, 4}, lost, some, lost}},
+                          {{{5, 6}, some, some, lost, some, lost}}};
+  r.seconds.bounds = 0.25;
   StateResult& s = *r.state;
   s.degree = 2;
   s.work_error = 1e-12;

@@ -107,6 +107,89 @@ TEST(QuantityBounds, ContainStressesAtPoints) {
       }
 }
 
+// A polynomial state with a body force that leaves the faces of the crack free: s = P t t', t along the crack, P = x^2
+// + q y^2 there, compatible for one q.
+struct Polynomial {
+  Material m;
+  Mat2 frame;
+
+  double share() const {
+    return 1 / (4 * m.mu) - m.c;
+  }
+  double ratio() const {
+    return share() * plane_modulus(m);
+  }
+  Vec2 displacement(const Vec2& at) const {
+    const Vec2 x = frame.transpose() * at;
+    return frame * Vec2((std::pow(x.x(), 3) / 3 + ratio() * x.x() * x.y() * x.y()) / plane_modulus(m),
+                        -share() * (x.x() * x.x() * x.y() + ratio() * std::pow(x.y(), 3) / 3));
+  }
+  Mat2 stress(const Vec2& at) const {
+    const Vec2 x = frame.transpose() * at, t = frame.col(0);
+    return (x.x() * x.x() + ratio() * x.y() * x.y()) * t * t.transpose();
+  }
+  Vec2 force(const Vec2& at) const {
+    return -2 * frame.col(0).dot(at) * frame.col(0);
+  }
+};
+
+// The crack of `problem` under the exact tractions of both fields and under a pressure inside, with a region of the
+// same material: the singular field is cut off about each point.
+Problem local_problem(const exact::ExactField& f, const Polynomial& more, double pressure, int n, int degree) {
+  Mesh mesh = exact::crack_mesh(n, slope, 0.2);
+  mesh.region.assign(mesh.triangles.size(), none);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (centroid(mesh, static_cast<Index>(t)).y() > 1.6) mesh.region[t] = 0;
+  Scene s;
+  s.material = f.material;
+  s.regions = {f.material};
+  s.body = linear_field([more](const Vec2& x) { return more.force(x); });
+  for (Index label = 0; label < 4; ++label)
+    s.tractions.push_back({label, [f, more, pressure](const Vec2& x, const Vec2& n) -> Vec2 {
+                             const Mat2 all = f.stress(x, exact::side_of(f, x)) + more.stress(x);
+                             return all * n - pressure * n;
+                           }});
+  s.laws.push_back({.kind = CrackLaw::Kind::Open, .pressure = [pressure](const Vec2&, const Vec2&) -> Vec2 {
+                      return {pressure, 0};
+                    }});
+  Problem p{f, prepare(std::move(mesh), element("bdms", degree), s, 1), {}};
+  p.state = solve(p.model);
+  return p;
+}
+
+TEST(QuantityBounds, ContainWithRegionsBodyForceAndPressure) {
+  const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
+  const double normal = 0.5 * std::pow(std::sin(slope), 2) + std::pow(std::cos(slope), 2),
+               shear = 0.5 * std::sin(slope) * std::cos(slope), k1 = normal * std::sqrt(pi), k2 = shear * std::sqrt(pi);
+  const Polynomial more{f.material,
+                        (Mat2() << std::cos(slope), -std::sin(slope), std::sin(slope), std::cos(slope)).finished()};
+  constexpr double pressure = 0.5;
+  for (const int degree : {1, 2}) {
+    std::vector<double> width;
+    for (const int n : {16, 32}) {
+      const Problem p = local_problem(f, more, pressure, n, degree);
+      const QuantityBounds bounds(p.model, p.state);
+      const std::string which = fmt::format("degree {} n {}", degree, n);
+      const TipBounds b = bounds.tip({.crack = 0});
+      expect_contains(b.K_I, k1, which + " K_I");
+      expect_contains(b.K_II, -k2, which + " K_II");
+      EXPECT_TRUE(b.K_I.guaranteed) << which << " " << b.K_I.note;
+      width.push_back(half_width(b.K_I) / k1);
+      const Vec2 x(0.1, 0.9);
+      const StressBounds at = bounds.stress(x);
+      const Mat2 exact = f.stress(x, exact::side_of(f, x)) + more.stress(x) - pressure * Mat2::Identity();
+      expect_contains(at.s11, exact(0, 0), which);
+      expect_contains(at.s22, exact(1, 1), which);
+      expect_contains(at.s12, exact(0, 1), which);
+      EXPECT_TRUE(at.s11.guaranteed) << which << " " << at.s11.note;
+      width.push_back(half_width(at.s11));
+    }
+    std::printf("degree %d: K %.3g %.3g  s %.3g %.3g\n", degree, width[0], width[2], width[1], width[3]);
+    EXPECT_LT(width[2], 0.6 * width[0]);
+    EXPECT_LT(width[3], 0.6 * width[1]);
+  }
+}
+
 TEST(QuantityBounds, SayWhyThereAreNone) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
   Problem p = problem(f, 8, 1, {0});

@@ -1,0 +1,248 @@
+#include "solver/bounds/dual.hpp"
+
+#include "geometry/plane.hpp"
+#include "solver/quadrature.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+Vec2 turned(const Vec2& n) {
+  return {-n.y(), n.x()};
+}
+
+// In the components of a support.
+Vec2 components_of(const Support& support, const Vec2& u, const Vec2& n) {
+  return support.normal_frame ? Vec2(n.dot(u), turned(n).dot(u)) : u;
+}
+
+BoundaryField sum(const BoundaryField& a, double factor, const BoundaryField& b) {
+  if (!b) return a;
+  if (!a) return [factor, b](const Vec2& x, const Vec2& n) -> Vec2 { return factor * b(x, n); };
+  return [a, factor, b](const Vec2& x, const Vec2& n) -> Vec2 { return a(x, n) + factor * b(x, n); };
+}
+
+VectorField sum(const VectorField& a, double factor, const VectorField& b) {
+  if (!b) return a;
+  return a ? kerf::sum(a, scaled(factor, b)) : scaled(factor, b);
+}
+
+/// The body, held where the model is, under no loads.
+Scene unloaded(const Model& m) {
+  Scene s;
+  s.material = m.scene.material;
+  s.regions = m.scene.regions;
+  s.laws = m.scene.laws;
+  for (CrackLaw& law : s.laws) law.pressure = {};
+  s.supports = m.scene.supports;
+  for (Support& support : s.supports) support.value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  return s;
+}
+
+/// int t.G over the tractions t of u; the error by halved edges.
+Known work_of_tractions(const Model& m, const Nucleus& G) {
+  static const EdgeRule rule = gauss(12);
+  Known known;
+  for (const Traction& t : m.scene.tractions)
+    for (const Index e : labeled(m.inner->data, t.label)) {
+      const EdgeLine line = edge_line(m.mesh, e);
+      const auto over = [&](double from, double to) {
+        double work = 0;
+        for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+          const Vec2 x = line.a + (from + rule.s[q] * (to - from)) * (line.b - line.a);
+          work += rule.w[q] * (to - from) * t.value(x, line.n).dot(G.displacement(x));
+        }
+        return work * length(m.mesh, e);
+      };
+      const double halved = over(0, 0.5) + over(0.5, 1);
+      known.value += halved;
+      known.error += std::abs(halved - over(0, 1));
+    }
+  return known;
+}
+
+/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
+std::string unresolved(const Model& m, const Vec2& singular, Index own) {
+  constexpr double far = 0.5;  // of the length of an edge
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    const Index crack = m.mesh.crack[e];
+    const bool outer = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+    const bool face = crack != none && crack != own && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
+    if (!outer && !face) continue;
+    const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
+    if (distance(singular, a, b) < far * length(m.mesh, static_cast<Index>(e)))
+      return fmt::format(
+          "the bounds are estimates: the mesh is coarse on the boundary or the crack beside ({:.6g}, {:.6g})",
+          singular.x(), singular.y());
+  }
+  return {};
+}
+
+}  // namespace
+
+Dual global_dual(const Model& m, const Nucleus& G, const Vec2& singular, Index own) {
+  Scene s = unloaded(m);
+  for (std::size_t c = 0; c < s.laws.size(); ++c) {
+    if (s.laws[c].kind == CrackLaw::Kind::Bonded || static_cast<Index>(c) == own) continue;
+    s.laws[c].pressure = [G](const Vec2& x, const Vec2& n) -> Vec2 {
+      const Vec2 t = G.stress(x) * n;
+      return {n.dot(t), turned(n).dot(t)};
+    };
+  }
+  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
+  for (Index label = 0; label < labels; ++label)
+    s.tractions.push_back({label, [G](const Vec2& x, const Vec2& n) -> Vec2 { return -G.stress(x) * n; }});
+  for (Support& support : s.supports)
+    support.value = [G, as = support](const Vec2& x, const Vec2& n) -> Vec2 {
+      return -components_of(as, G.displacement(x), n);
+    };
+  return {std::move(s), work_of_tractions(m, G), unresolved(m, singular, own)};
+}
+
+namespace {
+
+/// 1 within the inner radius, 0 beyond the outer one, three derivatives continuous.
+struct Fade {
+  double inner, outer;
+
+  double operator()(double r) const {
+    const double t = std::clamp((r - inner) / (outer - inner), 0.0, 1.0), t4 = t * t * t * t;
+    return 1 - t4 * (35 + t * (-84 + t * (70 - 20 * t)));
+  }
+  double slope(double r) const {
+    const double t = (r - inner) / (outer - inner);
+    return t <= 0 || t >= 1 ? 0 : -140 * std::pow(t * (1 - t), 3) / (outer - inner);
+  }
+};
+
+/// The slope of the fading factor at x.
+Vec2 slope_at(const Fade& fade, const Vec2& middle, const Vec2& x) {
+  const Vec2 d = x - middle;
+  const double r = d.norm();
+  const double slope = fade.slope(r);
+  return slope == 0 ? Vec2(Vec2::Zero()) : Vec2(slope / r * d);
+}
+
+/// int over 0 < r < radius, by Gauss points in the root of r: what is integrated grows like a power of r at 0.
+template <typename Integrand>
+double over_radius(const Fade& fade, int panels, const Integrand& of) {
+  static const EdgeRule rule = gauss(12);
+  double sum = 0;
+  const std::array ends{0.0, std::sqrt(fade.inner), std::sqrt(fade.outer)};
+  for (std::size_t part = 0; part < 2; ++part)
+    for (int p = 0; p < panels; ++p) {
+      const double step = (ends[part + 1] - ends[part]) / panels, from = ends[part] + p * step;
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const double root = from + rule.s[q] * step;
+        sum += rule.w[q] * step * 2 * root * of(root * root);
+      }
+    }
+  return sum;
+}
+
+/// int f.G of what fades.
+double work_of_body(const VectorField& f, const Nucleus& G, const Disc& disc, const Fade& fade, int panels) {
+  static const EdgeRule rule = gauss(12);
+  const double start = disc.tip ? std::atan2(disc.tip->frame(1, 0), disc.tip->frame(0, 0)) - pi : 0;
+  const int sectors = 4 * panels;
+  double sum = 0;
+  for (int k = 0; k < sectors; ++k)
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const double angle = start + 2 * pi * (k + rule.s[q]) / sectors;
+      const Vec2 way(std::cos(angle), std::sin(angle));
+      sum += rule.w[q] * 2 * pi / sectors * over_radius(fade, panels, [&](double r) {
+               const Vec2 x = disc.middle + r * way;
+               return r * fade(r) * f(x).dot(G.displacement(x));
+             });
+    }
+  return sum;
+}
+
+/// The work of a pressure in the crack on the opening of G.
+double work_of_pressure(const BoundaryField& p, const Nucleus& G, const Disc& disc, const Fade& fade, int panels) {
+  const Vec2 along = disc.tip->frame.col(0), up = disc.tip->frame.col(1);
+  constexpr double side = 1e-9;  // of the distance: the faces are the same points
+  return over_radius(fade, panels, [&](double r) {
+    const Vec2 x = disc.middle - r * along;
+    const Vec2 jump = G.displacement(x + side * r * up) - G.displacement(x - side * r * up);
+    return fade(r) * p(x, up).x() * up.dot(jump);
+  });
+}
+
+template <typename Work>
+Known refined(const Work& work) {
+  const double coarse = work(2), fine = work(4);
+  return {fine, std::abs(fine - coarse)};
+}
+
+/// The fields of the ring are sampled in triangles that should be small in it.
+std::string coarse_in(const Model& m, const Disc& disc, const Fade& fade) {
+  constexpr double small = 0.7;  // of the width of the ring
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
+    if (distance(disc.middle, a, b) < fade.outer && (a - b).norm() > small * (fade.outer - fade.inner))
+      return fmt::format(
+          "the bounds are estimates: the mesh is coarse about ({:.6g}, {:.6g}), for the distance to the "
+          "next boundary, crack or region",
+          disc.middle.x(), disc.middle.y());
+  }
+  return {};
+}
+
+}  // namespace
+
+Dual local_dual(const Model& m, const Nucleus& G, const Disc& disc) {
+  constexpr double share = 0.25;
+  const Fade fade{share * disc.radius, disc.radius};
+  Dual dual{unloaded(m), {}, coarse_in(m, disc, fade)};
+  const Vec2 middle = disc.middle;
+  dual.loads.body = [G, fade, middle](const Vec2& x) -> Vec2 {
+    const Vec2 slope = slope_at(fade, middle, x);
+    return slope.isZero(0) ? Vec2(Vec2::Zero()) : Vec2(G.stress(x) * slope);
+  };
+  const auto strain = [G, fade, middle](const Vec2& x) -> Mat2 {
+    const Vec2 slope = slope_at(fade, middle, x);
+    if (slope.isZero(0)) return Mat2::Zero();
+    const Vec2 u = G.displacement(x);
+    return -0.5 * (slope * u.transpose() + u * slope.transpose());
+  };
+  const Index where = locate(m.mesh, {&disc.middle, 1}).front();
+  const std::size_t place = static_cast<std::size_t>(region_of(m.mesh, where) + 1);
+  dual.loads.eigenstrain.resize(place + 1);
+  dual.loads.eigenstrain[place] = {[strain](const Vec2& x) -> Vec2 { return strain(x).diagonal(); },
+                                   [strain](const Vec2& x) -> Vec2 {
+                                     return {strain(x)(0, 1), 0};
+                                   },
+                                   false};
+  if (m.scene.body) dual.known = refined([&](int panels) { return work_of_body(m.scene.body, G, disc, fade, panels); });
+  if (disc.tip)
+    if (const BoundaryField& p = m.scene.laws[disc.tip->crack].pressure) {
+      const Known more = refined([&](int panels) { return work_of_pressure(p, G, disc, fade, panels); });
+      dual.known.value += more.value;
+      dual.known.error += more.error;
+    }
+  return dual;
+}
+
+Scene superposed(const Scene& u, const Scene& w, double k) {
+  Scene s = u;
+  s.body = sum(u.body, k, w.body);
+  s.eigenstrain.resize(std::max(u.eigenstrain.size(), w.eigenstrain.size()));
+  for (std::size_t i = 0; i < w.eigenstrain.size(); ++i) {
+    Eigenstrain& e = s.eigenstrain[i];
+    e.normal = sum(e.normal, k, w.eigenstrain[i].normal);
+    e.shear = sum(e.shear, k, w.eigenstrain[i].shear);
+  }
+  for (const Traction& t : w.tractions) s.tractions.push_back({t.label, sum({}, k, t.value)});
+  for (std::size_t i = 0; i < s.supports.size(); ++i)
+    s.supports[i].value = sum(u.supports[i].value, k, w.supports[i].value);
+  for (std::size_t c = 0; c < s.laws.size(); ++c) s.laws[c].pressure = sum(u.laws[c].pressure, k, w.laws[c].pressure);
+  return s;
+}
+
+}  // namespace kerf

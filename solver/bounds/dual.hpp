@@ -1,0 +1,40 @@
+#pragma once
+// What a quantity of a state is made of: the loads l of a dual solution, and what is known without it [theory: B.12].
+
+#include "solver/bounds/nucleus.hpp"
+#include "solver/post/crack_tip.hpp"
+#include "solver/system.hpp"
+
+namespace kerf {
+
+/// A number and what it may be off by.
+struct Known {
+  double value = 0, error = 0;
+};
+
+/// Q(u) = known + l(u) for the state u of a model.
+struct Dual {
+  Scene loads;  // on the labels and components of the model, all else 0
+  Known known;
+  std::string estimate;  // why these loads, which are sampled, prove nothing; empty: they do
+};
+
+/// The singular field G over the whole body, which is of one isotropic material and has no body force and no
+/// eigenstrain: tractions on its boundary and on the faces of its cracks but `own`, whose faces G leaves free.
+Dual global_dual(const Model& model, const Nucleus& G, const Vec2& singular, Index own);
+
+/// A disc about a point, in one isotropic material without eigenstrain, that holds no end of the body but the straight
+/// piece of a crack that ends at its middle.
+struct Disc {
+  Vec2 middle = Vec2::Zero();
+  double radius = 0;
+  const CrackTip* tip = nullptr;
+};
+/// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
+/// where it fades [theory: B.13]. Not for materials that are incompressible.
+Dual local_dual(const Model& model, const Nucleus& G, const Disc& disc);
+
+/// The scene of u + k w.
+Scene superposed(const Scene& u, const Scene& w, double k);
+
+}  // namespace kerf

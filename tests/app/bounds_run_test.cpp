@@ -1,0 +1,134 @@
+// Bounds of quantities, from the case file to what kerf says and writes.
+
+#include "app/run.hpp"
+#include "tests/io/case/case_files.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+
+namespace kerf {
+namespace {
+
+// Two equal pulls along y: a plate with an open crack along x, in a frame so wide that K_I is near s sqrt(pi a).
+const std::string pulled = R"([domain]
+outline = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 1.0
+poisson = 0.3
+[[crack]]
+name = "c"
+path = [[-0.2, 0], [0.2, 0]]
+contact = "open"
+[[boundary]]
+on = "top"
+traction = [0, 1]
+[[boundary]]
+on = "bottom"
+traction = [0, -1]
+[mesh]
+size = 0.2
+[output]
+vtk = false
+png = false
+html = false
+)";
+
+nlohmann::json result_of(const TemporaryFolder& folder, const std::string& text,
+                         const std::vector<std::string>& set = {}, Job job = Job::Solve) {
+  const Case c = read_case(folder.write("a.toml", text), set);
+  run(c, job, {.folder = folder.path / "out", .threads = 1});
+  return nlohmann::json::parse(std::ifstream(folder.path / "out" / "result.json"));
+}
+
+void expect_interval(const nlohmann::json& b, double truth, double widest) {
+  EXPECT_TRUE(b["guaranteed"].get<bool>()) << b;
+  EXPECT_LE(b["lower"].get<double>(), truth) << b;
+  EXPECT_GE(b["upper"].get<double>(), truth) << b;
+  EXPECT_LT(b["upper"].get<double>() - b["lower"].get<double>(), widest) << b;
+  EXPECT_EQ(b["value"].get<double>(), 0.5 * (b["lower"].get<double>() + b["upper"].get<double>()));
+}
+
+// A finer mesh of higher degree says what lies between; the hole's T of the energy from the stress there.
+TEST(BoundsRun, ContainWhatAFinerSolutionSays) {
+  const TemporaryFolder folder, finer;
+  const std::string points = "[bounds]\npoints = [[0.6, 0.5]]\n[map]\npoints = [[0.6, 0.5]]\n";
+  const nlohmann::json coarse = result_of(folder, pulled + points, {}, Job::Run),
+                       fine = result_of(finer, pulled + points, {"solver.degree=3", "mesh.size=0.1"}, Job::Run);
+  ASSERT_EQ(coarse["bounds"]["tips"].size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const nlohmann::json &tip = coarse["bounds"]["tips"][i], &exact = fine["cracks"][0]["tips"][i];
+    EXPECT_EQ(tip["crack"], "c");
+    EXPECT_EQ(tip["tip"], i == 0 ? "start" : "end");
+    expect_interval(tip["K_I"], exact["K_I"], 0.1);
+    expect_interval(tip["K_II"], exact["K_II"], 0.1);
+    expect_interval(tip["G"], exact["G"], 0.2);
+  }
+  const nlohmann::json& at = coarse["bounds"]["points"][0];
+  for (const char* quantity : {"s_xx", "s_yy", "s_xy", "von_mises"}) {
+    const nlohmann::json& precise = fine["bounds"]["points"][0][quantity];
+    expect_interval(at[quantity], precise["value"], 0.15);
+    EXPECT_GT(precise["upper"].get<double>() - precise["lower"].get<double>(), 0);
+  }
+  expect_interval(at["topological_derivative"], fine["map"]["points"][0]["value"], 0.5);
+  EXPECT_GT(coarse["time_s"]["bounds"].get<double>(), 0);
+  std::stringstream rows(
+      std::string(std::istreambuf_iterator<char>(std::ifstream(folder.path / "out" / "bounds.csv").rdbuf()), {}));
+  std::string line;
+  std::getline(rows, line);
+  EXPECT_EQ(line, "quantity,crack,tip,x,y,value,lower,upper,guaranteed,note");
+  int count = 0;
+  while (std::getline(rows, line)) ++count;
+  EXPECT_EQ(count, 2 * 3 + 5);
+}
+
+TEST(BoundsRun, SayWhyThereAreNone) {
+  const TemporaryFolder folder;
+  const auto note = [&](const std::string& set) {
+    const nlohmann::json r = result_of(folder, pulled + "[bounds]\n", {set});
+    const nlohmann::json& b = r["bounds"]["tips"][0]["K_I"];
+    EXPECT_FALSE(b["guaranteed"].get<bool>());
+    return b["note"].get<std::string>();
+  };
+  // Open everywhere on this mesh, which proves nothing of the exact solution.
+  EXPECT_EQ(note("crack[0].contact=\"unilateral\""),
+            "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere");
+  EXPECT_EQ(note("solver.element=\"p2\""), "no bounds of the energy with element \"p2\"")
+      << "or as the element says it";
+}
+
+TEST(BoundsRun, MeshesAreRefinedForAQuantity) {
+  const TemporaryFolder folder;
+  const nlohmann::json r =
+      result_of(folder, pulled, {"mesh.adapt={error=2e-3, max_triangles=20000, of=\"K_I\", crack=\"c\", tip=\"end\"}"});
+  const nlohmann::json& adapt = r["mesh"]["adapt"];
+  EXPECT_EQ(adapt["of"], "K_I at the end of crack \"c\"");
+  EXPECT_TRUE(adapt["stopped"].get<std::string>().starts_with("reached")) << adapt;
+  EXPECT_LE(adapt["rounds"].back()["estimated_error"].get<double>(), 2e-3);
+  const nlohmann::json& b = r["bounds"]["tips"][1]["K_I"];
+  EXPECT_TRUE(b["guaranteed"].get<bool>()) << b;
+  EXPECT_LE(b["upper"].get<double>() - b["lower"].get<double>(), 4e-3 * b["value"].get<double>()) << b;
+  EXPECT_LT(r["mesh"]["triangles"].get<int>(), 20000);
+}
+
+TEST(BoundsRun, GoalsAreNamedWhole) {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& adapt) {
+    try {
+      read_case(folder.write("a.toml", pulled), std::vector<std::string>{"mesh.adapt={error=1e-2, " + adapt + "}"});
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(said("of=\"K_I\"").find("missing key \"crack\""), std::string::npos);
+  EXPECT_NE(said("of=\"K_I\", crack=\"d\", tip=\"end\"").find("there is no crack \"d\""), std::string::npos);
+  EXPECT_NE(said("of=\"s_xx\", crack=\"c\"").find("does not go with of = \"s_xx\""), std::string::npos);
+  EXPECT_NE(said("crack=\"c\"").find("goes with of"), std::string::npos);
+  EXPECT_NE(said("of=\"s_zz\", at=[0,0]").find("s_zz"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf
