@@ -18,11 +18,6 @@ namespace {
 
 using fuzz::Value;
 
-unsigned number(const char* name, unsigned otherwise) {
-  const char* text = std::getenv(name);
-  return text ? static_cast<unsigned>(std::strtoul(text, nullptr, 10)) : otherwise;
-}
-
 /// x' = length R x, loads by `load`; and what else is edited.
 struct Change {
   std::string name;

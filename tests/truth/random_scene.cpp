@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <random>
 #include <vector>
 
@@ -135,6 +136,11 @@ std::string random_scene(unsigned seed) {
   static constexpr double poisson[] = {0.0, 0.3, 0.3, 0.45, 0.4999, 0.5};
   out += fmt::format("[material]\nyoung = 100\npoisson = {}\n", poisson[dice.below(6)]);
   return out + boundary(dice, outline);
+}
+
+unsigned number(const char* name, unsigned otherwise) {
+  const char* text = std::getenv(name);
+  return text ? static_cast<unsigned>(std::strtoul(text, nullptr, 10)) : otherwise;
 }
 
 }  // namespace kerf

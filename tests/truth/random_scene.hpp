@@ -10,4 +10,7 @@ namespace kerf {
 /// sometimes a body force. The same text for the same number on every machine.
 std::string random_scene(unsigned seed);
 
+/// Of the environment: KERF_SCENES=1000 for many scenes, KERF_FIRST=n to begin elsewhere.
+unsigned number(const char* name, unsigned otherwise);
+
 }  // namespace kerf

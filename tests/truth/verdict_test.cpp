@@ -15,11 +15,6 @@
 namespace kerf {
 namespace {
 
-unsigned number(const char* name, unsigned otherwise) {
-  const char* text = std::getenv(name);
-  return text ? static_cast<unsigned>(std::strtoul(text, nullptr, 10)) : otherwise;
-}
-
 class Verdict : public Truth {
  protected:
   Case scene(unsigned seed) {

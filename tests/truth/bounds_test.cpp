@@ -1,0 +1,68 @@
+// Intervals of K, G, stresses and T in scenes that nobody chose: those of a coarse mesh meet those of a fine one of
+// degree 3, both contain the exact value.
+
+#include "tests/truth/random_scene.hpp"
+#include "tests/truth/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+class BoundsTruth : public Truth {};
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// Counts of what was compared.
+struct Tally {
+  unsigned guaranteed = 0, compared = 0;
+};
+
+void compare(const nlohmann::json& coarse, const nlohmann::json& fine, const std::string& what, Tally& tally) {
+  if (!coarse["lower"].is_number() || !fine["lower"].is_number()) return;
+  ++tally.compared;
+  if (!coarse["guaranteed"].get<bool>() || !fine["guaranteed"].get<bool>()) return;
+  ++tally.guaranteed;
+  const double low = coarse["lower"], high = coarse["upper"], value = fine["value"];
+  const double rounding = 1e-9 * std::max(std::abs(low), std::abs(high));
+  EXPECT_LE(low, fine["upper"].get<double>() + rounding) << what;
+  EXPECT_GE(high, fine["lower"].get<double>() - rounding) << what;
+  // The middle of the fine interval is near the truth.
+  const double half = 0.5 * (fine["upper"].get<double>() - fine["lower"].get<double>());
+  EXPECT_LE(low, value + half + rounding) << what;
+  EXPECT_GE(high, value - half - rounding) << what;
+}
+
+TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
+  const unsigned first = number("KERF_FIRST", 1), count = number("KERF_SCENES", 6);
+  Tally tally;
+  for (unsigned seed = first; seed < first + count; ++seed) {
+    std::string scene = random_scene(seed);
+    replace_all(scene, "contact = \"unilateral\"", "contact = \"open\"");
+    scene += "[bounds]\npoints = [[0.0, 0.18], [0.05, -0.3], [-0.35, 0.1]]\n[map]\npoints = [[0.0, 0.18]]\n";
+    SCOPED_TRACE(fmt::format("seed {}\n{}", seed, scene));
+    const std::vector<std::string> coarse_mesh{"mesh.size=0.1", "mesh.crack_tip_size=0.01"},
+        fine_mesh{"mesh.size=0.06", "mesh.crack_tip_size=0.001", "solver.degree=3"};
+    const nlohmann::json coarse = run_scene(scene, Job::Solve, coarse_mesh)["bounds"],
+                         fine = run_scene(scene, Job::Solve, fine_mesh)["bounds"];
+    ASSERT_EQ(coarse["tips"].size(), fine["tips"].size());
+    for (std::size_t i = 0; i < coarse["tips"].size(); ++i)
+      for (const char* of : {"K_I", "K_II", "G"})
+        compare(coarse["tips"][i][of], fine["tips"][i][of], fmt::format("{} of tip {}", of, i), tally);
+    for (std::size_t i = 0; i < coarse["points"].size(); ++i)
+      for (const char* of : {"s_xx", "s_yy", "s_xy", "von_mises", "topological_derivative"})
+        compare(coarse["points"][i][of], fine["points"][i][of], fmt::format("{} at point {}", of, i), tally);
+  }
+  RecordProperty("compared", static_cast<int>(tally.compared));
+  RecordProperty("guaranteed", static_cast<int>(tally.guaranteed));
+  EXPECT_GT(tally.guaranteed, 4 * count);
+}
+
+}  // namespace
+}  // namespace kerf
