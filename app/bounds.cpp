@@ -68,13 +68,6 @@ BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, con
   return out;
 }
 
-/// Squares of what both solutions lack, each as a share of its own: the half width is the product of the two, which
-/// falls the most where that sum does.
-void add_shares(Eigen::VectorXd& squares, const Eigen::VectorXd& eta) {
-  const double whole = eta.squaredNorm();
-  if (whole > 0) squares += eta.cwiseAbs2() / whole;
-}
-
 struct GoalBound {
   Bounded interval;
   std::vector<Eigen::VectorXd> eta;  // of the dual solutions
@@ -124,13 +117,7 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
   const Bounded& b = bound.interval;
   if (!std::isfinite(b.lower) || !std::isfinite(b.upper))
     throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {}: {}", what, b.note));
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  add_shares(squares, error_indicator(m, s).eta);
-  for (const Eigen::VectorXd& eta : bound.eta) add_shares(squares, eta);
-  const double half = 0.5 * (b.upper - b.lower);
-  Indicator goal_of{.eta = squares.cwiseSqrt(), .relative = half / std::max(std::abs(b.value), 1e-300), .power = 2};
-  if (!b.guaranteed) goal_of.note = b.note;
-  return goal_of;
+  return refine_for(m, s, b, bound.eta);
 }
 
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,

@@ -5,6 +5,7 @@
 #include "bench/hard.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
+#include "bench/proof.hpp"
 #include "bench/state.hpp"
 #include "bench/verify/verify.hpp"
 #include "io/words.hpp"
@@ -43,6 +44,8 @@ const std::vector<Bench>& benches() {
        map_case_names()},
       {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
        hard_case_names()},
+      {"proof", "guaranteed intervals of K, G, stresses and T: width, containment, cost; one without the truth is exit code 4",
+       proof_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()},
       {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
@@ -70,7 +73,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   several("--element", arguments.elements, "Only this element (may be repeated)");
   app.add_flag(
       "--quick", options.quick,
-      "Two coarse meshes of everything: shows that it works, measures nothing; hard: a few values of each knob; "
+      "Two coarse meshes of everything (proof: one): shows that it works, measures nothing; hard: a few values of each "
+      "knob; "
       "verify: the quick half");
   app.add_option("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
   app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
@@ -147,6 +151,11 @@ int perform(int argc, char** argv) {
     finish(bench);
     if (const auto n = failures(bench); n > 0)
       throw Error(Fault::Numerics, fmt::format("{} rows are worse than their limits", n));
+  } else if (arguments->name == "proof") {
+    const ProofBench bench = run_proof_bench(options);
+    finish(bench);
+    if (const auto n = failures(bench); n > 0)
+      throw Error(Fault::Numerics, fmt::format("{} guaranteed intervals do not contain the exact value", n));
   } else if (arguments->name == "verify") {
     const VerifyBench bench = run_verify_bench({options, arguments->pages});
     finish(bench);

@@ -62,6 +62,15 @@ Json hard_section(const HardRow& r) {
           {"said", r.said}};
 }
 
+Json proof_section(const ProofRow& r) {
+  return {{"case", r.problem},          {"mesh", r.mesh},
+          {"degree", r.degree},         {"triangles", r.triangles},
+          {"quantity", r.quantity},     {"exact", number(r.exact)},
+          {"lower", number(r.lower)},   {"upper", number(r.upper)},
+          {"half_width", number(r.relative)}, {"guaranteed", r.guaranteed},
+          {"contained", r.contained},   {"cost", number(r.cost)}};
+}
+
 Json map_section(const MapMeasurement& m) {
   return {{"case", m.problem},
           {"poisson", m.poisson},
@@ -316,6 +325,24 @@ void write_hard_csv(const std::filesystem::path& path, const HardBench& bench) {
   std::vector<Json> rows;
   for (const HardRow& r : bench.rows) rows.push_back(hard_section(r));
   write_file(path, csv(hard_section({}), rows));
+}
+
+void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench) {
+  std::vector<Json> rows;
+  for (const ProofRow& r : bench.rows) rows.push_back(proof_section(r));
+  write_file(path, csv(proof_section({}), rows));
+}
+
+void write_proof_json(const std::filesystem::path& path, const ProofBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "proof"},
+              {"status", bench.stopped         ? "stopped"
+                         : failures(bench) > 0 ? "failed"
+                                               : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const ProofRow& r : bench.rows) out["rows"].push_back(proof_section(r));
+  write_file(path, out.dump(2) + "\n");
 }
 
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench) {

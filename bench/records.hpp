@@ -2,6 +2,7 @@
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
 #include "bench/hard.hpp"
+#include "bench/proof.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/state.hpp"
@@ -15,6 +16,8 @@ void write_validation_csv(const std::filesystem::path& path, const MapBench& ben
 void write_map_json(const std::filesystem::path& path, const MapBench& bench);
 void write_hard_csv(const std::filesystem::path& path, const HardBench& bench);
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench);
+void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench);
+void write_proof_json(const std::filesystem::path& path, const ProofBench& bench);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);

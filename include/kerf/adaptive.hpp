@@ -1,6 +1,7 @@
 #pragma once
 // Solve, estimate, refine: until the estimated error of the stress is small enough.
 
+#include "kerf/bounds.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/state.hpp"
 
@@ -22,6 +23,12 @@ struct Indicator {
 /// 1.2 to 1.5 of the true error on adapted meshes, 0.8 to 2.5 on coarse ones in random scenes. An estimate, not a
 /// bound; not a number for displacement elements.
 Indicator error_indicator(const Model& model, const State& state);
+
+/// What refines for a bounded quantity: `eta` are the indicators of its dual solutions. The half width is the product of
+/// what the state and a dual solution lack, and falls the most where the sum of both, each relative to its own whole,
+/// does. `relative`: half the width over the middle.
+Indicator refine_for(const Model& model, const State& state, const Bounded& quantity,
+                     const std::vector<Eigen::VectorXd>& eta);
 
 /// Remesh: a new mesh with the sizes that the indicator asks for; few rounds, curved sides stay exact. Bisect: halve
 /// the triangles that carry half of the squared error [Doerfler 1996]; more rounds, nested meshes.

@@ -191,6 +191,24 @@ std::string unseen_by_estimate(const Model& m) {
 
 }  // namespace
 
+Indicator refine_for(const Model& model, const State& state, const Bounded& quantity,
+                     const std::vector<Eigen::VectorXd>& duals) {
+  const Eigen::VectorXd own = error_indicator(model, state).eta;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(own.size());
+  const auto add = [&](const Eigen::VectorXd& eta) {
+    const double whole = eta.squaredNorm();
+    if (whole > 0) squares += eta.cwiseAbs2() / whole;
+  };
+  add(own);
+  for (const Eigen::VectorXd& eta : duals) add(eta);
+  const double half = 0.5 * (quantity.upper - quantity.lower), size = std::abs(quantity.value);
+  constexpr double most = 1e3;  // the interval says nothing yet
+  return {.eta = squares.cwiseSqrt(),
+          .relative = half < most * size ? half / size : most,
+          .power = 2,
+          .note = quantity.guaranteed ? std::string() : quantity.note};
+}
+
 std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
   return places_of(ends_of(model, state));
 }
