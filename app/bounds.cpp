@@ -48,8 +48,19 @@ void qualify(Bounded& b, const std::string& why) {
   b.note = why;
 }
 
-BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, const Model& model, const State& state,
-                       const Analysis* analysis) {
+/// T of these needs no adjoint.
+bool is_energy(const Functional& j) {
+  return std::ranges::all_of(j.terms, [](const Term& t) { return (t.energy || t.work) && !t.measured; });
+}
+
+Bounded bound_derivative(const BoundsTask& task, const Model& m, const State& s, const StressBounds& stress) {
+  if (!is_energy(task.functional))
+    return {nan, nan, nan, false,
+            "no bounds: the topological derivative is bounded for the energy and the compliance alone"};
+  return derivative_bounds(analyze(task.functional, m, s), task.perturbation, stress);
+}
+
+BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, const Model& model, const State& state) {
   BoundsResult out;
   const QuantityBounds bounds(model, state);
   if (request.tips)
@@ -61,8 +72,7 @@ BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, con
   for (const Vec2& x : request.points) {
     const StressBounds s = bounds.stress(x);
     BoundedPoint p{x, s.s11, s.s22, s.s12, von_mises_bounds(model.scene.material, task.plane_strain, s), {}};
-    p.derivative = analysis ? derivative_bounds(*analysis, task.perturbation, s)
-                            : Bounded{nan, nan, nan, false, "no bounds: the functional is not known"};
+    p.derivative = bound_derivative(task, model, state, s);
     out.points.push_back(std::move(p));
   }
   return out;
@@ -73,8 +83,7 @@ struct GoalBound {
   std::vector<Eigen::VectorXd> eta;  // of the dual solutions
 };
 
-GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Functional& j, const Model& m,
-                     const State& s) {
+GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s) {
   if (goal.quantity == "energy") {
     const EnergyBounds e = energy_bounds(m, s);
     return {{0.5 * (e.lower + e.upper), e.lower, e.upper, e.guaranteed, e.note}, {}};
@@ -88,7 +97,7 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Func
   const StressBounds stress = bounds.stress(goal.at);
   GoalBound out{{}, stress.eta};
   if (goal.quantity == "topological_derivative")
-    out.interval = derivative_bounds(analyze(j, m, s), task.perturbation, stress);
+    out.interval = bound_derivative(task, m, s, stress);
   else if (goal.quantity == "von_mises")
     out.interval = von_mises_bounds(m.scene.material, task.plane_strain, stress);
   else
@@ -106,14 +115,9 @@ std::string in_words(const GoalRequest& goal, const Shape& shape) {
   return fmt::format("{} at ({:.6g}, {:.6g})", goal.quantity, goal.at.x(), goal.at.y());
 }
 
-Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Functional& j, const Model& m,
-                         const State& s) {
+Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s) {
   const std::string what = in_words(goal, task.body.shape);
-  if (open_everywhere(m, s))
-    throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {} is bounded for cracks with contact = \"open\"; the cracks "
-                                          "are open everywhere here",
-                                          what));
-  const GoalBound bound = bound_goal(task, goal, j, m, s);
+  const GoalBound bound = bound_goal(task, goal, m, s);
   const Bounded& b = bound.interval;
   if (!std::isfinite(b.lower) || !std::isfinite(b.upper))
     throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {}: {}", what, b.note));
@@ -121,7 +125,7 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
 }
 
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
-                              const Analysis* analysis, int threads) {
+                              int threads) {
   std::string why;
   if (!arcs_of(task.body.shape).empty())
     why = "the interval is that of the polygon that the mesh makes of curved sides";
@@ -130,8 +134,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     free = opened(adapted.model, threads);
     why = "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere";
   }
-  BoundsResult out =
-      bounds_of(task, request, free ? free->model : adapted.model, free ? free->state : adapted.state, analysis);
+  BoundsResult out = bounds_of(task, request, free ? free->model : adapted.model, free ? free->state : adapted.state);
   for (BoundedTip& t : out.tips)
     for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
   for (BoundedPoint& p : out.points)

@@ -9,6 +9,7 @@ namespace kerf {
 /// The body and what its intervals are asked for.
 struct BoundsTask {
   const Body& body;
+  const Functional& functional;
   const Perturbation& perturbation;
   bool plane_strain;
 };
@@ -18,13 +19,11 @@ std::string in_words(const GoalRequest& goal, const Shape& shape);
 
 /// Relative half width of the interval of that quantity, and where a finer mesh narrows it. Throws Error(Usage) where
 /// there is none.
-Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Functional& j, const Model& model,
-                         const State& state);
+Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& model, const State& state);
 
-/// What [bounds] asks for, of the body that `adapted` is a solution of. `analysis`: of the functional, for T; none: not
-/// known. Solves again where cracks that may touch are open everywhere: what it says then is of open cracks, and not
-/// guaranteed.
+/// What [bounds] asks for, of the body that `adapted` is a solution of. Solves again where cracks that may touch are
+/// open everywhere: what it says then is of open cracks, and not guaranteed.
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
-                              const Analysis* analysis, int threads);
+                              int threads);
 
 }  // namespace kerf

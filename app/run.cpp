@@ -177,9 +177,9 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
     };
     return solve_once(body, how, journal);
   }
-  const BoundsTask task{body, c.map_request.perturbation, c.plane_strain};
+  const BoundsTask task{body, c.functional, c.map_request.perturbation, c.plane_strain};
   if (const auto& of = c.adapt->of)
-    how.goal = [&](const Model& m, const State& s) { return goal_indicator(task, *of, c.functional, m, s); };
+    how.goal = [&](const Model& m, const State& s) { return goal_indicator(task, *of, m, s); };
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
   r.adapt = adapt_result(adapted);
@@ -374,8 +374,8 @@ std::optional<BoundsRequest> bounds_asked(const Case& c) {
 void bound(const Outcome& out, const BoundsRequest& asked, Journal& journal, Result& r) {
   journal.begin("bound quantities");
   const Body body = body_of(out.c, out.solved.adapted);
-  r.bounds = bound_quantities({body, out.c.map_request.perturbation, out.c.plane_strain}, asked, out.solved.adapted,
-                              out.analysis ? &*out.analysis : nullptr, journal.options.threads);
+  r.bounds = bound_quantities({body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain}, asked,
+                              out.solved.adapted, journal.options.threads);
   write_bounds_csv(journal.file("bounds.csv"), *r.bounds);
   journal.seconds.bounds += journal.lap();
 }

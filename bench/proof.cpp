@@ -83,7 +83,7 @@ void measure_tips(const Posed& p, const Model& m, const State& s, const Measured
 
 void measure_points(const Posed& p, const Model& m, const State& s, const Measured& to) {
   const QuantityBounds bounds(m, s);
-  const Analysis analysis = analyze({"energy", {energy()}}, m, s, true);
+  const Analysis analysis = analyze({"energy", {energy()}}, m, s);
   for (const Vec2& x : {Vec2(0.3, 0.9), Vec2(-1.2, -0.3), Vec2(0.1, -0.4)}) {
     const Mat2 exact = p.exact.stress(x, exact::side_of(p.exact, x));
     const double before = processor_seconds();

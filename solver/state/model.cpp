@@ -224,7 +224,8 @@ Model with_loads(const Model& m, Scene scene) {
   if (made.skeleton.total != m.inner->skeleton.total || made.skeleton.fixed != m.inner->skeleton.fixed)
     throw std::invalid_argument("with_loads: the supports differ");
   Ordering ordering = m.inner->ordering;
-  System system = assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false});
+  System system = assemble_loads({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false},
+                                 m.inner->system);
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), m.inner->factor, seconds);

@@ -63,8 +63,8 @@ Eigen::VectorXd strain_moments(const Assembly& from, const Triangle& shape, Inde
   return weigh(from.kernel, shape, rule_points(rule, shape), w).head(stress_count(from.kernel.element));
 }
 
-// One triangle's share, and what the way back needs to know about it.
-Condensed condense_triangle(const Assembly& from, Index t, System& a) {
+// Body force and eigenstrain of one triangle.
+void set_force(const Assembly& from, Index t, System& a) {
   const Triangle shape = triangle(from.mesh, from.skeleton, t);
   const int moments = displacement_count(from.kernel.element);
   if (from.scene.body)
@@ -72,6 +72,12 @@ Condensed condense_triangle(const Assembly& from, Index t, System& a) {
         force_moments(from.kernel, shape, body_force(from.data, from.scene, t, rule_points(from.kernel.load, shape)));
   if (!from.data.strain.empty())
     a.force.col(t).tail(stress_count(from.kernel.element)) = strain_moments(from, shape, t);
+}
+
+// One triangle's share, and what the way back needs to know about it.
+Condensed condense_triangle(const Assembly& from, Index t, System& a) {
+  set_force(from, t, a);
+  const Triangle shape = triangle(from.mesh, from.skeleton, t);
   const Material& material = material_of(from.mesh, from.scene, t);
   Condensed c = condense(from.kernel, shape, material, force_of(a, t), {.a = a.penalty / material.mu});
   if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
@@ -84,26 +90,39 @@ void add_atomically(double& target, double value) {
   std::atomic_ref<double>(target).fetch_add(value, std::memory_order_relaxed);
 }
 
-// Adds a triangle's share to K and F, less what the prescribed values do.
-void scatter(const Assembly& from, Index t, Condensed& c, System& a) {
-  struct Entry {
-    int local;
-    Index row;
-  };
+// The unknowns that a triangle sees and that are solved for.
+struct Entry {
+  int local;
+  Index row;
+};
+struct Entries {
+  std::array<Entry, 2 * max_skeleton> all;
+  int count = 0;
+};
+
+// Adds a triangle's share to F, less what the prescribed values do.
+Entries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
   const Skeleton& s = from.skeleton;
   const Ordering& o = from.ordering;
-  const bool in_sequence = s.per_vertex > 0;
-  std::array<Entry, 2 * max_skeleton> entries;
   const Seen view = seen(from.mesh, s, t);
-  int used = 0;
+  Entries entries;
   for (int i = 0; i < view.count; ++i) {
     const double value = s.prescribed[view.base[i]];  // jumps are prescribed as 0 only
     if (value != 0) c.F -= value * c.K.col(i);
-    if (o.row[view.base[i]] != none) entries[used++] = {i, o.row[view.base[i]]};
-    if (view.jump[i] != none && o.row[view.jump[i]] != none) entries[used++] = {i, o.row[view.jump[i]]};
+    if (o.row[view.base[i]] != none) entries.all[entries.count++] = {i, o.row[view.base[i]]};
+    if (view.jump[i] != none && o.row[view.jump[i]] != none) entries.all[entries.count++] = {i, o.row[view.jump[i]]};
   }
+  for (int p = 0; p < entries.count; ++p) add_atomically(a.F[entries.all[p].row], c.F[entries.all[p].local]);
+  return entries;
+}
+
+// The same, and to K.
+void scatter(const Assembly& from, Index t, Condensed& c, System& a) {
+  const Skeleton& s = from.skeleton;
+  const Ordering& o = from.ordering;
+  const bool in_sequence = s.per_vertex > 0;
+  const auto [entries, used] = scatter_loads(from, t, c, a);
   for (int p = 0; p < used; ++p) {
-    add_atomically(a.F[entries[p].row], c.F[entries[p].local]);
     for (int q = 0; q < used; ++q) {
       if (entries[p].row < entries[q].row) continue;
       double& target = a.K.values[place(o, a.K, entries[p].row, entries[q].row)];
@@ -147,33 +166,80 @@ ForceMoments force_of(const System& a, Index t) {
   return a.force.cols() == 0 ? ForceMoments() : ForceMoments(a.force.col(t));
 }
 
-System assemble(const Assembly& from) {
+namespace {
+
+// Room for the loads of triangles, with those of cubic traces.
+Eigen::MatrixXd empty_force(const Assembly& from) {
   const Element& e = from.kernel.element;
   const Eigen::Index triangles = static_cast<Eigen::Index>(from.mesh.triangles.size());
-  System a;
-  a.penalty = from.plain ? 0 : penalty_for(e, from.scene);
-  if (a.penalty > 0) a.traces.resize(skeleton_count(e) + 2, triangles);
+  Eigen::MatrixXd force;
   const bool strained = !from.data.strain.empty();
   if (from.scene.body || has_cubic_traces(from) || strained)
-    a.force.setZero(
+    force.setZero(
         displacement_count(e) + (has_cubic_traces(from) ? cubic_trace_count : 0) + (strained ? stress_count(e) : 0),
         triangles);
   if (has_cubic_traces(from)) {
     const Eigen::Matrix4Xd cubic = cubic_traces(from);
     for (Index t = 0; t < static_cast<Index>(triangles); ++t)
       for (int i = 0; i < 3; ++i)
-        a.force.col(t).segment<4>(displacement_count(e) + 4 * i) = cubic.col(from.mesh.edges_of[t][i]);
+        force.col(t).segment<4>(displacement_count(e) + 4 * i) = cubic.col(from.mesh.edges_of[t][i]);
   }
+  return force;
+}
+
+// The loads on edges.
+void add_tractions(const Assembly& from, System& a) {
+  a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.data);
+  if (has_unseen_traces(from.kernel.element))
+    fit_corner_loads(from.mesh, from.kernel, from.scene, from.skeleton, a.tractions);
+  for (Index u = 0; u < from.skeleton.total; ++u)
+    if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += a.tractions[u];
+}
+
+// Whether body force, eigenstrain or prescribed values act on it. Sets the first two.
+bool is_loaded(const Assembly& from, Index t, System& a) {
+  set_force(from, t, a);
+  if (a.force.cols() > 0 && !a.force.col(t).isZero(0)) return true;
+  const Seen view = seen(from.mesh, from.skeleton, t);
+  for (int i = 0; i < view.count; ++i)
+    if (from.skeleton.prescribed[view.base[i]] != 0) return true;
+  return false;
+}
+
+}  // namespace
+
+System assemble_loads(const Assembly& from, const System& like) {
+  System a{.penalty = like.penalty, .K = like.K, .force = empty_force(from), .traces = like.traces};
+  a.F = Eigen::VectorXd::Zero(from.ordering.size);
+  const auto add = [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      if (!is_loaded(from, t, a)) continue;
+      Condensed c = condense_triangle(from, t, a);
+      scatter_loads(from, t, c, a);
+    }
+  };
+  const Index triangles = static_cast<Index>(from.mesh.triangles.size());
+  if (from.skeleton.per_vertex > 0)
+    add(0, triangles);  // around a vertex many triangles meet, which are added in their order
+  else
+    parallel_for(triangles, from.threads, add);
+  add_tractions(from, a);
+  return a;
+}
+
+System assemble(const Assembly& from) {
+  System a;
+  a.penalty = from.plain ? 0 : penalty_for(from.kernel.element, from.scene);
+  if (a.penalty > 0)
+    a.traces.resize(skeleton_count(from.kernel.element) + 2, static_cast<Eigen::Index>(from.mesh.triangles.size()));
+  a.force = empty_force(from);
   a.K = pattern(from.ordering);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   if (from.skeleton.per_vertex > 0)
     condense_then_scatter(from, a);
   else
     condense_and_scatter(from, a);
-  a.tractions = traction_loads(from.mesh, from.kernel, from.skeleton, from.data);
-  if (has_unseen_traces(e)) fit_corner_loads(from.mesh, from.kernel, from.scene, from.skeleton, a.tractions);
-  for (Index u = 0; u < from.skeleton.total; ++u)
-    if (from.ordering.row[u] != none) a.F[from.ordering.row[u]] += a.tractions[u];
+  add_tractions(from, a);
   return a;
 }
 
