@@ -1,7 +1,7 @@
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
-#include "solver/bounds/nucleus.hpp"
+#include "solver/bounds/reciprocity.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/quadrature.hpp"
 #include "solver/system.hpp"
@@ -29,7 +29,8 @@ BoundaryField sum(const BoundaryField& a, double factor, const BoundaryField& b)
   return [a, factor, b](const Vec2& x, const Vec2& n) -> Vec2 { return a(x, n) + factor * b(x, n); };
 }
 
-/// Every edge of the boundary has a label, so that it can be loaded.
+}  // namespace
+
 Mesh labelled(Mesh mesh) {
   const Index rest = 1 + *std::max_element(mesh.label.begin(), mesh.label.end());
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -37,7 +38,6 @@ Mesh labelled(Mesh mesh) {
   return mesh;
 }
 
-/// The loads of w: what makes G + w free of tractions, and at rest on supports.
 Scene counter(const Model& m, const Nucleus& G, Index own) {
   Scene s;
   s.material = m.scene.material;
@@ -62,7 +62,6 @@ Scene counter(const Model& m, const Nucleus& G, Index own) {
   return s;
 }
 
-/// The scene of u + k w.
 Scene superposed(const Scene& u, const Scene& w, double k) {
   Scene s = u;
   for (const Traction& t : w.tractions) s.tractions.push_back({t.label, sum({}, k, t.value)});
@@ -73,16 +72,14 @@ Scene superposed(const Scene& u, const Scene& w, double k) {
   return s;
 }
 
+namespace {
+
 Field superposed(const Field& u, const Field& w, double k) {
   return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, u.eigenstrain};
 }
 
-/// A number and what it may be off by.
-struct Known {
-  double value = 0, error = 0;
-};
+}  // namespace
 
-/// int t.G over the tractions t of u; the error by halved edges.
 Known work_on(const Model& m, const Nucleus& G) {
   static const EdgeRule rule = gauss(12);
   Known known;
@@ -104,7 +101,7 @@ Known work_on(const Model& m, const Nucleus& G) {
   return known;
 }
 
-/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
+// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
 std::string unresolved(const Model& m, const std::vector<Vec2>& singular, Index own) {
   constexpr double far = 0.5;  // of the length of an edge
   for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
@@ -138,6 +135,8 @@ Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb) {
   return r;
 }
 
+namespace {
+
 /// Of the square of a bounded number.
 std::array<double, 2> square(const Bounded& b) {
   const double low = b.lower * b.lower, high = b.upper * b.upper;
@@ -158,8 +157,10 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 }
 
 std::string unavailable(const Model& m) {
-  for (const CrackLaw& law : m.scene.laws)
+  for (const CrackLaw& law : m.scene.laws) {
+    if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
     if (law.kind == CrackLaw::Kind::Unilateral) return "no bounds: a crack may be in contact";
+  }
   if (m.scene.body) return "no bounds: there is a body force";
   if (has_eigenstrain(m.scene)) return "no bounds: there is an eigenstrain";
   if (!m.scene.regions.empty()) return "no bounds: there are several materials";
@@ -173,7 +174,8 @@ struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
   EnergyBounds energy;
-  std::string why;  // nothing can be bounded
+  std::string why;                                 // nothing can be bounded
+  std::unique_ptr<ContactQuantityBounds> contact;  // where a crack may be in contact
 
   /// G is singular at `singular`; `own` is the crack whose faces it leaves free.
   Bounded bound(const Nucleus& G, const std::vector<Vec2>& singular, Index own) const {
@@ -212,7 +214,9 @@ struct QuantityBounds::Impl {
 };
 
 QuantityBounds::QuantityBounds(const Model& m, const Field& u)
-    : impl_(std::make_unique<Impl>(Impl{m, u, {}, unavailable(m)})) {
+    : impl_(std::make_unique<Impl>(Impl{m, u, {}, unavailable(m), {}})) {
+  if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
+    impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
   if (!impl_->why.empty()) return;
   impl_->energy = energy_bounds(m, u);
   if (!std::isfinite(impl_->energy.upper - impl_->energy.lower))
@@ -223,6 +227,7 @@ QuantityBounds::QuantityBounds(const Model& m, const Field& u)
 QuantityBounds::~QuantityBounds() = default;
 
 std::array<Bounded, 3> QuantityBounds::stress(const Vec2& x) const {
+  if (impl_->contact) return impl_->contact->stress(x);
   if (locate(impl_->m.mesh, {&x, 1}).front() == none) {
     const Bounded outside = lost("no bounds: the point lies outside the body");
     return {outside, outside, outside};
