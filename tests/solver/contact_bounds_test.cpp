@@ -268,6 +268,60 @@ TEST(ContactQuantityBounds, OfAnOpenCrackAreThoseOfSuperposedLoads) {
   }
 }
 
+// A uniform fluid pressure in the crack, taken off the tractions, changes the stress by as much and nothing else
+// [theory: C.17]: not the contact, and so no width.
+TEST(ContactQuantityBounds, ShiftUnderAUniformFluidPressure) {
+  const double fluid = 0.7;
+  const exact::ExactField f = closing()[4];
+  const Problem p = problem(f, 8, 1, {});
+  Scene dry = p.model.scene, wet = dry;
+  dry.laws[0].pressure = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  for (Traction& t : wet.tractions)
+    t.value = [given = t.value, fluid](const Vec2& x, const Vec2& n) -> Vec2 { return given(x, n) - fluid * n; };
+  wet.laws[0].pressure = [fluid](const Vec2&, const Vec2&) -> Vec2 { return {fluid, 0}; };
+  const auto bounds = [&](const Scene& scene) {
+    const Model m = prepare(p.model.mesh, element("bdms"), scene, 1);
+    const State state = solve(m);
+    return ContactQuantityBounds(m, state).stress({0.2, 1.1});
+  };
+  const auto one = bounds(dry), two = bounds(wet);
+  for (int i = 0; i < 3; ++i) {
+    const double shift = i < 2 ? fluid : 0;
+    EXPECT_NEAR(two[i].lower + shift, one[i].lower, 1e-6 * half_width(one[i])) << i;
+    EXPECT_NEAR(two[i].upper + shift, one[i].upper, 1e-6 * half_width(one[i])) << i;
+  }
+}
+
+// No exact solution: bounds on finer meshes lie in those on coarser ones, nearly.
+TEST(ContactQuantityBounds, HoldForBodyForcesSeveralMaterialsAndAlmostNoCompressibility) {
+  const exact::ExactField f = exact::table_field("c05_partial_linear", 0.3);
+  Problem p = problem(f, 8, 1, {0});
+  Mesh mesh = p.model.mesh;
+  mesh.region.assign(mesh.triangles.size(), none);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (centroid(mesh, static_cast<Index>(t)).y() > 0) mesh.region[t] = 0;
+  Scene scene;
+  scene.material = plane_strain(3, 0.4999);
+  scene.regions = {plane_stress(1, 0.3)};
+  scene.body = [](const Vec2& x) -> Vec2 { return {0.1, -0.2 * x.x()}; };
+  scene.supports.push_back({0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+  scene.tractions.push_back({2, [](const Vec2& x, const Vec2&) -> Vec2 { return {0.2, x.x()}; }});
+  scene.laws.resize(1);
+  std::vector<std::array<Bounded, 2>> of;
+  for (int level = 0; level < 2; ++level, mesh = refine(mesh)) {
+    const Model m = prepare(mesh, element("bdms", 2), scene, 1);
+    const State state = solve(m);
+    of.push_back({ContactQuantityBounds(m, state).work({{2, along(1)}}),
+                  ContactQuantityBounds(m, state, Theorem::Concavity).work({{2, along(1)}})});
+  }
+  for (const Bounded& coarse : of[0])
+    for (const Bounded& fine : of[1]) {
+      EXPECT_TRUE(coarse.guaranteed && fine.guaranteed) << coarse.note << fine.note;
+      EXPECT_LE(std::max(coarse.lower, fine.lower), std::min(coarse.upper, fine.upper));
+    }
+  EXPECT_LT(half_width(of[1][0]), 0.7 * half_width(of[0][0]));  // the gap is halved: 2^(-2/3) in theory
+}
+
 // Long steps change the set of contact: without the crossed works the interval misses the truth.
 TEST(ContactQuantityBounds, NeedTheCrossedWorks) {
   const Problem p = problem(exact::table_field("c05_partial_linear", 0.3), 32, 2, {0});
