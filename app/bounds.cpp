@@ -2,6 +2,7 @@
 
 #include "geometry/curved.hpp"
 #include "kerf/derivative_bounds.hpp"
+#include "solver/system.hpp"
 
 #include <fmt/core.h>
 
@@ -53,27 +54,39 @@ bool is_energy(const Functional& j) {
   return std::ranges::all_of(j.terms, [](const Term& t) { return (t.energy || t.work) && !t.measured; });
 }
 
-Bounded bound_derivative(const BoundsTask& task, const Model& m, const State& s, const StressBounds& stress) {
+Bounded bound_derivative(const BoundsTask& task, const Model& m, const State& s, const Vec2& x,
+                         const StressBounds& stress) {
   if (!is_energy(task.functional))
     return {nan, nan, nan, false,
             "no bounds: the topological derivative is bounded for the energy and the compliance alone"};
-  return derivative_bounds(analyze(task.functional, m, s), task.perturbation, stress);
+  return derivative_bounds(analyze(task.functional, m, s), task.perturbation, x, stress);
 }
 
-BoundsResult bounds_of(const BoundsTask& task, const BoundsRequest& request, const Model& model, const State& state) {
-  BoundsResult out;
-  const QuantityBounds bounds(model, state);
-  if (request.tips)
-    for (const TipIntensity& tip : crack_tips(model, state)) {
-      const TipBounds b = bounds.tip(tip);
-      out.tips.push_back(
-          {task.body.shape.cracks[static_cast<std::size_t>(tip.crack)].name, tip.at_start, tip.at, b.K_I, b.K_II, b.G});
-    }
-  for (const Vec2& x : request.points) {
-    const StressBounds s = bounds.stress(x);
-    BoundedPoint p{x, s.s11, s.s22, s.s12, von_mises_bounds(model.scene.material, task.plane_strain, s), {}};
-    p.derivative = bound_derivative(task, model, state, s);
-    out.points.push_back(std::move(p));
+std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s) {
+  std::vector<BoundedTip> out;
+  const QuantityBounds bounds(m, s);
+  for (const TipIntensity& tip : crack_tips(m, s)) {
+    const TipBounds b = bounds.tip(tip);
+    out.push_back(
+        {task.body.shape.cracks[static_cast<std::size_t>(tip.crack)].name, tip.at_start, tip.at, b.K_I, b.K_II, b.G});
+  }
+  return out;
+}
+
+const Material& material_at(const Model& m, const Vec2& x) {
+  const Index where = locate(m.mesh, {&x, 1}).front();
+  return where == none ? m.scene.material : material_of(m.mesh, m.scene, where);
+}
+
+std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Vec2>& points, const Model& m,
+                                    const State& s) {
+  std::vector<BoundedPoint> out;
+  if (points.empty()) return out;
+  const QuantityBounds bounds(m, s);
+  for (const Vec2& x : points) {
+    const StressBounds b = bounds.stress(x);
+    out.push_back({x, b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, x), task.plane_strain, b),
+                   bound_derivative(task, m, s, x, b)});
   }
   return out;
 }
@@ -97,9 +110,9 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
   const StressBounds stress = bounds.stress(goal.at);
   GoalBound out{{}, stress.eta};
   if (goal.quantity == "topological_derivative")
-    out.interval = bound_derivative(task, m, s, stress);
+    out.interval = bound_derivative(task, m, s, goal.at, stress);
   else if (goal.quantity == "von_mises")
-    out.interval = von_mises_bounds(m.scene.material, task.plane_strain, stress);
+    out.interval = von_mises_bounds(material_at(m, goal.at), task.plane_strain, stress);
   else
     out.interval = goal.quantity == "s_xx" ? stress.s11 : goal.quantity == "s_yy" ? stress.s22 : stress.s12;
   return out;
@@ -126,19 +139,26 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
 
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
                               int threads) {
-  std::string why;
-  if (!arcs_of(task.body.shape).empty())
-    why = "the interval is that of the polygon that the mesh makes of curved sides";
-  std::optional<Opened> free;
-  if (open_everywhere(adapted.model, adapted.state)) {
-    free = opened(adapted.model, threads);
-    why = "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere";
+  const std::string polygon =
+      arcs_of(task.body.shape).empty()
+          ? std::string()
+          : std::string("the interval is that of the polygon that the mesh makes of curved sides");
+  BoundsResult out;
+  if (request.tips && !adapted.model.mesh.cracks.empty()) {
+    const bool apart = open_everywhere(adapted.model, adapted.state);
+    std::optional<Opened> free;
+    if (apart) free = opened(adapted.model, threads);
+    out.tips = tips_of(task, free ? free->model : adapted.model, free ? free->state : adapted.state);
+    for (BoundedTip& t : out.tips)
+      for (Bounded* b : {&t.K_I, &t.K_II, &t.G})
+        qualify(*b,
+                apart
+                    ? "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere"
+                    : polygon);
   }
-  BoundsResult out = bounds_of(task, request, free ? free->model : adapted.model, free ? free->state : adapted.state);
-  for (BoundedTip& t : out.tips)
-    for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
+  out.points = points_of(task, request.points, adapted.model, adapted.state);
   for (BoundedPoint& p : out.points)
-    for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, why);
+    for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
   return out;
 }
 

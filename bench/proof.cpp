@@ -93,7 +93,7 @@ void measure_points(const Posed& p, const Model& m, const State& s, const Measur
     to.add("s_yy", b.s22, exact(1, 1), size, each);
     to.add("s_xy", b.s12, exact(0, 1), size, each);
     const double T = exact::hole_derivative(p.scene.material, exact);
-    to.add("T", derivative_bounds(analysis, {}, b), T, std::abs(T), 3 * each);
+    to.add("T", derivative_bounds(analysis, {}, x, b), T, std::abs(T), 3 * each);
   }
 }
 

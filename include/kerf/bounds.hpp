@@ -52,8 +52,10 @@ Bounded von_mises_bounds(const Material& material, bool plane_strain, const Stre
 
 /// Bounds of linear quantities Q of a state. Q = known + l(u) by a singular field that is taken out in closed form; w
 /// is the solution under the loads l, and with J(u) the potential energy -2k l = J(u + k w) - J(u - k w), both bounded
-/// [theory: B.11]. One solve by the factor of the model per quantity. Not with contact, body force, eigenstrain,
-/// several materials or orthotropic ones: `note` says so.
+/// [theory: B.11]. One solve by the factor of the model per quantity. With body force, several materials, kinks and
+/// pressure in cracks the singular field is cut off about its place [theory: B.20], where the material must be isotropic,
+/// without eigenstrain, and not quite incompressible: otherwise `note` says why there is no interval. Where a crack may be
+/// in contact, stresses are those of ContactQuantityBounds, and there is no K.
 class QuantityBounds {
  public:
   /// Model and state must outlive it. `with_indicators`: the error indicator of each dual solution, which says where a
@@ -65,6 +67,30 @@ class QuantityBounds {
   StressBounds stress(const Vec2& x) const;
   /// Of an end of a straight crack.
   TipBounds tip(const TipIntensity& tip) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Bounds of linear quantities Q of a state whose cracks may be in contact without friction, wherever they are closed.
+/// With J(k) the potential energy under the loads of the state and k times those of w, Q = known - J'(0). CrossedWorks:
+/// Q by central differences of bounds of J, the pressure at k doing work on the opening at -k and the other way round
+/// [theory: B.16]. Concavity: by chords of J and its curvature between those of the body with free and with sliding
+/// faces [theory: B.15]; wider, and for comparison. Two contact problems per step, at most four steps per quantity, by
+/// the factor of the model (Concavity: and one of the body with free faces). No K at tips of cracks in contact, nothing
+/// with friction, an eigenstrain or curved cracks in contact: `note` says so.
+class ContactQuantityBounds {
+ public:
+  enum class Theorem { Concavity, CrossedWorks };
+  /// Model and state must outlive it.
+  ContactQuantityBounds(const Model& model, const Field& state, Theorem by = Theorem::CrossedWorks);
+  ~ContactQuantityBounds();
+
+  /// The work of given tractions on the displacement of their edges: a mean displacement, a mean strain.
+  Bounded work(const std::vector<Traction>& of) const;
+  /// At a point inside the body, without indicators.
+  StressBounds stress(const Vec2& x) const;
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include "solver/system.hpp"
 
 #include "solver/bounds/conforming.hpp"
+#include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
 #include "solver/parallel.hpp"
@@ -438,6 +439,49 @@ double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& da
   return total;
 }
 
+// Values of what is conforming on one side of an edge, at the Gauss points of the trace.
+Points on_edge(const Model& m, const Conforming& conforming, Index e, int side) {
+  const Index t = m.mesh.sides[e][side];
+  int i = 0;
+  while (m.mesh.edges_of[t][i] != e) ++i;
+  const Eigen::VectorXd& s = m.inner->kernel.trace.s;
+  Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, s.size());
+  l.row((i + (side == 0 ? 1 : 2)) % 3) = (1 - s.array()).matrix().transpose();
+  l.row((i + (side == 0 ? 2 : 1)) % 3) = s.transpose();
+  const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
+  return nodal * interpolation(conforming.degree, l.bottomRows<2>()).transpose();
+}
+
+FaceFields face_fields(const Model& m, const std::vector<EdgeData>& data, const Conforming& conforming,
+                       const std::vector<Share>& shares) {
+  std::vector<Index> edges;
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
+    if (m.scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+      for (const CrackEdge& crack : m.mesh.cracks[c]) edges.push_back(crack.edge);
+  std::vector<const EdgeData*> given(m.mesh.edges.size(), nullptr);
+  for (std::size_t i = data.size(); i-- > 0;) given[data[i].edge] = &data[i];  // of cracks the left side
+  const EdgeRule carrier = gauss(data_carriers), &trace = m.inner->kernel.trace;
+  const Eigen::Index points = trace.w.size(), count = static_cast<Eigen::Index>(edges.size());
+  FaceFields faces{Eigen::VectorXd(count), trace.w, Eigen::MatrixXd(points, count), Eigen::MatrixXd(points, count),
+                   Eigen::VectorXd(count)};
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Index e = edges[j], left = m.mesh.sides[e][0];
+    int i = 0;
+    while (m.mesh.edges_of[left][i] != e) ++i;
+    Eigen::RowVectorXd normal = shares[left].tractions.middleCols(points * i, points).row(0);
+    if (given[e])
+      for (int q = 0; q < data_carriers; ++q)
+        normal -=
+            carrier.w[q] * given[e]->load(0, q) * trace_basis(trace, carrier.s[q]).cwiseQuotient(trace.w).transpose();
+    faces.lengths[j] = length(m.mesh, e);
+    faces.pressure.col(j) = -normal.transpose();
+    faces.opening.col(j) =
+        (on_edge(m, conforming, e, 1) - on_edge(m, conforming, e, 0)).transpose() * m.inner->skeleton.frame[e].col(0);
+    faces.overlap[j] = conforming.penetration[e];
+  }
+  return faces;
+}
+
 // A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
 bool unseen_couples(const Forces& f) {
   return f.nodal.cols() > 0 && f.degree == 0;
@@ -575,7 +619,21 @@ std::string unseen_by_bounds(const Model& m) {
 
 }  // namespace
 
+double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
+  double work = 0;
+  for (Eigen::Index e = 0; e < pressing.lengths.size(); ++e)
+    for (Eigen::Index g = 0; g < pressing.weights.size(); ++g)  // both are at least 0, up to rounding
+      work += pressing.lengths[e] * pressing.weights[g] * std::abs(pressing.pressure(g, e)) *
+              (std::max(opening.opening(g, e), 0.0) + opening.overlap[e]);
+  return work;
+}
+
 EnergyBounds energy_bounds(const Model& m, const Field& s) {
+  FaceFields unused;
+  return energy_bounds(m, s, unused);
+}
+
+EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {
   if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
   if (const std::string why = unseen_by_bounds(m); !why.empty()) return lost(infinity, why);
   const std::vector<EdgeData> data = edge_data(m);
@@ -586,6 +644,7 @@ EnergyBounds energy_bounds(const Model& m, const Field& s) {
   for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
   const std::vector<Share> shares = bound_triangles({m, s, f, data, conforming, statics}, edges);
   const Share sum = total(shares);
+  faces = face_fields(m, data, conforming, shares);
 
   EnergyBounds result;
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;

@@ -229,6 +229,62 @@ Dual local_dual(const Model& m, const Nucleus& G, const Disc& disc) {
   return dual;
 }
 
+namespace {
+
+const Eigenstrain* eigenstrain_at(const Model& m, Index triangle) {
+  const std::size_t place = static_cast<std::size_t>(region_of(m.mesh, triangle) + 1);
+  return place < m.scene.eigenstrain.size() && m.scene.eigenstrain[place] ? &m.scene.eigenstrain[place] : nullptr;
+}
+
+/// To the next boundary, interface, or crack with faces.
+double clearance(const Model& m, const Vec2& x) {
+  double least = infinity;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const auto [left, right] = m.mesh.sides[e];
+    const Index crack = m.mesh.crack[e];
+    const bool face = crack != none && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
+    if (left == none || right == none || face || is_interface(m.mesh, e))
+      least = std::min(least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]));
+  }
+  return least;
+}
+
+}  // namespace
+
+bool is_plain(const Scene& s) {
+  return s.regions.empty() && !s.body && !has_eigenstrain(s);
+}
+
+std::string no_disc(const Model& m, Index triangle) {
+  const Material& material = material_of(m.mesh, m.scene, triangle);
+  if (!isotropic(material)) return "no bounds: the material there is orthotropic";
+  if (eigenstrain_at(m, triangle)) return "no bounds: there is an eigenstrain";
+  if (material.c == 0) return "no bounds: an incompressible body cannot follow the singular field where it is cut off";
+  return {};
+}
+
+Mesh labelled(Mesh mesh) {
+  const Index rest = 1 + *std::max_element(mesh.label.begin(), mesh.label.end());
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.label[e] == none && (mesh.sides[e][0] == none || mesh.sides[e][1] == none)) mesh.label[e] = rest;
+  return mesh;
+}
+
+PointDual::PointDual(const Model& m, const Vec2& x)
+    : m_(m), x_(x), where_(locate(m.mesh, {&x, 1}).front()), plain_(is_plain(m.scene)) {
+  if (where_ == none)
+    why_ = "no bounds: the point lies outside the body";
+  else if (!isotropic(material_of(m.mesh, m.scene, where_)))
+    why_ = "no bounds: the material there is orthotropic";
+  else if (!plain_)
+    why_ = no_disc(m, where_);
+}
+
+Dual PointDual::operator()(PointStress part) const {
+  const Nucleus G = point_nucleus(material_of(m_.mesh, m_.scene, where_), x_, part);
+  return plain_ ? global_dual(m_, G, x_, none) : local_dual(m_, G, {x_, within * clearance(m_, x_)});
+}
+
 Scene superposed(const Scene& u, const Scene& w, double k) {
   Scene s = u;
   s.body = sum(u.body, k, w.body);

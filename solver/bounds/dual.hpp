@@ -1,6 +1,7 @@
 #pragma once
 // What a quantity of a state is made of: the loads l of a dual solution, and what is known without it [theory: B.12].
 
+#include "kerf/bounds.hpp"
 #include "solver/bounds/nucleus.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
@@ -31,8 +32,41 @@ struct Disc {
   const CrackTip* tip = nullptr;
 };
 /// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
-/// where it fades [theory: B.13]. Not for materials that are incompressible.
+/// where it fades [theory: B.20]. Not for materials that are incompressible.
 Dual local_dual(const Model& model, const Nucleus& G, const Disc& disc);
+
+/// Of a disc, what is clear of everything else: a margin is left.
+inline constexpr double within = 0.95;
+
+/// Whether G may reach through the whole body: one material, no body force, no eigenstrain.
+bool is_plain(const Scene& scene);
+/// Why G cannot be cut off in the material of that triangle; empty: it can.
+std::string no_disc(const Model& model, Index triangle);
+
+/// Every edge of the boundary has a label, so that it can be loaded.
+Mesh labelled(Mesh mesh);
+
+/// The parts of the stress at a point. The model must outlive it, all of its boundary labelled.
+class PointDual {
+ public:
+  PointDual(const Model& model, const Vec2& x);
+  /// Why there is none; empty: there is.
+  const std::string& why() const {
+    return why_;
+  }
+  Dual operator()(PointStress part) const;
+
+ private:
+  const Model& m_;
+  Vec2 x_;
+  Index where_;
+  bool plain_;
+  std::string why_;
+};
+
+using BoundDual = std::function<Bounded(const Dual& dual, std::vector<Eigen::VectorXd>& eta)>;
+/// By intervals of the duals. `why` there are none, if it is known already.
+StressBounds bound_stress(const Model& model, const Vec2& x, std::string why, const BoundDual& bound);
 
 /// The scene of u + k w.
 Scene superposed(const Scene& u, const Scene& w, double k);

@@ -2,26 +2,13 @@
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
+#include "solver/bounds/bounded.hpp"
 #include "solver/bounds/dual.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace kerf {
-
-namespace {
-
-/// Every edge of the boundary has a label, so that it can be loaded.
-Mesh labelled(Mesh mesh) {
-  const Index rest = 1 + *std::max_element(mesh.label.begin(), mesh.label.end());
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (mesh.label[e] == none && (mesh.sides[e][0] == none || mesh.sides[e][1] == none)) mesh.label[e] = rest;
-  return mesh;
-}
-
-Field superposed(const Field& u, const Field& w, double k) {
-  return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, 1};
-}
 
 Bounded lost(std::string why) {
   return {nan, nan, nan, false, std::move(why)};
@@ -37,6 +24,12 @@ Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb) {
   r.guaranteed = a.guaranteed && b.guaranteed;
   r.note = a.note.empty() ? b.note : a.note;
   return r;
+}
+
+namespace {
+
+Field superposed(const Field& u, const Field& w, double k) {
+  return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, 1};
 }
 
 /// Of the square of a bounded number.
@@ -59,44 +52,12 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 }
 
 std::string unavailable(const Model& m) {
-  for (const CrackLaw& law : m.scene.laws)
+  for (const CrackLaw& law : m.scene.laws) {
+    if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
     if (law.kind == CrackLaw::Kind::Unilateral) return "no bounds: a crack may be in contact";
-  return {};
-}
-
-/// The singular field may reach through the whole body.
-bool is_plain(const Scene& s) {
-  return s.regions.empty() && !s.body && !has_eigenstrain(s);
-}
-
-const Eigenstrain* eigenstrain_at(const Model& m, Index triangle) {
-  const std::size_t place = static_cast<std::size_t>(region_of(m.mesh, triangle) + 1);
-  return place < m.scene.eigenstrain.size() && m.scene.eigenstrain[place] ? &m.scene.eigenstrain[place] : nullptr;
-}
-
-/// Why G cannot be cut off about x.
-std::string no_disc(const Model& m, Index triangle) {
-  const Material& material = material_of(m.mesh, m.scene, triangle);
-  if (!isotropic(material)) return "no bounds: the material there is orthotropic";
-  if (eigenstrain_at(m, triangle)) return "no bounds: there is an eigenstrain";
-  if (material.c == 0) return "no bounds: an incompressible body cannot follow the singular field where it is cut off";
-  return {};
-}
-
-/// To the next boundary, interface, or crack with faces.
-double clearance(const Model& m, const Vec2& x) {
-  double least = infinity;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    const auto [left, right] = m.mesh.sides[e];
-    const Index crack = m.mesh.crack[e];
-    const bool face = crack != none && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
-    if (left == none || right == none || face || is_interface(m.mesh, e))
-      least = std::min(least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]));
   }
-  return least;
+  return {};
 }
-
-constexpr double within = 0.95;  // of what is free, the disc about a point
 
 }  // namespace
 
@@ -105,7 +66,8 @@ struct QuantityBounds::Impl {
   const Field& u;
   bool with_indicators;
   EnergyBounds energy;
-  std::string why;  // nothing can be bounded
+  std::string why;                                 // nothing can be bounded
+  std::unique_ptr<ContactQuantityBounds> contact;  // where a crack may be in contact
 
   /// The indicator of w goes to `eta`.
   Bounded bound(const Dual& of, std::vector<Eigen::VectorXd>& eta) const {
@@ -143,7 +105,9 @@ struct QuantityBounds::Impl {
 };
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
-    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, {}, unavailable(m)})) {
+    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, {}, unavailable(m), {}})) {
+  if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
+    impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
   if (!impl_->why.empty()) return;
   impl_->energy = energy_bounds(m, u);
   if (!std::isfinite(impl_->energy.upper - impl_->energy.lower))
@@ -154,29 +118,19 @@ QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicat
 QuantityBounds::~QuantityBounds() = default;
 
 StressBounds QuantityBounds::stress(const Vec2& x) const {
-  const Index where = locate(impl_->m.mesh, {&x, 1}).front();
-  if (where == none) {
-    const Bounded outside = lost("no bounds: the point lies outside the body");
-    return {outside, outside, outside, outside, outside};
-  }
-  const Model& m = impl_->m;
-  const auto all_lost = [](const std::string& why) {
-    return StressBounds{lost(why), lost(why), lost(why), lost(why), lost(why)};
-  };
-  if (!impl_->why.empty()) return all_lost(impl_->why);
-  const bool plain = is_plain(m.scene);
-  const Material& material = material_of(m.mesh, m.scene, where);
-  if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
-  if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
-  const Disc disc{x, plain ? infinity : within * clearance(m, x)};
+  if (impl_->contact) return impl_->contact->stress(x);
+  const auto bound = [&](const Dual& dual, std::vector<Eigen::VectorXd>& eta) { return impl_->bound(dual, eta); };
+  return bound_stress(impl_->m, x, impl_->why, bound);
+}
+
+StressBounds bound_stress(const Model& m, const Vec2& x, std::string why, const BoundDual& bound) {
+  const PointDual at(m, x);
+  if (why.empty()) why = at.why();
+  if (!why.empty()) return {lost(why), lost(why), lost(why), lost(why), lost(why)};
   StressBounds s;
-  const auto of = [&](PointStress part) {
-    const Nucleus G = point_nucleus(material, x, part);
-    return impl_->bound(plain ? global_dual(m, G, x, none) : local_dual(m, G, disc), s.eta);
-  };
-  s.trace = of(PointStress::Trace);
-  s.difference = of(PointStress::Difference);
-  s.s12 = of(PointStress::Shear);
+  s.trace = bound(at(PointStress::Trace), s.eta);
+  s.difference = bound(at(PointStress::Difference), s.eta);
+  s.s12 = bound(at(PointStress::Shear), s.eta);
   s.s11 = combined(s.trace, 0.5, s.difference, -1);
   s.s22 = combined(s.trace, 0.5, s.difference, 1);
   return s;
@@ -212,7 +166,7 @@ TipBounds QuantityBounds::tip(const TipIntensity& of) const {
                      (inside || !behind_mouth(m.mesh, *found));
   if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
   if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
-  const Disc disc{found->at, within * std::min(found->room, found->vertices.back().norm()), &*found};
+  const Disc disc{found->at, within * found->room, &*found};
   const double length = inside && plain ? found->vertices.back().norm() : infinity;
   TipBounds b;
   const auto bound = [&](int mode) {

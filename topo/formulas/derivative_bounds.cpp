@@ -1,5 +1,6 @@
 #include "kerf/derivative_bounds.hpp"
 
+#include "solver/system.hpp"
 #include "topo/formulas/kind.hpp"
 
 #include <algorithm>
@@ -10,6 +11,9 @@ namespace kerf {
 namespace {
 
 std::string unavailable(const Analysis& a, const Perturbation& p) {
+  if (has_eigenstrain(a.model->scene)) return "no bounds: there is an eigenstrain";
+  if (a.model->scene.body && removes_body(p))
+    return "no bounds: a body force goes with the hole, and the displacement is not bounded";
   using Kind = Perturbation::Kind;
   if (p.kind != Kind::Hole && p.kind != Kind::Inclusion)
     return "no bounds: the topological derivative is bounded for circular holes and inclusions alone";
@@ -20,9 +24,11 @@ std::string unavailable(const Analysis& a, const Perturbation& p) {
 
 }  // namespace
 
-Bounded derivative_bounds(const Analysis& a, const Perturbation& p, const StressBounds& s) {
+Bounded derivative_bounds(const Analysis& a, const Perturbation& p, const Vec2& x, const StressBounds& s) {
   if (std::string why = unavailable(a, p); !why.empty()) return {nan, nan, nan, false, std::move(why)};
-  const Material& m = a.model->scene.material;
+  const Index where = locate(a.model->mesh, {&x, 1}).front();
+  if (where == none) return {nan, nan, nan, false, s.s11.note};
+  const Material& m = material_of(a.model->mesh, a.model->scene, where);
   // Of circles, form(s, s) = A mean^2 + B (difference^2 + shear^2).
   Mat2 apart = Mat2::Zero();
   apart.diagonal() << 1, -1;

@@ -1,0 +1,213 @@
+#include "kerf/bounds.hpp"
+
+#include "kerf/adjoint.hpp"
+#include "solver/bounds/bounded.hpp"
+#include "solver/bounds/dual.hpp"
+#include "solver/bounds/faces.hpp"
+#include "solver/bounds/load_steps.hpp"
+#include "solver/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+std::string unavailable(const Model& m) {
+  for (const CrackLaw& law : m.scene.laws)
+    if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
+  if (has_eigenstrain(m.scene)) return "no bounds: there is an eigenstrain";
+  return {};
+}
+
+/// Given tractions alone: the body of m, its supports at rest.
+Scene loaded_by(const Model& m, const std::vector<Traction>& tractions) {
+  Scene s;
+  s.material = m.scene.material;
+  s.regions = m.scene.regions;
+  s.tractions = tractions;
+  s.laws = m.scene.laws;
+  for (CrackLaw& law : s.laws) law.pressure = {};
+  s.supports = m.scene.supports;
+  for (Support& support : s.supports) support.value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  return s;
+}
+
+/// The solution under the loads of m with faces that slide and neither open nor overlap.
+Field sliding(const Model& m) {
+  const std::vector<bool> held(m.inner->ordering.contact_rows, true);
+  return TangentSolver(m, held).solve(m.inner->system.tractions, m.inner->skeleton.prescribed);
+}
+
+/// The width of an interval at the step k, as far as three numbers tell: gap/k + bend k + cross k^2. The ends of
+/// contact move by O(k), there pressures are O(k^1/2) and openings O(k^3/2).
+struct Width {
+  double gap, bend, cross;
+  double at(double k) const {
+    return gap / k + bend * k + cross * k * k;
+  }
+  /// The best step within a factor of 1000 of k.
+  double best(double k) const {
+    double best = k;
+    for (int i = -100; i <= 100; ++i)
+      if (const double step = k * std::pow(10, 0.03 * i); at(step) < at(best)) best = step;
+    return best;
+  }
+};
+
+Enclosed enclosed(const EnergyBounds& b) {
+  return {b.lower, b.upper};
+}
+
+double gap_of(const EnergyBounds& b) {
+  return b.upper - b.lower;
+}
+
+bool finite(const EnergyBounds& b) {
+  return std::isfinite(gap_of(b));
+}
+
+/// What is found on the way to an interval of -J'(0).
+struct Search {
+  Interval interval;
+  bool guaranteed = true;
+  std::string note, lost;  // lost: why there is no interval
+
+  void rely_on(const EnergyBounds& b) {
+    if (!finite(b)) lost = b.note;
+    if (b.guaranteed) return;
+    guaranteed = false;
+    note = b.note;
+  }
+};
+
+}  // namespace
+
+struct ContactQuantityBounds::Impl {
+  Model m;  // all of its boundary labelled
+  EnergyBounds energy;
+  double own_work = 0;  // of the admissible pressure on the admissible opening, a part of the gap
+  std::string why;      // nothing can be bounded
+  Theorem by;
+  mutable std::optional<Model> free;  // the body with free faces
+
+  /// J(-k) and J(k); `w`: the loads l.
+  LoadSteps steps(const Scene& w, double k, Search& search) const {
+    std::array<EnergyBounds, 2> of;
+    std::array<FaceFields, 2> faces;
+    for (const int side : {0, 1}) {
+      const Model model = with_loads(m, superposed(m.scene, w, side == 0 ? -k : k));
+      of[side] = energy_bounds(model, solve(model), faces[side]);
+      search.rely_on(of[side]);
+      if (!search.lost.empty()) return {};
+    }
+    return {k, enclosed(of[0]), enclosed(of[1]), crossed_work(faces[0], faces[1]), crossed_work(faces[1], faces[0])};
+  }
+
+  /// Of w with free faces.
+  EnergyBounds energy_with_free_faces(Scene w) const {
+    for (CrackLaw& law : w.laws)
+      if (law.kind == CrackLaw::Kind::Unilateral) law.kind = CrackLaw::Kind::Open;
+    if (!free) free = prepare(m.mesh, m.element, w, m.threads);
+    const Model model = with_loads(*free, std::move(w));
+    return energy_bounds(model, solve(model));
+  }
+
+  Search by_chords(const Scene& w, const EnergyBounds& tied) const {
+    Search search;
+    search.rely_on(energy);
+    search.rely_on(tied);
+    const EnergyBounds open = energy_with_free_faces(w);
+    search.rely_on(open);
+    if (!search.lost.empty()) return search;
+    const Curvature curvature{open.lower, tied.upper};
+    const double bend = gap_of(open) + tied.upper - open.lower,
+                 k = gap_of(energy) > 0 && bend > 0 ? std::sqrt(gap_of(energy) / bend) : 1;
+    // The chord to 0 is the better one where most faces stay closed: longer steps.
+    for (const double step : {k, 2 * k, 4 * k}) {
+      const LoadSteps s = steps(w, step, search);
+      if (!search.lost.empty()) return search;
+      search.interval = intersection(search.interval, by_concavity(s, enclosed(energy), curvature));
+    }
+    return search;
+  }
+
+  /// `scale`: of the energy of w.
+  Search by_works(const Scene& w, double scale) const {
+    Search search;
+    const double gap = std::max(gap_of(energy), 0.0);
+    double k = gap > 0 && scale > 0 ? std::sqrt(gap / scale) : 1;
+    constexpr int most = 4;
+    for (int i = 0; i < most; ++i) {
+      const LoadSteps s = steps(w, k, search);
+      if (!search.lost.empty()) return search;
+      search.interval = intersection(search.interval, by_crossed_works(s));
+      const double both = s.less.upper - s.less.lower + s.more.upper - s.more.lower;
+      const Width width{gap + own_work, std::max(0.5 * both - gap, 0.0) / (k * k),
+                        std::max(0.5 * (s.less_on_more + s.more_on_less) - own_work, 0.0) / (k * k * k)};
+      const double next = width.best(k);
+      constexpr double worth = 0.9;
+      if (width.at(next) > worth * width.at(k)) break;
+      k = next;
+    }
+    return search;
+  }
+
+  Bounded bound(const Scene& w, const Known& known, const std::string& coarse) const {
+    const Model dual = with_loads(m, w);
+    const Field tied = sliding(dual);
+    const Search s =
+        by == Theorem::Concavity ? by_chords(w, energy_bounds(dual, tied)) : by_works(w, strain_energy(dual, tied));
+    if (!s.lost.empty()) return kerf::lost(s.lost);
+    Bounded b;
+    b.lower = known.value - known.error + s.interval.low;
+    b.upper = known.value + known.error + s.interval.high;
+    b.value = 0.5 * (b.lower + b.upper);
+    constexpr double negligible = 0.01;
+    const bool resolved = known.error <= negligible * (b.upper - b.lower);
+    b.guaranteed = s.guaranteed && resolved && coarse.empty();
+    if (!b.guaranteed)
+      b.note = !s.guaranteed ? s.note
+               : !resolved   ? std::string("the bounds are estimates: a traction is not resolved by the mesh")
+                             : coarse;
+    return b;
+  }
+
+  /// What the loads push that nothing holds is no quantity.
+  Bounded try_bound(const Scene& w, const Known& known, const std::string& coarse) const {
+    if (!why.empty()) return lost(why);
+    try {
+      return bound(w, known, coarse);
+    } catch (const Error& error) {
+      return lost(std::string("no bounds: ") + error.what());
+    }
+  }
+};
+
+ContactQuantityBounds::ContactQuantityBounds(const Model& m, const Field& u, Theorem by)
+    : impl_(std::make_unique<Impl>(Impl{m, {}, 0, unavailable(m), by, {}})) {
+  if (!impl_->why.empty()) return;
+  FaceFields faces;
+  impl_->energy = energy_bounds(m, u, faces);
+  impl_->own_work = crossed_work(faces, faces);
+  if (!finite(impl_->energy))
+    impl_->why = impl_->energy.note;
+  else
+    impl_->m.mesh = labelled(std::move(impl_->m.mesh));
+}
+ContactQuantityBounds::~ContactQuantityBounds() = default;
+
+Bounded ContactQuantityBounds::work(const std::vector<Traction>& of) const {
+  return impl_->try_bound(loaded_by(impl_->m, of), {}, {});
+}
+
+StressBounds ContactQuantityBounds::stress(const Vec2& x) const {
+  const auto bound = [&](const Dual& of, std::vector<Eigen::VectorXd>&) {
+    return impl_->try_bound(of.loads, of.known, of.estimate);
+  };
+  return bound_stress(impl_->m, x, impl_->why, bound);
+}
+
+}  // namespace kerf

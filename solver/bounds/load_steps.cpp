@@ -1,0 +1,26 @@
+#include "solver/bounds/load_steps.hpp"
+
+#include <algorithm>
+
+namespace kerf {
+
+Interval intersection(const Interval& a, const Interval& b) {
+  return {std::max(a.low, b.low), std::min(a.high, b.high)};
+}
+
+Interval by_concavity(const LoadSteps& s, const Enclosed& zero, const Curvature& c) {
+  const double k = s.k;
+  // The tangent of J(k) - k^2 tied at 0 lies above it, that of J(k) - k^2 open below.
+  const Interval above{(s.less.lower - zero.upper) / k - k * c.tied, (zero.upper - s.more.lower) / k + k * c.tied},
+      below{(zero.lower - s.more.upper) / k + k * c.open, (s.less.upper - zero.lower) / k - k * c.open};
+  const double bend = 0.5 * k * (c.tied - c.open);
+  const Interval middle{(s.less.lower - s.more.upper) / (2 * k) - bend, (s.less.upper - s.more.lower) / (2 * k) + bend};
+  return intersection(intersection(above, below), middle);
+}
+
+Interval by_crossed_works(const LoadSteps& s) {
+  return {(s.less.lower - s.more.upper - s.less_on_more) / (2 * s.k),
+          (s.less.upper - s.more.lower + s.more_on_less) / (2 * s.k)};
+}
+
+}  // namespace kerf
