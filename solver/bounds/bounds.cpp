@@ -3,7 +3,7 @@
 #include "solver/anisotropic.hpp"
 #include "solver/system.hpp"
 
-#include "solver/bounds/conforming.hpp"
+#include "solver/bounds/admissible.hpp"
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
@@ -91,18 +91,6 @@ Reference reference(const Element& e, int n, const Forces& f) {
   return r;
 }
 
-// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
-using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
-
-struct Share {  // of one triangle
-  double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
-  double rough = 0;                     // |grad v - polynomials that (f - f_h) does not see|
-  double largest = 0;                   // |v| at its nodes
-  double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
-  double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
-  Tractions tractions;
-};
-
 struct Bounding {
   const Model& m;
   const Field& s;
@@ -110,6 +98,7 @@ struct Bounding {
   const std::vector<EdgeData>& data;
   const Conforming& conforming;
   const Eigen::MatrixXd& statics;
+  bool keep = false;  // the fields
   EdgeRule carrier = gauss(data_carriers);
 
   /// The coordinate (1 + l_b - l_a)/2 along a boundary edge and l_a l_b, at a point (l1, l2).
@@ -146,11 +135,13 @@ struct Bounding {
     const double mu = material.mu, c = material.c;
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
     double energy = 0, freed = 0, square = 0;
+    if (keep) share.kept_stress.resize(4, at.cols());
     for (Eigen::Index i = 0; i < at.cols(); ++i) {
       const Mat2 gradient =
           J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
       const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
                    s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
+      if (keep) share.kept_stress.col(i) << s11, s12, s21, s22;
       energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
       if (!isotropic(material)) energy += r.rule.w[i] * orthotropic_work(material, s11, s22, 0.5 * (s12 + s21));
       if (free.cols() > 0) {
@@ -167,6 +158,7 @@ struct Bounding {
     if (free.cols() > 0) {
       const StrainData& strain = m.inner->data.strain;
       share.below = area(shape) * (std::sqrt(strain.rest[t] * square) + strain.error[t] * share.stress);
+      share.square = square;
     }
   }
 
@@ -220,20 +212,6 @@ struct Bounding {
   /// At the points of the rule; no columns without one.
   Eigen::Matrix4Xd eigenstrain(const Reference& r, Index t) const {
     return m.inner->data.strain.empty() ? Eigen::Matrix4Xd() : strain_at(m.inner->data.strain, t, r.rule.x);
-  }
-
-  /// |(C e, R)| + (C R, R)/2 for the rest R of the eigenstrain: `elastic` = (C e, e)/2, e the strain less its
-  /// polynomial.
-  double moved_by_eigenstrain(const Triangle& shape, Index t, double elastic, double largest) const {
-    const StrainData& strain = m.inner->data.strain;
-    if (strain.rest[t] == 0 && strain.error[t] == 0) return 0;
-    const Material& material = material_of(m.mesh, m.scene, t);
-    const double mu = material.mu, c = material.c;  // C e : e <= stiffness |e|^2
-    const double stiffness = !isotropic(material) ? 2 * shear_moduli(material).largest
-                             : c > 0              ? std::max(2 * mu, 1 / (2 * c))
-                                                  : infinity,
-                 rest = stiffness * area(shape) * strain.rest[t];
-    return std::sqrt(2 * elastic * rest) + 0.5 * rest + stiffness * area(shape) * strain.error[t] * largest;
   }
 
   /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
@@ -321,6 +299,12 @@ struct Bounding {
     // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
     double zz = 0, zw = 0, ww = 0;
     Points zx, zy;
+    Eigen::Matrix4Xd own_strain;
+    Points own_displacement;
+    if (keep) {
+      share.kept_strain.resize(4, r.rule.w.size());
+      own_strain.resize(4, r.rule.w.size());
+    }
     if (!edges.empty()) {
       zx = (v - low) * r.field_slope_at_rule[0].transpose();
       zy = (v - low) * r.field_slope_at_rule[1].transpose();
@@ -334,6 +318,10 @@ struct Bounding {
       const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
       const Mat2 whole = g;
       if (free.cols() > 0) g -= tensor(free.col(q));
+      if (keep) {
+        share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
+        own_strain.col(q) << h(0, 0), h(0, 1), h(1, 0), h(1, 1);
+      }
       const double volume = g.trace(), own_volume = h.trace();
       const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
                    own_shear = h(0, 1) + h(1, 0);
@@ -365,6 +353,10 @@ struct Bounding {
     }
     const double alone = e, with_own = b, own_alone = a;
     size += e;
+    if (keep) {
+      const Eigen::VectorXd own = r.inverse.value * scaled;
+      own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
+    }
     if (f.nodal.cols() > 0) {
       const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
       const Points at = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
@@ -385,8 +377,16 @@ struct Bounding {
       }
     const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
     share.upper = e + alpha * (b + alpha * a);
-    if (free.cols() > 0)
-      share.above = moved_by_eigenstrain(shape, t, alone + alpha * (with_own + alpha * own_alone), worst[1]);
+    share.elastic = alone + alpha * (with_own + alpha * own_alone);
+    if (keep) {
+      share.kept_strain += alpha * own_strain;
+      share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
+    }
+    if (free.cols() > 0) {
+      const StrainData& strain = m.inner->data.strain;
+      share.above =
+          moved_by_eigenstrain(material, area(shape), strain.rest[t], strain.error[t], share.elastic, worst[1]);
+    }
     const double square = zz + alpha * (2 * zw + alpha * ww);
     share.rough = std::sqrt(std::max(0.0, square));
     share.size += size;
@@ -482,11 +482,6 @@ FaceFields face_fields(const Model& m, const std::vector<EdgeData>& data, const 
   return faces;
 }
 
-// A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
-bool unseen_couples(const Forces& f) {
-  return f.nodal.cols() > 0 && f.degree == 0;
-}
-
 // Rapid changes r = g - P on an edge: with a function psi on T that is the primitive of r on e and 0 on the other
 // edges, (r, w)_e = (curl psi, grad w)_T. The primitive is carried towards the apex and fades over a depth d <= H/2,
 // which takes the best value [theory: B.10]. The square of the factor of |grad w|, for component k in the frame of the
@@ -504,38 +499,40 @@ double rapid(const Model& m, const EdgeData& d, int k, double trace) {
   return std::min(carried, trace * square);
 }
 
-// What the polynomials do not see of body force and tractions. v a displacement, f_h and g_h the polynomials:
-//   (f - f_h, u - v)_T <= (h/pi) |f - f_h| K |eps(u - v)| by Poincare's and Korn's inequalities on the triangle,
-//   |w|_e^2 <= |e| h^2/|T| (1/pi^2 + 1/pi) |grad w|_T^2 for w of zero mean over T by the divergence theorem,
-// and (f - f_h, v) is small because f - f_h is orthogonal to the polynomials in v.
-struct Oscillation {
-  double eta = 0, correction = 0;
-  double quadrature = 0;  // work that the data are integrated wrong by, on the displacements of the solution
-};
-Oscillation oscillation(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
-                        const std::vector<Share>& shares, const std::vector<std::vector<Index>>& edges) {
-  Oscillation o;
-  double square = 0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
+std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
+                           const std::vector<std::vector<Index>>& edges) {
+  std::vector<Rest> rests(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
     const Index t = static_cast<Index>(i);
-    double rest = 0;
+    Rest& r = rests[i];
     if (f.nodal.cols() > 0) {
-      rest = f.left_out[t];
-      o.correction += rest * shares[i].rough;
-      o.quadrature += f.moved[t] * shares[i].largest;
+      r.body = f.left_out[t];
+      r.quadrature = f.moved[t];
     }
+    r.data = r.body;
     const Triangle shape = triangle(m, t);
     for (const Index k : edges[i]) {
       const double h = diameter(shape), factor = length(m.mesh, data[k].edge) * h * h / area(shape);
       const double trace = factor * (1 / (pi * pi) + 1 / pi);
-      rest += std::sqrt(trace * data[k].left_out);
+      r.data += std::sqrt(trace * data[k].left_out);
       for (int d = 0; d < 2; ++d)
         if (!data[k].held[d]) {
-          rest += std::sqrt(rapid(m, data[k], d, trace));
-          o.quadrature += length(m.mesh, data[k].edge) * data[k].moved[d] * shares[i].largest;
+          r.data += std::sqrt(rapid(m, data[k], d, trace));
+          r.quadrature += length(m.mesh, data[k].edge) * data[k].moved[d];
         }
     }
-    if (rest > 0) square += std::pow(local_korn(shape) * rest, 2);
+    if (r.data > 0) r.data *= local_korn(shape);
+  }
+  return rests;
+}
+
+Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>& shares) {
+  Oscillation o;
+  double square = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    square += rests[i].data * rests[i].data;
+    o.correction += rests[i].body * shares[i].rough;
+    o.quadrature += rests[i].quadrature * shares[i].largest;
   }
   o.eta = std::sqrt(square);
   return o;
@@ -551,18 +548,19 @@ std::string unavailable(const Model& m) {
   return {};
 }
 
-std::vector<Share> bound_triangles(const Bounding& of, const std::vector<std::vector<Index>>& edges) {
-  // Boundary data are of higher degree than the fields inside.
-  const Element& element = of.m.element;
-  const int inside =
-      std::max({stress_degree(element), element.trace + (of.f.nodal.cols() > 0 && !of.f.balanced ? 2 : 1),
-                of.m.inner->data.strain.degree});
-  const Reference plain = reference(element, inside, of.f),
-                  rich = reference(element, std::max(inside, data_carriers), of.f);
+struct References {
+  Reference plain, rich;  // rich: boundary data are of higher degree than the fields inside
+};
+References references(const Element& e, int inside, const Forces& f) {
+  return {reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
+}
+
+std::vector<Share> bound_triangles(const Bounding& of, const References& to,
+                                   const std::vector<std::vector<Index>>& edges) {
   std::vector<Share> shares(edges.size());
   parallel_for(static_cast<Index>(edges.size()), of.m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const Reference& r = edges[t].empty() ? plain : rich;
+      const Reference& r = edges[t].empty() ? to.plain : to.rich;
       of.lower(r, t, edges[t], shares[t]);
       of.upper(r, t, edges[t], shares[t]);
     }
@@ -586,24 +584,6 @@ Share total(const std::vector<Share>& shares) {
   return sum;
 }
 
-// What the data that the fields do not see may move the bounds by.
-struct Unseen {
-  double below, above, displaced;  // `displaced`, a part of `above`, is an estimate
-};
-Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
-  double mu = shear_moduli(m.scene.material).least;  // |eps|^2 <= energy/mu
-  for (const Material& material : m.scene.regions) mu = std::min(mu, shear_moduli(material).least);
-  // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
-  const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
-  // An extension of the rest of the prescribed displacement; its energy is estimated.
-  constexpr double extension = 4;
-  const double mismatch = extension * std::sqrt(mismatch_squared);
-  const double displaced = mismatch * std::sqrt(2 * gap) + mismatch * mismatch;
-  // The exact displacement is not far from the discrete one that the works are taken on.
-  const double quadrature = 2 * o.quadrature;
-  return {below + quadrature, o.correction + displaced + quadrature, displaced};
-}
-
 EnergyBounds lost(double oscillation, std::string why) {
   return {nan, nan, oscillation, false, std::move(why)};
 }
@@ -619,6 +599,35 @@ std::string unseen_by_bounds(const Model& m) {
 
 }  // namespace
 
+Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
+  double mu = shear_moduli(m.scene.material).least;  // |eps|^2 <= energy/mu
+  for (const Material& material : m.scene.regions) mu = std::min(mu, shear_moduli(material).least);
+  // J(u) >= lower + X^2/2 - eta |eps(u - v)| with |eps(u - v)| <= (X + sqrt(2 gap))/sqrt(2 mu), for every X.
+  const double below = o.eta * o.eta / (4 * mu) + o.eta * std::sqrt(gap / mu) + o.correction;
+  // An extension of the rest of the prescribed displacement; its energy is estimated.
+  constexpr double extension = 4;
+  const double mismatch = extension * std::sqrt(mismatch_squared);
+  const double displaced = mismatch * std::sqrt(2 * gap) + mismatch * mismatch;
+  // The exact displacement is not far from the discrete one that the works are taken on.
+  const double quadrature = 2 * o.quadrature;
+  return {below + quadrature, o.correction + displaced + quadrature, displaced};
+}
+
+bool unseen_couples(const Forces& f) {
+  return f.nodal.cols() > 0 && f.degree == 0;
+}
+
+double moved_by_eigenstrain(const Material& material, double area, double rest, double error, double elastic,
+                            double largest) {
+  if (rest == 0 && error == 0) return 0;
+  const double mu = material.mu, c = material.c;  // C e : e <= stiffness |e|^2
+  const double stiffness = !isotropic(material) ? 2 * shear_moduli(material).largest
+                           : c > 0              ? std::max(2 * mu, 1 / (2 * c))
+                                                : infinity,
+               square = stiffness * area * rest;
+  return std::sqrt(2 * elastic * square) + 0.5 * square + stiffness * area * error * largest;
+}
+
 double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
   double work = 0;
   for (Eigen::Index e = 0; e < pressing.lengths.size(); ++e)
@@ -633,25 +642,16 @@ EnergyBounds energy_bounds(const Model& m, const Field& s) {
   return energy_bounds(m, s, unused);
 }
 
-EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {
-  if (const std::string why = unavailable(m); !why.empty()) return {nan, nan, 0, false, why};
-  if (const std::string why = unseen_by_bounds(m); !why.empty()) return lost(infinity, why);
-  const std::vector<EdgeData> data = edge_data(m);
-  const Forces f = forces(m);
-  const Conforming conforming = conforming_displacement(m, s, data);
-  const Eigen::MatrixXd statics = static_interior(m, s, f.couple);
-  std::vector<std::vector<Index>> edges(m.mesh.triangles.size());
-  for (std::size_t i = 0; i < data.size(); ++i) edges[data[i].triangle].push_back(static_cast<Index>(i));
-  const std::vector<Share> shares = bound_triangles({m, s, f, data, conforming, statics}, edges);
-  const Share sum = total(shares);
-  faces = face_fields(m, data, conforming, shares);
+namespace {
 
+EnergyBounds bounds_of(const Admissible& a, const Field& s) {
   EnergyBounds result;
+  const Share& sum = a.sum;
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
-  result.imbalance = sum.size > 0 ? imbalance(m, s, data, conforming, shares) / sum.size : 0;
+  result.imbalance = sum.size > 0 ? imbalance(a.m, s, a.data, a.conforming, a.shares) / sum.size : 0;
   const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
   const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
-  const Unseen more = unseen(m, oscillation(m, data, f, shares, edges), conforming.mismatch, gap);
+  const Unseen more = unseen(a.m, oscillation(a.rests, a.shares), a.conforming.mismatch, gap);
   result.oscillation = std::max(more.below, more.above);
   result.lower = sum.lower - rounding - more.below - sum.below;
   result.upper = sum.upper + rounding + more.above + sum.above;
@@ -665,12 +665,54 @@ EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {
     return lost(result.oscillation,
                 "no bounds of the energy: no admissible displacement without change of volume was found");
   constexpr double negligible = 0.01;
-  const bool asymptotic = unseen_couples(f) && more.below > negligible * gap;
+  const bool asymptotic = unseen_couples(a.f) && more.below > negligible * gap;
   result.guaranteed = more.displaced <= negligible * gap && !asymptotic;
   if (!result.guaranteed)
     result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
                               asymptotic ? "body force is" : "prescribed displacements are");
   return result;
+}
+
+Admissible made(const Model& m, const Field& s, int inside, bool keep) {
+  Admissible a{.m = m};
+  if (const std::string why = unavailable(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
+  if (const std::string why = unseen_by_bounds(m); a.bounds.note.empty() && !why.empty())
+    a.bounds = lost(infinity, why);
+  if (!a.bounds.note.empty()) return a;
+  a.data = edge_data(m);
+  a.f = forces(m);
+  a.conforming = conforming_displacement(m, s, a.data);
+  const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple);
+  a.edges.resize(m.mesh.triangles.size());
+  for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
+  const int degree =
+      std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
+  const References to = references(m.element, degree, a.f);
+  a.shares = bound_triangles({m, s, a.f, a.data, a.conforming, statics, keep}, to, a.edges);
+  a.rests = rests_of(m, a.data, a.f, a.edges);
+  a.sum = total(a.shares);
+  a.bounds = bounds_of(a, s);
+  a.rounding = (64 * epsilon + 2 * a.bounds.imbalance) * a.sum.size;
+  a.plain = to.plain.rule;
+  a.rich = to.rich.rule;
+  return a;
+}
+
+}  // namespace
+
+int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
+  constexpr int most = 4;  // of an eigenstrain
+  return std::max({stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? most : 0});
+}
+
+Admissible admissible(const Model& m, const Field& s, int inside) {
+  return made(m, s, inside, true);
+}
+
+EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {
+  const Admissible a = made(m, s, 0, false);
+  if (!a.shares.empty()) faces = face_fields(m, a.data, a.conforming, a.shares);
+  return a.bounds;
 }
 
 }  // namespace kerf

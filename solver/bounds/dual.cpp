@@ -32,15 +32,23 @@ VectorField sum(const VectorField& a, double factor, const VectorField& b) {
   return a ? kerf::sum(a, scaled(factor, b)) : scaled(factor, b);
 }
 
-/// The body, held where the model is, under no loads.
+Vec2 nothing(const Vec2&, const Vec2&) {
+  return Vec2::Zero();
+}
+
+/// The body, held where the model is, under loads that are 0 on every label and in every crack with faces: all states
+/// that are taken together have the same loaded edges.
 Scene unloaded(const Model& m) {
   Scene s;
   s.material = m.scene.material;
   s.regions = m.scene.regions;
   s.laws = m.scene.laws;
-  for (CrackLaw& law : s.laws) law.pressure = {};
+  for (CrackLaw& law : s.laws)
+    law.pressure = law.kind == CrackLaw::Kind::Bonded ? BoundaryField() : BoundaryField(nothing);
+  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
+  for (Index label = 0; label < labels; ++label) s.tractions.push_back({label, nothing});
   s.supports = m.scene.supports;
-  for (Support& support : s.supports) support.value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  for (Support& support : s.supports) support.value = nothing;
   return s;
 }
 
@@ -94,9 +102,7 @@ Dual global_dual(const Model& m, const Nucleus& G, const Vec2& singular, Index o
       return {n.dot(t), turned(n).dot(t)};
     };
   }
-  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
-  for (Index label = 0; label < labels; ++label)
-    s.tractions.push_back({label, [G](const Vec2& x, const Vec2& n) -> Vec2 { return -G.stress(x) * n; }});
+  for (Traction& t : s.tractions) t.value = [G](const Vec2& x, const Vec2& n) -> Vec2 { return -G.stress(x) * n; };
   for (Support& support : s.supports)
     support.value = [G, as = support](const Vec2& x, const Vec2& n) -> Vec2 {
       return -components_of(as, G.displacement(x), n);
@@ -283,6 +289,10 @@ PointDual::PointDual(const Model& m, const Vec2& x)
 Dual PointDual::operator()(PointStress part) const {
   const Nucleus G = point_nucleus(material_of(m_.mesh, m_.scene, where_), x_, part);
   return plain_ ? global_dual(m_, G, x_, none) : local_dual(m_, G, {x_, within * clearance(m_, x_)});
+}
+
+Scene with_all_edges(const Model& m) {
+  return superposed(m.scene, unloaded(m), 1);
 }
 
 Scene superposed(const Scene& u, const Scene& w, double k) {

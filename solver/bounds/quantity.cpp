@@ -2,11 +2,14 @@
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
+#include "solver/bounds/admissible.hpp"
 #include "solver/bounds/bounded.hpp"
 #include "solver/bounds/dual.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 
@@ -27,10 +30,6 @@ Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb) {
 }
 
 namespace {
-
-Field superposed(const Field& u, const Field& w, double k) {
-  return {u.skeleton + k * w.skeleton, u.interior + k * w.interior, u.force + k * w.force, 1};
-}
 
 /// Of the square of a bounded number.
 std::array<double, 2> square(const Bounded& b) {
@@ -65,55 +64,46 @@ struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
   bool with_indicators;
-  EnergyBounds energy;
-  std::string why;                                 // nothing can be bounded
-  std::unique_ptr<ContactQuantityBounds> contact;  // where a crack may be in contact
+  std::string why;                                         // nothing can be bounded
+  std::unique_ptr<ContactQuantityBounds> contact;          // where a crack may be in contact
+  mutable std::array<std::optional<Admissible>, 2> own{};  // of u, as duals that reach everywhere need it, and others
+
+  const Admissible& admissible_state(bool cut_off) const {
+    std::optional<Admissible>& a = own[cut_off ? 1 : 0];
+    if (!a) a = admissible(with_loads(m, with_all_edges(m)), u, degree_inside(m, cut_off, cut_off));
+    return *a;
+  }
 
   /// The indicator of w goes to `eta`.
   Bounded bound(const Dual& of, std::vector<Eigen::VectorXd>& eta) const {
+    const bool cut_off = static_cast<bool>(of.loads.body);
+    const Admissible& mine = admissible_state(cut_off);
+    if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) return lost(mine.bounds.note);
     const Model dual = with_loads(m, of.loads);
     const State w = solve(dual);
-    const EnergyBounds other = energy_bounds(dual, w);
-    if (!std::isfinite(other.upper - other.lower)) return lost(other.note);
     if (with_indicators) eta.push_back(error_indicator(dual, w).eta);
-    const double gap = energy.upper - energy.lower, other_gap = other.upper - other.lower;
-    const double k = gap > 0 && other_gap > 0 ? std::sqrt(gap / other_gap) : 1;
-    std::array<EnergyBounds, 2> energies;
-    for (const int side : {0, 1}) {
-      const double share = side == 0 ? k : -k;
-      const Model model = with_loads(m, superposed(m.scene, dual.scene, share));
-      energies[side] = energy_bounds(model, superposed(u, w, share));
-      if (!std::isfinite(energies[side].upper - energies[side].lower)) return lost(energies[side].note);
-    }
-    const auto& [more, less] = energies;
+    const CrossEnergy cross = cross_energy(mine, admissible(dual, w, degree_inside(m, cut_off, cut_off)));
+    if (!std::isfinite(cross.half)) return lost(cross.note);
     Bounded b;
-    b.lower = of.known.value - of.known.error - (more.upper - less.lower) / (2 * k);
-    b.upper = of.known.value + of.known.error - (more.lower - less.upper) / (2 * k);
-    b.value = 0.5 * (b.lower + b.upper);
+    b.value = of.known.value + cross.middle;
+    b.lower = b.value - cross.half - of.known.error;
+    b.upper = b.value + cross.half + of.known.error;
     constexpr double negligible = 0.01;
-    b.guaranteed = more.guaranteed && less.guaranteed && of.known.error <= negligible * (b.upper - b.lower);
+    const bool resolved = of.known.error <= negligible * (b.upper - b.lower);
+    b.guaranteed = cross.guaranteed && resolved && of.estimate.empty();
     if (!b.guaranteed)
-      b.note = !more.guaranteed   ? more.note
-               : !less.guaranteed ? less.note
-                                  : std::string("the bounds are estimates: a load is not resolved by the mesh");
-    if (b.guaranteed && !of.estimate.empty()) {
-      b.guaranteed = false;
-      b.note = of.estimate;
-    }
+      b.note = !cross.guaranteed ? cross.note
+               : !resolved       ? std::string("the bounds are estimates: a load is not resolved by the mesh")
+                                 : of.estimate;
     return b;
   }
 };
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
-    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, {}, unavailable(m), {}})) {
+    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, unavailable(m), {}})) {
   if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
     impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
-  if (!impl_->why.empty()) return;
-  impl_->energy = energy_bounds(m, u);
-  if (!std::isfinite(impl_->energy.upper - impl_->energy.lower))
-    impl_->why = impl_->energy.note;
-  else
-    impl_->m.mesh = labelled(std::move(impl_->m.mesh));
+  if (impl_->why.empty()) impl_->m.mesh = labelled(std::move(impl_->m.mesh));
 }
 QuantityBounds::~QuantityBounds() = default;
 

@@ -192,7 +192,6 @@ TEST(QuantityBounds, ContainWithRegionsBodyForceAndPressure) {
       }
       width.push_back(half_width(at.s11));
     }
-    std::printf("degree %d: K %.3g %.3g  s %.3g %.3g\n", degree, width[0], width[2], width[1], width[3]);
     EXPECT_LT(width[2], 0.6 * width[0]);
     EXPECT_LT(width[3], 0.6 * width[1]);
   }

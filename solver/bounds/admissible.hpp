@@ -1,0 +1,82 @@
+#pragma once
+// The two admissible fields of a state, and what bounds of its energy are made of, triangle by triangle [theory: B.2].
+
+#include "kerf/bounds.hpp"
+#include "solver/bounds/conforming.hpp"
+
+namespace kerf {
+
+/// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
+using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
+
+struct Share {  // of one triangle
+  double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
+  double rough = 0;                     // |grad v - polynomials that (f - f_h) does not see|
+  double largest = 0;                   // |v| at its nodes
+  double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
+  double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
+  double square = 0, elastic = 0;       // with an eigenstrain the mean of |p|^2, and the energy of v
+  Tractions tractions;
+  // If they are kept, at the points of the rule: the stress p, the strain of v less the eigenstrain, and v.
+  Eigen::Matrix4Xd kept_stress, kept_strain;
+  Points kept_displacement;
+};
+
+/// What the polynomials do not see of body force and tractions on a triangle: the factor of |eps(u - v)|, of the
+/// roughness of v, and the error of the quadrature of works, of the largest |v|.
+struct Rest {
+  double data = 0, body = 0, quadrature = 0;
+};
+
+/// What the polynomials do not see of body force and tractions. v a displacement, f_h and g_h the polynomials:
+///   (f - f_h, u - v)_T <= (h/pi) |f - f_h| K |eps(u - v)| by Poincare's and Korn's inequalities on the triangle,
+///   |w|_e^2 <= |e| h^2/|T| (1/pi^2 + 1/pi) |grad w|_T^2 for w of zero mean over T by the divergence theorem,
+/// and (f - f_h, v) is small because f - f_h is orthogonal to the polynomials in v.
+struct Oscillation {
+  double eta = 0, correction = 0;
+  double quadrature = 0;  // work that the data are integrated wrong by, on the displacements of the solution
+};
+
+/// What the data that the fields do not see may move the bounds by.
+struct Unseen {
+  double below, above, displaced;  // `displaced`, a part of `above`, is an estimate
+};
+Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap);
+
+/// |(C e, R)| + (C R, R)/2 for the rest R of an eigenstrain, its mean square `rest` and the error of its means:
+/// `elastic` = (C e, e)/2, `largest` |e|, e the strain less its polynomial.
+double moved_by_eigenstrain(const Material& material, double area, double rest, double error, double elastic,
+                            double largest);
+
+/// A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
+bool unseen_couples(const Forces& f);
+
+/// Everything that the bounds of one energy are made of; with the fields at the points of the rules.
+struct Admissible {
+  Model m;
+  Forces f;
+  std::vector<EdgeData> data;
+  std::vector<std::vector<Index>> edges;  // of the data, per triangle
+  Conforming conforming;
+  std::vector<Share> shares;
+  std::vector<Rest> rests;
+  Share sum;
+  double rounding = 0;
+  EnergyBounds bounds;       // not finite: nothing else is there
+  TriangleRule plain, rich;  // rich: of triangles with data on their edges
+};
+/// `inside`: the least degree of the polynomials; pairs of states are to have the same.
+Admissible admissible(const Model& m, const Field& s, int inside);
+/// What `admissible` takes of itself.
+int degree_inside(const Model& m, bool with_body, bool with_eigenstrain);
+
+/// For two states u and w of one body with the same supports and the same loaded edges: -(J(u + k w) - J(u - k w))/(2k)
+/// [theory: B.12] lies within `half` of `middle`, at the best k.
+struct CrossEnergy {
+  double middle = nan, half = nan;
+  bool guaranteed = false;
+  std::string note;
+};
+CrossEnergy cross_energy(const Admissible& u, const Admissible& w);
+
+}  // namespace kerf
