@@ -176,10 +176,14 @@ void draw_widths(const std::filesystem::path& path, const ProofBench& bench) {
   for (const char* quantity : {"K_I", "G", "s_yy", "T"})
     for (const char* mesh : {"uniform", "tips"}) {
       Multiple panel{.title = fmt::format("{}, {} mesh", quantity, mesh), .x_label = "triangles", .points = {}};
-      for (const ProofRow& r : bench.rows)
-        if (r.quantity == quantity && r.mesh == mesh && r.degree == 1 && r.problem == problems[2].name)
-          panel.points.push_back(
-              {fmt::format("{}", r.triangles), r.relative, nan, r.contained ? MultipleMark::Good : MultipleMark::Bad});
+      for (const ProofRow& r : bench.rows) {  // the widest of all tips or points of a mesh
+        if (r.quantity != quantity || r.mesh != mesh || r.degree != 1 || r.problem != problems[2].name) continue;
+        const std::string triangles = fmt::format("{}", r.triangles);
+        if (panel.points.empty() || panel.points.back().label != triangles) panel.points.push_back({triangles});
+        MultiplePoint& point = panel.points.back();
+        if (!(r.relative <= point.value)) point.value = r.relative;
+        if (!r.contained) point.mark = MultipleMark::Bad;
+      }
       if (!panel.points.empty()) all.panels.push_back(std::move(panel));
     }
   if (!all.panels.empty()) draw(path, all);
