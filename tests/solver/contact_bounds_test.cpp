@@ -114,6 +114,33 @@ TEST(LoadSteps, ContainTheQuantityOfSmallContactProblems) {
   for (const int count : broken) EXPECT_GT(count, 50);
 }
 
+// A spring of stiffness a behind a stop, x >= 0, pushed against it by L + k l, beside one without a stop that stores
+// `free` k^2: whatever can be known is found.
+TEST(LoadSteps, AreSharpForASpringBehindAStop) {
+  constexpr double a = 2, l = 3, k = 0.25, free = 1.7;
+  for (const double L : {-5.0, 0.0, 5.0}) {  // it stays closed, it opens for k > 0, it stays open
+    const auto opening = [&](double step) { return std::max(L + step * l, 0.0) / a; };
+    const auto pressure = [&](double step) { return std::max(-L - step * l, 0.0); };
+    const auto energy = [&](double step) {
+      const double value = -0.5 * a * std::pow(opening(step), 2) - free * step * step;
+      return Enclosed{value, value};
+    };
+    const LoadSteps s{k, energy(-k), energy(k), pressure(-k) * opening(k), pressure(k) * opening(-k)};
+    const Curvature c{-0.5 * l * l / a - free, -free};
+    const double exact = l * opening(0);
+    const Interval one = by_concavity(s, energy(0), c), two = by_crossed_works(s);
+    EXPECT_TRUE(contains(one, exact, 1e-13) && contains(two, exact, 1e-13)) << L;
+    if (L != 0) {
+      EXPECT_NEAR(one.high - one.low, 0, 1e-13) << L;
+      EXPECT_NEAR(two.high - two.low, 0, 1e-13) << L;
+      continue;
+    }
+    // J is -k^2 l^2/(2a) on one side and 0 on the other: every chord ends at the true value.
+    EXPECT_NEAR(one.low, 0, 1e-13);
+    EXPECT_NEAR(one.high, 0.5 * k * l * l / a, 1e-13);
+  }
+}
+
 struct Problem {
   exact::ExactField exact;
   Model model;
