@@ -150,7 +150,7 @@ struct Problem {
 // Crack 0 from (-1, 0) to (1, 0), turned with the field, under exact tractions; `held` labels have the exact
 // displacements.
 Problem problem(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held,
-                CrackLaw::Kind kind = CrackLaw::Kind::Unilateral) {
+                CrackLaw::Kind kind = CrackLaw::Kind::Unilateral, const char* name = "bdms") {
   const Vec2 along = f.tips[1].at - f.tips[0].at;
   const Mesh mesh = exact::crack_mesh(n, std::atan2(along.y(), along.x()), 0.2);
   Scene s;
@@ -165,7 +165,7 @@ Problem problem(const exact::ExactField& f, int n, int degree, const std::vector
           {label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, exact::side_of(f, x)) * n; }});
   }
   s.laws.push_back({.kind = kind});
-  Problem p{f, prepare(mesh, element("bdms", degree), s, 1), {}};
+  Problem p{f, prepare(mesh, element(name, degree), s, 1), {}};
   p.state = solve(p.model);
   return p;
 }
@@ -235,12 +235,13 @@ TEST(ContactQuantityBounds, ContainStressesOfCracksThatCloseInPart) {
   EXPECT_EQ(partly, 4);
 }
 
-TEST(ContactQuantityBounds, ContainStressesBesideSupportsAndInOtherDegrees) {
+TEST(ContactQuantityBounds, ContainStressesBesideSupportsAndOfOtherElements) {
   for (const exact::ExactField& f : {closing()[0], closing()[4]}) {
     expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::Concavity, f.name + " first theorem");
     expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::CrossedWorks, f.name + " second theorem");
   }
   expect_stresses(problem(closing()[0], 8, 2, {}), Theorem::CrossedWorks, "degree 2");
+  expect_stresses(problem(closing()[1], 8, 1, {}, CrackLaw::Kind::Unilateral, "afw"), Theorem::CrossedWorks, "afw");
 }
 
 TEST(ContactQuantityBounds, ContainWorksOnTheBoundary) {
