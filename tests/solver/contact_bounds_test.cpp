@@ -114,6 +114,33 @@ TEST(LoadSteps, ContainTheQuantityOfSmallContactProblems) {
   for (const int count : broken) EXPECT_GT(count, 50);
 }
 
+// A spring of stiffness a behind a stop, x >= 0, pushed against it by L + k l, beside one without a stop that stores
+// `free` k^2: whatever can be known is found.
+TEST(LoadSteps, AreSharpForASpringBehindAStop) {
+  constexpr double a = 2, l = 3, k = 0.25, free = 1.7;
+  for (const double L : {-5.0, 0.0, 5.0}) {  // it stays closed, it opens for k > 0, it stays open
+    const auto opening = [&](double step) { return std::max(L + step * l, 0.0) / a; };
+    const auto pressure = [&](double step) { return std::max(-L - step * l, 0.0); };
+    const auto energy = [&](double step) {
+      const double value = -0.5 * a * std::pow(opening(step), 2) - free * step * step;
+      return Enclosed{value, value};
+    };
+    const LoadSteps s{k, energy(-k), energy(k), pressure(-k) * opening(k), pressure(k) * opening(-k)};
+    const Curvature c{-0.5 * l * l / a - free, -free};
+    const double exact = l * opening(0);
+    const Interval one = by_concavity(s, energy(0), c), two = by_crossed_works(s);
+    EXPECT_TRUE(contains(one, exact, 1e-13) && contains(two, exact, 1e-13)) << L;
+    if (L != 0) {
+      EXPECT_NEAR(one.high - one.low, 0, 1e-13) << L;
+      EXPECT_NEAR(two.high - two.low, 0, 1e-13) << L;
+      continue;
+    }
+    // J is -k^2 l^2/(2a) on one side and 0 on the other: every chord ends at the true value.
+    EXPECT_NEAR(one.low, 0, 1e-13);
+    EXPECT_NEAR(one.high, 0.5 * k * l * l / a, 1e-13);
+  }
+}
+
 struct Problem {
   exact::ExactField exact;
   Model model;
@@ -123,7 +150,7 @@ struct Problem {
 // Crack 0 from (-1, 0) to (1, 0), turned with the field, under exact tractions; `held` labels have the exact
 // displacements.
 Problem problem(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held,
-                CrackLaw::Kind kind = CrackLaw::Kind::Unilateral) {
+                CrackLaw::Kind kind = CrackLaw::Kind::Unilateral, const char* name = "bdms") {
   const Vec2 along = f.tips[1].at - f.tips[0].at;
   const Mesh mesh = exact::crack_mesh(n, std::atan2(along.y(), along.x()), 0.2);
   Scene s;
@@ -138,7 +165,7 @@ Problem problem(const exact::ExactField& f, int n, int degree, const std::vector
           {label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, exact::side_of(f, x)) * n; }});
   }
   s.laws.push_back({.kind = kind});
-  Problem p{f, prepare(mesh, element("bdms", degree), s, 1), {}};
+  Problem p{f, prepare(mesh, element(name, degree), s, 1), {}};
   p.state = solve(p.model);
   return p;
 }
@@ -212,12 +239,13 @@ TEST(ContactQuantityBounds, ContainStressesOfCracksThatCloseInPart) {
   EXPECT_EQ(partly, 4);
 }
 
-TEST(ContactQuantityBounds, ContainStressesBesideSupportsAndInOtherDegrees) {
+TEST(ContactQuantityBounds, ContainStressesBesideSupportsAndOfOtherElements) {
   for (const exact::ExactField& f : {closing()[0], closing()[4]}) {
     expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::Concavity, f.name + " first theorem");
     expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::CrossedWorks, f.name + " second theorem");
   }
   expect_stresses(problem(closing()[0], 8, 2, {}), Theorem::CrossedWorks, "degree 2");
+  expect_stresses(problem(closing()[1], 8, 1, {}, CrackLaw::Kind::Unilateral, "afw"), Theorem::CrossedWorks, "afw");
 }
 
 TEST(ContactQuantityBounds, ContainWorksOnTheBoundary) {
