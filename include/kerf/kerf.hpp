@@ -27,6 +27,7 @@
 #include "kerf/validate.hpp"
 
 #if __has_include("kerf/optimize.hpp")
+#include "kerf/derivative_bounds.hpp"
 #include "kerf/design.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"

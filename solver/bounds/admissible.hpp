@@ -52,7 +52,7 @@ double moved_by_eigenstrain(const Material& material, double area, double rest, 
 bool unseen_couples(const Forces& f);
 
 /// Everything that the bounds of one energy are made of; with the fields at the points of the rules.
-struct Admissible {
+struct AdmissiblePair {
   Model m;
   Forces f;
   std::vector<EdgeData> data;
@@ -66,7 +66,7 @@ struct Admissible {
   TriangleRule plain, rich;  // rich: of triangles with data on their edges
 };
 /// `inside`: the least degree of the polynomials; pairs of states are to have the same.
-Admissible admissible(const Model& m, const Field& s, int inside);
+AdmissiblePair admissible(const Model& m, const Field& s, int inside);
 /// What `admissible` takes of itself.
 int degree_inside(const Model& m, bool with_body, bool with_eigenstrain);
 
@@ -77,6 +77,6 @@ struct CrossEnergy {
   bool guaranteed = false;
   std::string note;
 };
-CrossEnergy cross_energy(const Admissible& u, const Admissible& w);
+CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w);
 
 }  // namespace kerf

@@ -644,7 +644,7 @@ EnergyBounds energy_bounds(const Model& m, const Field& s) {
 
 namespace {
 
-EnergyBounds bounds_of(const Admissible& a, const Field& s) {
+EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
   EnergyBounds result;
   const Share& sum = a.sum;
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
@@ -673,8 +673,8 @@ EnergyBounds bounds_of(const Admissible& a, const Field& s) {
   return result;
 }
 
-Admissible made(const Model& m, const Field& s, int inside, bool keep) {
-  Admissible a{.m = m};
+AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
+  AdmissiblePair a{.m = m};
   if (const std::string why = unavailable(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
   if (const std::string why = unseen_by_bounds(m); a.bounds.note.empty() && !why.empty())
     a.bounds = lost(infinity, why);
@@ -705,12 +705,12 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
   return std::max({stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? most : 0});
 }
 
-Admissible admissible(const Model& m, const Field& s, int inside) {
+AdmissiblePair admissible(const Model& m, const Field& s, int inside) {
   return made(m, s, inside, true);
 }
 
 EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {
-  const Admissible a = made(m, s, 0, false);
+  const AdmissiblePair a = made(m, s, 0, false);
   if (!a.shares.empty()) faces = face_fields(m, a.data, a.conforming, a.shares);
   return a.bounds;
 }

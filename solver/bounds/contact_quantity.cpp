@@ -204,7 +204,7 @@ Bounded ContactQuantityBounds::work(const std::vector<Traction>& of) const {
 }
 
 StressBounds ContactQuantityBounds::stress(const Vec2& x) const {
-  const auto bound = [&](const Dual& of, std::vector<Eigen::VectorXd>&) {
+  const auto bound = [&](const DualProblem& of, std::vector<Eigen::VectorXd>&) {
     return impl_->try_bound(of.loads, of.known, of.estimate);
   };
   return bound_stress(impl_->m, x, impl_->why, bound);

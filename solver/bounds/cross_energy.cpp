@@ -38,7 +38,7 @@ double stiffness_product(const Material& m, const Eigen::Matrix3d& C, const Eige
 
 class Crossing {
  public:
-  Crossing(const Admissible& u, const Admissible& w) : u_(u), w_(w) {}
+  Crossing(const AdmissiblePair& u, const AdmissiblePair& w) : u_(u), w_(w) {}
 
   Products inside(Index t) const {
     const bool rich = !u_.edges[t].empty();
@@ -80,13 +80,13 @@ class Crossing {
   }
 
  private:
-  static Eigen::Matrix4Xd eigenstrain(const Admissible& a, Index t, const TriangleRule& rule) {
+  static Eigen::Matrix4Xd eigenstrain(const AdmissiblePair& a, Index t, const TriangleRule& rule) {
     const StrainData& strain = a.m.inner->data.strain;
     return strain.empty() ? Eigen::Matrix4Xd() : strain_at(strain, t, rule.x);
   }
 
   /// The mean of f of one times v of the other.
-  static double work_of_force(const Admissible& of, const Admissible& on, Index t, const TriangleRule& rule) {
+  static double work_of_force(const AdmissiblePair& of, const AdmissiblePair& on, Index t, const TriangleRule& rule) {
     if (of.f.nodal.cols() == 0) return 0;
     const Eigen::Map<const Points> nodal(of.f.nodal.col(t).data(), 2, of.f.nodal.rows() / 2);
     const Points at = nodal * interpolation(of.f.degree, rule.x).transpose();
@@ -94,7 +94,7 @@ class Crossing {
   }
 
   /// Component k of the tractions of one on the values prescribed for the other.
-  static double work_of_support(const Admissible& of, const Admissible& on, std::size_t i, int k) {
+  static double work_of_support(const AdmissiblePair& of, const AdmissiblePair& on, std::size_t i, int k) {
     const EdgeData& d = of.data[i];
     const EdgeRule& trace = of.m.inner->kernel.trace;
     double work = 0;
@@ -106,7 +106,7 @@ class Crossing {
     return length(of.m.mesh, d.edge) * work;
   }
 
-  const Admissible &u_, &w_;
+  const AdmissiblePair &u_, &w_;
 };
 
 /// For squares q(u + k w) <= (q(u)^1/2 + k q(w)^1/2)^2.
@@ -115,7 +115,7 @@ double together(double u, double w, double k) {
 }
 
 /// At least what the data of u + k w and of u - k w leave out.
-Oscillation oscillation(const Admissible& u, const Admissible& w, double k) {
+Oscillation oscillation(const AdmissiblePair& u, const AdmissiblePair& w, double k) {
   Oscillation o;
   double square = 0;
   for (std::size_t i = 0; i < u.shares.size(); ++i) {
@@ -129,7 +129,7 @@ Oscillation oscillation(const Admissible& u, const Admissible& w, double k) {
 }
 
 /// The same of eigenstrains: below and above together.
-double eigenstrain_unseen(const Admissible& u, const Admissible& w, double k) {
+double eigenstrain_unseen(const AdmissiblePair& u, const AdmissiblePair& w, double k) {
   const StrainData &a = u.m.inner->data.strain, &b = w.m.inner->data.strain;
   if (a.empty() && b.empty()) return 0;
   double sum = 0;
@@ -146,7 +146,7 @@ double eigenstrain_unseen(const Admissible& u, const Admissible& w, double k) {
   return sum;
 }
 
-Products products(const Admissible& u, const Admissible& w) {
+Products products(const AdmissiblePair& u, const AdmissiblePair& w) {
   const Crossing crossing(u, w);
   const Index triangles = static_cast<Index>(u.shares.size());
   std::vector<Products> each(u.shares.size());
@@ -163,7 +163,7 @@ Products products(const Admissible& u, const Admissible& w) {
   return sum;
 }
 
-bool fit(const Admissible& u, const Admissible& w) {
+bool fit(const AdmissiblePair& u, const AdmissiblePair& w) {
   return u.plain.w.size() == w.plain.w.size() && u.rich.w.size() == w.rich.w.size() &&
          std::ranges::equal(u.data, w.data, [](const EdgeData& a, const EdgeData& b) {
            return a.edge == b.edge && a.triangle == b.triangle && a.held == b.held;
@@ -172,14 +172,14 @@ bool fit(const Admissible& u, const Admissible& w) {
 
 }  // namespace
 
-CrossEnergy cross_energy(const Admissible& u, const Admissible& w) {
-  for (const Admissible* of : {&u, &w})
+CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w) {
+  for (const AdmissiblePair* of : {&u, &w})
     if (!std::isfinite(of->bounds.upper - of->bounds.lower)) return {.note = of->bounds.note};
   if (!fit(u, w)) throw std::invalid_argument("cross_energy: the loaded edges or the degrees differ");
   const double own = u.bounds.upper - u.bounds.lower, other = w.bounds.upper - w.bounds.lower,
                k = own > 0 && other > 0 ? std::sqrt(own / other) : 1;
   const Products p = products(u, w);
-  const auto plain_gap = [](const Admissible& a) { return std::max(a.sum.upper - a.sum.lower, 0.0); };
+  const auto plain_gap = [](const AdmissiblePair& a) { return std::max(a.sum.upper - a.sum.lower, 0.0); };
   // What rounding moves is measured of each; together it is at most twice that.
   const double rounding = 2 * (u.rounding + k * k * w.rounding), gap = plain_gap(u) + k * k * plain_gap(w),
                largest = together(plain_gap(u), plain_gap(w), k) + 2 * rounding;

@@ -93,7 +93,7 @@ std::string unresolved(const Model& m, const Vec2& singular, Index own) {
 
 }  // namespace
 
-Dual global_dual(const Model& m, const Nucleus& G, const Vec2& singular, Index own) {
+DualProblem global_dual(const Model& m, const Nucleus& G, const Vec2& singular, Index own) {
   Scene s = unloaded(m);
   for (std::size_t c = 0; c < s.laws.size(); ++c) {
     if (s.laws[c].kind == CrackLaw::Kind::Bonded || static_cast<Index>(c) == own) continue;
@@ -152,7 +152,7 @@ double over_radius(const Fade& fade, int panels, const Integrand& of) {
 }
 
 /// int f.G of what fades.
-double work_of_body(const VectorField& f, const Nucleus& G, const Disc& disc, const Fade& fade, int panels) {
+double work_of_body(const VectorField& f, const Nucleus& G, const CutOffDisc& disc, const Fade& fade, int panels) {
   static const EdgeRule rule = gauss(12);
   const double start = disc.tip ? std::atan2(disc.tip->frame(1, 0), disc.tip->frame(0, 0)) - pi : 0;
   const int sectors = 4 * panels;
@@ -170,7 +170,8 @@ double work_of_body(const VectorField& f, const Nucleus& G, const Disc& disc, co
 }
 
 /// The work of a pressure in the crack on the opening of G.
-double work_of_pressure(const BoundaryField& p, const Nucleus& G, const Disc& disc, const Fade& fade, int panels) {
+double work_of_pressure(const BoundaryField& p, const Nucleus& G, const CutOffDisc& disc, const Fade& fade,
+                        int panels) {
   const Vec2 along = disc.tip->frame.col(0), up = disc.tip->frame.col(1);
   constexpr double side = 1e-9;  // of the distance: the faces are the same points
   return over_radius(fade, panels, [&](double r) {
@@ -187,7 +188,7 @@ Known refined(const Work& work) {
 }
 
 /// The fields of the ring are sampled in triangles that should be small in it.
-std::string coarse_in(const Model& m, const Disc& disc, const Fade& fade) {
+std::string coarse_in(const Model& m, const CutOffDisc& disc, const Fade& fade) {
   constexpr double small = 0.7;  // of the width of the ring
   for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
     const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
@@ -202,10 +203,10 @@ std::string coarse_in(const Model& m, const Disc& disc, const Fade& fade) {
 
 }  // namespace
 
-Dual local_dual(const Model& m, const Nucleus& G, const Disc& disc) {
+DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc) {
   constexpr double share = 0.25;
   const Fade fade{share * disc.radius, disc.radius};
-  Dual dual{unloaded(m), {}, coarse_in(m, disc, fade)};
+  DualProblem dual{unloaded(m), {}, coarse_in(m, disc, fade)};
   const Vec2 middle = disc.middle;
   dual.loads.body = [G, fade, middle](const Vec2& x) -> Vec2 {
     const Vec2 slope = slope_at(fade, middle, x);
@@ -286,7 +287,7 @@ PointDual::PointDual(const Model& m, const Vec2& x)
     why_ = no_disc(m, where_);
 }
 
-Dual PointDual::operator()(PointStress part) const {
+DualProblem PointDual::operator()(PointStress part) const {
   const Nucleus G = point_nucleus(material_of(m_.mesh, m_.scene, where_), x_, part);
   return plain_ ? global_dual(m_, G, x_, none) : local_dual(m_, G, {x_, within * clearance(m_, x_)});
 }

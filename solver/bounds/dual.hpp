@@ -14,7 +14,7 @@ struct Known {
 };
 
 /// Q(u) = known + l(u) for the state u of a model.
-struct Dual {
+struct DualProblem {
   Scene loads;  // on the labels and components of the model, all else 0
   Known known;
   std::string estimate;  // why these loads, which are sampled, prove nothing; empty: they do
@@ -22,18 +22,18 @@ struct Dual {
 
 /// The singular field G over the whole body, which is of one isotropic material and has no body force and no
 /// eigenstrain: tractions on its boundary and on the faces of its cracks but `own`, whose faces G leaves free.
-Dual global_dual(const Model& model, const Nucleus& G, const Vec2& singular, Index own);
+DualProblem global_dual(const Model& model, const Nucleus& G, const Vec2& singular, Index own);
 
 /// A disc about a point, in one isotropic material without eigenstrain, that holds no end of the body but the straight
 /// piece of a crack that ends at its middle.
-struct Disc {
+struct CutOffDisc {
   Vec2 middle = Vec2::Zero();
   double radius = 0;
   const CrackTip* tip = nullptr;
 };
 /// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
 /// where it fades [theory: B.20]. Not for materials that are incompressible.
-Dual local_dual(const Model& model, const Nucleus& G, const Disc& disc);
+DualProblem local_dual(const Model& model, const Nucleus& G, const CutOffDisc& disc);
 
 /// Of a disc, what is clear of everything else: a margin is left.
 inline constexpr double within = 0.95;
@@ -54,7 +54,7 @@ class PointDual {
   const std::string& why() const {
     return why_;
   }
-  Dual operator()(PointStress part) const;
+  DualProblem operator()(PointStress part) const;
 
  private:
   const Model& m_;
@@ -64,7 +64,7 @@ class PointDual {
   std::string why_;
 };
 
-using BoundDual = std::function<Bounded(const Dual& dual, std::vector<Eigen::VectorXd>& eta)>;
+using BoundDual = std::function<Bounded(const DualProblem& dual, std::vector<Eigen::VectorXd>& eta)>;
 /// By intervals of the duals. `why` there are none, if it is known already.
 StressBounds bound_stress(const Model& model, const Vec2& x, std::string why, const BoundDual& bound);
 

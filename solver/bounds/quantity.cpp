@@ -64,20 +64,21 @@ struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
   bool with_indicators;
-  std::string why;                                         // nothing can be bounded
-  std::unique_ptr<ContactQuantityBounds> contact;          // where a crack may be in contact
-  mutable std::array<std::optional<Admissible>, 2> own{};  // of u, as duals that reach everywhere need it, and others
+  std::string why;                                 // nothing can be bounded
+  std::unique_ptr<ContactQuantityBounds> contact;  // where a crack may be in contact
+  mutable std::array<std::optional<AdmissiblePair>, 2>
+      own{};  // of u, as duals that reach everywhere need it, and others
 
-  const Admissible& admissible_state(bool cut_off) const {
-    std::optional<Admissible>& a = own[cut_off ? 1 : 0];
+  const AdmissiblePair& admissible_state(bool cut_off) const {
+    std::optional<AdmissiblePair>& a = own[cut_off ? 1 : 0];
     if (!a) a = admissible(with_loads(m, with_all_edges(m)), u, degree_inside(m, cut_off, cut_off));
     return *a;
   }
 
   /// The indicator of w goes to `eta`.
-  Bounded bound(const Dual& of, std::vector<Eigen::VectorXd>& eta) const {
+  Bounded bound(const DualProblem& of, std::vector<Eigen::VectorXd>& eta) const {
     const bool cut_off = static_cast<bool>(of.loads.body);
-    const Admissible& mine = admissible_state(cut_off);
+    const AdmissiblePair& mine = admissible_state(cut_off);
     if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) return lost(mine.bounds.note);
     const Model dual = with_loads(m, of.loads);
     const State w = solve(dual);
@@ -109,7 +110,9 @@ QuantityBounds::~QuantityBounds() = default;
 
 StressBounds QuantityBounds::stress(const Vec2& x) const {
   if (impl_->contact) return impl_->contact->stress(x);
-  const auto bound = [&](const Dual& dual, std::vector<Eigen::VectorXd>& eta) { return impl_->bound(dual, eta); };
+  const auto bound = [&](const DualProblem& dual, std::vector<Eigen::VectorXd>& eta) {
+    return impl_->bound(dual, eta);
+  };
   return bound_stress(impl_->m, x, impl_->why, bound);
 }
 
@@ -156,7 +159,7 @@ TipBounds QuantityBounds::tip(const TipIntensity& of) const {
                      (inside || !behind_mouth(m.mesh, *found));
   if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
   if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
-  const Disc disc{found->at, within * found->room, &*found};
+  const CutOffDisc disc{found->at, within * found->room, &*found};
   const double length = inside && plain ? found->vertices.back().norm() : infinity;
   TipBounds b;
   const auto bound = [&](int mode) {
