@@ -1,7 +1,7 @@
 #include "kerf/bounds.hpp"
 
 #include "geometry/plane.hpp"
-#include "solver/bounds/nucleus.hpp"
+#include "solver/nucleus.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/quadrature.hpp"
 #include "solver/system.hpp"
