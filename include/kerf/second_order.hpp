@@ -6,11 +6,15 @@
 #include "kerf/perturbation.hpp"
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 namespace kerf {
 
 /// What is known of the term eps^2 ln eps. Absent: there is none, the series has even powers alone.
 enum class Logarithm { Absent, Known, Unknown };
+/// As in result.json: "absent", "known", "fitted".
+std::string_view word(Logarithm logarithm);
 
 struct SecondOrder {
   Vec2 at = Vec2::Zero();

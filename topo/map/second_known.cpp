@@ -75,6 +75,10 @@ std::pair<Logarithm, double> logarithm_of(const Term& term, double slope, const 
 
 }  // namespace
 
+std::string_view word(Logarithm logarithm) {
+  return logarithm == Logarithm::Absent ? "absent" : logarithm == Logarithm::Known ? "known" : "fitted";
+}
+
 bool has_circle(const Perturbation& p) {
   return row(p).inside != nullptr;
 }
