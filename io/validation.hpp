@@ -9,7 +9,7 @@ namespace kerf {
 std::string sentence(const Validation& validation);
 
 /// validate.csv: point (counted from 1),x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,
-/// on_mesh,bar,independent,verdict,reason.
+/// on_mesh,bar,independent,c2,c2_predicted,predicted_second,remainder_second,order_second,verdict,reason.
 void write_validation_csv(const std::filesystem::path& path, const ValidationResult& result);
 
 }  // namespace kerf

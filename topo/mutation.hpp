@@ -29,6 +29,13 @@ enum class FormulaPart {
   Dual,
   Measured,
   BodyForce,
+  SecondMeanGradient,
+  SecondDeviatorGradient,
+  SecondCurvature,
+  SecondReplyMean,
+  SecondReplyDeviator,
+  SecondInclusion,
+  SecondLogarithm,
   Count
 };
 

@@ -18,6 +18,7 @@
 #include "kerf/perturbation.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/scene.hpp"
+#include "kerf/second_order.hpp"
 #include "kerf/shape.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "kerf/state.hpp"

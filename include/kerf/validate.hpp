@@ -3,6 +3,7 @@
 
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
+#include "kerf/second_order.hpp"
 
 #include <string_view>
 
@@ -15,18 +16,20 @@ struct ValidationRow {
   double remainder = 0;      // difference - predicted
   double order = 0;          // log2-like slope of |remainder| to the next smaller radius; NaN in the last row
   bool same_contact = true;  // the contact set is that of the unperturbed body
+  // The same with the second term, f(eps) (T + c2 eps^2), where that is known; NaN elsewhere.
+  double predicted_second = nan, remainder_second = nan, order_second = nan;
 };
 
-/// Holds: the coefficient is that of the series of differences on its mesh, and of a change drawn on another, better mesh
-/// with contact free to change. Fails: the series says another number. Vanishes: neither sees anything at this point.
-/// OutOfRange: the radii are too large, too few, or contact moves with them. NothingSaid: parts of the formula cancel,
-/// rounding or the mesh leaves too much, J is infinite.
+/// Holds: the coefficient is that of the series of differences on its mesh, and of a change drawn on another, better
+/// mesh with contact free to change. Fails: the series says another number. Vanishes: neither sees anything at this
+/// point. OutOfRange: the radii are too large, too few, or contact moves with them. NothingSaid: parts of the formula
+/// cancel, rounding or the mesh leaves too much, J is infinite.
 enum class Verdict { Holds, Fails, Vanishes, OutOfRange, NothingSaid };
 /// As in result.json: "holds" | "fails" | "vanishes" | "out of range" | "nothing can be said".
 std::string_view word(Verdict verdict);
 
-/// What one part of the formula gives to T: trace and deviator of the stresses (of shapes with a direction also what the
-/// two give together; of a crack its normal and tangential tractions), displacement under a body force, local (the
+/// What one part of the formula gives to T: trace and deviator of the stresses (of shapes with a direction also what
+/// the two give together; of a crack its normal and tangential tractions), displacement under a body force, local (the
 /// change of the density itself).
 struct Mode {
   std::string_view name;
@@ -44,15 +47,20 @@ struct DrawnChange {
 
 struct Validation {
   Vec2 at = Vec2::Zero();
-  double coefficient = 0;  // T; of a clamped hole NaN
-  double size = 0;         // what |T| could be for stresses of this size in other directions
-  double order = 0;        // observed, median over the rows above the plateau
-  double intercept = 0;    // of the least squares fit D = T + c2 eps^2 + c3 eps^2 ln eps, D = difference / f(eps)
-  double c2 = 0, c3 = 0;   // of that fit: the series to order eps^4
-  double plateau = 0;      // relative error of D that the mesh leaves
-  double on_mesh = nan;    // the map's value on the mesh of the body alone (of a clamped hole at the drawn radius)
-  double bar = nan;        // the largest distance from it to what other meshes say, 1.5 times
-  DrawnChange drawn = {};  // where the series allows a verdict
+  double coefficient = 0;     // T; of a clamped hole NaN
+  double size = 0;            // what |T| could be for stresses of this size in other directions
+  double order = 0;           // observed, median over the rows above the plateau
+  double intercept = 0;       // of the least squares fit D = T + c2 eps^2 + c4 eps^4, D = difference / f(eps)
+  double c2 = 0, c3 = 0;      // of that fit; c3 of eps^2 ln eps: known, or fitted in place of c4 where nothing is known
+  double c4 = nan;            // of that fit
+  double c2_predicted = nan;  // by second_order.hpp on the mesh of the series, where it is available
+  double c2_on_mesh = nan;    // the same on the mesh of the body alone
+  Logarithm logarithm = Logarithm::Unknown;
+  double order_second = nan;  // observed order of what the second term leaves, as `order`
+  double plateau = 0;         // relative error of D that the mesh leaves
+  double on_mesh = nan;       // the map's value on the mesh of the body alone (of a clamped hole at the drawn radius)
+  double bar = nan;           // the largest distance from it to what other meshes say, 1.5 times
+  DrawnChange drawn = {};     // where the series allows a verdict
   std::vector<Mode> modes = {};
   Verdict verdict = Verdict::OutOfRange;
   std::string reason;  // in words
@@ -67,9 +75,9 @@ struct ValidationRequest {
 };
 
 /// One mesh with a ball around every point, factorized once; each radius costs a solve inside its ball and on the
-/// ball's boundary together with the cracks' contact rows. Where the series agrees with T, one radius is solved again as a
-/// body with a change drawn into it, on another mesh with one degree more (5 to 8 times the work of the state). All
-/// meshes are graded at the ends of contact.
+/// ball's boundary together with the cracks' contact rows. Where the series agrees with T, one radius is solved again
+/// as a body with a change drawn into it, on another mesh with one degree more (5 to 8 times the work of the state).
+/// All meshes are graded at the ends of contact.
 std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
                                  const ValidationRequest& request);
 

@@ -192,6 +192,12 @@ Validation validation(const Json& from) {
   v.plateau = number(from, "plateau");
   v.c2 = number(from, "c2");
   v.c3 = number(from, "c3");
+  v.c4 = number(from, "c4");
+  v.c2_predicted = number(from, "c2_predicted");
+  v.c2_on_mesh = number(from, "c2_on_mesh");
+  v.order_second = number(from, "order_second");
+  for (const Logarithm known : {Logarithm::Absent, Logarithm::Known})
+    if (from.value("logarithm", "") == word(known)) v.logarithm = known;
   v.on_mesh = number(from, "on_mesh");
   v.bar = number(from, "bar");
   if (from.contains("independent")) {
@@ -203,7 +209,8 @@ Validation validation(const Json& from) {
   }
   for (const Json& row : list(from, "rows"))
     v.rows.push_back({number(row, "radius"), number(row, "J"), number(row, "difference"), number(row, "predicted"),
-                      number(row, "remainder"), number(row, "order"), row.value("same_contact", true)});
+                      number(row, "remainder"), number(row, "order"), row.value("same_contact", true),
+                      number(row, "predicted_second"), number(row, "remainder_second"), number(row, "order_second")});
   return v;
 }
 

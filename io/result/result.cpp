@@ -240,7 +240,10 @@ Json validate_section(const ValidationResult& validation) {
                       {"predicted", number(row.predicted)},
                       {"remainder", number(row.remainder)},
                       {"order", number(row.order)},
-                      {"same_contact", row.same_contact}});
+                      {"same_contact", row.same_contact},
+                      {"predicted_second", number(row.predicted_second)},
+                      {"remainder_second", number(row.remainder_second)},
+                      {"order_second", number(row.order_second)}});
     points.push_back({{"at", place(v.at)},
                       {"perturbation", validation.perturbation},
                       {"coefficient", number(v.coefficient)},
@@ -252,6 +255,11 @@ Json validate_section(const ValidationResult& validation) {
                       {"plateau", number(v.plateau)},
                       {"c2", number(v.c2)},
                       {"c3", number(v.c3)},
+                      {"c4", number(v.c4)},
+                      {"c2_predicted", number(v.c2_predicted)},
+                      {"c2_on_mesh", number(v.c2_on_mesh)},
+                      {"order_second", number(v.order_second)},
+                      {"logarithm", std::string(word(v.logarithm))},
                       {"on_mesh", number(v.on_mesh)},
                       {"bar", number(v.bar)},
                       {"independent",

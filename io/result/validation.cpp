@@ -53,14 +53,15 @@ void write_validation_csv(const std::filesystem::path& path, const ValidationRes
   const auto text = [&out](std::string_view piece) { out.append(piece.data(), piece.data() + piece.size()); };
   text(
       "point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,on_mesh,bar,"
-      "independent,verdict,reason\n");
+      "independent,c2,c2_predicted,predicted_second,remainder_second,order_second,verdict,reason\n");
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const Validation& v = result.points[i];
     for (const ValidationRow& row : v.rows) {
       text(fmt::format("{},", i + 1));
       for (const double value :
            {v.at.x(), v.at.y(), row.radius, row.J, row.J - row.difference, row.difference, row.predicted, row.remainder,
-            row.order, v.coefficient, v.intercept, v.on_mesh, v.bar, v.drawn.intercept}) {
+            row.order, v.coefficient, v.intercept, v.on_mesh, v.bar, v.drawn.intercept, v.c2, v.c2_predicted,
+            row.predicted_second, row.remainder_second, row.order_second}) {
         append_cell(out, value);
         out.push_back(',');
       }

@@ -24,10 +24,13 @@ std::string radii_table(const ValidationResult& validation) {
         continue;
       }
       rows.push_back({at_place(v.at), pretty(row.radius), pretty(row.J), pretty(row.difference), pretty(row.predicted),
-                      pretty(row.remainder), pretty(row.order), row.same_contact ? "same" : "changed"});
+                      pretty(row.remainder), pretty(row.order), pretty(row.remainder_second), pretty(row.order_second),
+                      row.same_contact ? "same" : "changed"});
     }
   if (rows.empty()) return {};
-  std::string out = table({"point", "radius", "J", "difference", "predicted", "remainder", "order", "contact"}, rows);
+  std::string out = table({"point", "radius", "J", "difference", "predicted", "remainder", "order",
+                           "with c<sub>2</sub>", "order", "contact"},
+                          rows);
   if (left_out > 0) out += fmt::format("<p class=\"dim\">{} more rows are in validate.csv.</p>\n", left_out);
   return folded("Every radius", out);
 }
@@ -42,15 +45,18 @@ std::string validation_section(const Result& r) {
     out += note(sentence(v), v.verdict == Verdict::Fails);
     if (rows.size() < most_rows)
       rows.push_back({at_place(v.at), std::string(word(v.verdict)), pretty(v.coefficient), pretty(v.intercept),
-                      pretty(v.order), pretty(v.plateau), pretty(v.c2), pretty(v.c3)});
+                      pretty(v.order), pretty(v.plateau), pretty(v.c2), pretty(v.c2_predicted), pretty(v.c3)});
   }
   const bool curves = std::any_of(validation.points.begin(), validation.points.end(),
                                   [](const Validation& v) { return v.rows.size() > 1; });
   if (curves) out += "<figure id=\"validation-curves\"><div class=\"plot\"></div></figure>\n";
-  out += table({"point", "expansion", "T", "intercept", "order", "plateau", "c<sub>2</sub>", "c<sub>3</sub>"}, rows);
+  out += table({"point", "expansion", "T", "intercept", "order", "plateau", "c<sub>2</sub>", "c<sub>2</sub> predicted",
+                "c<sub>3</sub>"},
+               rows);
   out +=
-      "<p class=\"dim\">Intercept, c<sub>2</sub>, c<sub>3</sub>: of the fit T + c<sub>2</sub> ε² + c<sub>3</sub> ε² "
-      "ln ε to the difference over its scale (π ε²). Plateau: relative error that the mesh leaves.</p>\n";
+      "<p class=\"dim\">Intercept, c<sub>2</sub>: of the fit T + c<sub>2</sub> ε² + c<sub>4</sub> ε⁴ to the difference "
+      "over its scale (π ε²); c<sub>3</sub> of ε² ln ε: known, or fitted instead of c<sub>4</sub>. Predicted: by the "
+      "formula. Plateau: relative error that the mesh leaves.</p>\n";
   return out + radii_table(validation);
 }
 

@@ -2,7 +2,7 @@
 // What a quantity of a state is made of: the loads l of a dual solution, and what is known without it [theory: B.12].
 
 #include "kerf/bounds.hpp"
-#include "solver/bounds/nucleus.hpp"
+#include "solver/nucleus.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
 

@@ -1,4 +1,4 @@
-#include "solver/bounds/nucleus.hpp"
+#include "solver/nucleus.hpp"
 
 #include <cmath>
 #include <complex>

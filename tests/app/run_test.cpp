@@ -77,8 +77,12 @@ TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   expect_keys(r["map"]["min"], {"at", "value"}, "map.min");
   ASSERT_EQ(r["validate"].size(), 2u);
   for (const json& v : r["validate"]) {
-    expect_keys(v, {"at", "coefficient", "order", "verdict", "reason", "intercept", "c2", "c3", "plateau", "rows"},
-                "validate");
+    expect_keys(
+        v,
+        {"at", "coefficient", "order", "verdict", "reason", "intercept", "c2", "c2_predicted", "c3", "plateau", "rows"},
+        "validate");
+    EXPECT_NEAR(v["c2_predicted"].get<double>() / v["c2"].get<double>(), 1, 5e-3);
+    EXPECT_EQ(v["logarithm"], "absent");
     EXPECT_EQ(v["verdict"], "holds") << v["reason"];
     EXPECT_NEAR(v["intercept"].get<double>() / v["coefficient"].get<double>(), 1, 5e-4);
     EXPECT_EQ(v["rows"].size(), 5u);
@@ -238,7 +242,8 @@ TEST_F(Run, FailureIsWrittenWithItsReason) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.fault, Fault::Numerics);
-    EXPECT_NE(std::string(e.what()).find("holds the body against a translation along (0, 1)"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("holds the body against a translation along (0, 1)"), std::string::npos)
+        << e.what();
   }
   const json r = json::parse(text("out/result.json"));
   EXPECT_EQ(r["status"], "failed");
@@ -279,7 +284,8 @@ TEST_F(Run, RollersOnARimLeaveTheRotationFree) {
     run(read_case(folder / "rim.toml"), Job::Solve, {.folder = folder / "out"});
     FAIL();
   } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("holds the body against a rotation about (0, 0)"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("holds the body against a rotation about (0, 0)"), std::string::npos)
+        << e.what();
   }
 }
 

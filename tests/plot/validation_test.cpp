@@ -46,15 +46,16 @@ TEST(Validation, CsvHasARowPerPointAndRadius) {
   ASSERT_EQ(all.size(), 7u);
   EXPECT_EQ(all[0],
             "point,x,y,radius,J,J0,difference,predicted,remainder,order,coefficient,intercept,on_mesh,bar,independent,"
-            "verdict,reason");
+            "c2,c2_predicted,predicted_second,remainder_second,order_second,verdict,reason");
   EXPECT_EQ(all[1].substr(0, 14), "1,0.5,0.8,0.2,");
   std::vector<double> first;
   std::istringstream cells(all[1]);
   for (std::string cell; std::getline(cells, cell, ',') && first.size() < 9;) first.push_back(std::stod(cell));
   EXPECT_NEAR(first[5], -10, 1e-14);
   EXPECT_NEAR(first[6] - first[7] - first[8], 0, 1e-15);
-  EXPECT_EQ(all[1].substr(all[1].find(",4,")), ",4,-1.234,-1.2343702,,,,holds,orders 4.01 and 4.03");
-  EXPECT_EQ(all[3].substr(all[3].find(",,")), ",,-1.234,-1.2343702,,,,holds,orders 4.01 and 4.03");
+  EXPECT_EQ(all[1].substr(all[1].find(",4,"), 32), ",4,-1.234,-1.2343702,,,,5.6,5.59");
+  EXPECT_EQ(all[1].substr(all[1].find(",1e-05,5.9,")), ",1e-05,5.9,holds,orders 4.01 and 4.03");
+  EXPECT_EQ(all[3].substr(all[3].find(",,")), ",,-1.234,-1.2343702,,,,5.6,5.59,,,,holds,orders 4.01 and 4.03");
   EXPECT_EQ(all[4].substr(0, 3), "2,-");
   EXPECT_NE(all[6].find(",fails,\"the remainder falls with order 2, not 4\""), std::string::npos);
 }

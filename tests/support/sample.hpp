@@ -60,6 +60,11 @@ inline ValidationResult sample_validation() {
   ValidationResult out{"hole", {}};
   Validation v{.at = {0.5, 0.8}, .coefficient = -1.234, .order = 4.02, .intercept = -1.2343702, .c2 = 5.6, .c3 = -0.7};
   v.plateau = 1e-5;
+  v.c4 = 0.3;
+  v.c2_predicted = 5.59;
+  v.c2_on_mesh = 5.58;
+  v.order_second = 5.9;
+  v.logarithm = Logarithm::Known;
   v.verdict = Verdict::Holds;
   v.reason = "orders 4.01 and 4.03";
   for (const double radius : {0.2, 0.1, 0.05}) {
@@ -67,6 +72,9 @@ inline ValidationResult sample_validation() {
     v.rows.push_back({radius, -10 + predicted + remainder, predicted + remainder, predicted, remainder, 4, true});
   }
   v.rows.back().order = std::nan("");
+  v.rows[0].predicted_second = v.rows[0].difference - 1e-5;
+  v.rows[0].remainder_second = 1e-5;
+  v.rows[0].order_second = 5.9;
   out.points.push_back(v);
   v.at = {-0.4, 0.6};
   v.verdict = Verdict::Fails;
@@ -123,9 +131,8 @@ inline Result full_result() {
   map.min = {{0.5, 0.25}, -3};
   map.max = {{-0.5, 0.75}, 4};
   map.excluded_radius = 0.05;
-  map.points = {
-      {.at = {0.5, 0.5}, .value = 0.125, .angle = pi / 4, .masked = true, .lower = 0.1, .upper = 0.15},
-      {.at = {9, 9}, .value = std::nan("")}};
+  map.points = {{.at = {0.5, 0.5}, .value = 0.125, .angle = pi / 4, .masked = true, .lower = 0.1, .upper = 0.15},
+                {.at = {9, 9}, .value = std::nan("")}};
   map.radius = 0.0125;
   map.masked_share = 0.25;
   map.biactive_length = 0.01;

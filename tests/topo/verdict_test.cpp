@@ -37,6 +37,74 @@ Validation judged(const Made& m) {
   return v;
 }
 
+// D = T + c2 eps^2 + c4 eps^4 (+ c3 eps^2 ln eps), where the formula says T = 1 and a c2.
+struct Even {
+  double T = 1, c2 = 3, c4 = 5, c3 = 0;
+  double claimed = 1, second = 3;
+  std::vector<double> radii = {0.16, 0.08, 0.04, 0.02, 0.01};
+};
+Validation judged_even(const Even& m) {
+  Validation v;
+  v.coefficient = m.claimed;
+  v.size = 2;
+  v.plateau = 3e-4;
+  v.logarithm = m.c3 == 0 ? Logarithm::Absent : Logarithm::Known;
+  v.c3 = m.c3;
+  v.c2_predicted = v.c2_on_mesh = m.c3 == 0 ? m.second : nan;
+  std::vector<double> scales;
+  for (const double eps : m.radii) {
+    scales.push_back(pi * eps * eps);
+    const double square = eps * eps;
+    ValidationRow row{.radius = eps, .J = 1};
+    row.difference = scales.back() * (m.T + m.c2 * square + m.c4 * square * square + m.c3 * square * std::log(eps));
+    row.predicted = scales.back() * m.claimed;
+    v.rows.push_back(row);
+  }
+  judge(v, {}, scales, 0.8);
+  return v;
+}
+
+TEST(Verdict, OfTwoTermsAsksForTheSecondAsWell) {
+  const Validation right = judged_even({});
+  EXPECT_EQ(right.verdict, Verdict::Holds) << right.reason;
+  EXPECT_NEAR(right.intercept, 1, 1e-12);
+  EXPECT_NEAR(right.c2, 3, 1e-9);
+  EXPECT_NEAR(right.c4, 5, 1e-6);
+  EXPECT_EQ(right.c3, 0);
+  EXPECT_NEAR(right.rows[0].order_second, 6, 1e-6);
+  EXPECT_NEAR(right.order_second, 6, 1e-6);
+  EXPECT_NEAR(right.rows[0].remainder_second / right.rows[0].remainder, 5 * 0.0256 / (3 + 5 * 0.0256), 1e-9);
+  EXPECT_NE(right.reason.find("eps^{6.00}"), std::string::npos) << right.reason;
+  for (const double wrong : {2.7, 3.3, 0., -3.}) {
+    const Validation v = judged_even({.second = wrong});
+    EXPECT_EQ(v.verdict, Verdict::Fails) << wrong << ' ' << v.reason;
+    EXPECT_NE(v.reason.find("second term"), std::string::npos) << v.reason;
+  }
+  // A second term that is too small to be seen says nothing.
+  EXPECT_EQ(judged_even({.c2 = 0.01, .second = 0.02}).verdict, Verdict::Holds);
+}
+
+TEST(Verdict, OfTwoTermsFailsForHalfAPercentOfTheFirst) {
+  for (const double c2 : {-10., -3., -1., 0.5, 1., 3., 10.})
+    for (const double claimed : {0.995, 1.005}) {
+      const Validation v = judged_even({.c2 = c2, .claimed = claimed, .second = c2});
+      EXPECT_EQ(v.verdict, Verdict::Fails) << c2 << ' ' << claimed << ' ' << v.reason;
+    }
+  for (const double c2 : {-30., -3., 0.5, 3., 30.})
+    for (const double first : {0.16, 0.08, 0.04}) {
+      const Validation v = judged_even({.c2 = c2, .second = c2, .radii = {first, first / 2, first / 4}});
+      EXPECT_NE(v.verdict, Verdict::Fails) << c2 << ' ' << first << ' ' << v.reason;
+    }
+}
+
+TEST(Verdict, AKnownLogarithmIsNotFitted) {
+  const Validation v = judged_even({.c3 = -2});
+  EXPECT_EQ(v.verdict, Verdict::Holds) << v.reason;
+  EXPECT_EQ(v.c3, -2);
+  EXPECT_NEAR(v.c2, 3, 1e-9);
+  EXPECT_NEAR(v.intercept, 1, 1e-12);
+}
+
 TEST(Verdict, HoldsForARightCoefficient) {
   EXPECT_EQ(judged({}).verdict, Verdict::Holds);
   EXPECT_EQ(judged({.slope = -20}).verdict, Verdict::Holds);

@@ -62,62 +62,25 @@ bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
   return !has_series(p) && std::ranges::any_of(j.terms, [&](const Term& t) { return !t.linear && !is_energy(m, t); });
 }
 
-GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), solver_(m, held_rows(m, s)) {
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
-    const bool moves = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
-    if (boundary || moves) edges_.push_back(e);
-  }
-}
+GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), reply_(m, held_rows(m, s)) {}
 
 Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
-  const Model& m = model_;
-  const Material& material = material_of(m.mesh, m.scene, t);
-  const EdgeRule rule = gauss(8);
-  Eigen::VectorXd load[2];
-  std::vector<double> prescribed[2];
-  for (int j = 0; j < 2; ++j) {
-    load[j].setZero(m.inner->skeleton.total);
-    prescribed[j].assign(static_cast<std::size_t>(m.inner->skeleton.total), 0);
-  }
-  for (const Index e : edges_) {
-    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-    const Vec2& b = m.mesh.points[m.mesh.edges[e][1]];
-    const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
-    // Kelvin's tractions on both faces of a crack cancel in what both see: the right face's go to the jump.
-    const Vec2 n = boundary ? Vec2(-outward_normal(m.mesh, e)) : normal(m.mesh, e);
-    const Index first = boundary ? edge_unknown(m.inner->skeleton, e) : m.inner->skeleton.jump[e];
-    const int pieces = pieces_beside(x0, a, b);
-    for (int piece = 0; piece < pieces; ++piece)
-      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        const double s = (piece + rule.s[q]) / pieces, w = rule.w[q] / pieces;
-        const Vec2 r = a + s * (b - a) - x0;
-        const Mat2 G = kelvin(material, r);
-        const Vec2 traction[2] = {kelvin_stress(material, r, 0) * n, kelvin_stress(material, r, 1) * n};
-        const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, s);
-        for (int g = 0; g < static_cast<int>(basis.size()); ++g)
-          for (int d = 0; d < 2; ++d) {
-            const Index u = first + 2 * g + d;
-            const Vec2 direction =
-                boundary ? m.inner->skeleton.frame[e].col(d) : frame_at(m.inner->skeleton, e, g).col(d);
-            for (int j = 0; j < 2; ++j) {
-              if (m.inner->skeleton.fixed[u])
-                prescribed[j][u] -= w * basis[g] / m.inner->kernel.trace.w[g] * direction.dot(G.col(j));
-              else
-                load[j][u] += w * (b - a).norm() * basis[g] * direction.dot(traction[j]);
-            }
-          }
-      }
-  }
-  Green green;
+  const Material& material = material_of(model_.mesh, model_.scene, t);
+  const auto force = [&](int j) -> Nucleus {
+    return {[=](const Vec2& x) -> Vec2 { return kelvin(material, x - x0).col(j); },
+            [=](const Vec2& x) -> Mat2 { return kelvin_stress(material, x - x0, j); }};
+  };
+  const std::array<Nucleus, 2> forces{force(0), force(1)};
   const std::array<Index, 1> here = {t};
+  std::vector<TangentField> replies =
+      reply_.to(x0, forces, fields ? std::span<const Index>() : std::span<const Index>(here), enough);
+  Green green;
   for (int j = 0; j < 2; ++j) {
-    TangentField w =
-        solver_.solve(load[j], prescribed[j], enough, fields ? std::span<const Index>() : std::span<const Index>(here));
+    TangentField& w = replies[static_cast<std::size_t>(j)];
     constexpr double solved = 1e-4;
     if (!(w.residual < solved))
       throw Error(Fault::Numerics, "a clamped hole: Green's tensor could not be solved for: its residual stays large");
-    green.regular.col(j) = displacement_at(m, w, t, x0, true);
+    green.regular.col(j) = displacement_at(model_, w, t, x0, true);
     if (fields) green.field.push_back(std::move(w));
   }
   return green;

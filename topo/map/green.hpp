@@ -3,6 +3,7 @@
 
 #include "kerf/analysis.hpp"
 #include "topo/formulas/clamped_hole.hpp"
+#include "topo/map/reply.hpp"
 
 #include <span>
 
@@ -28,8 +29,7 @@ class GreenTensor {
 
  private:
   const Model& model_;
-  TangentSolver solver_;
-  std::vector<Index> edges_;  // on the boundary, and of cracks whose faces move
+  BodyReply reply_;
 };
 
 /// The predicted J(Omega_eps) - J(Omega) of a clamped hole at points, the contact linearized; errors O(eps^2 ln eps),

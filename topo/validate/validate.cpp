@@ -248,12 +248,15 @@ class Validating {
     const Analysis a = analyze(j_, model, state);
     const std::vector<std::vector<Difference>> differences =
         Differences({a, j_, f}, r_.perturbation, how).all(batch.balls);
+    SecondOrders second(a, j_, r_.perturbation);
     for (std::size_t s = 0; s < sites.size(); ++s) {
       const Site& site = sites[s];
       Validation& v = results_[site.number];
       v.coefficient = nan;
-      if (has_series(r_.perturbation))
+      if (has_series(r_.perturbation)) {
         read_center(a, {f.first_triangle[s], f.first_triangle[s + 1], site.at, site.ball}, v);
+        read_second(second, site, v);
+      }
       v.plateau = plateau_of(element_, r_.perturbation);
       judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], differences[s], v), site.clear);
     }
@@ -267,6 +270,15 @@ class Validating {
     double parts = 0;
     for (const Mode& m : v.modes) parts += std::abs(m.value);
     v.size = std::max(v.size, parts);
+  }
+
+  void read_second(SecondOrders& second, const Site& site, Validation& v) const {
+    const SecondOrder found = second.at(site.at);
+    v.logarithm = found.logarithm;
+    v.c3 = found.c3;
+    if (!found.available) return;
+    v.c2_predicted = found.c2;
+    v.c2_on_mesh = second_order(analysis_, j_, r_.perturbation, site.at).c2;
   }
 
   // Returns f(eps) of the rows, with the exact areas of the polygons.
@@ -299,6 +311,7 @@ class Validating {
     }
     for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
     v.plateau = 5e-4;
+    v.logarithm = second_order(analysis_, j_, r_.perturbation, site.at).logarithm;
     judge(v, r_.perturbation, scales, site.clear);
   }
 

@@ -13,12 +13,13 @@ namespace kerf {
 
 namespace {
 
-// D = T + c2 eps^2 + c3 eps^2 ln eps. What the radii leave open lies between `low` and `high`: of four
-// radii three in a row with both terms and all in the mean of squares; of fewer the fits with either term (ln of eps
-// over the distance to the next feature) and with both.
+// D = T + c2 eps^2 + c4 eps^4, or c3 eps^2 ln eps for the last. What the radii leave open lies between `low` and
+// `high`: of four radii three in a row with both terms and all in the mean of squares; of fewer the fits with either
+// term (ln of eps over the distance to the next feature, whatever stands for what they cannot tell) and with both.
 struct Fit {
-  double intercept = nan, c2 = nan, c3 = nan;
+  double intercept = nan, c2 = nan, last = nan;
   double low = infinity, high = -infinity;
+  double low_c2 = infinity, high_c2 = -infinity;  // of four radii and more
   double spread() const {
     return 0.5 * (high - low);
   }
@@ -28,11 +29,13 @@ struct Sample {
   double radius, quotient;
 };
 
-enum class Terms { Square, Logarithm, Both };
+enum class Terms { Square, Logarithm, Both, Even };
 
 Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length) {
-  const bool square = terms != Terms::Logarithm, logarithm = terms != Terms::Square;
-  const Eigen::Index n = static_cast<Eigen::Index>(s.size()), unknowns = 1 + (square ? 1 : 0) + (logarithm ? 1 : 0);
+  const bool square = terms != Terms::Logarithm, even = terms == Terms::Even,
+             logarithm = terms == Terms::Logarithm || terms == Terms::Both;
+  const Eigen::Index n = static_cast<Eigen::Index>(s.size()),
+                     unknowns = 1 + (square ? 1 : 0) + (logarithm || even ? 1 : 0);
   const double per = s.front().radius * s.front().radius;
   Eigen::MatrixXd a(n, unknowns);
   Eigen::VectorXd b(n);
@@ -42,31 +45,35 @@ Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length)
     Eigen::Index column = 1;
     if (square) a(k, column++) = x;
     if (logarithm) a(k, column) = x * std::log(eps / length);
+    if (even) a(k, column) = x * x;
     b[k] = s[static_cast<std::size_t>(k)].quotient;
   }
   const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+  if (even) return {c[0], c[1] / per, c[2] / (per * per)};
   // eps^2 ln (eps/length) = eps^2 ln eps - eps^2 ln length
   const double c3 = logarithm ? c[unknowns - 1] / per : 0;
   return {c[0], (square ? c[1] / per : 0) - c3 * std::log(length), c3};
 }
 
-Fit fit(std::span<const Sample> s, double length) {
+Fit fit(std::span<const Sample> s, double length, Terms both) {
   Fit f;
   if (s.size() < 2) return f;
   const auto take = [&](std::span<const Sample> part, Terms terms) {
     const Eigen::Vector3d c = solve_fit(part, terms, length);
     f.low = std::min(f.low, c[0]);
     f.high = std::max(f.high, c[0]);
-    f.intercept = c[0], f.c2 = c[1], f.c3 = c[2];
+    if (s.size() >= 4) f.low_c2 = std::min(f.low_c2, c[1]), f.high_c2 = std::max(f.high_c2, c[1]);
+    f.intercept = c[0], f.c2 = c[1], f.last = c[2];
   };
-  if (s.size() >= 3) take(s.last(3), Terms::Both);
+  if (s.size() >= 3) take(s.last(3), both);
   if (s.size() >= 4) {
-    take(s.last(4).first(3), Terms::Both);
-    take(s.last(4), Terms::Both);
+    take(s.last(4).first(3), both);
+    take(s.last(4), both);
     return f;
   }
   take(s.last(2), Terms::Logarithm);
   take(s, Terms::Square);
+  if (s.size() == 3 && both == Terms::Even) take(s, both);
   return f;
 }
 
@@ -106,12 +113,15 @@ class Series {
                                                   std::log(rows_[i].radius / rows_[i + 1].radius)
                                             : nan;
     count();
-    fit_ = fit(samples(), clear_);
+    const bool even = has_series_ && v_.logarithm != Logarithm::Unknown;
+    fit_ = fit(samples(), clear_, even ? Terms::Even : Terms::Both);
     v_.order = median(orders_);
     if (!has_series_) return;
     v_.intercept = fit_.intercept;
     v_.c2 = fit_.c2;
-    v_.c3 = fit_.c3;
+    (even ? v_.c4 : v_.c3) = fit_.last;
+    if (v_.logarithm == Logarithm::Absent) v_.c3 = 0;
+    if (std::isfinite(v_.c2_predicted)) predict_second();
   }
 
   Finding finding() const {
@@ -130,7 +140,13 @@ class Series {
                           allowed_)};
     const double error = std::abs(fit_.intercept - T_);
     const bool agrees = outside() <= allowed_ * std::abs(T_), narrow = fit_.spread() <= 1.5 * allowed_ * std::abs(T_);
-    if (agrees && narrow && (slope() || settled() || fits_four())) return {Verdict::Holds, how_it_holds()};
+    if (agrees && narrow && (slope() || settled() || fits_four())) {
+      if (beyond_second() > 0)
+        return {Verdict::Fails,
+                fmt::format("the second term is {:.5g} by the formula, and the series says between {:.5g} and {:.5g}",
+                            v_.c2_predicted, fit_.low_c2, fit_.high_c2)};
+      return {Verdict::Holds, how_it_holds() + second_in_words()};
+    }
     if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
     if (rounding_rules())
       return {Verdict::NothingSaid, "the differences of the smallest radii are rounding; use larger radii"};
@@ -173,8 +189,56 @@ class Series {
   std::vector<Sample> samples() const {
     std::vector<Sample> s;
     for (std::size_t i = 0; i < rows_.size(); ++i)
-      if (computed(i)) s.push_back({rows_[i].radius, quotient(i)});
+      if (computed(i)) s.push_back({rows_[i].radius, quotient(i) - known_logarithm(rows_[i].radius)});
     return s;
+  }
+  double known_logarithm(double eps) const {
+    return has_series_ && v_.logarithm == Logarithm::Known ? v_.c3 * eps * eps * std::log(eps) : 0;
+  }
+
+  // The rows once more with both terms. Their orders with the intercept for T: the error of the mesh is the same at
+  // every radius, and what is left falls like eps^6 down to a share of the plateau.
+  void predict_second() {
+    constexpr double seen = 0.1;
+    std::vector<double> left(rows_.size(), nan), orders;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      ValidationRow& r = rows_[i];
+      const double square = r.radius * r.radius, logarithm = known_logarithm(r.radius);
+      r.predicted_second = scale_[i] * (T_ + v_.c2_predicted * square + logarithm);
+      r.remainder_second = r.difference - r.predicted_second;
+      left[i] = std::abs(quotient(i) - logarithm - fit_.intercept - v_.c2_predicted * square);
+    }
+    for (std::size_t i = 0; i + 1 < rows_.size(); ++i) {
+      rows_[i].order_second = std::log(scale_[i] * left[i] / (scale_[i + 1] * left[i + 1])) /
+                              std::log(rows_[i].radius / rows_[i + 1].radius);
+      if (left[i + 1] > seen * v_.plateau * std::abs(T_)) orders.push_back(rows_[i].order_second);
+    }
+    v_.order_second = median(orders);
+  }
+
+  // c2 by the formula lies outside of all that four radii leave open, by more than what the mesh leaves of it.
+  double beyond_second() const {
+    if (!std::isfinite(v_.c2_predicted) || !(fit_.low_c2 <= fit_.high_c2)) return 0;
+    constexpr double formula = 0.02, meshes = 3, noise = 1.0 / 3;
+    const double largest = rows_[first_fitted()].radius, own = std::abs(v_.c2_predicted - v_.c2_on_mesh),
+                 allowed = formula * std::abs(v_.c2_predicted) + 0.5 * (fit_.high_c2 - fit_.low_c2) +
+                           noise * v_.plateau * std::abs(T_) / (largest * largest) +
+                           (std::isfinite(own) ? meshes * own : 0);
+    return std::max({fit_.low_c2 - v_.c2_predicted, v_.c2_predicted - fit_.high_c2, 0.0}) - allowed;
+  }
+  // Of the last four radii that were computed.
+  std::size_t first_fitted() const {
+    std::size_t i = rows_.size();
+    for (int left = 4; left > 0 && i > 0;)
+      if (computed(--i)) --left;
+    return i;
+  }
+  std::string second_in_words() const {
+    if (!std::isfinite(v_.c2_predicted)) return {};
+    std::string words = fmt::format("; c2 is {:.4g} by the formula and {:.4g} by the series", v_.c2_predicted, v_.c2);
+    if (std::isfinite(v_.order_second))
+      words += fmt::format(", what both terms leave falls like eps^{{{:.2f}}}", v_.order_second);
+    return words;
   }
 
   void count() {

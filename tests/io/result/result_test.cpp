@@ -48,10 +48,12 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper", "masked", "angle_deg"}));
   ASSERT_EQ(j["validate"].size(), 3u);
   EXPECT_EQ(keys(j["validate"][0]),
-            (Keys{"at", "perturbation", "coefficient", "order", "verdict", "rows", "reason", "intercept", "plateau",
-                  "c2", "c3", "on_mesh", "bar", "independent", "modes"}));
+            (Keys{"at",           "perturbation", "coefficient", "order", "verdict",     "rows",         "reason",
+                  "intercept",    "plateau",      "c2",          "c3",    "c4",          "c2_predicted", "c2_on_mesh",
+                  "order_second", "logarithm",    "on_mesh",     "bar",   "independent", "modes"}));
   EXPECT_EQ(keys(j["validate"][0]["rows"][0]),
-            (Keys{"radius", "J", "difference", "predicted", "remainder", "order", "same_contact"}));
+            (Keys{"radius", "J", "difference", "predicted", "remainder", "order", "same_contact", "predicted_second",
+                  "remainder_second", "order_second"}));
   EXPECT_EQ(keys(j["time_s"]),
             (Keys{"mesh", "assemble", "factor", "solve", "contact", "map", "validate", "optimize", "output", "total"}));
 }
@@ -101,6 +103,10 @@ TEST(ResultJson, MapAndValidation) {
   EXPECT_EQ(j["validate"][1]["verdict"], "fails");
   EXPECT_EQ(j["validate"][2]["verdict"], "out of range");
   EXPECT_EQ(j["validate"][0]["c2"], 5.6);
+  EXPECT_EQ(j["validate"][0]["c2_predicted"], 5.59);
+  EXPECT_EQ(j["validate"][0]["logarithm"], "known");
+  EXPECT_EQ(j["validate"][2]["logarithm"], "fitted");
+  EXPECT_EQ(j["validate"][0]["rows"][0]["remainder_second"], 1e-5);
   EXPECT_EQ(j["validate"][0]["rows"][1]["radius"], 0.1);
   EXPECT_EQ(j["validate"][0]["rows"][1]["order"], 4);
   EXPECT_TRUE(j["validate"][0]["rows"][2]["order"].is_null());

@@ -1,0 +1,29 @@
+#pragma once
+// What a body answers to fields in closed form that are singular at a point of it: the regular field that makes their
+// sum fulfil the body's own conditions [theory: T.28, Q.4].
+
+#include "kerf/adjoint.hpp"
+#include "solver/nucleus.hpp"
+
+#include <span>
+
+namespace kerf {
+
+/// w = -G where supports hold the body (component by component), s(w) n = -s(G) n where it is free; on cracks the
+/// contact linearized: `held` rows keep their gap, all others open and slide.
+class BodyReply {
+ public:
+  /// The model must outlive it.
+  BodyReply(const Model& model, std::vector<bool> held);
+
+  /// Per field; `only` and `enough` as for TangentSolver::solve. One material.
+  std::vector<TangentField> to(const Vec2& singular, std::span<const Nucleus> fields, std::span<const Index> only,
+                               double enough = TangentSolver::to_rounding);
+
+ private:
+  const Model& model_;
+  TangentSolver solver_;
+  std::vector<Index> edges_;  // on the boundary, and of cracks whose faces move
+};
+
+}  // namespace kerf

@@ -1,0 +1,157 @@
+#include "kerf/second_order.hpp"
+
+#include "solver/system.hpp"
+#include "topo/analysis.hpp"
+#include "topo/map/fields.hpp"
+#include "topo/map/mask.hpp"
+#include "topo/map/reply.hpp"
+#include "topo/map/second_known.hpp"
+#include "topo/map/taylor.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+// The nuclei are those of unit stresses (tr s, half the difference, the shear) [theory: B.11]; the dipoles in terms of
+// them, phi = -conj(b1)/z, psi = -2 a1/z.
+Nucleus field_of(const Material& m, const Vec2& x, const Dipoles& sent) {
+  const double unit = 8 * pi / plane_modulus(m);
+  const std::array<double, 3> share{0.5 * unit * sent.a1, unit * sent.b1.real(), unit * sent.b1.imag()};
+  const std::array<Nucleus, 3> part{point_nucleus(m, x, PointStress::Trace),
+                                    point_nucleus(m, x, PointStress::Difference),
+                                    point_nucleus(m, x, PointStress::Shear)};
+  return {[=](const Vec2& at) -> Vec2 {
+            Vec2 u = Vec2::Zero();
+            for (std::size_t i = 0; i < part.size(); ++i) u += share[i] * part[i].displacement(at);
+            return u;
+          },
+          [=](const Vec2& at) -> Mat2 {
+            Mat2 s = Mat2::Zero();
+            for (std::size_t i = 0; i < part.size(); ++i) s += share[i] * part[i].stress(at);
+            return s;
+          }};
+}
+
+}  // namespace
+
+double SecondOrder::valid_radius(double share) const {
+  if (!available || T == 0) return available ? 0 : nan;
+  return c2 == 0 ? infinity : std::sqrt(share * std::abs(T / c2));
+}
+
+struct SecondOrders::Impl {
+  Impl(const Analysis& analysis, const Functional& functional, const Perturbation& change)
+      : a(analysis),
+        j(functional),
+        p(change),
+        e(a, j, p),
+        unknown(unknown_second_term(a, j, p)),
+        locator(make_locator(a.model->mesh)) {}
+
+  // Solvers cost something where there is contact: made when first asked for.
+  BodyReply& reply() {
+    if (!own) own.emplace(*a.model, tied(contact_status(*a.model, *a.state)));
+    return *own;
+  }
+  BodyReply& measured_reply() {
+    if (!other) other.emplace(*a.measured_model, tied(contact_status(*a.measured_model, *a.measured)));
+    return *other;
+  }
+
+  SecondOrder at(const Vec2& x) {
+    SecondOrder result{.at = x, .note = unknown};
+    const Index t = locate(a.model->mesh, locator, x);
+    if (t == none) {
+      result.note = "the point lies outside the body";
+      return result;
+    }
+    const Model& m = *a.model;
+    Vec2 low = m.mesh.points[0], high = low;
+    for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    const double clear = margins(m, j, std::span(&x, 1), {0, 0, (high - low).norm()}).front();
+    constexpr double part = 0.7;  // of the disc around the point that no feature enters
+    if (!(clear > 0)) {
+      result.note = "the point lies on a boundary, a crack or in the ring of the functional";
+      return result;
+    }
+    const TaylorFit fit(m, x, part * clear);
+    if (fit.coarse()) {
+      result.note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
+      return result;
+    }
+    expand_here(fit, x, t, result);
+    return result;
+  }
+
+ private:
+  void expand_here(const TaylorFit& fit, const Vec2& x, Index t, SecondOrder& result) {
+    const Material& material = material_of(a.model->mesh, a.model->scene, t);
+    PointValues v = point_values(
+        e,
+        [&](const FieldOf& of) -> Eigen::Vector3d {
+          const Mat2 s = fit.of(of.field).stress();
+          return {s(0, 0), s(1, 1), s(0, 1)};
+        },
+        [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
+    v.x = x;
+    v.material = material;
+    const TaylorField s = has_circle(p) ? fit.of(*a.state) : TaylorField{};
+    std::tie(result.logarithm, result.c3) = logarithm(e, v, s);
+    if (!unknown.empty()) return;
+    std::vector<bool> closed = no_row_closed(a);
+    result.T = expand(e, v, closed).value;
+    SecondForm sum;
+    if (a.energy_share != 0 || a.adjoint) {
+      const TaylorField w = replied(reply(), fit, s, material, x);
+      if (a.energy_share != 0) sum = sum + (-0.5 * a.energy_share) * second_form(p, material, s, s, w);
+      if (a.adjoint) sum = sum + second_form(p, material, s, fit.of(*a.adjoint), w);
+    }
+    if (a.measured) {
+      const TaylorField other_s = fit.of(*a.measured), w = replied(measured_reply(), fit, other_s, material, x);
+      sum = sum + (-0.5 * a.measured_share) * second_form(p, material, other_s, other_s, w);
+    }
+    result.mean_gradient = sum.mean_gradient;
+    result.deviator_gradient = sum.deviator_gradient;
+    result.curvature = sum.curvature;
+    result.reply = sum.reply;
+    result.c2 = sum.value();
+    result.available = true;
+  }
+
+  TaylorField replied(BodyReply& body, const TaylorFit& fit, const TaylorField& s, const Material& material,
+                      const Vec2& x) {
+    const Nucleus sent = field_of(material, x, dipoles(p, material, s));
+    const TangentField w = body.to(x, std::span(&sent, 1), fit.triangles()).front();
+    constexpr double solved = 1e-6;
+    if (!(w.residual < solved))
+      throw Error(Fault::Numerics, "the second term: the reply of the body could not be solved for");
+    return fit.of(w);
+  }
+
+  const Analysis& a;
+  const Functional& j;
+  const Perturbation p;
+  const Expansion e;
+  const std::string unknown;
+  const Locator locator;
+  std::optional<BodyReply> own, other;
+};
+
+SecondOrders::SecondOrders(const Analysis& a, const Functional& j, const Perturbation& p)
+    : impl_(std::make_unique<Impl>(a, j, p)) {}
+SecondOrders::~SecondOrders() = default;
+
+SecondOrder SecondOrders::at(const Vec2& x) {
+  return impl_->at(x);
+}
+
+SecondOrder second_order(const Analysis& a, const Functional& j, const Perturbation& p, const Vec2& x) {
+  return SecondOrders(a, j, p).at(x);
+}
+
+}  // namespace kerf
