@@ -98,6 +98,10 @@ mesh.min_angle
 mesh.mesher
 mesh.adapt.error
 mesh.adapt.max_triangles
+mesh.adapt.of
+mesh.adapt.crack
+mesh.adapt.tip
+mesh.adapt.at
 solver.element
 solver.degree
 solver.contact
@@ -139,6 +143,8 @@ probe[0].from
 probe[0].to
 probe[0].count
 probe[0].file
+bounds.tips
+bounds.points
 output.vtk
 output.png
 output.html
