@@ -476,15 +476,24 @@ constexpr Key rows[] = {
     {"bounds",
      Table,
      {},
-     "Intervals that contain quantities of the exact solution; the result says which are guaranteed, and why others are "
-     "not. One solve by the factor of the state and two bounds of energies per quantity. For now of one isotropic "
-     "material without body force and eigenstrain, and cracks that are open."},
-    {"bounds.tips", Boolean, {}, "K_I, K_II and G at the tips of straight open cracks.", "false", "true"},
+     "Intervals that contain quantities of the exact solution; the result says which are guaranteed, and why others "
+     "are "
+     "not. One solve by the factor of the state and one pass over the triangles per quantity, where cracks may be in "
+     "contact up to eight contact problems. Elements bdms and afw; no friction. Not of curved sides: there the "
+     "interval "
+     "is that of the polygon of the mesh."},
+    {"bounds.tips",
+     Boolean,
+     {},
+     "K_I, K_II and G at the tips of cracks that are straight there and have contact = \"open\".",
+     "false",
+     "true"},
     {"bounds.points",
      Points,
      {},
-     "Stresses here, the von Mises stress, and T of the energy or the compliance for a circular hole or inclusion. Three "
-     "quantities per point.",
+     "Stresses here, the von Mises stress, and T of the energy or the compliance for a circular hole or inclusion, "
+     "also "
+     "where cracks may be in contact. Three quantities per point.",
      "[[0.5, 0.5]]"},
 
     {"output", Table, {}, "Which files are written beside result.json and the tables."},

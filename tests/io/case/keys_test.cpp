@@ -182,6 +182,7 @@ TEST(Keys, DefaultsAreThoseOfTheLibrary) {
       {"crack[].contact", quoted(word(c.scene.laws[0].kind))},
       {"crack[].friction", number(c.scene.laws[0].friction)},
       {"crack[].tresca", number(c.scene.laws[0].slip_bound)},
+      {"bounds.tips", BoundsRequest{}.tips ? "true" : "false"},
       {"map.bounds", c.map_request.bounds ? "true" : "false"},
       {"output.vtk", c.output.vtk ? "true" : "false"},
       {"output.png", c.output.png ? "true" : "false"},
