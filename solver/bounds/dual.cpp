@@ -293,7 +293,12 @@ DualProblem PointDual::operator()(PointStress part) const {
 }
 
 Scene with_all_edges(const Model& m) {
-  return superposed(m.scene, unloaded(m), 1);
+  const Scene nothing_else = unloaded(m);
+  Scene s = superposed(m.scene, nothing_else, 1);
+  // In the order of the labels first, as those of duals.
+  s.tractions = nothing_else.tractions;
+  s.tractions.insert(s.tractions.end(), m.scene.tractions.begin(), m.scene.tractions.end());
+  return s;
 }
 
 Scene superposed(const Scene& u, const Scene& w, double k) {
