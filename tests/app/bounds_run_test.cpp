@@ -95,8 +95,7 @@ TEST(BoundsRun, SayWhyThereAreNone) {
   // Open everywhere on this mesh, which proves nothing of the exact solution.
   EXPECT_EQ(note("crack[0].contact=\"unilateral\""),
             "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere");
-  EXPECT_EQ(note("solver.element=\"p2\""), "no bounds of the energy with element \"p2\"")
-      << "or as the element says it";
+  EXPECT_EQ(note("solver.element=\"p2\""), "element \"p2\" has no bounds of the energy; use \"bdms\" or \"afw\"");
 }
 
 TEST(BoundsRun, MeshesAreRefinedForAQuantity) {
