@@ -127,6 +127,7 @@ map.perturbation.poisson
 map.perturbation.aspect
 map.points
 map.bounds
+map.second
 map.radius
 validate.points
 validate.radii

@@ -183,6 +183,7 @@ TEST(Keys, DefaultsAreThoseOfTheLibrary) {
       {"crack[].friction", number(c.scene.laws[0].friction)},
       {"crack[].tresca", number(c.scene.laws[0].slip_bound)},
       {"map.bounds", c.map_request.bounds ? "true" : "false"},
+      {"map.second", c.map_request.second ? "true" : "false"},
       {"output.vtk", c.output.vtk ? "true" : "false"},
       {"output.png", c.output.png ? "true" : "false"},
       {"output.html", c.output.html ? "true" : "false"},
