@@ -49,6 +49,10 @@ void write_map_vtu(const std::filesystem::path& path, const Mapped& mapped, cons
     fields.push_back({"lower", false, map.lower.transpose()});
     fields.push_back({"upper", false, map.upper.transpose()});
   }
+  if (map.c2.size() > 0) {
+    fields.push_back({"c2", false, map.c2.transpose()});
+    fields.push_back({"valid_radius", false, map.valid_radius.transpose()});
+  }
   if (map.angle.size() > 0) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
   write_vtu(path, data.points, data.corners.of, fields);
 }
@@ -62,6 +66,7 @@ std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const F
     MapPoint p{.at = data.points[i], .value = map.at_corners[k], .masked = map.masked_corner[i]};
     if (oriented) p.angle = angle[k];
     if (map.lower.size() > 0) p.lower = map.lower[k], p.upper = map.upper[k];
+    if (map.c2.size() > 0) p.c2 = map.c2[k], p.valid_radius = map.valid_radius[k];
     points.push_back(p);
   }
   return points;
@@ -140,9 +145,10 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
   if (journal.vtk && is_everywhere(map.full)) write_map_vtu(journal.file("map.vtu"), map, data);
-  const bool bounds = task.request.bounds, oriented = map.full.angle.size() > 0;
+  const bool bounds = task.request.bounds, second = task.request.second, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});
+  if (second) columns.insert(columns.end(), {"c2", "valid_radius"});
   if (oriented) columns.push_back("angle_deg");
   columns.push_back("masked");
   std::vector<std::vector<double>> rows;
@@ -150,6 +156,7 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
   for (const MapPoint& p : everywhere ? at_corners(mesh, data, map.full) : map.result.points) {
     std::vector<double> row = {p.at.x(), p.at.y(), p.value};
     if (bounds) row.insert(row.end(), {p.lower.value_or(nan), p.upper.value_or(nan)});
+    if (second) row.insert(row.end(), {p.c2.value_or(nan), p.valid_radius.value_or(nan)});
     if (oriented) row.push_back(std::isfinite(p.value) ? p.angle / degree : nan);
     row.push_back(everywhere ? static_cast<double>(map.left_out_corner[rows.size()]) : p.masked ? 1 : 0);
     rows.push_back(std::move(row));
@@ -165,7 +172,7 @@ void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> p
   std::vector<MapPoint> map(points.size(), MapPoint{.value = nan});
   if (analysis) {
     MapRequest request = task.request;
-    request.bounds = false;
+    request.bounds = request.second = false;
     map = map_at(*analysis, task.functional, request, points);
   }
   std::vector<std::vector<double>> rows;

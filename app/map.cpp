@@ -85,10 +85,17 @@ std::vector<std::string> limits_of_map(const MapTask& task, const Model& model) 
 }
 
 std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map) {
-  if (!task.request.bounds) return {};
-  if (is_clamped(task)) return {"there are no bounds for maps of clamped holes"};
-  add_bars(analysis, task.functional, task.request, {body.shape, body.sizing}, {map.full, map.result.points});
-  return {};
+  std::vector<std::string> notes;
+  if (task.request.second && is_clamped(task))
+    notes.emplace_back("no c2: a clamped hole has no expansion in powers of its radius");
+  else if (!map.full.second_note.empty())
+    notes.push_back(fmt::format("no c2: {}", map.full.second_note));
+  if (!task.request.bounds) return notes;
+  if (is_clamped(task))
+    notes.emplace_back("there are no bounds for maps of clamped holes");
+  else
+    add_bars(analysis, task.functional, task.request, {body.shape, body.sizing}, {map.full, map.result.points});
+  return notes;
 }
 
 void write_map(const MapTask& task, const Mapped& map, const Model& model, const PlotData& data, Journal& journal) {

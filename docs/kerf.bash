@@ -131,6 +131,7 @@ map.perturbation.poisson
 map.perturbation.aspect
 map.points
 map.bounds
+map.second
 map.radius
 validate.points
 validate.radii

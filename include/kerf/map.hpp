@@ -16,6 +16,7 @@ struct MapPoint {
   double angle = 0;  // radians, of the ellipse or the crack
   bool masked = false;  // the expansion cannot hold here at the asked radius
   std::optional<double> lower = {}, upper = {};
+  std::optional<double> c2 = {}, valid_radius = {};  // where MapRequest::second asks for them; NaN: not known there
 };
 
 /// The expansion needs this many radii to the next feature (boundary, crack, tip, end of contact, region, support or
@@ -26,6 +27,7 @@ struct MapRequest {
   Perturbation perturbation;
   double radius = 0;  // that the mask, and a clamped hole, are for
   bool bounds = false;
+  bool second = false;  // c2 of second_order.hpp, and up to which radius the first term is good to 5 %
 };
 
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r, std::span<const Vec2> points);
@@ -35,7 +37,9 @@ struct FullMap {
   Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
   Eigen::VectorXd lower, upper;                     // at corners, or empty
   std::vector<bool> masked_centroid, masked_corner;
-  Eigen::VectorXd margin;  // at corners: distance to the nearest feature less what the mask asks for
+  Eigen::VectorXd margin;            // at corners: distance to the nearest feature less what the mask asks for
+  Eigen::VectorXd c2, valid_radius;  // at corners, or empty; NaN where not known
+  std::string second_note;           // why c2 is not known anywhere
 };
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners);
 

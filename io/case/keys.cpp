@@ -429,6 +429,15 @@ constexpr Key rows[] = {
      "work), no guarantee. Not for bdms of degree 3.",
      "true",
      "false"},
+    {"map.second",
+     Boolean,
+     {},
+     "The second term c2 of the expansion, pi eps^2 (T + c2 eps^2), for every value of the map, and the radius up to "
+     "which "
+     "the first one is good to 5 %. Free holes and inclusions, energies and functionals linear in the state, one "
+     "material.",
+     "true",
+     "false"},
     {"map.radius",
      Number,
      {.range = positive},

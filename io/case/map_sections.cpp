@@ -90,6 +90,7 @@ void read_map(const Value& document, Case& c) {
       c.map->points = points(*at, 1);
     }
     take(*map, "bounds", c.map_request.bounds);
+    take(*map, "second", c.map_request.second);
     if (const auto given = find(*map, "radius")) c.map_request.radius = radius(*given, c);
   }
   if (validate) {

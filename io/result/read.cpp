@@ -176,7 +176,9 @@ MapResult map(const Json& from) {
                           .angle = angle.value_or(0) * pi / 180,
                           .masked = p.value("masked", false),
                           .lower = maybe(p, "lower"),
-                          .upper = maybe(p, "upper")});
+                          .upper = maybe(p, "upper"),
+                          .c2 = maybe(p, "c2"),
+                          .valid_radius = maybe(p, "valid_radius")});
   }
   return out;
 }

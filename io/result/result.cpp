@@ -215,6 +215,8 @@ Json map_section(const MapResult& map) {
                       {"value", number(p.value)},
                       {"lower", number(p.lower)},
                       {"upper", number(p.upper)},
+                      {"c2", number(p.c2)},
+                      {"valid_radius", number(p.valid_radius)},
                       {"masked", p.masked},
                       {"angle_deg", angle}});
   }

@@ -95,6 +95,19 @@ TEST_F(MapRun, ErrorBarsEncloseTheValues) {
   EXPECT_EQ(lines("map.csv")[0], "x,y,topological_derivative,lower,upper,masked");
 }
 
+TEST_F(MapRun, SaysHowFarTheFirstTermReaches) {
+  const json r = run_text("[map]\nsecond = true\npoints = [[0.15, 0.45], [3, 3]]\n", Job::Map);
+  const json& p = r["map"]["points"][0];
+  EXPECT_NEAR(p["valid_radius"].get<double>(),
+              std::sqrt(0.05 * std::abs(p["value"].get<double>() / p["c2"].get<double>())), 1e-12);
+  EXPECT_TRUE(r["map"]["points"][1]["c2"].is_null());
+  EXPECT_EQ(lines("map.csv")[0], "x,y,topological_derivative,c2,valid_radius,masked");
+  const json track = run_text(
+      "[functional]\nkind = \"boundary_tracking\"\non = \"top\"\ntarget = [0, 0]\n[map]\nsecond = true\n", Job::Map);
+  EXPECT_NE(track["state"]["notes"].dump().find("no c2"), std::string::npos) << track["state"]["notes"];
+  EXPECT_EQ(lines("map.csv")[0], "x,y,topological_derivative,c2,valid_radius,masked");
+}
+
 TEST_F(MapRun, EveryPerturbationAndFunctionalRuns) {
   for (const char* change : {"\"hole\"", "{ young = 5.0, poisson = 0.2 }", "\"crack\"", "{ aspect = 2.0 }"}) {
     const json r =

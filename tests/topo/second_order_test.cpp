@@ -2,6 +2,7 @@
 
 #include "kerf/second_order.hpp"
 
+#include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
 #include "tests/topo/disc_series.hpp"
 #include "tests/topo/validation.hpp"
@@ -226,6 +227,49 @@ TEST(SecondOrder, OfACrackOpeningPredictsAMeshedHole) {
   const double order = std::log(second[0] / second[2]) / std::log(.16 / .08);
   EXPECT_GT(order, 3.5) << second[0] << ' ' << second[1] << ' ' << second[2];
   EXPECT_LT(order, 4.5);
+}
+
+// Interpolated replies and small discs against a reply per point, away from sides and tips.
+TEST(SecondOrder, EverywhereAgreesWithPointwise) {
+  const scenes::Body b = pulled_square(plane_strain(1, 0.3));
+  const Solved s = solved(b.shape, {.size = 0.1, .crack_tip_size = 0.02}, b.scene, 1);
+  const Functional j{"compliance", {compliance()}};
+  const Analysis a = analyze(j, s.model, s.state);
+  const Corners corners = split_for_stress(s.model.mesh);
+  const FullMap map = map_everywhere(a, j, {.second = true}, corners);
+  EXPECT_TRUE(map.second_note.empty()) << map.second_note;
+  ASSERT_EQ(map.c2.size(), map.at_corners.size());
+  SecondOrders at(a, j, {});
+  std::vector<double> error, of_radius;
+  for (Eigen::Index i = 0; i < map.c2.size(); i += 7) {
+    const Vec2& x = s.model.mesh.points[corners.vertex[static_cast<std::size_t>(i)]];
+    const double away =
+        std::min({1 - std::abs(x.x()), 1 - std::abs(x.y()), std::hypot(std::max(0.0, std::abs(x.x()) - 0.4), x.y())});
+    if (away < 0.3) continue;
+    ASSERT_TRUE(std::isfinite(map.c2[i])) << x.transpose();
+    const SecondOrder exact = at.at(x);
+    error.push_back(std::abs(map.c2[i] - exact.c2) / parts(exact));
+    of_radius.push_back(std::abs(map.valid_radius[i] / exact.valid_radius() - 1));
+  }
+  std::ranges::sort(error);
+  std::ranges::sort(of_radius);
+  const auto share = [](const std::vector<double>& v, double of) {
+    return v[static_cast<std::size_t>(of * static_cast<double>(v.size()))];
+  };
+  const std::string found = fmt::format("{}: {} {} {}, radius {} {}", error.size(), share(error, 0.5),
+                                        share(error, 0.9), error.back(), share(of_radius, 0.5), share(of_radius, 0.9));
+  ASSERT_GT(error.size(), 20u);
+  EXPECT_LT(share(error, 0.5), 0.02) << found;
+  EXPECT_LT(share(error, 0.9), 0.06) << found;
+  EXPECT_LT(share(of_radius, 0.5), 0.02) << found;
+  EXPECT_LT(share(of_radius, 0.9), 0.06) << found;
+  const MapPoint point = map_at(a, j, {.second = true}, std::vector<Vec2>{{.3, .5}}).front();
+  EXPECT_EQ(point.c2, at.at({.3, .5}).c2);
+  EXPECT_GT(*point.valid_radius, 0);
+  const Functional track{"t", {boundary_tracking(2, {}, {})}};
+  const FullMap none = map_everywhere(analyze(track, s.model, s.state), track, {.second = true}, corners);
+  EXPECT_NE(none.second_note.find("boundary_tracking"), std::string::npos) << none.second_note;
+  EXPECT_TRUE(none.c2.array().isNaN().all());
 }
 
 // No logarithm and no c2: says so by name.

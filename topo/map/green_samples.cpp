@@ -16,13 +16,8 @@ namespace kerf {
 
 namespace {
 
-// int ds/r^3 along an edge.
 double inverse_cubes(const Wall& w, const Vec2& x) {
-  const Vec2 along = (w.b - w.a).normalized(), from = w.a - x, to = w.b - x;
-  const double s1 = along.dot(from), s2 = along.dot(to), r1 = from.norm(), r2 = to.norm();
-  if (s1 * s2 > 0) return (s2 * s2 - s1 * s1) / (r1 * r1 * r2 * r2 * (s2 / r2 + s1 / r1));
-  const double away = cross(along, from);
-  return (s2 / r2 - s1 / r1) / (away * away);
+  return kerf::inverse_cubes(w.a, w.b, x);
 }
 
 // 2/d^2 on a straight side, d the distance.
@@ -170,26 +165,36 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
   return g;
 }
 
-Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
+double inverse_cubes(const Vec2& a, const Vec2& b, const Vec2& x) {
+  const Vec2 along = (b - a).normalized(), from = a - x, to = b - x;
+  const double s1 = along.dot(from), s2 = along.dot(to), r1 = from.norm(), r2 = to.norm();
+  if (s1 * s2 > 0) return (s2 * s2 - s1 * s1) / (r1 * r1 * r2 * r2 * (s2 / r2 + s1 / r1));
+  const double away = cross(along, from);
+  return (s2 / r2 - s1 / r1) / (away * away);
+}
+
+Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
+                                    const std::vector<std::pair<Vec2, Vec2>>& barriers,
+                                    const std::function<Eigen::RowVectorXd(std::size_t)>& values_of, const Vec2& x) {
   std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t i = 0; i < g.x.size(); ++i) near.emplace_back((g.x[i] - x).squaredNorm(), i);
+  for (std::size_t i = 0; i < samples.size(); ++i) near.emplace_back((samples[i] - x).squaredNorm(), i);
   constexpr std::size_t many = 28, looked_at = 64;
   const std::size_t looked = std::min(looked_at, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(looked), near.end());
   std::vector<std::pair<double, std::size_t>> seen;
   for (std::size_t k = 0; k < looked && seen.size() < many; ++k)
-    if (std::none_of(g.barriers.begin(), g.barriers.end(),
-                     [&](const auto& wall) { return crosses(wall, x, g.x[near[k].second]); }))
+    if (std::none_of(barriers.begin(), barriers.end(),
+                     [&](const auto& wall) { return crosses(wall, x, samples[near[k].second]); }))
       seen.push_back(near[k]);
   if (seen.empty()) seen.push_back(near.front());
   const Eigen::Index n = static_cast<Eigen::Index>(seen.size());
   const Eigen::Index terms = n >= 18 ? 10 : n >= 9 ? 6 : n >= 4 ? 3 : 1;
   const double reach = 1.2 * std::sqrt(seen.back().first) + std::numeric_limits<double>::min();
   Eigen::MatrixXd rows(n, terms);
-  Eigen::MatrixXd values(n, 3);
+  Eigen::MatrixXd values(n, values_of(0).size());
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& [square, k] = seen[static_cast<std::size_t>(i)];
-    const Vec2 d = (g.x[k] - x) / reach;
+    const Vec2 d = (samples[k] - x) / reach;
     const double r2 = d.squaredNorm();
     constexpr double sharp = 1e-4;
     const double weight = (1 - r2) / std::sqrt(r2 + sharp);
@@ -197,10 +202,16 @@ Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
     p << 1, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y(), d.x() * d.x() * d.x(), d.x() * d.x() * d.y(),
         d.x() * d.y() * d.y(), d.y() * d.y() * d.y();
     rows.row(i) = weight * p.head(terms).transpose();
-    values.row(i) << g.rest[k](0, 0), g.rest[k](1, 1), 0.5 * (g.rest[k](0, 1) + g.rest[k](1, 0));
-    values.row(i) *= weight;
+    values.row(i) = weight * values_of(k);
   }
-  const Eigen::RowVector3d v = rows.colPivHouseholderQr().solve(values).row(0);
+  return rows.colPivHouseholderQr().solve(values).row(0);
+}
+
+Mat2 interpolate(const GreenSamples& g, const Vec2& x) {
+  const auto value = [&](std::size_t k) -> Eigen::RowVectorXd {
+    return Eigen::RowVector3d(g.rest[k](0, 0), g.rest[k](1, 1), 0.5 * (g.rest[k](0, 1) + g.rest[k](1, 0)));
+  };
+  const Eigen::RowVector3d v = interpolate_rows(g.x, g.barriers, value, x);
   return wall_logarithms(g.walls, x) + (Mat2() << v[0], v[2], v[2], v[1]).finished();
 }
 

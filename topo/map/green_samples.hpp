@@ -3,6 +3,8 @@
 
 #include "topo/map/green.hpp"
 
+#include <functional>
+
 namespace kerf {
 
 /// Towards a boundary the tensor grows like a logarithm of the distance, with a coefficient per direction that the
@@ -29,7 +31,15 @@ struct GreenSamples {
 GreenSamples sample_green(const Model& model, const Field& state, double eps, std::span<const Vec2> candidates,
                           std::span<const Index> in);
 
-/// Moving least squares with cubics over the nearest samples in sight. Symmetric.
+/// int ds/r^3 along a segment: 2/d^2 beside a long straight one.
+double inverse_cubes(const Vec2& a, const Vec2& b, const Vec2& x);
+
+/// Moving least squares with cubics over the nearest samples in sight: values in rows.
+Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
+                                    const std::vector<std::pair<Vec2, Vec2>>& barriers,
+                                    const std::function<Eigen::RowVectorXd(std::size_t)>& values, const Vec2& x);
+
+/// Symmetric.
 Mat2 interpolate(const GreenSamples& samples, const Vec2& x);
 
 }  // namespace kerf

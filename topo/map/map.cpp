@@ -9,6 +9,7 @@
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
 #include "topo/map/mask.hpp"
+#include "topo/map/second_map.hpp"
 #include "topo/map_at_centroids.hpp"
 
 #include <cmath>
@@ -151,6 +152,20 @@ void fill_clamped(const Analysis& a, const Functional& j, double radius, const G
   map.at_corners = clamped.value.tail(static_cast<Eigen::Index>(grid.corners.x.size()));
 }
 
+double valid_radius_of(double T, double c2) {
+  return SecondOrder{.T = T, .c2 = c2, .available = std::isfinite(c2)}.valid_radius();
+}
+
+// At the corners.
+void fill_second(const Analysis& a, const Functional& j, const Perturbation& p, const Grid& grid, FullMap& map) {
+  const SecondMap second =
+      second_everywhere(a, j, p, {grid.corners.x, grid.corners.in, std::vector<bool>(grid.corners.x.size(), false)});
+  map.c2 = second.c2;
+  map.second_note = second.note;
+  map.valid_radius.resize(map.c2.size());
+  for (Eigen::Index i = 0; i < map.c2.size(); ++i) map.valid_radius[i] = valid_radius_of(map.at_corners[i], map.c2[i]);
+}
+
 // The solution that error bars compare with.
 struct Finer {
   Finer(const Analysis& a, const Functional& j, const Meshing& meshing, const MapFields& own)
@@ -206,6 +221,12 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
     map[i].value = t.value;
     map[i].angle = t.angle;
   }
+  if (!r.second) return map;
+  SecondOrders second(a, j, r.perturbation);
+  for (MapPoint& p : map) {
+    p.c2 = second.at(p.at).c2;
+    p.valid_radius = valid_radius_of(p.value, *p.c2);
+  }
   return map;
 }
 
@@ -225,6 +246,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   everywhere.fill(grid.centroids, &RecoveredStress::at_centroids, &Displacements::at_centroids, map.at_centroids,
                   is_directed(r.perturbation) ? &map.angle : nullptr);
   everywhere.fill(grid.corners, &RecoveredStress::at_corners, &Displacements::at_corners, map.at_corners);
+  if (r.second) fill_second(a, j, r.perturbation, grid, map);
   return map;
 }
 

@@ -55,4 +55,24 @@ std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus>
   return replies;
 }
 
+// The nuclei are those of unit stresses (tr s, half the difference, the shear) [theory: B.11]; the dipoles in terms of
+// them, phi = -conj(b1)/z, psi = -2 a1/z.
+Nucleus dipole_field(const Material& m, const Vec2& x, const Dipoles& sent) {
+  const double unit = 8 * pi / plane_modulus(m);
+  const std::array<double, 3> share{0.5 * unit * sent.a1, unit * sent.b1.real(), unit * sent.b1.imag()};
+  const std::array<Nucleus, 3> part{point_nucleus(m, x, PointStress::Trace),
+                                    point_nucleus(m, x, PointStress::Difference),
+                                    point_nucleus(m, x, PointStress::Shear)};
+  return {[=](const Vec2& at) -> Vec2 {
+            Vec2 u = Vec2::Zero();
+            for (std::size_t i = 0; i < part.size(); ++i) u += share[i] * part[i].displacement(at);
+            return u;
+          },
+          [=](const Vec2& at) -> Mat2 {
+            Mat2 s = Mat2::Zero();
+            for (std::size_t i = 0; i < part.size(); ++i) s += share[i] * part[i].stress(at);
+            return s;
+          }};
+}
+
 }  // namespace kerf

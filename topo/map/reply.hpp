@@ -4,6 +4,7 @@
 
 #include "kerf/adjoint.hpp"
 #include "solver/nucleus.hpp"
+#include "topo/formulas/second_term.hpp"
 
 #include <span>
 
@@ -25,5 +26,8 @@ class BodyReply {
   TangentSolver solver_;
   std::vector<Index> edges_;  // on the boundary, and of cracks whose faces move
 };
+
+/// What a circle sends out: phi = -conj(b1)/z, psi = -2 a1/z.
+Nucleus dipole_field(const Material& m, const Vec2& x, const Dipoles& sent);
 
 }  // namespace kerf

@@ -15,30 +15,6 @@
 
 namespace kerf {
 
-namespace {
-
-// The nuclei are those of unit stresses (tr s, half the difference, the shear) [theory: B.11]; the dipoles in terms of
-// them, phi = -conj(b1)/z, psi = -2 a1/z.
-Nucleus field_of(const Material& m, const Vec2& x, const Dipoles& sent) {
-  const double unit = 8 * pi / plane_modulus(m);
-  const std::array<double, 3> share{0.5 * unit * sent.a1, unit * sent.b1.real(), unit * sent.b1.imag()};
-  const std::array<Nucleus, 3> part{point_nucleus(m, x, PointStress::Trace),
-                                    point_nucleus(m, x, PointStress::Difference),
-                                    point_nucleus(m, x, PointStress::Shear)};
-  return {[=](const Vec2& at) -> Vec2 {
-            Vec2 u = Vec2::Zero();
-            for (std::size_t i = 0; i < part.size(); ++i) u += share[i] * part[i].displacement(at);
-            return u;
-          },
-          [=](const Vec2& at) -> Mat2 {
-            Mat2 s = Mat2::Zero();
-            for (std::size_t i = 0; i < part.size(); ++i) s += share[i] * part[i].stress(at);
-            return s;
-          }};
-}
-
-}  // namespace
-
 double SecondOrder::valid_radius(double share) const {
   if (!available || T == 0) return available ? 0 : nan;
   return c2 == 0 ? infinity : std::sqrt(share * std::abs(T / c2));
@@ -79,7 +55,7 @@ struct SecondOrders::Impl {
       result.note = "the point lies on a boundary, a crack or in the ring of the functional";
       return result;
     }
-    const TaylorFit fit(m, x, part * clear);
+    const TaylorFit fit(m, x, t, part * clear);
     if (fit.coarse()) {
       result.note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
       return result;
@@ -125,7 +101,7 @@ struct SecondOrders::Impl {
 
   TaylorField replied(BodyReply& body, const TaylorFit& fit, const TaylorField& s, const Material& material,
                       const Vec2& x) {
-    const Nucleus sent = field_of(material, x, dipoles(p, material, s));
+    const Nucleus sent = dipole_field(material, x, dipoles(p, material, s));
     const TangentField w = body.to(x, std::span(&sent, 1), fit.triangles()).front();
     constexpr double solved = 1e-6;
     if (!(w.residual < solved))

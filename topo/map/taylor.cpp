@@ -3,7 +3,9 @@
 #include "solver/quadrature.hpp"
 #include "solver/system.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 namespace kerf {
 
@@ -59,12 +61,17 @@ void over_points(const Model& m, const std::vector<Index>& use, const Vec2& at, 
 
 }  // namespace
 
-TaylorFit::TaylorFit(const Model& m, const Vec2& x, double radius) : m_(m), at_(x), radius_(radius) {
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
-    double nearest = infinity;
-    for (const Index v : m.mesh.triangles[t]) nearest = std::min(nearest, (m.mesh.points[v] - x).norm());
-    if (nearest < radius) use_.push_back(t);
-  }
+TaylorFit::TaylorFit(const Model& m, const Vec2& x, Index start, double radius) : m_(m), at_(x), radius_(radius) {
+  const auto reaches = [&](Index t) {
+    return std::ranges::any_of(m.mesh.triangles[t], [&](Index v) { return (m.mesh.points[v] - x).norm() < radius; });
+  };
+  use_.push_back(start);
+  std::unordered_set<Index> seen{start};
+  for (std::size_t i = 0; i < use_.size(); ++i)
+    for (const Index e : m.mesh.edges_of[use_[i]])
+      for (const Index t : m.mesh.sides[e])
+        if (t != none && seen.insert(t).second && reaches(t)) use_.push_back(t);
+  std::sort(use_.begin(), use_.end());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(unknowns, unknowns);
   over_points(m, use_, x, radius, [&](Index, const Triangle&, const Vec2&, const Complex& z, double weight) {
     const Rows r = rows_at(z);

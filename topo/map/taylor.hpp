@@ -13,8 +13,8 @@ namespace kerf {
 /// the element over the disc.
 class TaylorFit {
  public:
-  /// No feature lies in the disc.
-  TaylorFit(const Model& m, const Vec2& x, double radius);
+  /// x in triangle t; no feature lies in the disc.
+  TaylorFit(const Model& m, const Vec2& x, Index t, double radius);
 
   /// Too few triangles to tell the coefficients from the error of the element.
   bool coarse() const;

@@ -184,6 +184,7 @@ TEST(Keys, DefaultsAreThoseOfTheLibrary) {
       {"crack[].tresca", number(c.scene.laws[0].slip_bound)},
       {"bounds.tips", BoundsRequest{}.tips ? "true" : "false"},
       {"map.bounds", c.map_request.bounds ? "true" : "false"},
+      {"map.second", c.map_request.second ? "true" : "false"},
       {"output.vtk", c.output.vtk ? "true" : "false"},
       {"output.png", c.output.png ? "true" : "false"},
       {"output.html", c.output.html ? "true" : "false"},

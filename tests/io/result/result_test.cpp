@@ -45,7 +45,8 @@ TEST(ResultJson, EverySectionWithItsKeysInTheOrderOfTheInterface) {
   EXPECT_EQ(keys(j["map"]), (Keys{"perturbation", "min", "max", "points", "excluded_radius", "radius", "masked_share",
                                   "biactive_length"}));
   EXPECT_EQ(keys(j["map"]["min"]), (Keys{"at", "value"}));
-  EXPECT_EQ(keys(j["map"]["points"][0]), (Keys{"at", "value", "lower", "upper", "masked", "angle_deg"}));
+  EXPECT_EQ(keys(j["map"]["points"][0]),
+            (Keys{"at", "value", "lower", "upper", "c2", "valid_radius", "masked", "angle_deg"}));
   ASSERT_EQ(j["validate"].size(), 3u);
   EXPECT_EQ(keys(j["validate"][0]),
             (Keys{"at",           "perturbation", "coefficient", "order", "verdict",     "rows",         "reason",

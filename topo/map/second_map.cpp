@@ -1,0 +1,174 @@
+#include "topo/map/second_map.hpp"
+
+#include "solver/parallel.hpp"
+#include "solver/system.hpp"
+#include "topo/map/green_samples.hpp"
+#include "topo/map/mask.hpp"
+#include "topo/map/reply.hpp"
+#include "topo/map/second_known.hpp"
+#include "topo/map/taylor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+// Half of int ds/r^3 over all that the body ends at: the sum of 1/d^2 over straight sides at the distances d. The reply
+// grows like that.
+class Walls {
+ public:
+  explicit Walls(const Model& m) {
+    for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+      const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
+      const bool moves = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+      if (boundary || moves) edges.emplace_back(m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]);
+    }
+  }
+  double operator()(const Vec2& x) const {
+    double sum = 0;
+    for (const auto& [a, b] : edges) sum += inverse_cubes(a, b, x);
+    return 0.5 * sum;
+  }
+
+  std::vector<std::pair<Vec2, Vec2>> edges;
+};
+
+using Form = Eigen::Matrix3d;  // from (a_1, Re b_1, Im b_1) to (2 Re alpha, Re beta, Im beta), symmetric
+
+Eigen::RowVectorXd entries(const Form& f) {
+  return (Eigen::RowVectorXd(6) << f(0, 0), f(1, 1), f(2, 2), f(0, 1), f(0, 2), f(1, 2)).finished();
+}
+Form form_of(const Eigen::RowVectorXd& v) {
+  return (Form() << v[0], v[3], v[4], v[3], v[1], v[5], v[4], v[5], v[2]).finished();
+}
+
+// Where a point may be looked at: its triangle, and the radius of the disc without features.
+struct Place {
+  Vec2 x;
+  Index in;
+  double clear;
+};
+
+Form sampled(BodyReply& body, const Model& m, const Place& at, const TaylorFit& fit) {
+  const Material& material = material_of(m.mesh, m.scene, at.in);
+  std::array<Nucleus, 3> unit{dipole_field(material, at.x, {1, 0}), dipole_field(material, at.x, {0, 1}),
+                              dipole_field(material, at.x, {0, std::complex<double>(0, 1)})};
+  constexpr double residual = 1e-7;
+  const std::vector<TangentField> replies = body.to(at.x, unit, fit.triangles(), residual);
+  Form f;
+  for (int i = 0; i < 3; ++i) {
+    const TaylorField w = fit.of(replies[static_cast<std::size_t>(i)]);
+    f.col(i) << 2 * w.a1, w.b1.real(), w.b1.imag();
+  }
+  return 0.5 * (f + f.transpose());
+}
+
+// Samples of the form less its growth towards walls.
+struct Samples {
+  const Walls* walls;
+  std::vector<Vec2> x = {};
+  std::vector<Eigen::RowVectorXd> rest = {};  // over walls(x)
+  double error = 0;
+
+  Form at(const Vec2& here) const {
+    const auto value = [&](std::size_t k) { return rest[k]; };
+    return (*walls)(here)*form_of(interpolate_rows(x, walls->edges, value, here));
+  }
+};
+
+// Each next one where the spacing against the distance to the walls is the widest, until the form at the next ones is
+// predicted well enough.
+Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<const Place> places) {
+  constexpr double part = 0.7, accurate = 0.02;
+  constexpr int most = 250, batch = 20, least = 60;
+  Samples all{&walls};
+  BodyReply body(m, tied(contact_status(m, s)));
+  std::vector<double> wide(places.size(), infinity), scale(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) scale[i] = 1 / std::sqrt(walls(places[i].x));
+  double worst = 0;
+  for (int count = 0; count < most; ++count) {
+    const std::size_t next = static_cast<std::size_t>(std::ranges::max_element(wide) - wide.begin());
+    if (places.empty() || wide[next] == 0) break;
+    const Place& at = places[next];
+    for (std::size_t i = 0; i < places.size(); ++i) wide[i] = std::min(wide[i], (places[i].x - at.x).norm() / scale[i]);
+    const TaylorFit fit(m, at.x, at.in, part * at.clear);
+    if (fit.coarse()) continue;
+    const Form exact = sampled(body, m, at, fit);
+    if (count >= least) worst = std::max(worst, (exact - all.at(at.x)).norm() / exact.norm());
+    all.x.push_back(at.x);
+    all.rest.push_back(entries(exact) / walls(at.x));
+    if (count < least || (count - least) % batch != batch - 1) continue;
+    all.error = std::exchange(worst, 0);
+    if (all.error < accurate) break;
+  }
+  return all;
+}
+
+// A disc large enough to tell the coefficients and small enough to be cheap, without features in it; 0 where there is
+// none.
+double radius_at(const Model& m, const Place& at) {
+  constexpr double part = 0.7, many = 120;
+  const double size = area(m.mesh, at.in);
+  return std::min(part * at.clear, std::sqrt(many * size / pi));
+}
+
+TaylorField reply_in(const Form& form, const Perturbation& p, const Material& m, const TaylorField& s) {
+  const Dipoles sent = dipoles(p, m, s);
+  const Eigen::Vector3d w = form * Eigen::Vector3d(sent.a1, sent.b1.real(), sent.b1.imag());
+  return {.a1 = 0.5 * w[0], .a2 = 0, .a3 = 0, .b1 = {w[1], w[2]}, .b2 = 0};
+}
+
+}  // namespace
+
+SecondMap second_everywhere(const Analysis& a, const Functional& j, const Perturbation& p, const Candidates& points) {
+  const Model& m = *a.model;
+  SecondMap map{.c2 = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.x.size()), nan),
+                .note = unknown_second_term(a, j, p)};
+  if (!map.note.empty()) return map;
+  Vec2 low = m.mesh.points[0], high = low;
+  for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  const double size = (high - low).norm();
+  const std::vector<double> clear = margins(m, j, points.x, {0, 0, size});
+  std::vector<Place> places;
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    constexpr double part = 0.7, least = 24;
+    if (points.skip[i] || pi * std::pow(part * clear[i], 2) < least * area(m.mesh, points.in[i])) continue;
+    places.push_back({points.x[i], points.in[i], clear[i]});
+    wanted.push_back(i);
+  }
+  const Walls walls(m);
+  std::optional<Samples> own, measured;
+  if (a.energy_share != 0 || a.adjoint) own = sample(m, *a.state, walls, places);
+  if (a.measured) measured = sample(*a.measured_model, *a.measured, walls, places);
+  for (const auto* of : {&own, &measured})
+    if (*of) {
+      map.error = std::max(map.error, (*of)->error);
+      map.samples += static_cast<Index>((*of)->x.size());
+      if ((*of)->x.empty()) return map;
+    }
+  parallel_for(static_cast<Index>(places.size()), m.threads, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Place& at = places[static_cast<std::size_t>(i)];
+      const TaylorFit fit(m, at.x, at.in, radius_at(m, at));
+      if (fit.coarse()) continue;
+      const Material& material = material_of(m.mesh, m.scene, at.in);
+      double c2 = 0;
+      if (own) {
+        const TaylorField s = fit.of(*a.state), w = reply_in(own->at(at.x), p, material, s);
+        if (a.energy_share != 0) c2 -= 0.5 * a.energy_share * second_form(p, material, s, s, w).value();
+        if (a.adjoint) c2 += second_form(p, material, s, fit.of(*a.adjoint), w).value();
+      }
+      if (measured) {
+        const TaylorField s = fit.of(*a.measured), w = reply_in(measured->at(at.x), p, material, s);
+        c2 -= 0.5 * a.measured_share * second_form(p, material, s, s, w).value();
+      }
+      map.c2[static_cast<Eigen::Index>(wanted[static_cast<std::size_t>(i)])] = c2;
+    }
+  });
+  return map;
+}
+
+}  // namespace kerf
