@@ -33,7 +33,8 @@ std::string of_state(const Result& r) {
 }
 
 std::string of_refinement(const AdaptResult& adapt) {
-  return line("mesh", adapt.stopped.starts_with("reached") ? Mood::Good : Mood::Warn, "refined", adapt.stopped);
+  return line("mesh", adapt.stopped.starts_with("reached") ? Mood::Good : Mood::Warn, "refined",
+              adapt.of.empty() ? adapt.stopped : fmt::format("for {}: {}", adapt.of, adapt.stopped));
 }
 
 std::string of_map(const MapResult& map) {
