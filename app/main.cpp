@@ -261,6 +261,20 @@ int perform_report(const Arguments& arguments) {
   return 0;
 }
 
+/// A signal ends it as it ends a run: the folder of the trials goes away.
+int foretell(const Case& c, Job job, const Arguments& arguments) {
+  catch_signals();
+  std::optional<Forecast> f;
+  try {
+    f = forecast_of(c, job, arguments);
+  } catch (...) {
+    if (stop_requested()) throw Error(Fault::Numerics, "stopped before it was known what the run takes");
+    throw;
+  }
+  print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(*f), f->taken));
+  return 0;
+}
+
 int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
   watchdog.pause();
   const std::optional<Forecast> expected = forecast_of(c, job, arguments);
@@ -345,9 +359,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog) {
                                                     : Job::Run;
   if (arguments.dry_run) {
     watchdog.pause();
-    const Forecast f = *forecast_of(c, job, arguments);
-    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
-    return 0;
+    return foretell(c, job, arguments);
   }
   if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.

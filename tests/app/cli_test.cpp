@@ -443,6 +443,19 @@ TEST_F(Cli, SaysBeforehandWhatARunTakesAndRefusesWhatIsTooMuch) {
   EXPECT_GT(said, peak / 1.5);
 }
 
+TEST_F(Cli, AStoppedForecastLeavesNothingBehind) {
+  fs::create_directory(folder / "scratch");
+  setenv("TMPDIR", (folder / "scratch").c_str(), 1);
+  const Outcome o = kerf(
+      "run a.toml --dry-run --set mesh.size=0.004 "
+      "--set 'validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}' & pid=$!; "
+      "for k in $(seq 3000); do ls scratch | grep -q forecast && break; sleep 0.01; done; kill -TERM $pid; wait $pid");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(o.code, 4) << o.error;
+  EXPECT_NE(o.error.find("kerf: stopped before it was known what the run takes"), std::string::npos) << o.error;
+  EXPECT_TRUE(fs::is_empty(folder / "scratch"));
+}
+
 TEST_F(Cli, GoesWithoutTheModuleOfVtkUnlessItIsAskedFor) {
   fs::create_directory(folder / "bin");
   fs::copy_file(KERF_PROGRAM, folder / "bin/kerf");
