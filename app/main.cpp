@@ -262,22 +262,18 @@ int perform_report(const Arguments& arguments) {
 }
 
 /// A signal ends it as it ends a run: the folder of the trials goes away.
-int foretell(const Case& c, Job job, const Arguments& arguments) {
-  catch_signals();
-  std::optional<Forecast> f;
+std::optional<Forecast> foretell(const Case& c, Job job, const Arguments& arguments) {
   try {
-    f = forecast_of(c, job, arguments);
+    return forecast_of(c, job, arguments);
   } catch (...) {
     if (stop_requested()) throw Error(Fault::Numerics, "stopped before it was known what the run takes");
     throw;
   }
-  print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(*f), f->taken));
-  return 0;
 }
 
 int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
   watchdog.pause();
-  const std::optional<Forecast> expected = forecast_of(c, job, arguments);
+  const std::optional<Forecast> expected = foretell(c, job, arguments);
   watchdog.resume();
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   if (expected && !expected->at_most) progress.expect(expected->seconds);
@@ -359,7 +355,10 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog) {
                                                     : Job::Run;
   if (arguments.dry_run) {
     watchdog.pause();
-    return foretell(c, job, arguments);
+    catch_signals();
+    const Forecast f = *foretell(c, job, arguments);
+    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
+    return 0;
   }
   if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.
