@@ -130,7 +130,7 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& e) {
     return report("", e.what(), Fault::Files);
   } catch (const Stopped&) {
-    return report("", "stopped", Fault::Numerics);
+    return report("", "stopped by a signal before it was done", Fault::Numerics);
   } catch (const std::bad_alloc&) {
     return report("", "out of memory; use a coarser mesh (a larger mesh.size)", Fault::Numerics);
   } catch (const std::system_error& e) {
