@@ -22,6 +22,19 @@ std::string unavailable(const Model& m) {
   return {};
 }
 
+/// A prescribed displacement or a pressure is sampled together with that of the dual: what is proved of it alone, where
+/// it is no polynomial, does not reach the sum.
+std::string sampled_in_sums(const Model& m) {
+  const auto rough = [](const BoundaryField& f) { return f && f.known() && f.known()->degree() < 0; };
+  for (const Support& support : m.scene.supports)
+    if (rough(support.value))
+      return "the bounds are estimates: a prescribed displacement is sampled together with the singular field";
+  for (const CrackLaw& law : m.scene.laws)
+    if (rough(law.pressure))
+      return "the bounds are estimates: the pressure in a crack is sampled together with the singular field";
+  return {};
+}
+
 /// Given tractions alone: the body of m, its supports at rest.
 Scene loaded_by(const Model& m, const std::vector<Traction>& tractions) {
   Scene s;
@@ -155,7 +168,8 @@ struct ContactQuantityBounds::Impl {
     return search;
   }
 
-  Bounded bound(const Scene& w, const Known& known, const std::string& coarse) const {
+  Bounded bound(const Scene& w, const Known& known, const std::string& estimate) const {
+    const std::string sums = sampled_in_sums(m), &coarse = estimate.empty() ? sums : estimate;
     const Model dual = with_loads(m, w);
     const Field tied = sliding(dual);
     const Search s =

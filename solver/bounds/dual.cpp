@@ -293,11 +293,12 @@ DualProblem PointDual::operator()(PointStress part) const {
 }
 
 Scene with_all_edges(const Model& m) {
-  const Scene nothing_else = unloaded(m);
-  Scene s = superposed(m.scene, nothing_else, 1);
-  // In the order of the labels first, as those of duals.
-  s.tractions = nothing_else.tractions;
+  const Scene rest = unloaded(m);
+  Scene s = m.scene;             // what is known of its data stays known
+  s.tractions = rest.tractions;  // in the order of the labels first, as those of duals
   s.tractions.insert(s.tractions.end(), m.scene.tractions.begin(), m.scene.tractions.end());
+  for (std::size_t c = 0; c < s.laws.size(); ++c)
+    if (!s.laws[c].pressure) s.laws[c].pressure = rest.laws[c].pressure;
   return s;
 }
 
