@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 
@@ -54,17 +55,21 @@ bool is_energy(const Functional& j) {
   return std::ranges::all_of(j.terms, [](const Term& t) { return (t.energy || t.work) && !t.measured; });
 }
 
-Bounded bound_derivative(const BoundsTask& task, const Model& m, const State& s, const Vec2& x,
-                         const StressBounds& stress) {
-  if (!is_energy(task.functional))
-    return {nan, nan, nan, false,
-            "no bounds: the topological derivative is bounded for the energy and the compliance alone"};
-  return derivative_bounds(analyze(task.functional, m, s), task.perturbation, x, stress);
+/// Empty where T is not bounded.
+std::optional<Analysis> analysis_of(const BoundsTask& task, const Model& m, const State& s) {
+  return is_energy(task.functional) ? std::optional(analyze(task.functional, m, s)) : std::nullopt;
 }
 
-std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s) {
+Bounded bound_derivative(const BoundsTask& task, const std::optional<Analysis>& analysis, const Vec2& x,
+                         const StressBounds& stress) {
+  if (!analysis)
+    return {nan, nan, nan, false,
+            "no bounds: the topological derivative is bounded for the energy and the compliance alone"};
+  return derivative_bounds(*analysis, task.perturbation, x, stress);
+}
+
+std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s, const QuantityBounds& bounds) {
   std::vector<BoundedTip> out;
-  const QuantityBounds bounds(m, s);
   for (const TipIntensity& tip : crack_tips(m, s)) {
     const TipBounds b = bounds.tip(tip);
     out.push_back(
@@ -79,14 +84,14 @@ const Material& material_at(const Model& m, const Vec2& x) {
 }
 
 std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Vec2>& points, const Model& m,
-                                    const State& s) {
+                                    const State& s, const QuantityBounds& bounds) {
   std::vector<BoundedPoint> out;
   if (points.empty()) return out;
-  const QuantityBounds bounds(m, s);
+  const std::optional<Analysis> analysis = analysis_of(task, m, s);
   for (const Vec2& x : points) {
     const StressBounds b = bounds.stress(x);
     out.push_back({x, b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, x), task.plane_strain, b),
-                   bound_derivative(task, m, s, x, b)});
+                   bound_derivative(task, analysis, x, b)});
   }
   return out;
 }
@@ -110,7 +115,7 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
   const StressBounds stress = bounds.stress(goal.at);
   GoalBound out{{}, stress.eta};
   if (goal.quantity == "topological_derivative")
-    out.interval = bound_derivative(task, m, s, goal.at, stress);
+    out.interval = bound_derivative(task, analysis_of(task, m, s), goal.at, stress);
   else if (goal.quantity == "von_mises")
     out.interval = von_mises_bounds(material_at(m, goal.at), task.plane_strain, stress);
   else
@@ -128,35 +133,39 @@ std::string in_words(const GoalRequest& goal, const Shape& shape) {
   return fmt::format("{} at ({:.6g}, {:.6g})", goal.quantity, goal.at.x(), goal.at.y());
 }
 
-Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s) {
+Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s,
+                         const Indicator& own) {
   const std::string what = in_words(goal, task.body.shape);
   const GoalBound bound = bound_goal(task, goal, m, s);
   const Bounded& b = bound.interval;
   if (!std::isfinite(b.lower) || !std::isfinite(b.upper))
     throw Error(Fault::Usage, fmt::format("mesh.adapt.of: {}: {}", what, b.note));
-  return refine_for(m, s, b, bound.eta);
+  return refine_for(own, b, bound.eta);
 }
 
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
                               int threads) {
+  const Model& model = adapted.model;
+  const State& state = adapted.state;
   const std::string polygon =
       arcs_of(task.body.shape).empty()
           ? std::string()
           : std::string("the interval is that of the polygon that the mesh makes of curved sides");
+  const QuantityBounds bounds(model, state);
   BoundsResult out;
-  if (request.tips && !adapted.model.mesh.cracks.empty()) {
-    const bool apart = open_everywhere(adapted.model, adapted.state);
-    std::optional<Opened> free;
-    if (apart) free = opened(adapted.model, threads);
-    out.tips = tips_of(task, free ? free->model : adapted.model, free ? free->state : adapted.state);
+  if (request.tips && !model.mesh.cracks.empty()) {
+    std::string why = polygon;
+    if (open_everywhere(model, state)) {
+      const Opened free = opened(model, threads);
+      out.tips = tips_of(task, free.model, free.state, QuantityBounds(free.model, free.state));
+      why = "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere";
+    } else {
+      out.tips = tips_of(task, model, state, bounds);
+    }
     for (BoundedTip& t : out.tips)
-      for (Bounded* b : {&t.K_I, &t.K_II, &t.G})
-        qualify(*b,
-                apart
-                    ? "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere"
-                    : polygon);
+      for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
   }
-  out.points = points_of(task, request.points, adapted.model, adapted.state);
+  out.points = points_of(task, request.points, model, state, bounds);
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
   return out;

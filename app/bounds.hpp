@@ -17,9 +17,10 @@ struct BoundsTask {
 /// The quantity of mesh.adapt in words: "K_I at the end of crack \"c\"".
 std::string in_words(const GoalRequest& goal, const Shape& shape);
 
-/// Relative half width of the interval of that quantity, and where a finer mesh narrows it. Throws Error(Usage) where
-/// there is none.
-Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& model, const State& state);
+/// Relative half width of the interval of that quantity, and where a finer mesh narrows it. `own`: of the state. Throws
+/// Error(Usage) where there is none.
+Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& model, const State& state,
+                         const Indicator& own);
 
 /// What [bounds] asks for, of the body that `adapted` is a solution of. Solves again where cracks that may touch are
 /// open everywhere: what it says then is of open cracks, and not guaranteed.

@@ -179,7 +179,9 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   }
   const BoundsTask task{body, c.functional, c.map_request.perturbation, c.plane_strain};
   if (const auto& of = c.adapt->of)
-    how.goal = [&](const Model& m, const State& s) { return goal_indicator(task, *of, m, s); };
+    how.goal = [&](const Model& m, const State& s, const Indicator& own) {
+      return goal_indicator(task, *of, m, s, own);
+    };
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
   r.adapt = adapt_result(adapted);

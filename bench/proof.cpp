@@ -121,11 +121,11 @@ void run_goal(const ProofProblem& problem, int degree, double error, ProofBench&
   const Posed p = pose(problem);
   const bool shear = std::string_view(problem.name) == "c02_modeII";
   Adaptation how{.error = error, .max_triangles = 20000, .threads = 1};
-  how.goal = [&](const Model& m, const State& s) {
+  how.goal = [&](const Model& m, const State& s, const Indicator& own) {
     const QuantityBounds bounds(m, s, true);
     const TipBounds b = bounds.tip({.crack = 0, .at_start = false});
     const Bounded& k = shear ? b.K_II : b.K_I;
-    return refine_for(m, s, k, b.eta);
+    return refine_for(own, k, b.eta);
   };
   const double before = processor_seconds();
   const Adapted a = solve_adaptively(p.shape, {.size = 0.4}, bdms(degree), p.scene, how);

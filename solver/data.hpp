@@ -65,6 +65,8 @@ struct StrainData {
     return coefficients.cols() == 0;
   }
 };
+/// The eigenstrain that a triangle has, or null.
+const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t);
 StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
 /// Its values (rows 11, 12, 21, 22) at points (l1, l2) of triangle t.
 Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l);

@@ -27,8 +27,7 @@ Indicator error_indicator(const Model& model, const State& state);
 /// What refines for a bounded quantity: `eta` are the indicators of its dual solutions. The half width is the product of
 /// what the state and a dual solution lack, and falls the most where the sum of both, each relative to its own whole,
 /// does. `relative`: half the width over the middle.
-Indicator refine_for(const Model& model, const State& state, const Bounded& quantity,
-                     const std::vector<Eigen::VectorXd>& eta);
+Indicator refine_for(const Indicator& state, const Bounded& quantity, const std::vector<Eigen::VectorXd>& eta);
 
 /// Remesh: a new mesh with the sizes that the indicator asks for; few rounds, curved sides stay exact. Bisect: halve
 /// the triangles that carry half of the squared error [Doerfler 1996]; more rounds, nested meshes.
@@ -50,8 +49,8 @@ struct Adaptation {
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
   std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
-  /// What to refine for, if not the stress: `relative` is what `error` is asked of.
-  std::function<Indicator(const Model&, const State&)> goal = {};
+  /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
+  std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
 };
 
 struct Adapted {

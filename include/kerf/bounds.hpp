@@ -1,6 +1,7 @@
 #pragma once
 // Two-sided bounds of the potential energy, and of stresses at points, K and G [theory: B.1].
 
+#include "kerf/field.hpp"
 #include "kerf/fracture.hpp"
 #include "kerf/state.hpp"
 
@@ -36,6 +37,9 @@ struct Bounded {
   std::string note;  // why not available, or not guaranteed
 };
 
+/// What its square lies in.
+Interval squared(const Bounded& b);
+
 /// Of the stress at a point: its components, and what follows from them by interval arithmetic.
 struct StressBounds {
   Bounded trace, difference;  // s11 + s22, (s22 - s11)/2
@@ -53,9 +57,9 @@ Bounded von_mises_bounds(const Material& material, bool plane_strain, const Stre
 /// Bounds of linear quantities Q of a state. Q = known + l(u) by a singular field that is taken out in closed form; w
 /// is the solution under the loads l, and with J(u) the potential energy -2k l = J(u + k w) - J(u - k w), both bounded
 /// [theory: B.11]. One solve by the factor of the model per quantity. With body force, several materials, kinks and
-/// pressure in cracks the singular field is cut off about its place [theory: B.20], where the material must be isotropic,
-/// without eigenstrain, and not quite incompressible: otherwise `note` says why there is no interval. Where a crack may be
-/// in contact, stresses are those of ContactQuantityBounds, and there is no K.
+/// pressure in cracks the singular field is cut off about its place [theory: B.20], where the material must be
+/// isotropic, without eigenstrain, and not quite incompressible: otherwise `note` says why there is no interval. Where
+/// a crack may be in contact, stresses are those of ContactQuantityBounds, and there is no K.
 class QuantityBounds {
  public:
   /// Model and state must outlive it. `with_indicators`: the error indicator of each dual solution, which says where a

@@ -53,7 +53,7 @@ bool unseen_couples(const Forces& f);
 
 /// Everything that the bounds of one energy are made of; with the fields at the points of the rules.
 struct AdmissiblePair {
-  Model m;
+  const Model& m;
   Forces f;
   std::vector<EdgeData> data;
   std::vector<std::vector<Index>> edges;  // of the data, per triangle
@@ -65,7 +65,7 @@ struct AdmissiblePair {
   EnergyBounds bounds;       // not finite: nothing else is there
   TriangleRule plain, rich;  // rich: of triangles with data on their edges
 };
-/// `inside`: the least degree of the polynomials; pairs of states are to have the same.
+/// The model must outlive it. `inside`: the least degree of the polynomials; pairs of states are to have the same.
 AdmissiblePair admissible(const Model& m, const Field& s, int inside);
 /// What `admissible` takes of itself.
 int degree_inside(const Model& m, bool with_body, bool with_eigenstrain);

@@ -637,11 +637,6 @@ double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
   return work;
 }
 
-EnergyBounds energy_bounds(const Model& m, const Field& s) {
-  FaceFields unused;
-  return energy_bounds(m, s, unused);
-}
-
 namespace {
 
 EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
@@ -707,6 +702,10 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
 
 AdmissiblePair admissible(const Model& m, const Field& s, int inside) {
   return made(m, s, inside, true);
+}
+
+EnergyBounds energy_bounds(const Model& m, const Field& s) {
+  return made(m, s, 0, false).bounds;
 }
 
 EnergyBounds energy_bounds(const Model& m, const Field& s, FaceFields& faces) {

@@ -35,19 +35,6 @@ std::string sampled_in_sums(const Model& m) {
   return {};
 }
 
-/// Given tractions alone: the body of m, its supports at rest.
-Scene loaded_by(const Model& m, const std::vector<Traction>& tractions) {
-  Scene s;
-  s.material = m.scene.material;
-  s.regions = m.scene.regions;
-  s.tractions = tractions;
-  s.laws = m.scene.laws;
-  for (CrackLaw& law : s.laws) law.pressure = {};
-  s.supports = m.scene.supports;
-  for (Support& support : s.supports) support.value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
-  return s;
-}
-
 /// The solution under the loads of m with faces that slide and neither open nor overlap.
 Field sliding(const Model& m) {
   const std::vector<bool> held(m.inner->ordering.contact_rows, true);
@@ -214,7 +201,9 @@ ContactQuantityBounds::ContactQuantityBounds(const Model& m, const Field& u, The
 ContactQuantityBounds::~ContactQuantityBounds() = default;
 
 Bounded ContactQuantityBounds::work(const std::vector<Traction>& of) const {
-  return impl_->try_bound(loaded_by(impl_->m, of), {}, {});
+  Scene loads = at_rest(impl_->m);
+  loads.tractions = of;
+  return impl_->try_bound(loads, {}, {});
 }
 
 StressBounds ContactQuantityBounds::stress(const Vec2& x) const {

@@ -36,19 +36,29 @@ Vec2 nothing(const Vec2&, const Vec2&) {
   return Vec2::Zero();
 }
 
-/// The body, held where the model is, under loads that are 0 on every label and in every crack with faces: all states
-/// that are taken together have the same loaded edges.
-Scene unloaded(const Model& m) {
+}  // namespace
+
+Scene at_rest(const Model& m) {
   Scene s;
   s.material = m.scene.material;
   s.regions = m.scene.regions;
   s.laws = m.scene.laws;
-  for (CrackLaw& law : s.laws)
-    law.pressure = law.kind == CrackLaw::Kind::Bonded ? BoundaryField() : BoundaryField(nothing);
-  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
-  for (Index label = 0; label < labels; ++label) s.tractions.push_back({label, nothing});
+  for (CrackLaw& law : s.laws) law.pressure = {};
   s.supports = m.scene.supports;
   for (Support& support : s.supports) support.value = nothing;
+  return s;
+}
+
+namespace {
+
+/// At rest under loads that are 0 on every label and in every crack with faces: all states that are taken together have
+/// the same loaded edges.
+Scene unloaded(const Model& m) {
+  Scene s = at_rest(m);
+  for (CrackLaw& law : s.laws)
+    if (law.kind != CrackLaw::Kind::Bonded) law.pressure = nothing;
+  const Index labels = 1 + *std::max_element(m.mesh.label.begin(), m.mesh.label.end());
+  for (Index label = 0; label < labels; ++label) s.tractions.push_back({label, nothing});
   return s;
 }
 
@@ -238,11 +248,6 @@ DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc)
 
 namespace {
 
-const Eigenstrain* eigenstrain_at(const Model& m, Index triangle) {
-  const std::size_t place = static_cast<std::size_t>(region_of(m.mesh, triangle) + 1);
-  return place < m.scene.eigenstrain.size() && m.scene.eigenstrain[place] ? &m.scene.eigenstrain[place] : nullptr;
-}
-
 /// To the next boundary, interface, or crack with faces.
 double clearance(const Model& m, const Vec2& x) {
   double least = infinity;
@@ -265,7 +270,7 @@ bool is_plain(const Scene& s) {
 std::string no_disc(const Model& m, Index triangle) {
   const Material& material = material_of(m.mesh, m.scene, triangle);
   if (!isotropic(material)) return "no bounds: the material there is orthotropic";
-  if (eigenstrain_at(m, triangle)) return "no bounds: there is an eigenstrain";
+  if (eigenstrain_of(m.mesh, m.scene, triangle)) return "no bounds: there is an eigenstrain";
   if (material.c == 0) return "no bounds: an incompressible body cannot follow the singular field where it is cut off";
   return {};
 }

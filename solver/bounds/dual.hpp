@@ -68,6 +68,9 @@ using BoundDual = std::function<Bounded(const DualProblem& dual, std::vector<Eig
 /// By intervals of the duals. `why` there are none, if it is known already.
 StressBounds bound_stress(const Model& model, const Vec2& x, std::string why, const BoundDual& bound);
 
+/// The body of the model without loads, its supports at rest.
+Scene at_rest(const Model& model);
+
 /// The scene of the model with loads that are 0 wherever those of a dual may act.
 Scene with_all_edges(const Model& model);
 

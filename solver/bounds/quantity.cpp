@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 namespace kerf {
 
@@ -29,13 +28,12 @@ Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb) {
   return r;
 }
 
-namespace {
-
-/// Of the square of a bounded number.
-std::array<double, 2> square(const Bounded& b) {
+Interval squared(const Bounded& b) {
   const double low = b.lower * b.lower, high = b.upper * b.upper;
   return {b.lower <= 0 && b.upper >= 0 ? 0 : std::min(low, high), std::max(low, high)};
 }
+
+namespace {
 
 /// The field of a crack that starts on the boundary jumps on all of the line behind its mouth, too.
 bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
@@ -60,19 +58,31 @@ std::string unavailable(const Model& m) {
 
 }  // namespace
 
+namespace {
+
+/// A state with the loads of duals beside its own, and its admissible fields.
+struct LoadedState {
+  Model m;
+  AdmissiblePair pair;
+  LoadedState(Model loaded, const Field& u, int inside) : m(std::move(loaded)), pair(admissible(m, u, inside)) {}
+};
+
+}  // namespace
+
 struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
   bool with_indicators;
   std::string why;                                 // nothing can be bounded
   std::unique_ptr<ContactQuantityBounds> contact;  // where a crack may be in contact
-  mutable std::array<std::optional<AdmissiblePair>, 2>
-      own{};  // of u, as duals that reach everywhere need it, and others
+  // Of u, as duals that reach everywhere need it, and as those that are cut off do.
+  mutable std::array<std::unique_ptr<const LoadedState>, 2> own{};
 
   const AdmissiblePair& admissible_state(bool cut_off) const {
-    std::optional<AdmissiblePair>& a = own[cut_off ? 1 : 0];
-    if (!a) a = admissible(with_loads(m, with_all_edges(m)), u, degree_inside(m, cut_off, cut_off));
-    return *a;
+    std::unique_ptr<const LoadedState>& a = own[cut_off ? 1 : 0];
+    if (!a)
+      a = std::make_unique<const LoadedState>(with_loads(m, with_all_edges(m)), u, degree_inside(m, cut_off, cut_off));
+    return a->pair;
   }
 
   /// The indicator of w goes to `eta`.
@@ -132,11 +142,10 @@ StressBounds bound_stress(const Model& m, const Vec2& x, std::string why, const 
 // 4 mu c = 1 - 2 nu in plane strain.
 Bounded von_mises_bounds(const Material& m, bool plane_strain, const StressBounds& s) {
   const double share = std::pow(plane_strain ? 2 * m.mu * m.c : 0.5, 2);
-  const auto trace = square(s.trace), difference = square(s.difference), shear = square(s.s12);
-  const auto root = [&](int side) { return std::sqrt(share * trace[side] + 3 * (difference[side] + shear[side])); };
+  const Interval trace = squared(s.trace), difference = squared(s.difference), shear = squared(s.s12);
   Bounded b = combined(combined(s.trace, 1, s.difference, 1), 1, s.s12, 1);  // what they say of themselves
-  b.lower = root(0);
-  b.upper = root(1);
+  b.lower = std::sqrt(share * trace.low + 3 * (difference.low + shear.low));
+  b.upper = std::sqrt(share * trace.high + 3 * (difference.high + shear.high));
   b.value = 0.5 * (b.lower + b.upper);
   return b;
 }
@@ -168,11 +177,11 @@ TipBounds QuantityBounds::tip(const TipIntensity& of) const {
   };
   b.K_I = bound(1);
   b.K_II = bound(2);
-  const auto first = square(b.K_I), second = square(b.K_II);
+  const Interval first = squared(b.K_I), second = squared(b.K_II);
   const double modulus = plane_modulus(material);
   b.G = combined(b.K_I, 1, b.K_II, 1);
-  b.G.lower = (first[0] + second[0]) / modulus;
-  b.G.upper = (first[1] + second[1]) / modulus;
+  b.G.lower = (first.low + second.low) / modulus;
+  b.G.upper = (first.high + second.high) / modulus;
   b.G.value = 0.5 * (b.G.lower + b.G.upper);
   return b;
 }

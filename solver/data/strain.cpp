@@ -13,11 +13,6 @@ namespace {
 
 constexpr int most = 4;  // degree: that of the stresses that the elements have at most
 
-const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t) {
-  const std::size_t place = static_cast<std::size_t>(region_of(mesh, t) + 1);  // none is -1
-  return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
-}
-
 int degree_of(const Scene& scene) {
   int degree = 0;
   for (const Eigenstrain& e : scene.eigenstrain)
@@ -86,6 +81,11 @@ Eigen::Map<const Eigen::Matrix4Xd> coefficients(const StrainData& data, Index t)
 }
 
 }  // namespace
+
+const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t) {
+  const std::size_t place = static_cast<std::size_t>(region_of(mesh, t) + 1);  // none is -1
+  return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
+}
 
 StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
   StrainData data;

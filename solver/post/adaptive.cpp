@@ -191,15 +191,13 @@ std::string unseen_by_estimate(const Model& m) {
 
 }  // namespace
 
-Indicator refine_for(const Model& model, const State& state, const Bounded& quantity,
-                     const std::vector<Eigen::VectorXd>& duals) {
-  const Eigen::VectorXd own = error_indicator(model, state).eta;
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(own.size());
+Indicator refine_for(const Indicator& state, const Bounded& quantity, const std::vector<Eigen::VectorXd>& duals) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(state.eta.size());
   const auto add = [&](const Eigen::VectorXd& eta) {
     const double whole = eta.squaredNorm();
     if (whole > 0) squares += eta.cwiseAbs2() / whole;
   };
-  add(own);
+  add(state.eta);
   for (const Eigen::VectorXd& eta : duals) add(eta);
   const double half = 0.5 * (quantity.upper - quantity.lower), size = std::abs(quantity.value);
   constexpr double most = 1e3;  // the interval says nothing yet
@@ -251,9 +249,10 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing) {
   State state = solved(model, of.wanted);
   round.solve = watch.lap();
   round.contact = state.seconds.contact;
-  Indicator indicator = error_indicator(model, state);
+  Indicator indicator = error_indicator(model, state), goal;
+  if (of.wanted.goal) goal = of.wanted.goal(model, state, indicator);
   add_chords(of.shape, model, state, indicator);
-  Indicator goal = of.wanted.goal ? of.wanted.goal(model, state) : indicator;
+  if (!of.wanted.goal) goal = indicator;
   round.estimate = watch.lap();
   round.estimated_error = goal.relative;
   return {{.model = std::move(model), .state = std::move(state), .indicator = std::move(indicator), .rounds = {round}},

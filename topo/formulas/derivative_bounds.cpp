@@ -3,7 +3,6 @@
 #include "solver/system.hpp"
 #include "topo/formulas/kind.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -38,10 +37,10 @@ Bounded derivative_bounds(const Analysis& a, const Perturbation& p, const Vec2& 
   Bounded t{.guaranteed = true};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Bounded& b = *parts[i];
-    const double low = b.lower * b.lower, high = b.upper * b.upper, share = -0.5 * a.energy_share * factor[i];
-    const double least = b.lower <= 0 && b.upper >= 0 ? 0 : std::min(low, high), most = std::max(low, high);
-    t.lower += share * (share > 0 ? least : most);
-    t.upper += share * (share > 0 ? most : least);
+    const Interval square = squared(b);
+    const double share = -0.5 * a.energy_share * factor[i];
+    t.lower += share * (share > 0 ? square.low : square.high);
+    t.upper += share * (share > 0 ? square.high : square.low);
     t.guaranteed = t.guaranteed && b.guaranteed;
     if (t.note.empty()) t.note = b.note;
   }
