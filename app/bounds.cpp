@@ -126,11 +126,12 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
 }  // namespace
 
 std::string in_words(const GoalRequest& goal, const Shape& shape) {
+  const char* of = arcs_of(shape).empty() ? "" : ", of the polygon of the mesh";
   if (goal.crack != none)
-    return fmt::format("{} at the {} of crack \"{}\"", goal.quantity, goal.at_start ? "start" : "end",
-                       shape.cracks[static_cast<std::size_t>(goal.crack)].name);
-  if (goal.quantity == "energy") return "the energy";
-  return fmt::format("{} at ({:.6g}, {:.6g})", goal.quantity, goal.at.x(), goal.at.y());
+    return fmt::format("{} at the {} of crack \"{}\"{}", goal.quantity, goal.at_start ? "start" : "end",
+                       shape.cracks[static_cast<std::size_t>(goal.crack)].name, of);
+  if (goal.quantity == "energy") return fmt::format("the energy{}", of);
+  return fmt::format("{} at ({:.6g}, {:.6g}){}", goal.quantity, goal.at.x(), goal.at.y(), of);
 }
 
 Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s,
