@@ -178,6 +178,7 @@ MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMa
     if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
   r.masked_share = masked / area(model);
   r.oriented = map.angle.size() > 0;
+  r.second = map.c2.size() > 0 && map.second_note.empty();
   return r;
 }
 

@@ -96,6 +96,9 @@ void add_map(std::vector<NamedArray>& arrays, const MapTask& task, const Mapped&
   const double radius = task.request.radius;
   for (const Near what : nearest(model, task.functional, data.points, clear_radii * radius, radius))
     near.indices.push_back(static_cast<std::uint32_t>(what));
+  constexpr std::uint32_t second_term = 1 + static_cast<std::uint32_t>(Near::Ring);
+  for (Eigen::Index i = 0; i < map.full.c2.size(); ++i)
+    if (std::isfinite(map.full.c2[i])) near.indices[static_cast<std::size_t>(i)] = second_term;
   for (const LeftOut what : map.left_out_corner) left_out.indices.push_back(static_cast<std::uint32_t>(what));
   arrays.push_back(std::move(near));
   arrays.push_back(std::move(left_out));

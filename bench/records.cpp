@@ -63,12 +63,26 @@ Json hard_section(const HardRow& r) {
 }
 
 Json proof_section(const ProofRow& r) {
-  return {{"case", r.problem},          {"mesh", r.mesh},
-          {"degree", r.degree},         {"triangles", r.triangles},
-          {"quantity", r.quantity},     {"exact", number(r.exact)},
-          {"lower", number(r.lower)},   {"upper", number(r.upper)},
-          {"half_width", number(r.relative)}, {"guaranteed", r.guaranteed},
-          {"contained", r.contained},   {"cost", number(r.cost)}};
+  return {{"case", r.problem},          {"mesh", r.mesh},           {"degree", r.degree},
+          {"triangles", r.triangles},   {"quantity", r.quantity},   {"exact", number(r.exact)},
+          {"lower", number(r.lower)},   {"upper", number(r.upper)}, {"half_width", number(r.relative)},
+          {"guaranteed", r.guaranteed}, {"contained", r.contained}, {"cost", number(r.cost)}};
+}
+
+Json second_section(const SecondTermRow& r) {
+  return {{"change", r.change},
+          {"degree", r.degree},
+          {"triangles", r.triangles},
+          {"x", r.at.x()},
+          {"y", r.at.y()},
+          {"T_exact", number(r.T_exact)},
+          {"T", number(r.T)},
+          {"c2_exact", number(r.c2_exact)},
+          {"c2", number(r.c2)},
+          {"c2_off_by", number(r.error)},
+          {"radius", number(r.radius)},
+          {"left_by_first", number(r.left_by_first)},
+          {"left_by_second", number(r.left_by_second)}};
 }
 
 Json map_section(const MapMeasurement& m) {
@@ -333,6 +347,12 @@ void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench)
   write_file(path, csv(proof_section({}), rows));
 }
 
+void write_second_terms_csv(const std::filesystem::path& path, const ProofBench& bench) {
+  std::vector<Json> rows;
+  for (const SecondTermRow& r : bench.second) rows.push_back(second_section(r));
+  write_file(path, csv(second_section({}), rows));
+}
+
 void write_proof_json(const std::filesystem::path& path, const ProofBench& bench) {
   Json out = {{"schema", 1},
               {"bench", "proof"},
@@ -342,6 +362,8 @@ void write_proof_json(const std::filesystem::path& path, const ProofBench& bench
               {"quick", bench.quick},
               {"rows", Json::array()}};
   for (const ProofRow& r : bench.rows) out["rows"].push_back(proof_section(r));
+  out["second_terms"] = Json::array();
+  for (const SecondTermRow& r : bench.second) out["second_terms"].push_back(second_section(r));
   write_file(path, out.dump(2) + "\n");
 }
 

@@ -2,9 +2,9 @@
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
 #include "bench/hard.hpp"
-#include "bench/proof.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
+#include "bench/proof.hpp"
 #include "bench/state.hpp"
 
 namespace kerf {
@@ -17,6 +17,7 @@ void write_map_json(const std::filesystem::path& path, const MapBench& bench);
 void write_hard_csv(const std::filesystem::path& path, const HardBench& bench);
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench);
 void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench);
+void write_second_terms_csv(const std::filesystem::path& path, const ProofBench& bench);
 void write_proof_json(const std::filesystem::path& path, const ProofBench& bench);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);

@@ -119,6 +119,7 @@ struct MapResult {
   double masked_share = 0;       // of the area
   double biactive_length = 0;
   bool oriented = false;  // the perturbation has an angle
+  bool second = false;    // masked where the second term says so
 };
 
 struct ValidationResult {
@@ -185,7 +186,8 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 /// under the pressure of a fluid also fluid_pressure.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
-/// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note; a row per quantity, an empty cell is not known.
+/// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note; a row per quantity, an empty cell is not
+/// known.
 void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100

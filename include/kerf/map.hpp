@@ -20,14 +20,16 @@ struct MapPoint {
 };
 
 /// The expansion needs this many radii to the next feature (boundary, crack, tip, end of contact, region, support or
-/// load that ends, ring of the functional).
+/// load that ends, ring of the functional), where nothing else tells how far it reaches.
 inline constexpr double clear_radii = 4;
 
 struct MapRequest {
   Perturbation perturbation;
   double radius = 0;  // that the mask, and a clamped hole, are for
   bool bounds = false;
-  bool second = false;  // c2 of second_order.hpp, and up to which radius the first term is good to 5 %
+  // c2 of second_order.hpp, and up to which radius the first term is good to 5 %, which masks points instead of the
+  // distance to the next feature. On whole maps |T| below 1 % of the largest counts as that.
+  bool second = false;
 };
 
 std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRequest& r, std::span<const Vec2> points);
@@ -37,7 +39,8 @@ struct FullMap {
   Eigen::VectorXd at_centroids, at_corners, angle;  // angle at centroids, or empty
   Eigen::VectorXd lower, upper;                     // at corners, or empty
   std::vector<bool> masked_centroid, masked_corner;
-  Eigen::VectorXd margin;            // at corners: distance to the nearest feature less what the mask asks for
+  Eigen::VectorXd margin;            // at corners: distance to the nearest feature less what the mask asks for; where
+                                     // c2 is known the radius that the first term reaches, less that of the request
   Eigen::VectorXd c2, valid_radius;  // at corners, or empty; NaN where not known
   std::string second_note;           // why c2 is not known anywhere
 };

@@ -61,8 +61,10 @@ Finding map_finding(const Result& r) {
     out.text += fmt::format(" {} is least, {}, and largest, {}.", series ? "T" : "It", said(map.min, unit_of_map(r)),
                             said(map.max, unit_of_map(r)));
   if (map.masked_share > 0)
-    out.text += fmt::format(" Hatched, {:.3g} % of the area: too near to something else for a radius of {}.",
-                            100 * map.masked_share, pretty(map.radius));
+    out.text += fmt::format(" Hatched, {:.3g} % of the area: {} for a radius of {}.", 100 * map.masked_share,
+                            map.second ? "too near to something else, or the second term above 5 % of the first,"
+                                       : "too near to something else",
+                            pretty(map.radius));
   return out;
 }
 
@@ -94,9 +96,10 @@ std::string map_section(const Result& r, const std::string& figure) {
                        pretty(map.excluded_radius));
   if (map.masked_share > 0)
     out += fmt::format(
-        "<p class=\"dim\">The expansion cannot hold at radius {} on {:.3g} % of the area (hatched): too near to a "
+        "<p class=\"dim\">The expansion cannot hold at radius {} on {:.3g} % of the area (hatched): {}too near to a "
         "boundary, a crack, a tip or an end of contact, a support or a load. Min and max leave it out.</p>\n",
-        pretty(map.radius), 100 * map.masked_share);
+        pretty(map.radius), 100 * map.masked_share,
+        map.second ? "the second term is more than 5 % of the first, or, where it is not known, " : "");
   if (map.biactive_length > 0)
     out +=
         note(fmt::format("A length {} of the cracks has neither gap nor pressure: J has one-sided derivatives, and "

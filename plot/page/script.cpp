@@ -197,7 +197,7 @@ std::string figures(const Result& r, const PageData& data) {
 
 std::string mask(const Result& r) {
   const std::vector<std::string> near{"something else", "the boundary", "a crack", "another material",
-                                      "the ring of the functional"};
+                                      "the ring of the functional", "the second term"};
   JsonObject out;
   const double radii = clear_radii, radius = r.map ? r.map->radius : 0;
   return out.number("clear", radii * radius).number("radii", radii).add("near", json_texts(near)).done();

@@ -101,7 +101,38 @@ TEST_F(MapRun, SaysHowFarTheFirstTermReaches) {
   EXPECT_NEAR(p["valid_radius"].get<double>(),
               std::sqrt(0.05 * std::abs(p["value"].get<double>() / p["c2"].get<double>())), 1e-12);
   EXPECT_TRUE(r["map"]["points"][1]["c2"].is_null());
-  EXPECT_EQ(lines("map.csv")[0], "x,y,topological_derivative,c2,valid_radius,masked");
+  const std::vector<std::string> rows = lines("map.csv");
+  EXPECT_EQ(rows[0], "x,y,topological_derivative,c2,valid_radius,masked");
+}
+
+TEST_F(MapRun, TheSecondTermMasksWhereItIsKnown) {
+  constexpr double radius = 0.05;
+  run_text("[map]\nsecond = true\nradius = 0.05\n", Job::Map);
+  unsigned known = 0, closer = 0, masked_by_it = 0;
+  double largest = 0;
+  for (const bool counting : {false, true})
+    for (const std::string& line : lines("map.csv")) {
+      double x, y, T, c2, valid;
+      int masked;
+      if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%d", &x, &y, &T, &c2, &valid, &masked) != 6) continue;
+      if (!counting) {
+        largest = std::max(largest, std::abs(T));
+        continue;
+      }
+      ++known;
+      const bool far_off = std::abs(c2) * radius * radius > 0.05 * std::max(std::abs(T), 0.01 * largest);
+      EXPECT_TRUE(masked > 0 || !far_off) << line;
+      masked_by_it += far_off;
+      const double side = std::min({1 - std::abs(x), 1 - std::abs(y)});
+      closer += masked == 0 && side < 4 * radius;
+      EXPECT_TRUE(masked > 0 || side > 1.9 * radius) << line;
+    }
+  EXPECT_GT(known, 50u);
+  EXPECT_GT(closer, 0u);
+  EXPECT_GT(masked_by_it, 0u);
+}
+
+TEST_F(MapRun, SaysWhyThereIsNoSecondTerm) {
   const json track = run_text(
       "[functional]\nkind = \"boundary_tracking\"\non = \"top\"\ntarget = [0, 0]\n[map]\nsecond = true\n", Job::Map);
   EXPECT_NE(track["state"]["notes"].dump().find("no c2"), std::string::npos) << track["state"]["notes"];

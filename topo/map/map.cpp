@@ -129,6 +129,7 @@ class Everywhere {
 // Where a full map is.
 struct Grid {
   Nodes centroids, corners;
+  const Corners& shape;
 };
 
 void mask(const Analysis& a, const Functional& j, double radius, const Grid& grid, FullMap& map) {
@@ -150,6 +151,30 @@ void fill_clamped(const Analysis& a, const Functional& j, double radius, const G
   const ClampedMap clamped = clamped_everywhere(a, j, radius, all);
   map.at_centroids = clamped.value.head(static_cast<Eigen::Index>(grid.centroids.x.size()));
   map.at_corners = clamped.value.tail(static_cast<Eigen::Index>(grid.corners.x.size()));
+}
+
+// Where the second term is known it says where the first one is good at that radius, if the change has room at all: c2
+// may be small by chance where the next terms are not. A value that is nothing beside the others may have any relative
+// error.
+constexpr double room_radii = 2;
+void mask_by_second(double radius, const Grid& grid, const Mesh& mesh, FullMap& map) {
+  constexpr double share = 0.05, nothing = 0.01;
+  double largest = 0;
+  for (Eigen::Index i = 0; i < map.c2.size(); ++i)
+    if (std::isfinite(map.c2[i])) largest = std::max(largest, std::abs(map.at_corners[i]));
+  for (Eigen::Index i = 0; i < map.c2.size(); ++i) {
+    if (!std::isfinite(map.c2[i]) || !std::isfinite(map.at_corners[i])) continue;
+    const double T = std::max(std::abs(map.at_corners[i]), nothing * largest),
+                 reach = map.c2[i] == 0 ? infinity : std::sqrt(share * T / std::abs(map.c2[i]));
+    map.margin[i] = std::min({reach - radius, map.margin[i] + (clear_radii - room_radii) * radius, radius});
+    map.masked_corner[static_cast<std::size_t>(i)] = map.margin[i] < 0;
+  }
+  const Corners& corners = grid.shape;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    double mean = 0;
+    for (const Index c : corners.of[t]) mean += map.margin[c] / 3;
+    map.masked_centroid[t] = mean < 0;
+  }
 }
 
 double valid_radius_of(double T, double c2) {
@@ -226,12 +251,14 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   for (MapPoint& p : map) {
     p.c2 = second.at(p.at).c2;
     p.valid_radius = valid_radius_of(p.value, *p.c2);
+    if (!std::isfinite(*p.valid_radius)) continue;
+    p.masked = *p.valid_radius < r.radius || too_close(m, j, {&p.at, 1}, room_radii * r.radius, r.radius)[0];
   }
   return map;
 }
 
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
-  const Grid grid{centroids(a.model->mesh), at_corners(a.model->mesh, corners)};
+  const Grid grid{centroids(a.model->mesh), at_corners(a.model->mesh, corners), corners};
   FullMap map;
   mask(a, j, r.radius, grid, map);
   if (!has_series(r.perturbation)) {
@@ -246,7 +273,10 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   everywhere.fill(grid.centroids, &RecoveredStress::at_centroids, &Displacements::at_centroids, map.at_centroids,
                   is_directed(r.perturbation) ? &map.angle : nullptr);
   everywhere.fill(grid.corners, &RecoveredStress::at_corners, &Displacements::at_corners, map.at_corners);
-  if (r.second) fill_second(a, j, r.perturbation, grid, map);
+  if (r.second) {
+    fill_second(a, j, r.perturbation, grid, map);
+    mask_by_second(r.radius, grid, a.model->mesh, map);
+  }
   return map;
 }
 

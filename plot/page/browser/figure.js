@@ -309,7 +309,7 @@ export class Figure {
       if (lower && upper) Object.assign(out, { lower: mean(lower), upper: mean(upper) });
       const nearest = corners[weights.indexOf(Math.max(...weights))];
       if (this.margin && mean(this.margin) < 0)
-        out.masked = { distance: mean(this.margin) + this.data.mask.clear, near: this.data.mask.near[this.near ? this.near[nearest] : 0] };
+        out.masked = { distance: mean(this.margin) + this.data.mask.clear, near: this.data.mask.near[this.near ? this.near[nearest] : 0], second: this.near && this.near[nearest] === 5 };
       out.singular = this.leftOut && this.leftOut[nearest] === 2;
     }
     return out;
@@ -325,7 +325,8 @@ export class Figure {
     text += Number.isFinite(found.value) ? `${field.symbol || field.label} = ${format(found.value, 7)}${unit}` : "no value";
     if (Number.isFinite(found.lower) && Number.isFinite(found.upper)) text += `, error bar ${format(found.lower, 5)} to ${format(found.upper, 5)}`;
     if (found.mark) text += `; ${found.mark.text}`;
-    if (found.masked) text += `; masked: ${format(Math.max(0, found.masked.distance), 3)} from ${found.masked.near}, nearer than ${data.mask.radii} radii (${format(data.mask.clear, 3)})`;
+    if (found.masked?.second) text += `; masked: ${found.masked.near} is more than 5 % of the first at radius ${format(data.mask.clear / data.mask.radii, 3)}`;
+    else if (found.masked) text += `; masked: ${format(Math.max(0, found.masked.distance), 3)} from ${found.masked.near}, nearer than ${data.mask.radii} radii (${format(data.mask.clear, 3)})`;
     else if (found.singular) text += "; near a singular point: left out of least and largest";
     readout.value = text;
     Object.assign(readout.dataset, { x: found.x, y: found.y, value: found.value, corner: found.corner ?? "" });
