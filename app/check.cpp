@@ -120,19 +120,20 @@ void print_mesh(Lines& out, const Mesh& mesh) {
 }
 
 /// ", pressure 2 MPa" or ", pressure 0 to 2 MPa", by its values in the middle of the edges.
-std::string pressure(const CrackLaw& law, const Units& units, const Mesh& mesh, std::span<const CrackEdge> edges) {
-  if (!has_pressure(law) || edges.empty()) return {};
+std::string on_faces(const char* what, const BoundaryField& of, const std::string& unit, const Mesh& mesh,
+                     std::span<const CrackEdge> edges) {
+  if (!of || edges.empty()) return {};
   double low = infinity, high = -infinity;
   for (const CrackEdge& c : edges) {
     const EdgeLine line = edge_line(mesh, c.edge);
-    const double p = law.pressure(0.5 * (line.a + line.b), line.n)[0];
+    const double p = of(0.5 * (line.a + line.b), line.n)[0];
     low = std::min(low, p);
     high = std::max(high, p);
   }
-  const std::string name = with_blank(unit(units, dimension::stress));
+  const std::string name = with_blank(unit);
   constexpr double same = 1e-12;
-  return high - low <= same * std::abs(high) ? fmt::format(", pressure {:.6g}{}", high, name)
-                                             : fmt::format(", pressure {:.6g} to {:.6g}{}", low, high, name);
+  return high - low <= same * std::abs(high) ? fmt::format(", {} {:.6g}{}", what, high, name)
+                                             : fmt::format(", {} {:.6g} to {:.6g}{}", what, low, high, name);
 }
 
 void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
@@ -140,8 +141,11 @@ void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
     const Crack& crack = shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
-    out.print("crack     {}: {}{}, length {:.6g}, {} edges", crack.name, law(c.scene.laws[k]),
-              pressure(c.scene.laws[k], c.units, mesh, edges), path_length(crack), edges.size());
+    const CrackLaw& faces = c.scene.laws[k];
+    out.print("crack     {}: {}{}{}, length {:.6g}, {} edges", crack.name, law(faces),
+              on_faces("pressure", faces.pressure, unit(c.units, dimension::stress), mesh, edges),
+              on_faces("gap", faces.gap, unit(c.units, dimension::length), mesh, edges), path_length(crack),
+              edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
     } else {

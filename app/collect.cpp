@@ -80,13 +80,14 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
       const bool closed = p.status == CrackPoint::Status::Closed;
       r.length += p.length;
       (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
-      r.max_opening = std::max(r.max_opening, p.jump_n);
-      if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.jump_n);
+      r.max_opening = std::max(r.max_opening, p.distance());
+      if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.distance());
       r.max_pressure = std::max(r.max_pressure, p.contact_pressure());
       if (std::abs(p.fluid_pressure) > std::abs(most)) most = p.fluid_pressure;
-      r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed, p.fluid_pressure});
+      r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed, p.fluid_pressure, p.gap});
     }
     if (has_pressure(model.scene.laws[c])) r.fluid_pressure = most;
+    r.has_gap = has_gap(model.scene.laws[c]);
     r.transitions = transitions(profile, model.scene.laws[c]);
     if (model.scene.laws[c].kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
     for (const TipIntensity& t : tips)
@@ -245,6 +246,7 @@ std::vector<NamedField> crack_fields(const CrackResult& crack) {
   add("sigma_t", [](const CrackRow& r) { return r.sigma_t; });
   add("contact_status", [](const CrackRow& r) { return r.closed ? 1.0 : 0.0; });
   if (crack.fluid_pressure) add("fluid_pressure", [](const CrackRow& r) { return r.fluid_pressure; });
+  if (crack.has_gap) add("gap", [](const CrackRow& r) { return r.gap; });
   return fields;
 }
 

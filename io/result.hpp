@@ -39,6 +39,7 @@ struct CrackRow {
   double jump_n, jump_t, sigma_n, sigma_t;
   bool closed;
   double fluid_pressure = 0;  // a part of -sigma_n
+  double gap = 0;             // before loading: the faces are jump_n + gap apart
 };
 
 struct TipResult {
@@ -63,6 +64,7 @@ struct CrackResult {
   std::vector<TipResult> tips;
   std::optional<Peak> pressure = {};          // absent without contact pressure
   std::optional<double> fluid_pressure = {};  // the largest by amount, of a crack that has one
+  bool has_gap = false;                       // before loading; max_opening is the largest distance of the faces then
   std::vector<CrackRow> rows;                 // to crack_<name>.csv and .vtp, not to result.json
 };
 
@@ -183,7 +185,7 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
                const std::vector<std::vector<double>>& rows);
 
 /// crack_<name>.csv: s,x,y,jump_n,jump_t,sigma_n,sigma_t,status; status is the word open or closed. Of a crack
-/// under the pressure of a fluid also fluid_pressure.
+/// under the pressure of a fluid also fluid_pressure, of one with a gap also gap.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
 /// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note; a row per quantity, an empty cell is not

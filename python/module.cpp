@@ -312,6 +312,7 @@ py::dict crack_arrays(const py::object& self, const std::string& name) {
     out["sigma_n"] = window(self, &first->sigma_n, n, 0, step);
     out["sigma_t"] = window(self, &first->sigma_t, n, 0, step);
     out["fluid_pressure"] = window(self, &first->fluid_pressure, n, 0, step);
+    out["gap"] = window(self, &first->gap, n, 0, step);
     std::vector<bool> closed;
     for (const CrackRow& row : crack.rows) closed.push_back(row.closed);
     out["closed"] = copy_of(closed);

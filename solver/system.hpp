@@ -5,6 +5,7 @@
 #include "solver/contact/contact.hpp"
 #include "solver/system/assemble.hpp"
 #include "solver/system/rigid.hpp"
+#include "solver/system/standing.hpp"
 
 namespace kerf {
 
@@ -16,6 +17,7 @@ struct Inner {
   std::shared_ptr<const Factor> factor;  // empty when not asked for; shared by models that differ in their loads alone
   std::vector<RigidMotion> floating;     // rigid motions that the supports leave free; the loads balance on them
   SceneData data = {};                   // of the scene on the mesh
+  Standing standing = {};                // pieces that contact alone holds
 };
 
 /// The same body under other loads, by the factor of `model`: `scene` has the materials and the laws of cracks that the

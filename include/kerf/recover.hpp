@@ -25,6 +25,10 @@ struct CrackPoint {
   double jump_n, jump_t, sigma_n, sigma_t;
   enum class Status { Open, Closed, Biactive } status;  // Biactive: neither gap nor pressure of contact
   double fluid_pressure = 0;                            // CrackLaw::pressure
+  double gap = 0;                                       // CrackLaw::gap: the faces are jump_n + gap apart
+  double distance() const {
+    return jump_n + gap;
+  }
   double contact_pressure() const {
     return -sigma_n - fluid_pressure;
   }

@@ -36,7 +36,15 @@ struct CrackLaw {
   /// contact [theory: C.15]. Negative: suction. A shear q in the second component: sigma_nt = -q, t = n turned by +90
   /// degrees, on open cracks alone. The direction of the normal n that it is given is arbitrary; empty: none.
   BoundaryField pressure = {};
+  /// Distance g of the faces before loading, in the first component: they touch where the normal jump is -g
+  /// [theory: C.21]. Negative: interference, a press fit. Unilateral cracks alone; empty: none.
+  BoundaryField gap = {};
 };
+
+/// Faces that are apart, or overlap, before loading.
+inline bool has_gap(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral && static_cast<bool>(law.gap);
+}
 
 /// Faces that resist sliding.
 inline bool has_friction(const CrackLaw& law) {

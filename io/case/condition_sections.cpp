@@ -157,6 +157,22 @@ void read_pressures(const Value& document, Definitions& definitions, Case& c) {
   }
 }
 
+/// The keys `gap` of [[crack]].
+void read_gaps(const Value& document, Definitions& definitions, Case& c) {
+  for (const Value& entry : find_tables(document, "crack")) {
+    const auto field = find(entry, "gap");
+    if (!field) continue;
+    const std::string name = text(need(entry, "name"));
+    const auto crack = std::ranges::find(c.shape.cracks, name, &Crack::name);
+    CrackLaw& law = c.scene.laws[static_cast<std::size_t>(crack - c.shape.cracks.begin())];
+    if (law.kind != CrackLaw::Kind::Unilateral)
+      fail(field->node->position, fmt::format("{}: the faces of crack {} never touch; give it contact = "
+                                              "\"unilateral\", or leave the gap out",
+                                              field->name, quote(name)));
+    law.gap = vector_field(formula(*field, definitions, false), nothing());
+  }
+}
+
 }  // namespace
 
 void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
@@ -187,6 +203,7 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c) {
   }
   if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
   read_pressures(document, definitions, c);
+  read_gaps(document, definitions, c);
 }
 
 std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c) {

@@ -125,6 +125,12 @@ struct Reader {
            fmt::format("{}: the faces of crack {} carry a pressure, whose work energy_release_rate does not count; "
                        "kerf solve gives the G of its tips, or use another functional",
                        table.name, quote(c.shape.cracks[static_cast<std::size_t>(number)].name)));
+    if (has_gap(c.scene.laws[static_cast<std::size_t>(number)]))
+      fail(
+          table.node->position,
+          fmt::format("{}: the faces of crack {} have a gap, whose contact does work that energy_release_rate does not "
+                      "count; kerf solve gives the G of its tips, or use another functional",
+                      table.name, quote(c.shape.cracks[static_cast<std::size_t>(number)].name)));
     const Value which = need(table, "tip");
     const bool at_start = choice(which) == "start";
     const TipPlace tip = crack_tip(c.shape, number, at_start);

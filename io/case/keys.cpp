@@ -120,8 +120,8 @@ constexpr Key rows[] = {
     {"crack[]",
      Tables,
      {.bare = true},
-     "A crack. Cracks that cut off a piece are refused unless supports hold every piece: contact alone does not "
-     "count. A crack without a form is the physical curve crack:<name> of domain.file."},
+     "A crack. A piece that cracks cut off must be held by supports, or pressed by the loads onto what holds it. A "
+     "crack without a form is the physical curve crack:<name> of domain.file."},
     {"crack[].name", Name, {.required = true}, "Names its files and its rows in results.", "\"c\""},
     {"crack[].path",
      Points,
@@ -170,6 +170,13 @@ constexpr Key rows[] = {
      "\"bonded\".",
      "\"0.5 * (1 - x)\"",
      "none"},
+    {"crack[].gap",
+     Formula,
+     {},
+     "How far apart the faces are before loading, without nx and ny: they touch where the normal jump is -gap. "
+     "Negative: they overlap, a press fit. Goes with contact = \"unilateral\".",
+     "\"0.001 * x^2\"",
+     "0"},
 
     {"material", Table, {.required = true}, "What the body is made of."},
     {"material.young",

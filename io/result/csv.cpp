@@ -42,8 +42,8 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack) {
   fmt::memory_buffer out;
   const bool fluid = crack.fluid_pressure.has_value();
-  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status{}\n",
-                 fluid ? ",fluid_pressure" : "");
+  fmt::format_to(std::back_inserter(out), "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status{}{}\n",
+                 fluid ? ",fluid_pressure" : "", crack.has_gap ? ",gap" : "");
   for (const CrackRow& row : crack.rows) {
     for (const double value : {row.s, row.at.x(), row.at.y(), row.jump_n, row.jump_t, row.sigma_n, row.sigma_t}) {
       append_cell(out, value);
@@ -53,6 +53,10 @@ void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack
     if (fluid) {
       out.push_back(',');
       append_cell(out, row.fluid_pressure);
+    }
+    if (crack.has_gap) {
+      out.push_back(',');
+      append_cell(out, row.gap);
     }
     out.push_back('\n');
   }

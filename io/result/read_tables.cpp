@@ -96,6 +96,7 @@ void read_crack_rows(const std::filesystem::path& path, CrackResult& crack) {
   if (!std::filesystem::exists(path)) return;
   const Table t(path, {"s", "x", "y", "jump_n", "jump_t", "sigma_n", "sigma_t", "status"});
   const bool fluid = t.has("fluid_pressure");
+  crack.has_gap = t.has("gap");
   for (std::size_t i = 0; i < t.size(); ++i)
     crack.rows.push_back({t.number(i, "s"),
                           {t.number(i, "x"), t.number(i, "y")},
@@ -104,7 +105,8 @@ void read_crack_rows(const std::filesystem::path& path, CrackResult& crack) {
                           t.number(i, "sigma_n"),
                           t.number(i, "sigma_t"),
                           t.text(i, "status") == "closed",
-                          fluid ? t.number(i, "fluid_pressure") : 0});
+                          fluid ? t.number(i, "fluid_pressure") : 0,
+                          crack.has_gap ? t.number(i, "gap") : 0});
 }
 
 std::vector<Iteration> read_history(const std::filesystem::path& path, const OptimizeNames& names) {

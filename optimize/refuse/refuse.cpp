@@ -110,6 +110,16 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
   }
 }
 
+void look_at_gaps(const Problem& p, std::vector<Wrong>& all) {
+  for (std::size_t k = 0; k < p.scene.laws.size(); ++k)
+    if (has_gap(p.scene.laws[k]))
+      all.push_back({fmt::format("crack[{}].gap", k),
+                     fmt::format("[optimize] does not know what the gap of crack \"{}\" does to derivatives by the "
+                                 "shape; leave it out, or take the state, maps and validation of this body (kerf "
+                                 "solve, map, validate)",
+                                 p.frame.cracks[k].name)});
+}
+
 void look_at_eigenstrain(const Problem& p, std::vector<Wrong>& all) {
   for (std::size_t k = 0; k < p.scene.eigenstrain.size(); ++k)
     if (p.scene.eigenstrain[k]) {
@@ -184,6 +194,7 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
     all.push_back({r.volume_at_most ? "optimize.volume.at_most" : "optimize", *why});
   look_at_materials(p, all);
   look_at_cracks(p, r, all);
+  look_at_gaps(p, all);
   look_at_eigenstrain(p, all);
   look_at_rigid_motions(p, r, all);
   if (drawable) look_at_loads(p, r, all);

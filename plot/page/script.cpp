@@ -46,8 +46,8 @@ std::string array_element(const NamedArray& a) {
 NamedArray crack_array(const CrackResult& crack, std::size_t i) {
   NamedArray out{.name = fmt::format("crack.{}", i), .width = 6};
   for (const CrackRow& row : crack.rows)
-    for (const double value :
-         {row.s, row.jump_n, row.jump_t, -row.sigma_n - row.fluid_pressure, row.fluid_pressure, row.closed ? 1.0 : 0.0})
+    for (const double value : {row.s, row.jump_n + row.gap, row.jump_t, -row.sigma_n - row.fluid_pressure,
+                               row.fluid_pressure, row.closed ? 1.0 : 0.0})
       out.numbers.push_back(static_cast<float>(value));
   return out;
 }
@@ -196,8 +196,8 @@ std::string figures(const Result& r, const PageData& data) {
 }
 
 std::string mask(const Result& r) {
-  const std::vector<std::string> near{"something else", "the boundary", "a crack", "another material",
-                                      "the ring of the functional", "the second term"};
+  const std::vector<std::string> near{
+      "something else", "the boundary", "a crack", "another material", "the ring of the functional", "the second term"};
   JsonObject out;
   const double radii = clear_radii, radius = r.map ? r.map->radius : 0;
   return out.number("clear", radii * radius).number("radii", radii).add("near", json_texts(near)).done();

@@ -82,7 +82,7 @@ std::string crack_rows(const CrackResult& crack) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < crack.rows.size(); i += stride) {
     const CrackRow& row = crack.rows[i];
-    rows.push_back({pretty(row.s), at_place(row.at), pretty(row.jump_n), pretty(row.jump_t),
+    rows.push_back({pretty(row.s), at_place(row.at), pretty(row.jump_n + row.gap), pretty(row.jump_t),
                     pretty(-row.sigma_n - row.fluid_pressure), row.closed ? "closed" : "open"});
   }
   std::string out = table({"arc length", "at", "opening", "slip", "pressure", "contact"}, rows);

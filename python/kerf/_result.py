@@ -66,7 +66,7 @@ class Result:
 
     def crack(self, name):
         """Along a crack, in the order of its path: ``s``, ``at``, ``jump_n``, ``jump_t``, ``sigma_n``, ``sigma_t``,
-        ``fluid_pressure``, ``closed``, each an array."""
+        ``fluid_pressure``, ``gap``, ``closed``, each an array."""
         return self._outcome.crack(name)
 
     def page(self):

@@ -540,9 +540,11 @@ Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>
 
 std::string unavailable(const Model& m) {
   if (const auto why = refusal(m.element, can_bound_energy)) return *why;
+  if (!m.inner->standing.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
       return "no bounds of the energy: the chords of a curved crack in contact do not slide";
+    if (has_gap(law)) return "no bounds of the energy: the faces of a crack are apart before loading";
     if (has_friction(law)) return "no bounds of the energy: with friction the solution does not minimize one";
   }
   return {};

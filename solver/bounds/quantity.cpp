@@ -49,7 +49,9 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 }
 
 std::string unavailable(const Model& m) {
+  if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
+    if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";
     if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
     if (law.kind == CrackLaw::Kind::Unilateral) return "no bounds: a crack may be in contact";
   }

@@ -282,8 +282,10 @@ std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const
   // The discrete pressure of contact on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an
   // error of some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no
   // pressure there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the
-  // positive part. Friction on that edge is taken from the next one.
-  if (law.kind == CrackLaw::Kind::Unilateral)
+  // positive part. Friction on that edge is taken from the next one. Where faces overlap before loading they press on
+  // each other up to an open tip.
+  const bool wedged = std::ranges::any_of(faces[0].points, [](const CrackPoint& p) { return p.gap < 0; });
+  if (law.kind == CrackLaw::Kind::Unilateral && !wedged)
     for (std::size_t k = 0; k < count; ++k) {
       faces[0].points[k].sigma_n = 0;
       if (faces.size() > 1) faces[0].points[k].sigma_t = faces[1].points[0].sigma_t;
@@ -357,13 +359,18 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
 }
 
 /// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
-/// the profile: exact for a uniform friction and pressure.
+/// the profile: exact for a uniform friction and pressure. Where faces were apart before, contact follows their gap and
+/// does work, too.
 Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
   using Pair = Eigen::Matrix<double, 2, rings>;
+  const bool apart = std::ranges::any_of(faces, [](const Face& f) {
+    return std::ranges::any_of(f.points, [](const CrackPoint& p) { return p.gap != 0; });
+  });
   const auto tractions = [&](const CrackPoint& p) -> Pair {
     Pair both;
     for (int k = 0; k < rings; ++k)
-      both.col(k) = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) * Vec2(p.sigma_t, -p.fluid_pressure);
+      both.col(k) = cut_off(disc.ring[k], (p.at - disc.tip.at).norm()) *
+                    Vec2(p.sigma_t, (apart ? p.sigma_n : 0) - p.fluid_pressure);
     return both;
   };
   Row sum = Row::Zero();
@@ -513,7 +520,8 @@ TipIntensity intensity(const Model& model, const Field& state, const CrackTip& t
   const CrackLaw& law = model.scene.laws[tip.crack];
   // Where sliding changes the pressure, friction changes the power of the singularity.
   const bool other_power = !isotropic(disc.material) && law.friction > 0;
-  if (c.elements < fewest_elements || other_power) {
+  const bool follows_gap = tip.curved && has_gap(law);  // the work of contact on it is known on straight faces
+  if (c.elements < fewest_elements || other_power || follows_gap) {
     result.K_I = result.K_II = result.T = result.G = result.J = nan;
     result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = nan;
     return result;

@@ -242,6 +242,7 @@ Smallest smallest(const Model& model, const Field& field, Index crack, double cr
 void read_jump(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
   const Index unknown = model.inner->skeleton.jump[edge] + 2 * g;
   p.jump_n = field.skeleton[unknown];
+  if (has_gap(model.scene.laws[model.mesh.crack[edge]])) p.gap = -model.inner->skeleton.prescribed[unknown];
   p.jump_t = -field.skeleton[unknown + 1];
   if (model.scene.laws[model.mesh.crack[edge]].kind != CrackLaw::Kind::Unilateral) return;
   p.sigma_n -= field.force[unknown] / p.length;
@@ -269,7 +270,7 @@ void evaluate_traction(const Model& model, const Field& field, Index edge, int g
 }
 
 CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smallest& least) {
-  const bool gap = p.jump_n > least.gap, pressure = p.contact_pressure() > least.pressure;
+  const bool gap = p.distance() > least.gap, pressure = p.contact_pressure() > least.pressure;
   if (law == CrackLaw::Kind::Bonded || pressure) return CrackPoint::Status::Closed;
   return gap || law != CrackLaw::Kind::Unilateral ? CrackPoint::Status::Open : CrackPoint::Status::Biactive;
 }

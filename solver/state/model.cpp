@@ -35,30 +35,11 @@ struct Loaded {
   int threads;
 };
 
-// Supports must hold every piece that the cracks leave, but loads in equilibrium hold a whole body by themselves.
+// Loads in equilibrium hold a body that is in one piece by themselves.
 std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Loaded& loaded,
                                         std::vector<std::string>& notes) {
   Scene& scene = loaded.scene;
-  std::vector<bool> cut(mesh.edges.size(), false);
-  for (std::size_t e = 0; e < cut.size(); ++e)
-    cut[e] = mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
-  const std::vector<Index> piece = pieces(mesh, cut);
-  const Index count = piece.empty() ? 0 : 1 + *std::max_element(piece.begin(), piece.end());
-  if (count > 1) {
-    for (Index p = 0; p < count; ++p) {
-      const auto motions = free_motions(mesh, k, s, piece, p);
-      if (motions.empty()) continue;
-      const Index inside = static_cast<Index>(std::find(piece.begin(), piece.end(), p) - piece.begin());
-      const Vec2 x = centroid(mesh, inside);
-      throw Error(
-          Fault::Numerics,
-          fmt::format("cracks cut the body into {} pieces, and the supports do not hold the piece around ({:.4g}, "
-                      "{:.4g}): it is free to make {}; support each piece on its own (contact alone does not "
-                      "count), or end the crack inside the body",
-                      count, x.x(), x.y(), describe(motions.front())));
-    }
-    return {};
-  }
+  const std::vector<Index> piece(mesh.triangles.size(), 0);
   const auto motions = free_motions(mesh, k, s, piece, 0);
   std::string free;
   double worst = 0;
@@ -160,7 +141,8 @@ struct Prepared {
     Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads), threads};
     skeleton = number(mesh, kernel, {scene, loaded.data});
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
-    floating = check_supports(mesh, kernel, skeleton, loaded, notes);
+    standing = standing_pieces(mesh, kernel, scene, skeleton);
+    if (!standing.in_pieces) floating = check_supports(mesh, kernel, skeleton, loaded, notes);
     if (!floating.empty())
       for (const Index pin : pins(mesh, kernel, skeleton, floating)) skeleton.fixed[pin] = true;
     data = std::move(loaded.data);
@@ -176,7 +158,7 @@ struct Prepared {
             .seconds = seconds,
             .inner = std::make_shared<Inner>(Inner{std::move(kernel), std::move(skeleton), std::move(ordering),
                                                    std::move(system), std::move(factor), std::move(floating),
-                                                   std::move(data)})};
+                                                   std::move(data), std::move(standing)})};
   }
 
   Mesh mesh;
@@ -187,7 +169,16 @@ struct Prepared {
   std::vector<std::string> notes;
   std::vector<RigidMotion> floating;
   SceneData data;
+  Standing standing;
 };
+
+/// With the springs that hold what contact alone holds.
+LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
+  LowerTriangle held = k;
+  for (Index i = 0; i < o.contact_rows; ++i)
+    held.values[held.start[o.size - o.contact_rows + i]] += standing.springs[i];
+  return held;
+}
 
 }  // namespace
 
@@ -210,9 +201,12 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   System system =
       assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
+  if (!made.standing.empty())
+    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
   auto factor = std::make_shared<const Factor>(
       !how.factorize                  ? Factor(LowerTriangle{}, 0)
       : !made.skeleton.unseen.empty() ? Factor(lifted(system.K, made.skeleton, ordering), ordering.contact_rows)
+      : !made.standing.empty()        ? factor_of(sprung(system.K, ordering, made.standing), e, ordering)
                                       : factor_of(system.K, e, ordering));
   seconds.factor = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
@@ -224,8 +218,10 @@ Model with_loads(const Model& m, Scene scene) {
   if (made.skeleton.total != m.inner->skeleton.total || made.skeleton.fixed != m.inner->skeleton.fixed)
     throw std::invalid_argument("with_loads: the supports differ");
   Ordering ordering = m.inner->ordering;
-  System system = assemble_loads({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false},
-                                 m.inner->system);
+  System system = assemble_loads(
+      {made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false}, m.inner->system);
+  if (!made.standing.empty())
+    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), m.inner->factor, seconds);

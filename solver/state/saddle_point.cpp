@@ -399,6 +399,13 @@ double rounding_in_stiff_regions(const Model& m, const State& state) {
 }  // namespace
 
 State solve_saddle_point(const Model& m) {
+  if (std::ranges::any_of(m.scene.laws, has_gap))
+    throw Error(Fault::Usage,
+                "the saddle-point system (backend \"umfpack\") knows no gap of a crack; use the backend \"cholmod\"");
+  if (!m.inner->standing.empty())
+    throw Error(Fault::Usage,
+                "the saddle-point system (backend \"umfpack\") needs a support on every piece of the body; use the "
+                "backend \"cholmod\"");
   State state;
   Stopwatch watch;
   const Layout layout = lay_out(m);

@@ -66,6 +66,8 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
 
 Contact contact_on(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& b,
                    const Eigen::VectorXd& y, const std::vector<Motion>& guess) {
+  if (const Standing& standing = condensed.m.inner->standing; !standing.empty())
+    return semicoercive({condensed.S, condensed.load(y), condensed.points, standing}, guess);
   switch (method) {
     case ContactMethod::DualQp:
       return dual_qp(condensed.S, condensed.load(y), condensed.points, guess);

@@ -107,7 +107,7 @@ Entries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
   const Seen view = seen(from.mesh, s, t);
   Entries entries;
   for (int i = 0; i < view.count; ++i) {
-    const double value = s.prescribed[view.base[i]];  // jumps are prescribed as 0 only
+    const double value = s.prescribed[view.base[i]] + (view.jump[i] != none ? s.prescribed[view.jump[i]] : 0);
     if (value != 0) c.F -= value * c.K.col(i);
     if (o.row[view.base[i]] != none) entries.all[entries.count++] = {i, o.row[view.base[i]]};
     if (view.jump[i] != none && o.row[view.jump[i]] != none) entries.all[entries.count++] = {i, o.row[view.jump[i]]};
@@ -202,7 +202,8 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
   if (a.force.cols() > 0 && !a.force.col(t).isZero(0)) return true;
   const Seen view = seen(from.mesh, from.skeleton, t);
   for (int i = 0; i < view.count; ++i)
-    if (from.skeleton.prescribed[view.base[i]] != 0) return true;
+    for (const Index u : {view.base[i], view.jump[i]})
+      if (u != none && from.skeleton.prescribed[u] != 0) return true;
   return false;
 }
 

@@ -31,7 +31,7 @@ std::vector<Index> dissect_vertices(const Mesh& mesh) {
 }
 
 bool in_contact(const Skeleton& s, Index unknown) {
-  return s.bounded[unknown] || s.frictional[unknown];
+  return s.bounded[unknown] || s.frictional[unknown] || s.sliding[unknown];
 }
 
 // An edge's node holds its free base unknowns and its jumps without contact: whether there are any.

@@ -23,10 +23,13 @@ Loads loads_of(const Model& m) {
   return l;
 }
 
-Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* elsewhere) {
+Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* given) {
   Eigen::VectorXd all(m.inner->skeleton.total);
-  for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    all[u] = m.inner->ordering.row[u] != none ? rows[m.inner->ordering.row[u]] : elsewhere ? (*elsewhere)[u] : 0;
+  for (Index u = 0; u < m.inner->skeleton.total; ++u) {
+    const Index row = m.inner->ordering.row[u];
+    all[u] = row == none ? 0 : rows[row];
+    if (given && (*given)[u] != 0) all[u] += (*given)[u];
+  }
   return all;
 }
 
@@ -37,8 +40,8 @@ Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton) {
   return rows;
 }
 
-Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere) {
-  Twofold all{on_skeleton(m, s.x, &elsewhere), {}};
+Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& given) {
+  Twofold all{on_skeleton(m, s.x, &given), {}};
   if (s.low.size() > 0) all.low = on_skeleton(m, s.low, nullptr);
   return all;
 }
@@ -86,10 +89,19 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Penalt
 }
 
 Condensation::Condensation(const Model& model)
-    : m(model), S(model.inner->factor->contact_complement()), points(contact_points(model)) {}
+    : m(model), S(model.inner->factor->contact_complement()), points(contact_points(model)) {
+  const Standing& standing = m.inner->standing;
+  if (standing.empty()) return;
+  S.diagonal() -= standing.springs;
+  // What slides without resistance stays where it slides least.
+  if (standing.slides.cols() > 0) S += S.diagonal().mean() * standing.slides * standing.slides.transpose();
+}
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
-  return lower(m) * y.tail(m.inner->ordering.contact_rows);
+  Eigen::VectorXd r = lower(m) * y.tail(m.inner->ordering.contact_rows);
+  if (const Eigen::MatrixXd& slides = m.inner->standing.slides; slides.cols() > 0)
+    r -= slides * (slides.transpose() * r);  // rounding: the loads do no work on it
+  return r;
 }
 
 Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd& jump) const {

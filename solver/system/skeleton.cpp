@@ -66,6 +66,21 @@ void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   }
 }
 
+// Normal jumps are counted from where the faces touch.
+void shift_by_gaps(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
+    if (!has_gap(scene.laws[crack])) continue;
+    for (const CrackEdge& c : mesh.cracks[crack]) {
+      const EdgeLine line = edge_line(mesh, c.edge);
+      for (int g = 0; g < points_per_edge(k.element); ++g) {
+        const Vec2 x = line.a + k.trace.s[g] * (line.b - line.a), gap = scene.laws[crack].gap(x, line.n);
+        check_finite(gap, x, "gap of a crack");
+        s.prescribed[s.jump[c.edge] + 2 * g] = -gap.x();
+      }
+    }
+  }
+}
+
 void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Skeleton& s) {
   const int points = points_per_edge(k.element);
   const EdgeRule rule = gauss(data_points);
@@ -305,6 +320,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading) {
   s.fixed.assign(s.total, false);
   s.bounded.assign(s.total, false);
   s.frictional.assign(s.total, false);
+  s.sliding.assign(s.total, false);
   for (Index e = 0; e < edges; ++e) {
     if (s.jump[e] == none) continue;
     const CrackLaw& law = scene.laws[mesh.crack[e]];
@@ -316,6 +332,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading) {
       s.frictional[unknown] = rough && i % 2 == 1;
     }
   }
+  shift_by_gaps(mesh, k, scene, s);
   support_edges(mesh, k, loading, s);
   if (k.element.at_vertices == AtVertices::Displacement) support_corners(mesh, scene, s);
   if (k.element.at_vertices == AtVertices::Stress) {

@@ -22,10 +22,12 @@ struct Skeleton {
   std::vector<Index> jump;                    // per edge its first jump unknown, or none
   Corners corners;                            // empty without unknowns at vertices
   std::vector<Eigen::Matrix3d> corner_frame;  // per corner: see Triangle::corner
-  std::vector<double> prescribed;             // per unknown its value where fixed, 0 elsewhere
+  std::vector<double> prescribed;             // per unknown its value where fixed; of a normal jump what it is at
+                                              // first contact, -gap; 0 elsewhere
   std::vector<bool> fixed;                    // per unknown: by a support, or the jump of a bonded crack
   std::vector<bool> bounded;                  // per unknown: a normal jump that must not be negative
   std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
+  std::vector<bool> sliding;                  // per unknown: a tangential jump in contact that no law acts on
   std::vector<bool> unseen;                   // per unknown: part of a combination that no triangle sees; or empty
 };
 

@@ -38,6 +38,8 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   }
   const Inner& o = *operators().inner;
   W = o.factor->interface_complement();
+  if (!o.standing.empty())
+    W.bottomRightCorner(o.ordering.contact_rows, o.ordering.contact_rows).diagonal() -= o.standing.springs;
   const Index trailing = o.ordering.contact_rows, leading = o.ordering.size - trailing;
   status = contact_status(m, s);
   jump.resize(trailing);
@@ -45,7 +47,7 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = o.ordering.row[u];
     if (row < leading) continue;
-    jump[row - leading] = s.skeleton[u];
+    jump[row - leading] = s.skeleton[u] - m.inner->skeleton.prescribed[u];
     force[row - leading] = s.force[u];
   }
   for (Index row = 0; row < trailing; ++row) points.push_back({.normal = row});

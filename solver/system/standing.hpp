@@ -1,0 +1,60 @@
+#pragma once
+// Pieces of a body that contact alone holds: what they may do, and what it takes to factorize and to search [theory:
+// C.24 to C.26].
+
+#include "solver/contact/contact.hpp"
+#include "solver/system/ordering.hpp"
+#include "solver/system/rigid.hpp"
+#include "solver/system/sparse.hpp"
+
+namespace kerf {
+
+struct PieceMotion {
+  Index piece;
+  Vec2 inside;  // a point of the piece
+  RigidMotion motion;
+};
+
+/// Empty for bodies whose pieces are held by supports.
+struct Standing {
+  std::vector<PieceMotion> motions;
+  std::vector<Index> piece;  // per triangle
+  Eigen::MatrixXd free;      // combinations of motions that no law resists, a column each
+  Eigen::VectorXd springs;   // per row in contact: on the diagonal of the matrix that is factorized
+  Eigen::MatrixXd slides;    // rows in contact: orthonormal jumps of `free`
+  Eigen::MatrixXd others;    // and of what else the pieces may do
+  bool in_pieces = false;    // cracks cut the body, held by supports or not
+  bool empty() const {
+    return motions.empty();
+  }
+};
+
+/// The pieces that cracks leave and supports do not hold. Marks tangential jumps that are to be rows in contact of no
+/// law, so that a piece that slides freely is held by its rows (Skeleton::sliding). Throws Error(Numerics) that names a
+/// motion that no contact can resist.
+Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s);
+
+/// What is numbered and assembled.
+struct Numbered {
+  const Mesh& mesh;
+  const Kernel& kernel;
+  const Scene& scene;
+  const Skeleton& skeleton;
+  const Ordering& ordering;
+};
+/// Fills springs, slides and others. Throws Error(Numerics) that names the motion where no forces of contact balance
+/// the loads F: with Coulomb's friction a necessary condition alone.
+void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, Standing& standing,
+          std::vector<std::string>& notes);
+
+/// S j - r = p on rows in contact, S without resistance to Standing::others.
+struct SmallProblem {
+  const Eigen::MatrixXd& S;
+  const Eigen::VectorXd& r;
+  const std::vector<ContactPoint>& points;
+  const Standing& standing;
+};
+/// By proximal steps on the motions [theory: C.26], then with the set that they find by S alone.
+Contact semicoercive(const SmallProblem& problem, const std::vector<Motion>& guess);
+
+}  // namespace kerf

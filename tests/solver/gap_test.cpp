@@ -1,0 +1,197 @@
+// Faces that are apart, or overlap, before loading: patches, Hertz's pressure, and what the gap does to the energy.
+
+#include "kerf/analysis.hpp"
+#include "kerf/bounds.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/recover.hpp"
+#include "kerf/state.hpp"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+namespace kerf {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr Index bottom = 0, right = 1, top = 2, left = 3;
+
+/// The square [-1, 1]^2 with a crack.
+Shape square(const Vec2& from, const Vec2& to) {
+  Shape shape{.outline = polygon("outline", {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, bottom),
+              .cracks = {{"c", {from, to}}},
+              .labels = {"bottom", "right", "top", "left"}};
+  for (std::size_t i = 0; i < 4; ++i) shape.outline.sides[i].label = static_cast<Index>(i);
+  return shape;
+}
+
+/// Cut along y = 0.
+Shape blocks() {
+  return square({-1, 0}, {1, 0});
+}
+
+BoundaryField uniform(double value) {
+  return [value](const Vec2&, const Vec2&) { return Vec2(value, 0); };
+}
+
+/// On rollers at the sides and the bottom, the top pushed down by `down`: a state of uniaxial strain in both blocks.
+Scene pressed(const Material& m, double down, BoundaryField gap) {
+  Scene s{.material = m};
+  const auto normal_only = [](Index label, double value) {
+    return Support{label, true, true, false, [value](const Vec2&, const Vec2&) { return Vec2(value, 0); }};
+  };
+  s.supports = {normal_only(bottom, 0), normal_only(right, 0), normal_only(left, 0), normal_only(top, -down)};
+  s.laws = {{.gap = std::move(gap)}};
+  return s;
+}
+
+struct Solved {
+  Model model;
+  State state;
+};
+Solved solved(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene) {
+  Model m = prepare(triangulate(shape, sizing), e, scene, 1);
+  State s = solve(m);
+  EXPECT_TRUE(certified(s));
+  return {std::move(m), std::move(s)};
+}
+
+double energy_of(const Solved& s) {
+  return analyze({"energy", {energy()}}, s.model, s.state).value;
+}
+
+// Uniaxial strain: s_yy = (lambda + 2 mu) e, whatever the element and the mesh.
+TEST(Gap, UniformOnesPassThePatchTest) {
+  const Material m = plane_strain(1, 0.3);
+  const double lambda = 0.3 / (1.3 * 0.4), modulus = lambda + 2 * m.mu;
+  struct Case {
+    double down, gap;
+  };
+  for (const auto& [down, gap] : {Case{0.1, 0.04}, Case{0, -0.02}, Case{0.01, 0.03}})
+    for (const Element& e : {bdms(1), bdms(2), element("peers", 1), element("afw", 1), element("bdms-c", 1)}) {
+      SCOPED_TRACE(fmt::format("{} {}: down {}, gap {}", e.name, e.degree, down, gap));
+      const Solved s = solved(blocks(), {.size = 0.5}, e, pressed(m, down, uniform(gap)));
+      const double pressure = std::max(0.0, modulus * (down - gap) / 2);
+      for (const CrackPoint& p : crack_profile(s.model, s.state, 0)) {
+        EXPECT_NEAR(p.contact_pressure(), pressure, 1e-10);
+        EXPECT_NEAR(p.distance(), std::max(0.0, gap - down), 1e-10);
+        EXPECT_EQ(p.status, down > gap ? CrackPoint::Status::Closed : CrackPoint::Status::Open);
+      }
+      EXPECT_NEAR(energy_of(s), 0.5 * pressure * pressure / modulus * 4, 1e-10);
+    }
+}
+
+// The pressure of contact is what the energy loses per gap: no formula of contact enters the left side.
+TEST(Gap, DrivesTheEnergyByThePressure) {
+  const Material m = plane_strain(1, 0.3);
+  const auto gap = [](double more) -> BoundaryField {
+    return [more](const Vec2& x, const Vec2&) {
+      return Vec2(0.03 * x.x() * x.x() - 0.01 + more * std::cos(2 * x.x() + 1), 0);
+    };
+  };
+  const auto at = [&](double more) { return solved(blocks(), {.size = 0.12}, bdms(1), pressed(m, 0.01, gap(more))); };
+  const Solved s = at(0);
+  double work = 0;
+  unsigned open = 0, closed = 0;
+  for (const CrackPoint& p : crack_profile(s.model, s.state, 0)) {
+    work -= p.length * p.contact_pressure() * std::cos(2 * p.at.x() + 1);
+    ++(p.status == CrackPoint::Status::Closed ? closed : open);
+  }
+  EXPECT_GT(open, 3u);
+  EXPECT_GT(closed, 3u);
+  constexpr double step = 1e-6;
+  EXPECT_NEAR((energy_of(at(step)) - energy_of(at(-step))) / (2 * step), work, 1e-6 * std::abs(work));
+}
+
+/// Two equal half planes, apart by a parabola, pressed over |x| < b: s_yy = Re Z + y Im Z', s_xx = Re Z - y Im Z',
+/// s_xy = -y Re Z' with Z = -i p0/b (z - sqrt(z^2 - b^2)) above.
+struct Hertz {
+  Material m;
+  double b, largest;
+
+  /// The branch that is z far away.
+  Complex root(Complex z) const {
+    return std::sqrt(z - b) * std::sqrt(z + b);
+  }
+  double pressure(double x) const {
+    return std::abs(x) < b ? largest * std::sqrt(1 - x * x / (b * b)) : 0;
+  }
+  double kappa() const {
+    return 8 * m.mu / plane_modulus(m) - 1;
+  }
+  double gap(double x) const {
+    return (kappa() + 1) * largest / (4 * m.mu * b) * x * x;
+  }
+  /// The upper one's displacement is 0 at the origin; the lower one's is its mirror image.
+  Vec2 displacement(const Vec2& x, bool above) const {
+    const double up = above ? 1 : -1;
+    const Complex i(0, 1), z(x.x(), std::max(up * x.y(), 1e-14)), r = root(z);
+    const Complex Z = -i * largest / b * (z - r),
+                  primitive = -i * largest / b * 0.5 * (z * z - z * r + b * b * std::log((z + r) / (i * b)));
+    const double k = kappa(), y = z.imag();
+    const double u = (k - 1) / 2 * primitive.real() - y * Z.imag(), v = (k + 1) / 2 * primitive.imag() - y * Z.real();
+    return Vec2(u, up * v) / (2 * m.mu);
+  }
+};
+
+TEST(Gap, PressesAsHertzSays) {
+  const Hertz exact{plane_strain(1, 0.3), 0.3, 0.01};
+  std::vector<double> off;
+  for (const double size : {0.06, 0.03}) {
+    Scene scene{.material = exact.m};
+    for (const Index label : {bottom, right, top, left})
+      scene.supports.push_back(
+          {label, false, true, true, [exact](const Vec2& x, const Vec2&) { return exact.displacement(x, x.y() > 0); }});
+    scene.laws = {{.gap = [exact](const Vec2& x, const Vec2&) { return Vec2(exact.gap(x.x()), 0); }}};
+    const Solved s = solved(blocks(), {.size = size}, bdms(1), scene);
+    double square = 0, whole = 0, force = 0, most = 0;
+    for (const CrackPoint& p : crack_profile(s.model, s.state, 0)) {
+      const double should = exact.pressure(p.at.x());
+      square += p.length * std::pow(p.contact_pressure() - should, 2);
+      whole += p.length * should * should;
+      force += p.length * p.contact_pressure();
+      most = std::max(most, p.contact_pressure());
+    }
+    off.push_back(std::sqrt(square / whole));
+    EXPECT_NEAR(force, pi / 2 * exact.b * exact.largest, 2e-3 * exact.b * exact.largest);
+    EXPECT_NEAR(most, exact.largest, 5e-3 * exact.largest);
+  }
+  EXPECT_LT(off[0], 0.02);
+  EXPECT_LT(off[1], 0.01);
+}
+
+// An interference as large as the opening of a crack under a uniform pressure leaves the same stress as that pressure:
+// gap and fluid are two loads of one problem.
+TEST(Gap, InterferenceIsAWedge) {
+  const Material m = plane_strain(1, 0.3);
+  const Shape shape = square({-0.4, 0}, {0.4, 0});
+  Scene scene{.material = m};
+  scene.supports = {{bottom, false, true, true, {}}};
+  scene.supports[0].value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  scene.laws = {{.pressure = uniform(0.01)}};
+  const Sizing sizing{.size = 0.1};
+  const Solved open = solved(shape, sizing, bdms(1), scene);
+  // The opening of this mesh, point by point, given back as a gap.
+  const std::vector<CrackPoint> profile = crack_profile(open.model, open.state, 0);
+  scene.laws = {{.gap = [profile](const Vec2& x, const Vec2&) {
+    const CrackPoint* nearest = &profile.front();
+    for (const CrackPoint& p : profile)
+      if ((p.at - x).norm() < (nearest->at - x).norm()) nearest = &p;
+    return Vec2(-nearest->jump_n, 0);
+  }}};
+  const Solved wedge = solved(shape, sizing, bdms(1), scene);
+  for (const CrackPoint& p : crack_profile(wedge.model, wedge.state, 0)) EXPECT_NEAR(p.contact_pressure(), 0.01, 1e-8);
+  const std::vector<TipIntensity> a = crack_tips(open.model, open.state), b = crack_tips(wedge.model, wedge.state);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_NEAR(b[i].G, a[i].G, 0.05 * a[i].G);
+    EXPECT_TRUE(std::isnan(energy_bounds(wedge.model, wedge.state).lower));
+  }
+}
+
+}  // namespace
+}  // namespace kerf
