@@ -1,6 +1,7 @@
 #include "optimize/loop/intervals.hpp"
 
 #include "geometry/curved.hpp"
+#include "optimize/loop/history_text.hpp"
 #include "solver/open_faces.hpp"
 #include "solver/stress_norm.hpp"
 
@@ -74,7 +75,9 @@ class CaseIntervals {
       if (!is_bounded(b)) return b;
       add(sum, scaled(term, b));
     }
-    if (!arcs_of(e_.shape).empty()) qualify(sum, of_polygon);
+    if (arcs_of(e_.shape).empty()) return sum;
+    if (!sum.guaranteed) sum.note = join({sum.note, of_polygon});
+    qualify(sum, of_polygon);
     return sum;
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;

@@ -168,6 +168,9 @@ TEST(Upper, WhatHasNoIntervalSaysWhy) {
   holed.frame.holes = {circle("h", {0.7, 0.7}, 0.15, 0)};
   expect_note(interval(holed, release_rate_at_the_end()), "polygon");
   EXPECT_TRUE(std::isfinite(interval(holed, release_rate_at_the_end()).upper));
+  holed.scene.laws[0].kind = CrackLaw::Kind::Unilateral;  // both reasons
+  expect_note(interval(holed, release_rate_at_the_end()), "open everywhere");
+  expect_note(interval(holed, release_rate_at_the_end()), "polygon");
 }
 
 // G of both tips and the area, with signs; the worst of two load cases, of which one pulls half as much.
