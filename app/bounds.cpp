@@ -2,6 +2,7 @@
 
 #include "geometry/curved.hpp"
 #include "kerf/derivative_bounds.hpp"
+#include "solver/open_faces.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/core.h>
@@ -13,42 +14,6 @@
 namespace kerf {
 
 namespace {
-
-bool may_touch(const CrackLaw& law) {
-  return law.kind == CrackLaw::Kind::Unilateral;
-}
-
-/// Cracks may touch, and none does.
-bool open_everywhere(const Model& m, const State& s) {
-  bool some = false;
-  for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c) {
-    if (!may_touch(m.scene.laws[c])) continue;
-    some = true;
-    for (const CrackPoint& p : crack_profile(m, s, c))
-      if (p.status != CrackPoint::Status::Open) return false;
-  }
-  return some;
-}
-
-struct Opened {
-  Model model;
-  State state;
-};
-/// The body with cracks that never touch.
-Opened opened(const Model& m, int threads) {
-  Scene scene = m.scene;
-  for (CrackLaw& law : scene.laws)
-    if (may_touch(law)) law.kind = CrackLaw::Kind::Open;
-  Opened o{prepare(m.mesh, m.element, std::move(scene), threads), {}};
-  o.state = solve(o.model);
-  return o;
-}
-
-void qualify(Bounded& b, const std::string& why) {
-  if (why.empty() || !b.guaranteed) return;
-  b.guaranteed = false;
-  b.note = why;
-}
 
 /// T of these needs no adjoint.
 bool is_energy(const Functional& j) {
@@ -148,10 +113,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
                               int threads) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
-  const std::string polygon =
-      arcs_of(task.body.shape).empty()
-          ? std::string()
-          : std::string("the interval is that of the polygon that the mesh makes of curved sides");
+  const std::string polygon = arcs_of(task.body.shape).empty() ? "" : of_polygon;
   const QuantityBounds bounds(model, state);
   BoundsResult out;
   if (request.tips && !model.mesh.cracks.empty()) {
@@ -159,7 +121,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     if (open_everywhere(model, state)) {
       const Opened free = opened(model, threads);
       out.tips = tips_of(task, free.model, free.state, QuantityBounds(free.model, free.state));
-      why = "the interval is that of a crack whose faces may penetrate: on this mesh they are open everywhere";
+      why = of_opened;
     } else {
       out.tips = tips_of(task, model, state, bounds);
     }

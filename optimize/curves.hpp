@@ -4,9 +4,9 @@
 #include "geometry/carve.hpp"
 #include "kerf/optimize.hpp"
 
-namespace kerf {
+#include <optional>
 
-struct Evaluated;
+namespace kerf {
 
 struct CurvesRequest {
   double size = 0;         // of the mesh; 0: that of the problem
@@ -14,7 +14,8 @@ struct CurvesRequest {
   double min_radius = 0;   // of arcs of the design; 0: any
   double min_feature = 0;  // least width of members and gaps; 0: one size. What is thinner already may stay so
   int evaluations = 40;
-  double residual = 1e-2;  // of the shape on a mesh of its own that is good enough
+  double residual = 1e-2;            // of the shape on a mesh of its own that is good enough
+  std::vector<double> at_most = {};  // of the bounds, where those of the request leave room for what a finer mesh says
 };
 
 /// An evaluation: what a row of a history says, and all that a replay needs.
@@ -40,9 +41,8 @@ struct FinishedCurves {
   double J = nan, area = nan;
   std::vector<double> bounds;
   double residual = nan, price = nan;
-  double residual_before = nan;  // of the curves as fitted
-  double finer_residual = nan;   // on the mesh by which designs are judged [finer_problem]; nan: not there
-  std::shared_ptr<const Evaluated> finer = {};  // the curves there
+  double residual_before = nan;           // of the curves as fitted
+  std::optional<FinerDesign> finer = {};  // on the mesh by which designs are judged, with the residual there
   int evaluations = 0, state_solves = 0;
   Index knots = 0;
   bool feasible = false;

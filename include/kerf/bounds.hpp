@@ -6,6 +6,7 @@
 #include "kerf/state.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace kerf {
@@ -36,6 +37,9 @@ struct Bounded {
   bool guaranteed = false;
   std::string note;  // why not available, or not guaranteed
 };
+
+/// Not guaranteed, and why; what is not already keeps its own note.
+void qualify(Bounded& b, const std::string& why);
 
 /// What its square lies in.
 Interval squared(const Bounded& b);

@@ -74,6 +74,7 @@ struct Term {
   /// Points too close to a feature of the functional itself (the ring of a tip): its radius about it; 0: none.
   Vec2 feature = Vec2::Zero();
   double feature_radius = 0;
+  std::optional<Vec2> release_along = {};  // G of the tip at `feature`, by which a crack grows in this direction
 };
 
 struct Functional {

@@ -2,6 +2,7 @@
 // Optimization: what is asked, what is reported, and the two loops. A level set moves boundaries freely; numbers move
 // holes, cracks and inclusions that are drawn.
 
+#include "kerf/bounds.hpp"
 #include "kerf/design.hpp"
 #include "kerf/functional.hpp"
 #include "kerf/mesher.hpp"
@@ -131,9 +132,13 @@ struct FinerDesign {
   Element element = bdms(1);
   double objective = nan, volume_fraction = nan;
   std::vector<double> bounds;  // values of the bounded functionals
-  double violation = nan;      // largest relative violation of a constraint
-  double residual = nan;       // of the shape, of a level set's curves
-  std::string failure;         // why it could not be solved; empty mostly
+  /// Of those of stresses and release rates, on that mesh: `upper`, where there is one, is what the bound is judged by
+  /// if the interval is guaranteed, and the larger of it and the value otherwise. `note`: why there is none, or not
+  /// guaranteed. Not a number, without a note: of other functionals.
+  std::vector<Bounded> intervals;
+  double violation = nan;  // largest relative violation of a constraint, so judged
+  double residual = nan;   // of the shape, of a level set's curves
+  std::string failure;     // why it could not be solved; empty mostly
 };
 
 /// Of a level set's design, per area: the least of (T - price of area) / price over the body away from singular points.

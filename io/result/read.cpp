@@ -257,7 +257,12 @@ FinerDesign finer(const Json& from) {
   out.objective = number(from, "objective");
   out.volume_fraction = number(from, "volume_fraction");
   out.violation = number(from, "violation");
-  for (const Json& b : list(from, "bounds")) out.bounds.push_back(number(b, "value"));
+  for (const Json& b : list(from, "bounds")) {
+    out.bounds.push_back(number(b, "value"));
+    const auto read = [&](const char* key) { return b.contains(key) ? number(b, key) : nan; };
+    out.intervals.push_back({nan, read("lower"), read("upper"), b.value("guaranteed", false),
+                             b.contains("note") ? text(b, "note") : std::string()});
+  }
   out.residual = number(from, "residual");
   out.failure = text(from, "failure");
   return out;

@@ -335,6 +335,16 @@ Json starts_section(const std::vector<StartTried>& starts) {
   return out;
 }
 
+/// Of a bound on a stress or a release rate.
+void add_interval(Json& row, const Bounded& b) {
+  if (std::isfinite(b.upper)) {
+    row["lower"] = number(b.lower);
+    row["upper"] = number(b.upper);
+    row["guaranteed"] = b.guaranteed;
+  }
+  if (!b.note.empty()) row["note"] = b.note;
+}
+
 Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
   Json out = {{"size", number(finer.size)},
               {"element", finer.element.name},
@@ -342,8 +352,11 @@ Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
               {"objective", number(finer.objective)},
               {"volume_fraction", number(finer.volume_fraction)},
               {"violation", number(finer.violation)}};
-  for (std::size_t i = 0; i < std::min(names.bounds.size(), finer.bounds.size()); ++i)
-    out["bounds"].push_back({{"name", names.bounds[i]}, {"value", number(finer.bounds[i])}});
+  for (std::size_t i = 0; i < std::min(names.bounds.size(), finer.bounds.size()); ++i) {
+    Json row = {{"name", names.bounds[i]}, {"value", number(finer.bounds[i])}};
+    if (i < finer.intervals.size()) add_interval(row, finer.intervals[i]);
+    out["bounds"].push_back(std::move(row));
+  }
   if (std::isfinite(finer.residual)) out["residual"] = number(finer.residual);
   if (!finer.failure.empty()) out["failure"] = finer.failure;
   return out;

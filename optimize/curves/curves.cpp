@@ -40,6 +40,7 @@ constexpr double slow = 2e-4;
 constexpr double settled = 0.03;                    // residual from which on knots stay where they are
 constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
 constexpr int most_meshes_at_end = 4;
+constexpr int most_rooms = 2;    // times that bounds are made to leave more room for what a finer mesh says
 constexpr int most_rounds = 12;  // of quadratic programs for a step
 
 /// A mesh and the curves it was made for; built when first needed.
@@ -69,6 +70,11 @@ struct Linearized {
   VectorXd room;
 };
 
+/// What violations of a bound are relative to.
+double unit_of(double at_most) {
+  return at_most != 0 ? std::abs(at_most) : 1;
+}
+
 bool is_shape(const DesignCurves& d) {
   return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
          !find_problem(shape_of(d));
@@ -78,13 +84,14 @@ class CurvesRun {
  public:
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
             const CurvesObserver& see, const std::vector<CurvesRow>& known)
-      : p_(p), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
+      : p_(p), asked_(r), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
     whole_ = area(p.frame);
     volume_price_ = price_of_volume(p, r) + r.volume_penalty;
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_radius * size_;
     solid_ = solid_loops(p, r);
+    for (std::size_t k = 0; k < how.at_most.size(); ++k) asked_.bounds[k].at_most = how.at_most[k];
   }
 
   FinishedCurves run();
@@ -96,6 +103,8 @@ class CurvesRun {
   void solve(Point& x);
   void solve_on(Point& x, const Problem& p, const CurveMesh& follows, Mesh mesh);
   void look_closer();
+  bool leave_room();
+  void settle();
   void recall(const CurvesRow& row, Point& x) const;
   CurvesRow row_of(const Point& x) const;
   Linearized linearized(const Point& x) const;
@@ -123,7 +132,7 @@ class CurvesRun {
   }
 
   const Problem& p_;
-  const OptimizeRequest& r_;
+  OptimizeRequest asked_, r_;  // r_: bounds leave room for what a finer mesh says
   const Carved& carved_;
   const CurvesRequest& how_;
   const CurvesObserver& see_;
@@ -134,7 +143,7 @@ class CurvesRun {
   double least_residual_ = infinity;
   std::vector<double> track_;  // merits since the last new mesh
   std::vector<Loop> solid_;
-  int evaluations_ = 0, solves_ = 0;
+  int evaluations_ = 0, solves_ = 0, rooms_ = 0;
   Point x_;                    // the present one
   std::optional<Point> best_;  // of those that keep all bounds
   MatrixXd B_;
@@ -192,7 +201,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
     x.by_J += c.weight * pull_back(follows, x.curves, shape_gradient(a, e->objective));
     for (std::size_t b = 0; b < r_.bounds.size(); ++b, ++k) {
       const Analysis of_bound = analyze(e->bounded[b], c.model, c.state);
-      const double most = r_.bounds[b].at_most, unit = most != 0 ? std::abs(most) : 1;
+      const double most = r_.bounds[b].at_most, unit = unit_of(most);
       x.bound[k] = (of_bound.value - most) / unit;
       x.by_bound.col(k) = pull_back(follows, x.curves, shape_gradient(of_bound, e->bounded[b])) / unit;
     }
@@ -589,6 +598,7 @@ void CurvesRun::end_inside() {
 
 /// The residual where the mesh of the steps has no say: steps come to like what it gets wrong.
 void CurvesRun::look_closer() try {
+  out_.finer.reset();
   const Problem finer = finer_problem(p_);
   const CurveMesh follows = curve_mesh(x_.curves, finer.sizing);
   Point y{.curves = x_.curves};
@@ -597,10 +607,50 @@ void CurvesRun::look_closer() try {
   y.area = area_of(y.curves, &y.by_area);
   solves_ = before;
   weigh(y);
-  out_.finer = y.solved;
-  out_.finer_residual = y.residual;
+  out_.finer = finer_design(finer, asked_, *y.solved, whole_);
+  out_.finer->residual = y.residual;
 } catch (const Error& error) {
   if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;  // whoever judges will find out why
+}
+
+/// Steps to the end within the frame.
+void CurvesRun::settle() {
+  int meshes = 0;
+  while (true) {
+    descend(meshes);
+    if (stopped_) return;
+    const double before = merit(x_);
+    end_inside();
+    // The way back into the frame may have cost something, or a mesh of its own says that a bound is violated: on.
+    const bool good = violation(x_) < feasible_violation && merit(x_) < before + mesh_noise * std::abs(x_.J);
+    if (good || evaluations_ >= how_.evaluations || meshes++ == most_meshes_at_end) return;
+    best_.reset();
+    radius_ = std::max(radius_, 0.1 * size_);
+  }
+}
+
+/// Where the finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
+/// there is a reason to go on.
+bool CurvesRun::leave_room() {
+  if (!out_.finer || rooms_ == most_rooms || evaluations_ >= how_.evaluations) return false;
+  std::vector<double> now;
+  for (const FunctionalBound& bound : r_.bounds) now.push_back(bound.at_most);
+  const std::vector<double> tight = with_more_room(*out_.finer, asked_, now, x_.bounds);
+  if (tight.empty()) return false;
+  ++rooms_;
+  solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
+  for (Eigen::Index k = 0; k < x_.bound.size(); ++k) {
+    FunctionalBound& bound = r_.bounds[std::size_t(k) % r_.bounds.size()];
+    const double most = tight[std::size_t(k) % tight.size()], was = unit_of(bound.at_most), unit = unit_of(most);
+    x_.bound[k] = (x_.bound[k] * was + bound.at_most - most) / unit;
+    x_.by_bound.col(k) *= was / unit;
+  }
+  for (std::size_t k = 0; k < tight.size(); ++k) r_.bounds[k].at_most = tight[k];
+  weigh(x_);
+  best_.reset();
+  track_.clear();
+  radius_ = std::max(radius_, 0.1 * size_);
+  return true;
 }
 
 FinishedCurves CurvesRun::run() {
@@ -617,20 +667,12 @@ FinishedCurves CurvesRun::run() {
   out_.residual_before = x_.residual;
   begin_curvature(x_);
   share_.assign(x_.curves.chains.size(), 1.0);
-  bool go_on = show();
-  int meshes = 0;
-  while (go_on) {
-    descend(meshes);
-    if (stopped_) break;
-    const double before = merit(x_);
-    end_inside();
-    // The way back into the frame may have cost something, or a mesh of its own says that a bound is violated: on.
-    const bool good = violation(x_) < feasible_violation && merit(x_) < before + mesh_noise * std::abs(x_.J);
-    if (good || evaluations_ >= how_.evaluations || meshes++ == most_meshes_at_end) break;
-    best_.reset();
-    radius_ = std::max(radius_, 0.1 * size_);
+  if (show()) settle();
+  while (!stopped_) {
+    look_closer();
+    if (!leave_room()) break;
+    settle();
   }
-  if (!stopped_) look_closer();
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;

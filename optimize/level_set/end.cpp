@@ -79,7 +79,7 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
     out.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
   } else {
     weigh_changes(end.g, design, result, out);
-    if (end.last) weigh_residual(end.curves.finer_residual, out);
+    if (end.last) weigh_residual(end.curves.finer ? end.curves.finer->residual : nan, out);
   }
   return out;
 }
@@ -122,7 +122,10 @@ bool curves_are_better(const LevelSetEnd& end) {
   if (after >= feasible_violation || before >= feasible_violation) return after < before;
   // Curves leave room in bounds for what a finer mesh says, which costs J.
   const double meshes_differ = r.bounds.empty() ? 8e-4 : 2e-2, J = end.last ? end.last->J : c.J;
-  return J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J);
+  if (J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J)) return true;
+  // A carved design without that room may be no design at all.
+  const bool kept = !r.bounds.empty() && c.finer && c.finer->violation < feasible_violation;
+  return kept && solve_finer(end.g.p, r, e, end.g.whole).violation >= feasible_violation;
 }
 
 std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {
@@ -152,10 +155,7 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   } else if (go_on) {
     const FinishedCurves& curves = end.curves;
     if (end.last && curves.finer) {
-      Problem p = end.g.p;
-      p.sizing.size = end.g.mesh_size;
-      result.finer = finer_design(finer_problem(std::move(p)), end.g.r, *curves.finer, end.g.whole);
-      result.finer.residual = curves.finer_residual;
+      result.finer = *curves.finer;
     } else {
       result.finer = solve_finer(end.g.p, end.g.r, design, end.g.whole);
     }

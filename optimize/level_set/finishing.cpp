@@ -27,16 +27,17 @@ Eigen::VectorXd taken(const Eigen::VectorXd& all, Eigen::Index& at) {
 
 /// Bounds that leave room for what a finer mesh says more than the one of the curves does.
 OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carved, const CurvesRequest& how) {
-  constexpr double most = 0.2, drift = 1.5, least = 2e-3;  // stresses of other designs differ more between meshes
+  constexpr double drift = 1.5, least = 2e-3;  // stresses of other designs differ more between meshes
   OptimizeRequest r = g.r;
   if (r.bounds.empty()) return r;
   const Shape shape = fit_curves(p, r, carved, how);
   const Evaluated here = evaluate_design(p, r, shape, carved.crack_of);
   const FinerDesign finer = solve_finer(p, r, here, g.whole);
-  for (std::size_t k = 0; k < finer.bounds.size(); ++k) {
-    double excess = (finer.bounds[k] - here.bounds[k]) / std::max(std::abs(here.bounds[k]), 1e-300);
+  const std::vector<double> more = excess_of(finer, here.bounds);
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    double excess = more[k];
     if (counts_stress(r.bounds[k].functional)) excess = drift * std::max(excess, 0.0) + least;
-    if (excess > 0) r.bounds[k].at_most -= std::min(excess, most) * std::abs(r.bounds[k].at_most);
+    if (excess > 0) r.bounds[k].at_most -= std::min(excess, most_room) * std::abs(r.bounds[k].at_most);
   }
   return r;
 }
@@ -118,6 +119,7 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                     .min_radius = g.r.level_set.min_radius,
                     .min_feature = g.r.level_set.min_feature,
                     .residual = residual};
+  for (const FunctionalBound& bound : g.r.bounds) how.at_most.push_back(bound.at_most);
   how.evaluations = std::min(most_evaluations, g.r.max_iterations - d.progress().iteration - 1);
   Problem fitted = g.p;  // one edge across thin members, as on the way
   fitted.sizing.size = g.mesh_size;

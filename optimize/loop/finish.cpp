@@ -1,6 +1,7 @@
 #include "optimize/loop/finish.hpp"
 
 #include "optimize/loop/history_text.hpp"
+#include "optimize/loop/intervals.hpp"
 #include "solver/error_bars.hpp"
 
 #include <fmt/core.h>
@@ -25,6 +26,38 @@ std::string in_words(const FinerDesign& finer) {
   return fmt::format("on a mesh of size {:.3g} with {} {}", finer.size, finer.element.name, finer.element.degree);
 }
 
+bool has_upper(const FinerDesign& finer, std::size_t k) {
+  return k < finer.intervals.size() && std::isfinite(finer.intervals[k].upper);
+}
+
+/// "G: at most 1.003 of what is allowed is proved".
+std::string upper_in_words(const FunctionalBound& bound, const Bounded& interval) {
+  const char* how = interval.guaranteed ? "proved" : "estimated";
+  if (!(bound.at_most > 0))
+    return fmt::format("{}: at most {:.6g} is {}, {:.6g} is allowed", bound.name, interval.upper, how, bound.at_most);
+  return fmt::format("{}: at most {:.4f} of what is allowed is {}", bound.name, interval.upper / bound.at_most, how);
+}
+
+/// What the design violates on the finer mesh.
+std::string violated_there(const OptimizeRequest& r, const FinerDesign& finer) {
+  std::vector<std::string> all{violated(r, finer.bounds, finer.volume_fraction)};
+  for (std::size_t k = 0; k < finer.bounds.size(); ++k) {
+    const double most = r.bounds[k].at_most;
+    if (has_upper(finer, k) && relative(finer.bounds[k], most) < feasible_violation &&
+        relative(finer.intervals[k].upper, most) >= feasible_violation)
+      all.push_back(upper_in_words(r.bounds[k], finer.intervals[k]));
+  }
+  return join(all, ", ");
+}
+
+/// What there is to say for a design that keeps its bounds.
+std::string kept_there(const OptimizeRequest& r, const FinerDesign& finer) {
+  std::vector<std::string> all;
+  for (std::size_t k = 0; k < finer.bounds.size(); ++k)
+    if (has_upper(finer, k)) all.push_back(upper_in_words(r.bounds[k], finer.intervals[k]));
+  return join(all, ", ");
+}
+
 }  // namespace
 
 double violation_of(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction) {
@@ -43,6 +76,43 @@ std::string violated(const OptimizeRequest& r, std::span<const double> bounds, d
   return join(all, ", ");
 }
 
+std::vector<double> judged_by(const FinerDesign& finer) {
+  std::vector<double> all = finer.bounds;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!has_upper(finer, k)) continue;
+    const Bounded& b = finer.intervals[k];
+    all[k] = b.guaranteed ? b.upper : std::max(b.upper, all[k]);
+  }
+  return all;
+}
+
+std::vector<double> excess_of(const FinerDesign& finer, std::span<const double> values) {
+  std::vector<double> all = judged_by(finer);
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = relative(all[k], values[k]);
+  return all;
+}
+
+std::vector<double> with_more_room(const FinerDesign& finer, const OptimizeRequest& asked, std::span<const double> now,
+                                   std::span<const double> values) {
+  constexpr double least = 1e-4;  // of a bound, that less is to be allowed
+  if (!finer.failure.empty() || !(finer.violation >= feasible_violation)) return {};
+  const std::vector<double> judged = judged_by(finer);
+  std::vector<double> tight(now.begin(), now.end());
+  bool changed = false;
+  for (std::size_t k = 0; k < tight.size(); ++k) {
+    const double most = asked.bounds[k].at_most, size = std::abs(most), ratio = values[k] / judged[k];
+    // The finer mesh says as much more of the next design, in proportion where that means something.
+    const double wanted = ratio > 0 && most != 0 ? ratio * most : most + values[k] - judged[k],
+                 room = std::max(wanted, most - most_room * size);
+    // What a design violates on its own mesh is no matter of meshes.
+    if (relative(judged[k], most) < feasible_violation || values[k] - tight[k] >= feasible_violation * size) continue;
+    if (!(tight[k] - room > least * size)) continue;
+    tight[k] = room;
+    changed = true;
+  }
+  return changed ? tight : std::vector<double>();
+}
+
 Problem finer_problem(Problem p) {
   if (p.sizing.size == 0) p.sizing.size = extent(p.frame) / 40;
   p.sizing.size *= 0.5;
@@ -55,7 +125,8 @@ FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const E
   FinerDesign f{.size = finer.sizing.size, .element = finer.element, .objective = there.J};
   f.bounds = there.bounds;
   f.volume_fraction = there.area / whole;
-  f.violation = violation_of(r, f.bounds, f.volume_fraction);
+  f.intervals = intervals_of(there, finer.threads);
+  f.violation = violation_of(r, judged_by(f), f.volume_fraction);
   return f;
 }
 
@@ -86,7 +157,7 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;
   const std::string here = violated(r, row.bounds, row.volume_fraction),
-                    there = finer.failure.empty() ? violated(r, finer.bounds, finer.volume_fraction) : "";
+                    there = finer.failure.empty() ? violated_there(r, finer) : "";
   const std::string residual = std::isfinite(end.residual) ? fmt::format("{} {:.2g}", end.kind, end.residual) : "";
   result.feasible = here.empty() && there.empty() && !(row.violation > end.allowed);
   std::vector<std::string> words;
@@ -95,7 +166,7 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
     words = {here, here.empty() && !there.empty() ? there + " " + in_words(finer) : "", end.why};
   } else if (end.residual <= end.asked && end.obstacle.empty() && finer.failure.empty()) {
     result.ending = Ending::Optimal;
-    words = {residual, end.evidence};
+    words = {residual, end.evidence, kept_there(r, finer)};
     if (finer.size > 0) words.push_back(fmt::format("objective {:.6g} {}", finer.objective, in_words(finer)));
   } else {
     result.ending = end.budget_used ? Ending::BudgetUsed : Ending::Stalled;
@@ -106,6 +177,7 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
     words.push_back(end.obstacle);
     if (!finer.failure.empty())
       words.push_back(fmt::format("the design cannot be solved {}: {}", in_words(finer), finer.failure));
+    words.push_back(kept_there(r, finer));
   }
   result.optimality = end.residual;
   result.stopped = fmt::format("{}: {}", word(result.ending), join(words));

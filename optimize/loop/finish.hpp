@@ -9,6 +9,17 @@ inline constexpr double feasible_violation = 1e-3;  // relative violation of a c
 
 /// Bounds and volume of a design on its mesh: the largest relative violation, 0 for none.
 double violation_of(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction);
+/// By what each bound of a finer design is judged: the upper end of its interval where that is guaranteed, the larger
+/// of it and the value where it is not, the value where there is none.
+std::vector<double> judged_by(const FinerDesign& finer);
+/// How much more that is than the value on the design's own mesh, relative to this.
+std::vector<double> excess_of(const FinerDesign& finer, std::span<const double> values);
+inline constexpr double most_room = 0.2;  // that bounds leave on the loop's mesh for what a finer one says, of at_most
+/// Bounds that leave room for it where the finer mesh says that what is asked for is violated: less than `now` allows.
+/// `values`: those of the design on its own mesh. Empty where nothing is gained.
+std::vector<double> with_more_room(const FinerDesign& finer, const OptimizeRequest& asked, std::span<const double> now,
+                                   std::span<const double> values);
+
 /// What they violate by more than `feasible_violation`, in words; empty for nothing.
 std::string violated(const OptimizeRequest& r, std::span<const double> bounds, double volume_fraction);
 

@@ -77,7 +77,7 @@ struct Evaluations::Impl {
   std::vector<LoadCase> loads;        // one at least, with what the scene itself bears
   std::vector<Constraint> geometric;  // need no mesh
   std::vector<std::string> names;     // of constraints
-  std::vector<double> bound_scale;
+  std::vector<double> bound_scale, at_most;
   std::optional<std::string> blind;
   int round = -1;
   std::vector<Base> bases, before;  // of this round and the one before
@@ -103,6 +103,7 @@ struct Evaluations::Impl {
         names.push_back(fmt::format("{} exceeds {:g}{}", bound.name, bound.at_most,
                                     loads.size() > 1 ? fmt::format(" under {}", load.name) : ""));
       bound_scale.push_back(std::abs(bound.at_most));
+      at_most.push_back(bound.at_most);
     }
     geometric = kerf::constraints(design, p, least_distance(p, r), forbidden_discs(p, r));
     for (const Constraint& c : geometric) names.push_back(c.name);
@@ -237,7 +238,7 @@ struct Evaluations::Impl {
         const double bounded = value_of(request.bounds[b].functional, model, state, base, x, gradient);
         result.bounds[b] = std::max(result.bounds[b], bounded);
         const Eigen::Index k = row_of_bound(b, l);
-        e.values[k] = bounded - request.bounds[b].at_most;
+        e.values[k] = bounded - at_most[b];
         if (gradients) e.gradients.col(k) = by;
       }
       if (l == 0) last = std::make_shared<SolvedDesign>(SolvedDesign{body, std::move(model), std::move(state)});
@@ -280,6 +281,21 @@ void Evaluations::begin_round() {
   ++impl_->round;
   impl_->before = std::move(impl_->bases);
   impl_->bases.clear();
+}
+
+void Evaluations::allow(const std::vector<double>& at_most) {
+  impl_->at_most = at_most;
+}
+
+double Evaluations::violation_of_request(const DesignEvaluation& design) const {
+  const Impl& s = *impl_;
+  const VectorXd& values = design.evaluation.values;
+  const auto geometric = static_cast<Eigen::Index>(s.geometric.size());
+  double worst = s.request.volume_at_most ? std::max(values[1], 0.0) : 0;
+  if (geometric > 0) worst = std::max(worst, values.tail(geometric).maxCoeff());
+  for (std::size_t b = 0; b < design.bounds.size(); ++b)
+    worst = std::max(worst, (design.bounds[b] - s.request.bounds[b].at_most) / s.bound_scale[b]);
+  return worst;
 }
 
 DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {

@@ -48,6 +48,10 @@ class Evaluations {
   double frame_area() const;
 
   void begin_round();
+  /// From now on the bounds are these, instead of what the request allows.
+  void allow(const std::vector<double>& at_most);
+  /// The largest violation of what the request itself asks for, at least 0.
+  double violation_of_request(const DesignEvaluation& design) const;
   /// Designs that cannot be drawn, meshed or solved come back with Evaluation::failure, and what is known of them.
   DesignEvaluation evaluate(const Eigen::VectorXd& x, bool gradients);
   /// Numbers read off the state of a design, and derivatives by x of functionals of it, one column each, exact as those

@@ -22,6 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double feasibility = 1e-6;  // relative violations that do not count
+constexpr int most_rooms = 2;         // times that bounds are made to leave room
 
 // Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
@@ -124,6 +125,8 @@ class Rounds {
   std::optional<DesignEvaluation> begin_round(int round, const VectorXd& x, Minimum& found);
   void note(const Minimum& found);
   bool settled(const Iteration& begin, const Iteration& end, bool feasible) const;
+  FinerDesign solve_finer_design(const VectorXd& x) const;
+  bool leave_room(const Iteration& row);
   OptimizeResult finish(const Minimum& found, std::size_t best);
   bool wants_gradients() const {
     return request_.method != OptimizeMethod::Cobyla;
@@ -149,6 +152,11 @@ class Rounds {
   OptimizeResult result_;
   std::vector<std::size_t> evaluation_of_row_;  // of the history
   bool first_of_round_ = true, stopped_ = false;
+  int rooms_ = 0;                // times that bounds were made to leave room
+  std::vector<double> at_most_;  // what they allow since
+  bool more_room_ = false;       // in the round that begins
+  VectorXd finer_at_;            // the design that finer_ is of
+  FinerDesign finer_;
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
 
@@ -277,10 +285,12 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
     row.triangles = design.triangles;
     row.state_solves = state_solves_;
     row.variables = e.x;
-    if (first_of_round_ && !history.empty()) row.note = "a fresh mesh";
+    if (first_of_round_ && !history.empty())
+      row.note = more_room_ ? "a fresh mesh, and bounds that leave room for what a finer one says" : "a fresh mesh";
     if (!history.empty() && row.merit > history.back().merit)
       row.note += fmt::format("{}the objective rose because {}", row.note.empty() ? "" : ": ",
                               first_of_round_ ? "the mesh is another one" : "a constraint was violated before");
+    more_room_ &= !first_of_round_;
     accepted_merit_ = row.merit;
     accepted_violation_ = violation;
     first_of_round_ = false;
@@ -386,8 +396,45 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
   return best->variables;
 }
 
+/// The design on the mesh by which designs are judged.
+FinerDesign Rounds::solve_finer_design(const VectorXd& x) const {
+  Problem judged = problem_;
+  DrawnBody body = body_of(request_.design, x, problem_);
+  judged.scene = std::move(body.scene);
+  return solve_finer(std::move(judged), request_, body.shape, evaluations_.frame_area());
+}
+
+/// Where a finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
+/// there is a reason to go on.
+bool Rounds::leave_room(const Iteration& row) {
+  if (request_.bounds.empty() || rooms_ == most_rooms) return false;
+  const std::string key = fmt::format("room {:06}", rooms_);
+  if (const auto known = checkpoint_.numbers.find(key); known != checkpoint_.numbers.end()) {
+    at_most_.assign(known->second.begin(), known->second.end());
+  } else {
+    finer_ = solve_finer_design(row.variables);
+    finer_at_ = row.variables;
+    std::vector<double> tight = with_more_room(finer_, request_, at_most_, row.bounds);
+    if (tight.empty()) return false;
+    at_most_ = std::move(tight);
+    checkpoint_.numbers[key] = Eigen::Map<const VectorXd>(at_most_.data(), static_cast<Eigen::Index>(at_most_.size()));
+    write();
+  }
+  ++rooms_;
+  more_room_ = true;
+  state_solves_ += static_cast<int>(std::max<std::size_t>(1, request_.load_cases.size()));
+  evaluations_.allow(at_most_);
+  for (std::size_t k = 0; k < at_most_.size(); ++k)
+    if (at_most_[k] != request_.bounds[k].at_most)
+      result_.notes.push_back(
+          fmt::format("{}: on the mesh of the steps at most {:.6g}, for the difference to the finer mesh",
+                      request_.bounds[k].name, at_most_[k]));
+  return true;
+}
+
 OptimizeResult Rounds::run() {
   restore();
+  for (const FunctionalBound& bound : request_.bounds) at_most_.push_back(bound.at_most);
   const OptimizeMethod method = request_.method;
   std::optional<DesignEvaluation> begun;
   const Program asked = program(begun);
@@ -416,7 +463,8 @@ OptimizeResult Rounds::run() {
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;
     if (found.asked_to_stop || left() < 1) break;
-    if (settled(result_.history[first], result_.history[best], found.feasible)) break;
+    if (settled(result_.history[first], result_.history[best], found.feasible) && !leave_room(result_.history[best]))
+      break;
     if (round + 1 == most_rounds) {
       found.converged = false;
       found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);
@@ -427,8 +475,9 @@ OptimizeResult Rounds::run() {
 }
 
 OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
-  const Iteration& row = result_.history[best];
-  show(row, done_[evaluation_of_row_[best]]);  // once more, at the end
+  Iteration row = result_.history[best];
+  row.violation = evaluations_.violation_of_request(done_[evaluation_of_row_[best]]);
+  show(result_.history[best], done_[evaluation_of_row_[best]]);  // once more, at the end
   result_.method = request_.method;
   result_.iterations = static_cast<int>(result_.history.size()) - 1;
   result_.state_solves = state_solves_;
@@ -447,9 +496,8 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
               .allowed = feasibility,
               .obstacle = found.converged || !std::isfinite(found.kkt) ? "" : found.reason};
   if (!found.asked_to_stop) {
-    Problem judged = problem_;
-    judged.scene = result_.scene;
-    result_.finer = solve_finer(std::move(judged), request_, result_.shape, evaluations_.frame_area());
+    const bool known = finer_at_.size() > 0 && finer_at_ == row.variables;
+    result_.finer = known ? std::move(finer_) : solve_finer_design(row.variables);
   }
   judge(result_, request_, end);
   return std::move(result_);

@@ -88,6 +88,15 @@ std::string history_table(const std::vector<Iteration>& history, const OptimizeN
   return folded("Every iteration", out);
 }
 
+/// What a bound on a stress or a release rate is judged by.
+std::string interval_in_words(const FinerDesign& finer, std::size_t k, const OptimizeNames& names) {
+  const Bounded& b = finer.intervals[k];
+  if (!std::isfinite(b.upper)) return escape_html(b.note);
+  return fmt::format("{} there, {} at most {} ({} allowed){}", pretty(finer.bounds[k]),
+                     b.guaranteed ? "proved" : "estimated", pretty(b.upper), pretty(names.at_most[k]),
+                     b.note.empty() ? "" : ": " + escape_html(b.note));
+}
+
 /// What the last word of the optimization rests on.
 std::string certificate(const Result& r) {
   const OptimizeResult& o = *r.optimize;
@@ -108,6 +117,9 @@ std::string certificate(const Result& r) {
                                                    with_unit(o.finer.objective, r.units, r.functional_dimension),
                                                    pretty(o.finer.volume_fraction, 5), pretty(o.finer.violation, 3))
                                      : escape_html(o.finer.failure));
+    for (std::size_t k = 0; k < std::min(o.finer.intervals.size(), r.optimize_names.bounds.size()); ++k)
+      if (const std::string words = interval_in_words(o.finer, k, r.optimize_names); !words.empty())
+        facts.add(escape_html(r.optimize_names.bounds[k]), words);
     facts.add("its size and element", fmt::format("{}, {} of degree {}", pretty(o.finer.size),
                                                   escape_html(o.finer.element.name), o.finer.element.degree));
   }

@@ -28,6 +28,12 @@ Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb) {
   return r;
 }
 
+void qualify(Bounded& b, const std::string& why) {
+  if (why.empty() || !b.guaranteed) return;
+  b.guaranteed = false;
+  b.note = why;
+}
+
 Interval squared(const Bounded& b) {
   const double low = b.lower * b.lower, high = b.upper * b.upper;
   return {b.lower <= 0 && b.upper >= 0 ? 0 : std::min(low, high), std::max(low, high)};

@@ -277,6 +277,32 @@ TEST_F(Optimize, RunDoesTheOtherJobsOnTheBodyBefore) {
   EXPECT_LT(result("solve")["state"]["compliance"].get<double>(), 2);
 }
 
+// What bounds are judged by on the finer mesh: the square of the stress by its interval, that of the polygon of the
+// hole.
+TEST_F(Optimize, UpperEndsOfIntervalsAreWritten) {
+  write("a.toml", parameters + "[output]\npng = false\n");
+  const std::string least = "optimize.max_iterations=1", much = "optimize.volume.at_most=0.97";
+  ASSERT_EQ(kerf({"optimize", "a.toml", "-o", "sixth", "--set", least, "--set", much}), 0) << error();
+  const json sixth = result("sixth")["optimize"]["finer"]["bounds"][0];
+  EXPECT_FALSE(sixth.contains("upper"));
+  EXPECT_NE(sixth["note"].get<std::string>().find("to the power 6"), std::string::npos) << sixth;
+  ASSERT_EQ(
+      kerf({"optimize", "a.toml", "-o", "square", "--set", least, "--set", much, "--set", "optimize.bound[0].p=2"}), 0)
+      << error();
+  const json r = result("square"), square = r["optimize"]["finer"]["bounds"][0];
+  EXPECT_EQ(square["name"], "stress_pnorm");
+  EXPECT_LT(square["lower"].get<double>(), square["upper"].get<double>());
+  EXPECT_NEAR(square["value"].get<double>(), square["upper"].get<double>(), 0.2 * square["value"].get<double>());
+  EXPECT_FALSE(square["guaranteed"].get<bool>());
+  EXPECT_NE(square["note"].get<std::string>().find("polygon"), std::string::npos) << square;
+  EXPECT_NE(r["optimize"]["stopped"].get<std::string>().find("of what is allowed is estimated"), std::string::npos);
+  const fs::path page = folder / "square/report.html";
+  ASSERT_EQ(kerf({"report", "square"}), 0) << error();  // from what result.json says
+  std::ifstream in(page);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_NE(text.find("estimated at most"), std::string::npos);
+}
+
 TEST_F(Optimize, KillsChangeNothing) {
   for (const auto& [name, text] : {std::pair("l", &level_set), std::pair("p", &parameters)}) {
     const std::string file = std::string(name) + ".toml", whole = std::string(name) + "_whole",

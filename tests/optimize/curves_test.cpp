@@ -115,6 +115,34 @@ TEST(Curves, AVolumeUnderABoundOnTheCompliance) {
   EXPECT_DOUBLE_EQ(f.price, 1);
 }
 
+// The integral of the squared stress has an upper bound, a few percent above its value: the steps go on until that
+// keeps the limit, and a run resumed before or after does the same.
+TEST(Curves, BoundsLeaveRoomForWhatIsProvedOnAFinerMesh) {
+  Problem p = scenes::quarter_plate(2, 0.15);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 10);
+  const Functional stress{"stress_pnorm", {stress_pnorm(2, {}, false)}};
+  p.objective = stress;
+  const double most = evaluate_design(p, {}, carved.shape, {}).J;
+  p.objective = {"volume", {volume()}};
+  OptimizeRequest r;
+  r.bounds = {{"stress", stress, most}};
+  const FinishedCurves whole = finish_curves(p, r, carved, {}, {});
+  ASSERT_TRUE(whole.finer) << whole.why;
+  EXPECT_LT(whole.finer->violation, 1e-3);
+  EXPECT_LE(whole.finer->intervals.at(0).upper, most * (1 + 1e-3));
+  EXPECT_LT(whole.bounds[0], most * (1 - 2e-3));
+  EXPECT_GT(whole.bounds[0], most * 0.9);
+  EXPECT_LE(whole.residual, 0.01) << whole.why;
+  for (const std::size_t done : {2ul, whole.rows.size() / 2, whole.rows.size() - 1}) {
+    const std::vector<CurvesRow> known(whole.rows.begin(), whole.rows.begin() + std::ptrdiff_t(done));
+    const FinishedCurves again = finish_curves(p, r, carved, {}, {}, known);
+    EXPECT_EQ(again.J, whole.J);
+    EXPECT_EQ(again.residual, whole.residual);
+    EXPECT_EQ(again.finer->intervals.at(0).upper, whole.finer->intervals[0].upper);
+    EXPECT_EQ(again.rows.size(), whole.rows.size());
+  }
+}
+
 TEST(Curves, ArcsAreNoTighterThanAsked) {
   const Problem p = scenes::quarter_plate(2, 0.12);
   const Carved carved = scenes::quarter_hole(p, 0.5, 10);

@@ -84,6 +84,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
   term.uses_stress = term.uses_rotation = true;
   term.feature = tip;
   term.feature_radius = outer;
+  term.release_along = along;
   const bool loaded = static_cast<bool>(body);
   term.somewhere = [=](const Vec2& center, double radius) {
     const double r = (center - tip).norm();

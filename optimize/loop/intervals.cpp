@@ -1,0 +1,151 @@
+#include "optimize/loop/intervals.hpp"
+
+#include "geometry/curved.hpp"
+#include "optimize/loop/history_text.hpp"
+#include "solver/open_faces.hpp"
+#include "solver/stress_norm.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+constexpr double same_place = 1e-9;  // of the extent, and of directions
+
+Bounded no_interval(std::string why) {
+  return {nan, nan, nan, false, std::move(why)};
+}
+
+bool is_bounded(const Bounded& b) {
+  return std::isfinite(b.upper);
+}
+
+/// The end of the crack by which it grows in the direction of the term; nothing where it is no such end.
+std::optional<TipIntensity> tip_of(const Term& term, const Shape& shape) {
+  const double near = same_place * extent(shape);
+  for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
+    const Crack& crack = shape.cracks[k];
+    const std::size_t last = crack.points.size() - 1;
+    for (const bool at_start : {true, false}) {
+      const Vec2 &end = crack.points[at_start ? 0 : last], &before = crack.points[at_start ? 1 : last - 1];
+      const bool along = (end - before).normalized().dot(*term.release_along) > 1 - same_place;
+      if ((end - term.feature).norm() <= near && (along || crack.arc))
+        return TipIntensity{.crack = static_cast<Index>(k), .at_start = at_start, .at = end};
+    }
+  }
+  return std::nullopt;
+}
+
+/// factor * b^power of what is not negative.
+Bounded scaled(const Term& term, Bounded b) {
+  for (double* x : {&b.value, &b.lower, &b.upper}) {
+    if (term.power != 1) *x = std::pow(std::max(*x, 0.0), term.power);
+    *x *= term.factor;
+  }
+  if (term.factor < 0) std::swap(b.lower, b.upper);
+  return b;
+}
+
+void add(Bounded& sum, const Bounded& b) {
+  sum.value += b.value;
+  sum.lower += b.lower;
+  sum.upper += b.upper;
+  if (b.guaranteed) return;
+  sum.guaranteed = false;
+  if (sum.note.empty()) sum.note = b.note;
+}
+
+/// Of one load case. What several terms need is made once.
+class CaseIntervals {
+ public:
+  CaseIntervals(const Evaluated& e, const SolvedCase& c, int threads) : e_(e), c_(c), threads_(threads) {}
+
+  Bounded operator()(const Functional& j) try {
+    Bounded sum{.guaranteed = true};
+    for (const Term& term : j.terms) {
+      const Bounded b = term.release_along      ? release_rate(term)
+                        : term.stress_power > 0 ? stress(term)
+                        : term.volume           ? volume()
+                                                : no_interval(fmt::format("no bound: of {} there is none", term.kind));
+      if (!is_bounded(b)) return b;
+      add(sum, scaled(term, b));
+    }
+    if (arcs_of(e_.shape).empty()) return sum;
+    if (!sum.guaranteed) sum.note = join({sum.note, of_polygon});
+    qualify(sum, of_polygon);
+    return sum;
+  } catch (const Error& error) {
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    return no_interval(fmt::format("no bound: {}", error.what()));
+  }
+
+ private:
+  Bounded volume() const {
+    return {.value = e_.area, .lower = e_.area, .upper = e_.area, .guaranteed = true};
+  }
+
+  Bounded stress(const Term& term) const {
+    if (term.stress_power != 2)
+      return no_interval(
+          fmt::format("no bound: the von Mises stress to the power {:g} has none, its square alone "
+                      "follows from energies",
+                      term.stress_power));
+    if (term.uses_place) return no_interval("no bound: of the von Mises stress with a weight there is none");
+    return squared_stress_bounds(c_.model, c_.state, [&term](const Material& material, const Mat2& stress) {
+      return term.density({.x = Vec2::Zero(), .stress = stress, .material = material}).value;
+    });
+  }
+
+  Bounded release_rate(const Term& term) {
+    const std::optional<TipIntensity> tip = tip_of(term, e_.shape);
+    if (!tip) return no_interval("no bound: it is the release rate along no crack of the design");
+    if (!faces_) {
+      if (open_everywhere(c_.model, c_.state)) opened_.emplace(opened(c_.model, threads_));
+      faces_.emplace(opened_ ? opened_->model : c_.model, opened_ ? opened_->state : c_.state);
+    }
+    Bounded G = faces_->tip(*tip).G;
+    if (opened_) qualify(G, of_opened);
+    return G;
+  }
+
+  const Evaluated& e_;
+  const SolvedCase& c_;
+  int threads_;
+  std::optional<Opened> opened_;
+  std::optional<QuantityBounds> faces_;  // of the cracks as they are, or opened
+};
+
+bool may_have_interval(const Functional& j) {
+  return std::ranges::any_of(j.terms, [](const Term& t) { return t.release_along || t.stress_power > 0; });
+}
+
+/// What the larger of two quantities lies in.
+Bounded worst(const Bounded& a, const Bounded& b) {
+  if (!is_bounded(a)) return a;
+  if (!is_bounded(b)) return b;
+  return {std::max(a.value, b.value), std::max(a.lower, b.lower), std::max(a.upper, b.upper),
+          a.guaranteed && b.guaranteed, a.note.empty() ? b.note : a.note};
+}
+
+}  // namespace
+
+std::vector<Bounded> intervals_of(const Evaluated& e, int threads) {
+  std::vector<Bounded> all(e.bounded.size(), no_interval({}));
+  if (std::ranges::none_of(e.bounded, may_have_interval)) return all;
+  for (std::size_t i = 0; i < e.cases.size(); ++i) {
+    CaseIntervals of(e, e.cases[i], threads);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (!may_have_interval(e.bounded[k])) continue;
+      const Bounded b = of(e.bounded[k]);
+      all[k] = i == 0 ? b : worst(all[k], b);
+    }
+  }
+  return all;
+}
+
+}  // namespace kerf

@@ -1,0 +1,35 @@
+#include "solver/open_faces.hpp"
+
+#include "kerf/recover.hpp"
+
+namespace kerf {
+
+namespace {
+
+bool may_touch(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral;
+}
+
+}  // namespace
+
+bool open_everywhere(const Model& m, const State& s) {
+  bool some = false;
+  for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c) {
+    if (!may_touch(m.scene.laws[c])) continue;
+    some = true;
+    for (const CrackPoint& p : crack_profile(m, s, c))
+      if (p.status != CrackPoint::Status::Open) return false;
+  }
+  return some;
+}
+
+Opened opened(const Model& m, int threads) {
+  Scene scene = m.scene;
+  for (CrackLaw& law : scene.laws)
+    if (may_touch(law)) law.kind = CrackLaw::Kind::Open;
+  Opened o{prepare(m.mesh, m.element, std::move(scene), threads), {}};
+  o.state = solve(o.model);
+  return o;
+}
+
+}  // namespace kerf
