@@ -212,7 +212,7 @@ void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const s
 void note_loads(Notes& notes, const Scene& scene) {
   if (scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
   if (scene.supports.empty() && scene.tractions.empty() && !scene.body && !has_eigenstrain(scene) &&
-      std::none_of(scene.laws.begin(), scene.laws.end(), has_pressure))
+      std::ranges::none_of(scene.laws, [](const CrackLaw& law) { return has_pressure(law) || has_gap(law); }))
     notes.push_back("nothing acts on the body: the solution is zero");
 }
 
