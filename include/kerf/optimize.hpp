@@ -159,6 +159,17 @@ struct BumpMargin {
   Vec2 at = Vec2::Zero();
 };
 
+/// A hole that nucleation cut, as it was drawn, and what it does to J: as the loop foresaw, and when it alone is made
+/// in the design before [theory: L.14]. Bounds are left out.
+struct NucleatedHole {
+  int iteration = 0;                     // of the row of the history
+  Vec2 at = Vec2::Zero();                // centroid
+  double radius = nan;                   // of a circle of its area; NaN: it is no hole of its own
+  double T = nan, c2 = nan;              // c2: NaN where it is not known
+  double predicted = nan, actual = nan;  // changes of J; NaN where they could not be told
+  std::string note = {};                 // why not
+};
+
 /// An accepted iterate; model and state are those of the first load case.
 struct Iterate {
   const Iteration& row;
@@ -191,10 +202,11 @@ struct OptimizeResult {
   BumpMargin bumps;  // level set
   std::vector<std::string> notes;
   std::vector<Iteration> history;
-  Shape shape;                     // the last one
-  Scene scene;                     // of it: laws and regions may be fewer or more than those of the case
-  Eigen::VectorXd variables = {};  // NLopt methods
-  std::vector<StartTried> starts;  // where there were several: ranked ones, then those that went on
+  Shape shape;                                // the last one
+  Scene scene;                                // of it: laws and regions may be fewer or more than those of the case
+  Eigen::VectorXd variables = {};             // NLopt methods
+  std::vector<StartTried> starts;             // where there were several: ranked ones, then those that went on
+  std::vector<NucleatedHole> nucleated = {};  // level set, in their order
 };
 
 // The loops.

@@ -268,6 +268,17 @@ FinerDesign finer(const Json& from) {
   return out;
 }
 
+NucleatedHole nucleated_hole(const Json& from) {
+  NucleatedHole h{.iteration = from.value("iteration", 0), .at = place(from.at("at"))};
+  h.radius = number(from, "radius");
+  h.T = number(from, "topological_derivative");
+  h.c2 = number(from, "c2");
+  h.predicted = number(from, "predicted");
+  h.actual = number(from, "actual");
+  h.note = text(from, "note");
+  return h;
+}
+
 void read_optimize(const Json& from, Result& r) {
   OptimizeResult o;
   o.method = from_word<OptimizeMethod>(optimize_method_words, text(from, "method"));
@@ -290,6 +301,7 @@ void read_optimize(const Json& from, Result& r) {
     o.bumps.at = place(from["bump_margin"].at("at"));
   }
   if (from.contains("finer")) o.finer = finer(from["finer"]);
+  for (const Json& h : list(from, "nucleated")) o.nucleated.push_back(nucleated_hole(h));
   o.notes = texts(from, "notes");
   OptimizeNames& names = r.optimize_names;
   names.volume_at_most = maybe(from, "volume_at_most");

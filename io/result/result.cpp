@@ -345,6 +345,24 @@ void add_interval(Json& row, const Bounded& b) {
   if (!b.note.empty()) row["note"] = b.note;
 }
 
+Json nucleated_section(const std::vector<NucleatedHole>& holes) {
+  Json out = Json::array();
+  for (const NucleatedHole& h : holes) {
+    Json row = {{"iteration", h.iteration}, {"at", place(h.at)}};
+    const auto add = [&](const char* key, double value) {
+      if (std::isfinite(value)) row[key] = number(value);
+    };
+    add("radius", h.radius);
+    add("topological_derivative", h.T);
+    add("c2", h.c2);
+    add("predicted", h.predicted);
+    add("actual", h.actual);
+    if (!h.note.empty()) row["note"] = h.note;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
 Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
   Json out = {{"size", number(finer.size)},
               {"element", finer.element.name},
@@ -395,6 +413,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
     out["variables"].push_back(
         {{"name", names.variables[i]}, {"value", number(o.variables[static_cast<Eigen::Index>(i)])}});
   if (!o.starts.empty()) out["starts"] = starts_section(o.starts);
+  if (!o.nucleated.empty()) out["nucleated"] = nucleated_section(o.nucleated);
   if (!o.notes.empty()) out["notes"] = o.notes;
   return out;
 }

@@ -100,6 +100,11 @@ Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& x) {
 
 }  // namespace
 
+Vec2 image_of(const Mirror& mirror, const Vec2& x) {
+  const Vec2 along = mirror.direction.normalized(), d = x - mirror.point;
+  return mirror.point + 2 * along.dot(d) * along - d;
+}
+
 BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
   BackgroundMesh b{.mesh = std::move(mesh)};
   const std::size_t n = b.mesh.points.size();
@@ -131,10 +136,10 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
     if ((left == none || right == none) && !listed(solid.held, label) && !listed(solid.labels, label))
       b.rim.push_back(e);
   }
+  b.mirror = mirror;
   if (mirror) {
-    const Vec2 along = mirror->direction.normalized();
     for (const Vec2& x : b.mesh.points) {
-      const Vec2 d = x - mirror->point, y = mirror->point + 2 * along.dot(d) * along - d;
+      const Vec2 y = image_of(*mirror, x);
       // A point next to the boundary may have its image a rounding outside.
       BackgroundMesh::Image image{nearest_triangle(b.mesh, b.locator, y)};
       image.weight = barycentric(b.mesh, image.triangle, y);

@@ -21,7 +21,8 @@ struct BackgroundMesh {
     Index triangle = none;
     Eigen::Vector3d weight = Eigen::Vector3d::Zero();
   };
-  std::vector<Image> image;  // or empty
+  std::vector<Image> image;      // or empty
+  std::optional<Mirror> mirror;  // that these are of
   Locator locator;
 };
 
@@ -42,6 +43,9 @@ Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& 
 
 /// A function that is linear on triangles, at a point; where the point lies outside, continued from the nearest one.
 double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x);
+
+/// The mirror image of a point.
+Vec2 image_of(const Mirror& mirror, const Vec2& x);
 
 /// phi with what must stay solid or void made so, mirrored where asked.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi);

@@ -3,9 +3,10 @@
 #include "kerf/map.hpp"
 #include "optimize/ersatz.hpp"
 #include "optimize/level_set/dangling.hpp"
-#include "optimize/level_set/parts.hpp"
 #include "optimize/level_set/fixed_point.hpp"
 #include "optimize/level_set/nucleate.hpp"
+#include "optimize/level_set/parts.hpp"
+#include "optimize/level_set/try_holes.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/loop/history_text.hpp"
 #include "solver/stress.hpp"
@@ -167,6 +168,21 @@ double Descent::noise() const {
   return (g_.turns() ? followed : redrawing) * std::abs(merit());
 }
 
+/// Those that weigh in the merit near their limits, with what they weigh.
+std::vector<WeightedAnalysis> Descent::binding_bounds() const {
+  std::vector<WeightedAnalysis> all;
+  const Eigen::VectorXd c = relative(vector_of(design_->bounds));
+  for (Eigen::Index k = 0; k < c.size(); ++k) {
+    if (!(s_.weight[k] > 0 && c[k] > -0.05)) continue;
+    const double unit = std::max(std::abs(g_.r.bounds[static_cast<std::size_t>(k)].at_most), 1e-300);
+    for (WeightedAnalysis& w : analyze_bound(*design_, static_cast<std::size_t>(k))) {
+      w.weight *= s_.weight[k] / harder / unit;
+      all.push_back(std::move(w));
+    }
+  }
+  return all;
+}
+
 Eigen::VectorXd Descent::derivative() const {
   const Evaluated& e = *design_;
   const Mesh& mesh = e.cases.front().model.mesh;
@@ -179,15 +195,11 @@ Eigen::VectorXd Descent::derivative() const {
     return g_.weak() && strong_share(region_of(mesh, t)) < 0.5 ? filled : hole;
   };
   Eigen::VectorXd T = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mesh.triangles.size()));
-  const auto add = [&](const std::vector<WeightedAnalysis>& all, double factor) {
-    for (const WeightedAnalysis& w : all) T += factor * w.weight * map_at_centroids(w.analysis, *w.functional, change);
+  const auto add = [&](const std::vector<WeightedAnalysis>& all) {
+    for (const WeightedAnalysis& w : all) T += w.weight * map_at_centroids(w.analysis, *w.functional, change);
   };
-  add(analyze_objective(e), 1);
-  const Eigen::VectorXd c = relative(vector_of(e.bounds));
-  for (Eigen::Index k = 0; k < c.size(); ++k)
-    if (s_.weight[k] > 0 && c[k] > -0.05)
-      add(analyze_bound(e, static_cast<std::size_t>(k)),
-          s_.weight[k] / harder / std::max(std::abs(g_.r.bounds[static_cast<std::size_t>(k)].at_most), 1e-300));
+  add(analyze_objective(e));
+  add(binding_bounds());
   if (g_.weak())
     for (Index t = 0; t < T.size(); ++t)
       if (strong_share(region_of(mesh, t)) < 0.5) T[t] = -T[t];
@@ -239,17 +251,26 @@ BoundaryStep Descent::measure() const {
 void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
   const LevelSetRequest& how = g_.r.level_set;
   const bool enclosed = rates_->objective.curve.edges.empty();
-  const Eigen::VectorXd T = derivative();
-  const std::vector<Disc> discs = places_to_nucleate(
-      g_.background, distance, design_->cases.front().model.mesh, T,
+  t.holes = std::make_unique<HoleExpansion>(analyze_objective(*design_), binding_bounds());
+  const Eigen::VectorXd& T = t.holes->derivative();
+  t.discs = places_to_nucleate(
+      g_.background, distance, {design_->cases.front().model.mesh, T, [&](const Vec2& x) { return t.holes->merit(x); }},
       {.multiplier = enclosed && g_.limited ? lower_third(T) : t.step.price - (g_.price - g_.r.volume_penalty),
        .area = how.nucleate_fraction * g_.whole,
        .least = std::max(1.5 * g_.background.size, 0.5 * how.min_feature),
        .most = std::max(1.5 * g_.size, 0.5 * how.min_feature)});
-  if (discs.empty()) return;
-  t.notes.push_back(fmt::format("{} hole{} nucleated", discs.size(), discs.size() == 1 ? "" : "s"));
-  cut_discs(g_.background, discs, t.phi);
+  if (t.discs.empty()) return;
+  cut_discs(g_.background, t.discs, t.phi);
   t.nucleated = true;
+}
+
+/// What the nucleated holes do to J, each made alone in the design before: one more solve for all of them.
+void Descent::log_nucleated(Tried& t, const std::string& how) {
+  std::vector<NucleatedHole> holes = drawn_holes(t.discs, t.drawing.design->shape);
+  for (NucleatedHole& hole : holes) hole.iteration = s_.iteration;
+  if (rules_.try_holes) s_.solves += try_holes({g_, *design_, rules_.coarse}, *t.holes, holes);
+  t.notes.insert(t.notes.begin(), in_words(holes) + how);
+  if (rules_.try_holes) std::ranges::move(holes, std::back_inserter(s_.nucleated));
 }
 
 void Descent::drop_idle(Eigen::VectorXd& phi) const {
@@ -375,6 +396,7 @@ std::vector<std::string> new_of(const std::vector<std::string>& notes, const std
 
 void Descent::take(Tried& t) {
   const double before = merit();
+  if (t.nucleated) log_nucleated(t, {});
   std::vector<std::string> notes = t.notes;
   for (std::string& note : new_of(t.drawing.notes, s_.drawn)) notes.push_back(std::move(note));
   const double after = value(*t.drawing.design);
@@ -500,14 +522,14 @@ bool Descent::try_nucleation() {
     if (g_.limited && s_.price > g_.price) t.phi = with_area(g_.background, t.phi, *(wanted = s_.allowed));
     ++s_.iteration;
     ++s_.solves;
-    DrawnLevelSet drawing = draw(g_, t.phi, wanted, rules_.coarse);
+    t.drawing = draw(g_, t.phi, wanted, rules_.coarse);
+    log_nucleated(t, " on trial");
     s_.anchor = s_.best;
     anchored_ = best_;
     s_.since = 0;
     s_.radius = std::max(s_.radius, 0.5 * largest_radius * g_.size);
-    s_.phi = std::move(drawing.phi);
-    t.notes.front() += " on trial";
-    show(std::move(drawing.design), t.notes);
+    s_.phi = std::move(t.drawing.phi);
+    show(std::move(t.drawing.design), t.notes);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     return false;

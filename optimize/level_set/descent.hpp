@@ -2,6 +2,7 @@
 // One design on its way down: steps that predict, refused ones halved, holes nucleated on trial [theory: L.12].
 
 #include "optimize/level_set/ground.hpp"
+#include "optimize/level_set/hole_terms.hpp"
 #include "optimize/level_set/progress.hpp"
 #include "optimize/level_set/speed.hpp"
 
@@ -15,6 +16,7 @@ struct DescentRules {
   int solves = 0;             // made before
   bool explore = false;       // a start without holes: they appear on the way
   int trials = 1;             // nucleations tried at the end
+  bool try_holes = true;      // nucleated ones, alone: what they do to J is looked at
   std::vector<double> tight;  // share of every bound that this mesh may use
 };
 
@@ -63,7 +65,9 @@ class Descent {
     std::vector<std::string> notes;
     double allowed = 0;
     bool nucleated = false;
-    std::string failure;  // no drawing then
+    std::vector<Disc> discs;               // that were cut then
+    std::unique_ptr<HoleExpansion> holes;  // of the design before
+    std::string failure;                   // no drawing then
   };
 
   void begin(const Eigen::VectorXd& start);
@@ -73,7 +77,9 @@ class Descent {
   void drop_idle(Eigen::VectorXd& phi) const;
   void move_boundary(Tried& t);
   void turn(Tried& t) const;
+  std::vector<WeightedAnalysis> binding_bounds() const;
   void nucleate(Tried& t, const Eigen::VectorXd& distance);
+  void log_nucleated(Tried& t, const std::string& how);
   void judge(Tried& t);
   void take(Tried& t);
   void refuse(const Tried& t, double rise);

@@ -140,6 +140,7 @@ OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   OptimizeResult result{.method = OptimizeMethod::LevelSet};
   result.notes = end.g.notes;
   result.notes.insert(result.notes.end(), end.curves.notes.begin(), end.curves.notes.end());
+  result.nucleated = s.nucleated;
   result.history = s.rows;
   result.history.insert(result.history.end(), end.finishing.begin(), end.finishing.end());
   const Iteration& row = last_taken(result.history);

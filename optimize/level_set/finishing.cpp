@@ -121,12 +121,10 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                     .residual = residual};
   for (const FunctionalBound& bound : g.r.bounds) how.at_most.push_back(bound.at_most);
   how.evaluations = std::min(most_evaluations, g.r.max_iterations - d.progress().iteration - 1);
-  Problem fitted = g.p;  // one edge across thin members, as on the way
-  fitted.sizing.size = g.mesh_size;
-  fitted.sizing.across = 1;
+  const Problem drawn = fitted(g, 1);
   try {
     const Carved carved = carved_again(g, d.progress().phi);
-    return finish_curves(fitted, with_room(g, fitted, carved, how), carved, how, see, known);
+    return finish_curves(drawn, with_room(g, drawn, carved, how), carved, how, see, known);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     FinishedCurves out;

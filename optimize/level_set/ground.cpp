@@ -128,6 +128,13 @@ Carved carved_again(const Ground& g, const Eigen::VectorXd& phi) {
   return carve(g.p.frame, g.background.mesh, phi, carving(g, 1));
 }
 
+Problem fitted(const Ground& g, double coarse) {
+  Problem p = g.p;
+  p.sizing.size = coarse * g.mesh_size;
+  p.sizing.across = 1;
+  return p;
+}
+
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
   if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
   const Carving how = carving(g, coarse);
@@ -142,11 +149,8 @@ DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> w
     carved = carve(g.p.frame, g.background.mesh, phi, how);
     settle(g.background, carved.inside, phi);
   }
-  Problem fitted = g.p;  // one edge across thin members
-  fitted.sizing.size = coarse * g.mesh_size;
-  fitted.sizing.across = 1;
-  auto design =
-      std::make_shared<const Evaluated>(evaluate_design(fitted, g.r, std::move(carved.shape), carved.crack_of));
+  auto design = std::make_shared<const Evaluated>(
+      evaluate_design(fitted(g, coarse), g.r, std::move(carved.shape), carved.crack_of));
   return {std::move(phi), std::move(carved.notes), std::move(design)};
 }
 

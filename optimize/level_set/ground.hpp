@@ -47,6 +47,9 @@ struct DrawnLevelSet {
 /// Error(Geometry | Numerics).
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse);
 
+/// The problem as designs are meshed on the way: one edge across thin members.
+Problem fitted(const Ground& g, double coarse);
+
 /// Whether stresses themselves count, not only the energy that they store.
 bool counts_stress(const Functional& j);
 

@@ -1,7 +1,8 @@
 #pragma once
-// Where new holes lower J.
+// Where new holes lower J, how large they are cut, and what was drawn of them.
 
 #include "optimize/level_set/background.hpp"
+#include "optimize/level_set/hole_terms.hpp"
 
 namespace kerf {
 
@@ -11,9 +12,21 @@ struct Nucleation {
   double least = 0, most = 0;  // radius
 };
 
-/// Discs at the least T first, each with a radius of at most a third of the distance to the boundary, to what is frozen
-/// and to the other discs, where the expansion still ranks points; `distance` as by signed_distance.
+/// T at the centroids of a mesh, and both terms at points of it.
+struct HolesIn {
+  const Mesh& mesh;
+  const Eigen::VectorXd& T;
+  std::function<HoleTerms(const Vec2& x)> terms;
+};
+
+/// Discs at the least T first, each of the radius that gains most, but at most a third of the distance to the boundary,
+/// to what is frozen and to the other discs, where the expansion still ranks points; none where that is too small.
+/// Where the design is its own mirror image, so are the discs. `distance` as by signed_distance.
 std::vector<Disc> places_to_nucleate(const BackgroundMesh& background, const Eigen::VectorXd& distance,
-                                     const Mesh& mesh, const Eigen::VectorXd& T, const Nucleation& how);
+                                     const HolesIn& body, const Nucleation& how);
+
+/// What a shape has of discs that were cut: centroid and radius of the hole drawn around the center of each, or in the
+/// note why it is none of its own.
+std::vector<NucleatedHole> drawn_holes(std::span<const Disc> discs, const Shape& shape);
 
 }  // namespace kerf

@@ -42,6 +42,34 @@ void read(const Eigen::VectorXd& v, const auto& tuple) {
   std::apply([&](auto&... x) { ((x = static_cast<std::remove_reference_t<decltype(x)>>(v[i++])), ...); }, tuple);
 }
 
+template <typename Hole>
+auto scalars_of_hole(Hole& h) {
+  return std::tie(h.iteration, h.at.x(), h.at.y(), h.radius, h.T, h.c2, h.predicted, h.actual);
+}
+
+void write_holes(Checkpoint& c, const std::vector<NucleatedHole>& holes) {
+  std::vector<double> all;
+  for (const NucleatedHole& h : holes) {
+    const Eigen::VectorXd v = vector_of(scalars_of_hole(h));
+    all.insert(all.end(), v.begin(), v.end());
+    c.texts["nucleated"] += h.note + '\n';
+  }
+  c.numbers["nucleated"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
+  if (!c.texts.contains("nucleated")) return {};
+  std::vector<NucleatedHole> holes;
+  const Eigen::VectorXd& all = c.numbers.at("nucleated");
+  for (std::string& note : split_lines(c.texts.at("nucleated"))) {
+    const auto row = static_cast<Eigen::Index>(holes.size());
+    NucleatedHole& h = holes.emplace_back();
+    read(all.segment(8 * row, 8), scalars_of_hole(h));
+    h.note = std::move(note);
+  }
+  return holes;
+}
+
 }  // namespace
 
 Checkpoint packed(const DescentState& s) {
@@ -60,6 +88,7 @@ Checkpoint packed(const DescentState& s) {
   c.texts["why"] = s.why;
   c.texts["drawn"] = join(s.drawn, "\n");
   write_rows(c, s.rows);
+  write_holes(c, s.nucleated);
   return c;
 }
 
@@ -80,6 +109,7 @@ DescentState unpacked(const Checkpoint& c) {
   s.why = c.texts.at("why");
   s.drawn = split_lines(c.texts.at("drawn"));
   s.rows = read_rows(c);
+  s.nucleated = read_holes(c);
   return s;
 }
 

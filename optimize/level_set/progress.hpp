@@ -40,6 +40,7 @@ struct DescentState {
   std::string ended;               // why the loop is over; empty while it is not
   std::vector<std::string> drawn;  // what carving the present design said
   std::vector<Iteration> rows;
+  std::vector<NucleatedHole> nucleated;
 };
 
 /// Bit for bit.

@@ -84,7 +84,8 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
               {.coarse = coarse,
                .iterations = start.explore ? exploring_steps : ranking_steps,
                .explore = start.explore,
-               .trials = 0},
+               .trials = 0,
+               .try_holes = false},
               start.phi);
     while (d.advance()) {
     }

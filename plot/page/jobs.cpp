@@ -97,6 +97,17 @@ std::string interval_in_words(const FinerDesign& finer, std::size_t k, const Opt
                      b.note.empty() ? "" : ": " + escape_html(b.note));
 }
 
+/// Holes that appeared on the way: what their two terms promised and what they did.
+std::string nucleated_table(const std::vector<NucleatedHole>& holes) {
+  std::vector<std::vector<std::string>> rows;
+  for (const NucleatedHole& h : holes)
+    rows.push_back({fmt::format("{}", h.iteration), at_place(h.at), pretty(h.radius, 3), pretty(h.T, 4),
+                    pretty(h.c2, 4), pretty(h.predicted, 4), pretty(h.actual, 4), escape_html(h.note)});
+  return folded("Holes that appeared", table({"iteration", "at", "radius", "T", "c<sub>2</sub>",
+                                              "change of J predicted", "made alone", "note"},
+                                             rows, std::array{std::size_t{7}}));
+}
+
 /// What the last word of the optimization rests on.
 std::string certificate(const Result& r) {
   const OptimizeResult& o = *r.optimize;
@@ -183,6 +194,7 @@ std::string optimize_section(const Result& r, const PageData& data) {
   for (std::size_t i = 0; i < std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size())); ++i)
     rows.push_back({escape_html(names.variables[i]), pretty(o.variables[static_cast<Eigen::Index>(i)])});
   if (!rows.empty()) out += folded("Variables of the design", table({"variable", "value"}, rows));
+  if (!o.nucleated.empty()) out += nucleated_table(o.nucleated);
   if (!o.history.empty()) out += history_table(o.history, names);
   return out;
 }

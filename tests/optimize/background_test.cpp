@@ -171,8 +171,10 @@ TEST(Nucleation, TakesTheLeastDerivativesThatHaveRoom) {
   const Eigen::VectorXd d = signed_distance(c, Eigen::VectorXd::Constant(c.lumped.size(), -1));
   Eigen::VectorXd T(static_cast<Eigen::Index>(c.mesh.triangles.size()));
   for (Index t = 0; t < T.size(); ++t) T[t] = (centroid(c.mesh, t) - Vec2(0.6, 0.5)).norm();
+  // Without c2 as large as there is room.
+  const auto first = [&](const Vec2& x) { return HoleTerms{.T = (x - Vec2(0.6, 0.5)).norm()}; };
   const std::vector<Disc> discs =
-      places_to_nucleate(c, d, c.mesh, T, {.multiplier = 0.35, .area = 1, .least = 0.05, .most = 0.08});
+      places_to_nucleate(c, d, {c.mesh, T, first}, {.multiplier = 0.35, .area = 1, .least = 0.05, .most = 0.08});
   ASSERT_GE(discs.size(), 2u);
   EXPECT_LT((discs[0].center - Vec2(0.6, 0.5)).norm(), 0.05);
   EXPECT_DOUBLE_EQ(discs[0].radius, 0.08);
@@ -182,7 +184,8 @@ TEST(Nucleation, TakesTheLeastDerivativesThatHaveRoom) {
     for (std::size_t k = 0; k < i; ++k)
       EXPECT_GT((discs[i].center - discs[k].center).norm(), discs[k].radius + 3 * discs[i].radius - 1e-12);
   }
-  EXPECT_TRUE(places_to_nucleate(c, d, c.mesh, T, {.multiplier = 0, .area = 1, .least = 0.05, .most = 0.08}).empty());
+  EXPECT_TRUE(
+      places_to_nucleate(c, d, {c.mesh, T, first}, {.multiplier = 0, .area = 1, .least = 0.05, .most = 0.08}).empty());
 }
 
 /// Signed distance to rectangles {low, high}, the union.

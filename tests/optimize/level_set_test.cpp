@@ -137,6 +137,13 @@ void expect_same_run(const OptimizeResult& a, const OptimizeResult& b) {
     EXPECT_EQ(a.history[i].note, b.history[i].note);
     EXPECT_TRUE(same(a.history[i].optimality, b.history[i].optimality)) << i;
   }
+  ASSERT_EQ(a.nucleated.size(), b.nucleated.size());
+  for (std::size_t i = 0; i < b.nucleated.size(); ++i) {
+    EXPECT_EQ(a.nucleated[i].at, b.nucleated[i].at);
+    EXPECT_TRUE(same(a.nucleated[i].predicted, b.nucleated[i].predicted)) << i;
+    EXPECT_TRUE(same(a.nucleated[i].actual, b.nucleated[i].actual)) << i;
+    EXPECT_EQ(a.nucleated[i].note, b.nucleated[i].note);
+  }
   ASSERT_EQ(a.shape.outline.sides.size(), b.shape.outline.sides.size());
   for (std::size_t i = 0; i < b.shape.outline.sides.size(); ++i)
     EXPECT_EQ(a.shape.outline.sides[i].start, b.shape.outline.sides[i].start);
@@ -156,6 +163,9 @@ TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
       std::filesystem::remove(path);
       optimize_level_set(p, r, [stop](const Iterate& i) { return i.row.number < stop; }, {path, "case", false});
       expect_same_run(optimize_level_set(p, r, {}, {path, "case", true}), whole);
+    }
+    if (p.sizing.size == from_full.sizing.size) {
+      EXPECT_FALSE(whole.nucleated.empty());
     }
     EXPECT_THROW(optimize_level_set(p, r, {}, {path, "another case", true}), Error);
   }

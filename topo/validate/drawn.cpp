@@ -59,7 +59,7 @@ class Drawer {
   // A ball other than that of the series, with room for the change.
   Site around(const Change& c) const {
     Site s = c.site;
-    s.ball = std::min(0.85 * s.clear, 1.7 * reach(sketch_.p) * c.radius);
+    s.ball = ball_of_one(s, reach(sketch_.p) * c.radius);
     return s;
   }
   Model prepared(Mesh mesh, Scene scene) const {

@@ -38,30 +38,53 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
 
 }  // namespace
 
-std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r) {
-  // A change reaches this far per radius, fits when it fills less than `fullest` of the clear disc, and has a ball at
-  // least `roomy` times as large where there is room.
-  const double reach = kerf::reach(r.perturbation);
-  constexpr double fullest = 0.6, widest = 0.88, roomy = 2, apart = 1.1;
+Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number) {
+  Site s{.number = number, .at = x};
+  s.clear = clearance(shape, j, x, s.inside);
+  s.inside = s.inside || s.clear == 0;
+  return s;
+}
+
+bool fits(const Site& s, double reach) {
+  constexpr double fullest = 0.6;  // of the clear disc
+  return reach <= fullest * s.clear;
+}
+
+double ball_of_one(const Site& s, double reach) {
+  return std::min(0.85 * s.clear, 1.7 * reach);
+}
+
+std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most) {
+  constexpr double apart = 1.1;
   std::vector<std::vector<Site>> batches;
-  for (std::size_t i = 0; i < r.points.size(); ++i) {
-    Site s{.number = i, .at = r.points[i]};
-    s.clear = clearance(shape, j, r.points[i], s.inside);
-    s.inside = s.inside || s.clear == 0;
-    for (const double radius : r.radii)
-      if (reach * radius <= fullest * s.clear) s.radii.push_back(radius);
-    if (!s.radii.empty()) s.ball = std::min(widest * s.clear, roomy * reach * s.radii.front());
-    const auto apart_from = [&](const std::vector<Site>& batch) {
-      return std::all_of(batch.begin(), batch.end(),
-                         [&](const Site& o) { return (o.at - s.at).norm() > apart * (o.ball + s.ball); });
+  for (const Site& s : sites) {
+    const auto has_room = [&](const std::vector<Site>& batch) {
+      return batch.size() < most && std::all_of(batch.begin(), batch.end(), [&](const Site& o) {
+               return (o.at - s.at).norm() > apart * (o.ball + s.ball);
+             });
     };
-    const auto batch = std::find_if(batches.begin(), batches.end(), apart_from);
+    const auto batch = std::find_if(batches.begin(), batches.end(), has_room);
     if (batch == batches.end())
       batches.push_back({s});
     else
       batch->push_back(s);
   }
   return batches;
+}
+
+std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r) {
+  // A change reaches this far per radius, and has a ball at least `roomy` times as large where there is room.
+  const double reach = kerf::reach(r.perturbation);
+  constexpr double widest = 0.88, roomy = 2;
+  std::vector<Site> sites;
+  for (std::size_t i = 0; i < r.points.size(); ++i) {
+    Site s = site_at(shape, j, r.points[i], i);
+    for (const double radius : r.radii)
+      if (fits(s, reach * radius)) s.radii.push_back(radius);
+    if (!s.radii.empty()) s.ball = std::min(widest * s.clear, roomy * reach * s.radii.front());
+    sites.push_back(std::move(s));
+  }
+  return in_batches(sites, sites.size());
 }
 
 Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {

@@ -14,6 +14,18 @@ struct Site {
   std::vector<double> radii = {};  // those that fit, decreasing
 };
 
+/// The site of a point: what is clear around it, no radii and no ball yet.
+Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number);
+
+/// Whether a change that reaches so far from the point leaves room around it.
+bool fits(const Site& s, double reach);
+
+/// The ball of a site that one such change alone is made in, of at most 0.6 of what is clear.
+double ball_of_one(const Site& s, double reach);
+
+/// In batches of at most so many whose balls keep apart, in their order.
+std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most);
+
 /// Sites in batches whose balls keep apart.
 std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request);
 

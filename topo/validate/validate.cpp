@@ -9,10 +9,9 @@
 #include "topo/map/mask.hpp"
 #include "topo/map/point.hpp"
 #include "topo/orthotropic.hpp"
+#include "topo/validate/batch.hpp"
 #include "topo/validate/center.hpp"
 #include "topo/validate/chosen.hpp"
-#include "topo/validate/condense.hpp"
-#include "topo/validate/differences.hpp"
 #include "topo/validate/drawn.hpp"
 #include "topo/validate/sites.hpp"
 #include "topo/validate/verdict.hpp"
@@ -32,17 +31,6 @@ constexpr int around = 64;  // edges around a ball and a hole
 double plateau_of(const Element& e, const Perturbation& p) {
   const double round = e.order == 1 ? 4e-3 : 3e-4;
   return round * aspect(p);
-}
-// The body with balls around sites, each with the contours of its radii; the mesh outside them is that of a user.
-struct Batch {
-  Filled filled;
-  std::vector<BallMesh> balls;
-};
-
-std::vector<Index> interface_edges(const Filled& f) {
-  std::vector<Index> edges;
-  for (const auto& contours : f.contour) edges.insert(edges.end(), contours[0].begin(), contours[0].end());
-  return edges;
 }
 
 ValidationRequest checked(ValidationRequest r, double size) {
@@ -229,25 +217,11 @@ class Validating {
                            analysis_.value, d.J0);
   }
 
-  Batch mesh_batch(const std::vector<Site>& sites) const {
-    Batch b;
-    for (const Site& s : sites)
-      b.balls.push_back(ball_mesh({s.at, s.ball, around}, s.radii, aspect(r_.perturbation), angle_[s.number]));
-    b.filled = fill(triangulate(with_balls(shape_, sites, around), sizing_), b.balls);
-    return b;
-  }
-
   void validate_batch(const std::vector<Site>& sites) {
-    const Batch batch = mesh_batch(sites);
+    const Batch batch = mesh_batch({shape_, sizing_}, sites, around, {aspect(r_.perturbation), angle_});
+    const SolvedBatch solved(batch, {element_, scene_, r_.threads}, j_, r_.perturbation);
+    const Analysis& a = solved.a;
     const Filled& f = batch.filled;
-    const Preparation how{.interface_edges = interface_edges(f)};
-    const Model model = prepare(f.mesh, element_, scene_, r_.threads, how);
-    const State state = solve(model);
-    if (!certified(state))
-      throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
-    const Analysis a = analyze(j_, model, state);
-    const std::vector<std::vector<Difference>> differences =
-        Differences({a, j_, f}, r_.perturbation, how).all(batch.balls);
     SecondOrders second(a, j_, r_.perturbation);
     for (std::size_t s = 0; s < sites.size(); ++s) {
       const Site& site = sites[s];
@@ -258,7 +232,7 @@ class Validating {
         read_second(second, site, v);
       }
       v.plateau = plateau_of(element_, r_.perturbation);
-      judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], differences[s], v), site.clear);
+      judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], solved.differences[s], v), site.clear);
     }
   }
 

@@ -1,0 +1,37 @@
+#include "topo/validate/batch.hpp"
+
+namespace kerf {
+
+namespace {
+
+std::vector<Index> interface_edges(const Filled& f) {
+  std::vector<Index> edges;
+  for (const auto& contours : f.contour) edges.insert(edges.end(), contours[0].begin(), contours[0].end());
+  return edges;
+}
+
+State solved(const Model& m) {
+  State s = solve(m);
+  if (!certified(s)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
+  return s;
+}
+
+}  // namespace
+
+Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn) {
+  Batch b;
+  for (const Site& s : sites)
+    b.balls.push_back(
+        ball_mesh({s.at, s.ball, sides}, s.radii, drawn.aspect, drawn.angle.empty() ? 0 : drawn.angle[s.number]));
+  b.filled = fill(triangulate(with_balls(meshing.shape, sites, sides), meshing.sizing), b.balls);
+  b.how.interface_edges = interface_edges(b.filled);
+  return b;
+}
+
+SolvedBatch::SolvedBatch(const Batch& batch, const Body& body, const Functional& j, const Perturbation& p)
+    : model(prepare(batch.filled.mesh, body.element, body.scene, body.threads, batch.how)),
+      state(solved(model)),
+      a(analyze(j, model, state)),
+      differences(Differences({a, j, batch.filled}, p, batch.how).all(batch.balls)) {}
+
+}  // namespace kerf
