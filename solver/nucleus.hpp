@@ -18,6 +18,12 @@ enum class PointStress { Trace, Difference, Shear };  // s11 + s22, (s22 - s11)/
 /// int_boundary (t.G - s(G) n.u) around x, of a state without body force near x, is that part of its stress at x.
 Nucleus point_nucleus(const Material& material, const Vec2& x, PointStress part);
 
+/// The mean over the disc |x - center| < radius instead: the field of a uniform eigenstrain there [Eshelby 1957], with
+/// its displacement everywhere and its stress outside [theory: B.21].
+Nucleus disc_nucleus(const Material& material, const Vec2& center, double radius, PointStress part);
+/// The mean along the line, of the stress in its frame: 1 along it, 2 across [theory: B.22].
+Nucleus line_nucleus(const Material& material, const Vec2& from, const Vec2& to, PointStress part);
+
 /// The same for K_I or K_II of a straight crack that ends at `tip` and runs along frame's -x from there, over `length`
 /// to its other tip, or without end (infinity). Its faces carry no traction, and it has no dislocation [Bueckner 1970].
 Nucleus tip_nucleus(const Material& material, const Vec2& tip, const Mat2& frame, double length, int mode);

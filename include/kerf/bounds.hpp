@@ -1,5 +1,5 @@
 #pragma once
-// Two-sided bounds of the potential energy, and of stresses at points, K and G [theory: B.1].
+// Two-sided bounds of the potential energy, and of stresses, K, G, displacements and forces [theory: B.1].
 
 #include "kerf/field.hpp"
 #include "kerf/fracture.hpp"
@@ -50,6 +50,19 @@ struct StressBounds {
   Bounded s11, s22, s12;
   std::vector<Eigen::VectorXd> eta = {};  // the indicators of the dual solutions of trace, difference and s12, if asked
 };
+/// Where stresses are averaged: over a disc, or along a straight line.
+struct OverDisc {
+  Vec2 center = Vec2::Zero();
+  double radius = 0;
+};
+struct AlongLine {
+  Vec2 from = Vec2::Zero(), to = Vec2::Zero();
+};
+/// Of the mean strain where the mean stress is that: the material is one and isotropic there.
+struct StrainBounds {
+  Bounded e11, e22, e12;
+};
+StrainBounds strain_bounds(const Material& material, const StressBounds& stress);
 /// Of an end of a crack; the indicators are those of K_I and K_II.
 struct TipBounds {
   Bounded K_I, K_II, G;
@@ -73,8 +86,21 @@ class QuantityBounds {
 
   /// At a point inside the body.
   StressBounds stress(const Vec2& x) const;
+  /// The mean over a disc inside the body [theory: B.21]. Its edge and what surrounds it must be free of boundaries,
+  /// cracks with faces and other materials.
+  StressBounds mean_stress(const OverDisc& where) const;
+  /// The mean along a line inside the body, in its frame: 11 along it, 22 across, 12 with the normal that is the
+  /// direction of the line turned by +90 degrees [theory: B.22].
+  StressBounds mean_stress(const AlongLine& where) const;
   /// Of an end of a straight crack.
   TipBounds tip(const TipIntensity& tip) const;
+  /// The work of given tractions on the displacement of their edges: a mean displacement [theory: B.23].
+  Bounded work(const std::vector<Traction>& of) const;
+  /// That of all loads of the state, the compliance.
+  Bounded work_of_loads() const;
+  /// Component 0 (x) or 1 (y) of the force that the supports of these labels exert on the body, as far as they hold it
+  /// [theory: B.24].
+  Bounded reaction(const std::vector<Index>& labels, int component) const;
 
  private:
   struct Impl;
@@ -97,8 +123,13 @@ class ContactQuantityBounds {
 
   /// The work of given tractions on the displacement of their edges: a mean displacement, a mean strain.
   Bounded work(const std::vector<Traction>& of) const;
+  Bounded work_of_loads() const;
+  Bounded reaction(const std::vector<Index>& labels, int component) const;
   /// At a point inside the body, without indicators.
   StressBounds stress(const Vec2& x) const;
+  /// As QuantityBounds.
+  StressBounds mean_stress(const OverDisc& where) const;
+  StressBounds mean_stress(const AlongLine& where) const;
 
  private:
   struct Impl;

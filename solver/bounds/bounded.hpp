@@ -8,6 +8,9 @@ namespace kerf {
 /// No interval, and why.
 Bounded lost(std::string why);
 
+/// Minus twice an energy.
+Bounded twice_energy(const EnergyBounds& e);
+
 /// fa a + fb b.
 Bounded combined(const Bounded& a, double fa, const Bounded& b, double fb);
 

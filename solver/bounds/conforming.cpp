@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace kerf {
@@ -424,7 +425,9 @@ void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>
       const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
       // Rapid changes: at most the product of the norms of value and slope, as between L2 and H1.
       const double rapid = d.rest[k] > 0 ? std::sqrt(d.rest[k] * d.rough[k]) : 0;
-      result.mismatch += 2 * shear_moduli(material_of(m.mesh, m.scene, d.triangle)).largest * (f.square + ends + rapid);
+      const double missed = f.square + ends + rapid, rounding = 64 * std::numeric_limits<double>::epsilon();
+      if (missed > rounding * rounding * d.displacement.squaredNorm())
+        result.mismatch += 2 * shear_moduli(material_of(m.mesh, m.scene, d.triangle)).largest * missed;
       for (int g = 0; g < data_carriers; ++g) {
         const double at = fit.carrier.s[g];
         const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;

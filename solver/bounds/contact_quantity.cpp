@@ -185,6 +185,12 @@ struct ContactQuantityBounds::Impl {
       return lost(std::string("no bounds: ") + error.what());
     }
   }
+
+  StressBounds stress(const StressPlace& where) const {
+    return bound_stress(m, where, why, [&](const DualProblem& of, std::vector<Eigen::VectorXd>&) {
+      return try_bound(of.loads, of.known, of.estimate);
+    });
+  }
 };
 
 ContactQuantityBounds::ContactQuantityBounds(const Model& m, const Field& u, Theorem by)
@@ -206,11 +212,27 @@ Bounded ContactQuantityBounds::work(const std::vector<Traction>& of) const {
   return impl_->try_bound(loads, {}, {});
 }
 
+Bounded ContactQuantityBounds::work_of_loads() const {
+  if (!impl_->why.empty()) return lost(impl_->why);
+  if (works_twice_its_energy(impl_->m)) return twice_energy(impl_->energy);
+  return impl_->try_bound(loads_dual(impl_->m).loads, {}, {});
+}
+
+Bounded ContactQuantityBounds::reaction(const std::vector<Index>& labels, int component) const {
+  if (std::string why = no_reaction(impl_->m, labels, component); !why.empty()) return lost(std::move(why));
+  return impl_->try_bound(reaction_dual(impl_->m, labels, component).loads, {}, {});
+}
+
 StressBounds ContactQuantityBounds::stress(const Vec2& x) const {
-  const auto bound = [&](const DualProblem& of, std::vector<Eigen::VectorXd>&) {
-    return impl_->try_bound(of.loads, of.known, of.estimate);
-  };
-  return bound_stress(impl_->m, x, impl_->why, bound);
+  return impl_->stress(StressPlace::point(x));
+}
+
+StressBounds ContactQuantityBounds::mean_stress(const OverDisc& d) const {
+  return impl_->stress(StressPlace::of(d));
+}
+
+StressBounds ContactQuantityBounds::mean_stress(const AlongLine& line) const {
+  return impl_->stress(StressPlace::of(line));
 }
 
 }  // namespace kerf

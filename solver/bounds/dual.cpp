@@ -4,9 +4,11 @@
 #include "solver/quadrature.hpp"
 
 #include <fmt/core.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace kerf {
 
@@ -84,8 +86,16 @@ Known work_of_tractions(const Model& m, const Nucleus& G) {
   return known;
 }
 
-/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance.
-std::string unresolved(const Model& m, const Vec2& singular, Index own) {
+/// Of a place, which is a line at most, to the segment from a to b.
+double gap(const StressPlace& place, const Vec2& a, const Vec2& b) {
+  if (crossing(place.from, place.to, a, b)) return 0;
+  return std::min({distance(place.from, a, b), distance(place.to, a, b), distance(a, place.from, place.to),
+                   distance(b, place.from, place.to)});
+}
+
+/// The tractions of G were sampled: they are as smooth as it takes on edges that are not long beside their distance. G
+/// of a disc goes on to its middle.
+std::string unresolved(const Model& m, const StressPlace& singular, Index own) {
   constexpr double far = 0.5;  // of the length of an edge
   for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
     const Index crack = m.mesh.crack[e];
@@ -93,17 +103,17 @@ std::string unresolved(const Model& m, const Vec2& singular, Index own) {
     const bool face = crack != none && crack != own && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
     if (!outer && !face) continue;
     const Vec2 &a = m.mesh.points[m.mesh.edges[e][0]], &b = m.mesh.points[m.mesh.edges[e][1]];
-    if (distance(singular, a, b) < far * length(m.mesh, static_cast<Index>(e)))
+    if (gap(singular, a, b) < far * length(m.mesh, static_cast<Index>(e)))
       return fmt::format(
           "the bounds are estimates: the mesh is coarse on the boundary or the crack beside ({:.6g}, {:.6g})",
-          singular.x(), singular.y());
+          singular.middle().x(), singular.middle().y());
   }
   return {};
 }
 
 }  // namespace
 
-DualProblem global_dual(const Model& m, const Nucleus& G, const Vec2& singular, Index own) {
+DualProblem global_dual(const Model& m, const Nucleus& G, const StressPlace& singular, Index own) {
   Scene s = unloaded(m);
   for (std::size_t c = 0; c < s.laws.size(); ++c) {
     if (s.laws[c].kind == CrackLaw::Kind::Bonded || static_cast<Index>(c) == own) continue;
@@ -161,9 +171,40 @@ double over_radius(const Fade& fade, int panels, const Integrand& of) {
   return sum;
 }
 
+/// The step from 0 to 1 that rests at both ends: what grows there like a logarithm is smooth in t.
+double eased(double t) {
+  return t * t * t * (10 + t * (6 * t - 15));
+}
+double easing(double t) {
+  return 30 * std::pow(t * (1 - t), 2);
+}
+
+/// int f.G of what fades, G rough on a line and on a circle.
+double work_about(const VectorField& f, const Nucleus& G, const CutOffDisc& disc, const Fade& fade, int panels) {
+  static const EdgeRule rule = gauss(12);
+  const double start = std::atan2(disc.along.y(), disc.along.x());
+  constexpr int arcs = 4;
+  const std::array ends{0.0, disc.rough, fade.inner, fade.outer};
+  double sum = 0;
+  for (int arc = 0; arc < arcs; ++arc)
+    for (std::size_t part = 0; part + 1 < ends.size(); ++part)
+      for (int i = 0; i < panels * panels; ++i)
+        for (Eigen::Index p = 0; p < rule.s.size(); ++p)
+          for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+            const double t = (i / panels + rule.s[p]) / panels, s = (i % panels + rule.s[q]) / panels;
+            const double angle = start + 2 * pi / arcs * (arc + eased(t)), wide = ends[part + 1] - ends[part],
+                         r = ends[part] + wide * eased(s);
+            const Vec2 x = disc.middle + r * Vec2(std::cos(angle), std::sin(angle));
+            sum += rule.w[p] * rule.w[q] / (panels * panels) * 2 * pi / arcs * easing(t) * wide * easing(s) * r *
+                   fade(r) * f(x).dot(G.displacement(x));
+          }
+  return sum;
+}
+
 /// int f.G of what fades.
 double work_of_body(const VectorField& f, const Nucleus& G, const CutOffDisc& disc, const Fade& fade, int panels) {
   static const EdgeRule rule = gauss(12);
+  if (disc.rough > 0) return work_about(f, G, disc, fade, panels);
   const double start = disc.tip ? std::atan2(disc.tip->frame(1, 0), disc.tip->frame(0, 0)) - pi : 0;
   const int sectors = 4 * panels;
   double sum = 0;
@@ -215,7 +256,7 @@ std::string coarse_in(const Model& m, const CutOffDisc& disc, const Fade& fade) 
 
 DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc) {
   constexpr double share = 0.25;
-  const Fade fade{share * disc.radius, disc.radius};
+  const Fade fade{std::max(share * disc.radius, disc.solid), disc.radius};
   DualProblem dual{unloaded(m), {}, coarse_in(m, disc, fade)};
   const Vec2 middle = disc.middle;
   dual.loads.body = [G, fade, middle](const Vec2& x) -> Vec2 {
@@ -248,16 +289,20 @@ DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc)
 
 namespace {
 
-/// To the next boundary, interface, or crack with faces.
+/// A boundary, an interface, or a crack with faces.
+bool ends_material(const Model& m, Index e) {
+  const auto [left, right] = m.mesh.sides[e];
+  const Index crack = m.mesh.crack[e];
+  const bool face = crack != none && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
+  return left == none || right == none || face || is_interface(m.mesh, e);
+}
+
+/// To the next of these.
 double clearance(const Model& m, const Vec2& x) {
   double least = infinity;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    const auto [left, right] = m.mesh.sides[e];
-    const Index crack = m.mesh.crack[e];
-    const bool face = crack != none && m.scene.laws[crack].kind != CrackLaw::Kind::Bonded;
-    if (left == none || right == none || face || is_interface(m.mesh, e))
+  for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
+    if (ends_material(m, e))
       least = std::min(least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]));
-  }
   return least;
 }
 
@@ -282,19 +327,154 @@ Mesh labelled(Mesh mesh) {
   return mesh;
 }
 
-PointDual::PointDual(const Model& m, const Vec2& x)
-    : m_(m), x_(x), where_(locate(m.mesh, {&x, 1}).front()), plain_(is_plain(m.scene)) {
-  if (where_ == none)
-    why_ = "no bounds: the point lies outside the body";
-  else if (!isotropic(material_of(m.mesh, m.scene, where_)))
-    why_ = "no bounds: the material there is orthotropic";
-  else if (!plain_)
-    why_ = no_disc(m, where_);
+namespace {
+
+Nucleus nucleus(const Material& m, const StressPlace& place, PointStress part) {
+  if (place.radius > 0) return disc_nucleus(m, place.from, place.radius, part);
+  return place.from == place.to ? point_nucleus(m, place.from, part) : line_nucleus(m, place.from, place.to, part);
 }
 
-DualProblem PointDual::operator()(PointStress part) const {
-  const Nucleus G = point_nucleus(material_of(m_.mesh, m_.scene, where_), x_, part);
-  return plain_ ? global_dual(m_, G, x_, none) : local_dual(m_, G, {x_, within * clearance(m_, x_)});
+/// How much of the disc that G does not fade in leaves room for the ring beyond.
+double solid_part(const StressPlace& place) {
+  constexpr double beyond_ends = 1.2;  // of a line, where the stress of G is not bounded
+  return (place.radius > 0 ? 1 : beyond_ends) * place.reach();
+}
+
+}  // namespace
+
+StressPlace StressPlace::of(const OverDisc& disc) {
+  if (!(disc.radius > 0)) throw std::invalid_argument("mean_stress: the radius must be positive");
+  return {disc.center, disc.center, disc.radius};
+}
+
+StressPlace StressPlace::of(const AlongLine& line) {
+  if (line.from == line.to) throw std::invalid_argument("mean_stress: the line has no length");
+  return {line.from, line.to, 0};
+}
+
+StressDual::StressDual(const Model& m, const StressPlace& place)
+    : m_(m), place_(place), plain_(is_plain(m.scene)), disc_{.middle = place.middle()} {
+  where_ = locate(m.mesh, {&disc_.middle, 1}).front();
+  if (where_ == none) {
+    why_ = place.reach() > 0 ? "no bounds: its middle lies outside the body"
+                             : "no bounds: the point lies outside the body";
+    return;
+  }
+  disc_.radius = within * clearance(m, disc_.middle);
+  if (place.reach() > 0) {
+    disc_.rough = place.reach();
+    disc_.solid = solid_part(place);
+    disc_.along = place.from == place.to ? Vec2(Vec2::UnitX()) : Vec2(place.to - place.from);
+  }
+  why_ = why_not();
+}
+
+std::string StressDual::why_not() const {
+  if (!isotropic(material_of(m_.mesh, m_.scene, where_))) return "no bounds: the material there is orthotropic";
+  if (place_.reach() > 0) {
+    for (Index e = 0; e < static_cast<Index>(m_.mesh.edges.size()); ++e)
+      if (ends_material(m_, e) &&
+          gap(place_, m_.mesh.points[m_.mesh.edges[e][0]], m_.mesh.points[m_.mesh.edges[e][1]]) <= place_.radius)
+        return "no bounds: it touches the boundary, a crack or another material";
+  }
+  if (plain_) return {};
+  if (std::string why = no_disc(m_, where_); !why.empty()) return why;
+  constexpr double least = 0.8;  // of the radius in which the field may fade
+  return disc_.solid <= least * disc_.radius
+             ? std::string()
+             : std::string(
+                   "no bounds: the singular field has no room to fade between it and the next boundary, crack "
+                   "or material");
+}
+
+DualProblem StressDual::operator()(PointStress part) const {
+  const Nucleus G = nucleus(material_of(m_.mesh, m_.scene, where_), place_, part);
+  return plain_ ? global_dual(m_, G, place_, none) : local_dual(m_, G, disc_);
+}
+
+DualProblem work_dual(const Model& m, const std::vector<Traction>& of) {
+  DualProblem dual{unloaded(m), {}, {}};
+  dual.loads.tractions.insert(dual.loads.tractions.end(), of.begin(), of.end());
+  return dual;
+}
+
+DualProblem loads_dual(const Model& m) {
+  DualProblem dual{with_all_edges(m), {}, {}};
+  dual.loads.eigenstrain.clear();
+  for (Support& support : dual.loads.supports) support.value = nothing;
+  return dual;
+}
+
+bool works_twice_its_energy(const Model& m) {
+  return !has_eigenstrain(m.scene) &&
+         std::ranges::all_of(m.inner->skeleton.prescribed, [](double u) { return u == 0; });
+}
+
+namespace {
+
+bool listed(const std::vector<Index>& labels, Index label) {
+  return std::ranges::find(labels, label) != labels.end();
+}
+
+/// The displacements d.v = value of a vertex that supports prescribe.
+struct Prescribed {
+  Mat2 square = Mat2::Zero();
+  Vec2 right = Vec2::Zero();
+  double values = 0;
+  void add(const Vec2& d, double value) {
+    square += d * d.transpose();
+    right += value * d;
+    values += value * value;
+  }
+  bool contradict() const {
+    constexpr double rounding = 1e-9;
+    const Eigen::SelfAdjointEigenSolver<Mat2> held(square);
+    double met = 0;
+    for (int i = 0; i < 2; ++i)
+      if (const double d = held.eigenvalues()[i]; d > rounding)
+        met += std::pow(held.eigenvectors().col(i).dot(right), 2) / d;
+    return values - met > rounding;
+  }
+};
+
+}  // namespace
+
+// A displacement that is 1 on these labels and 0 on others that they touch has no finite energy.
+std::string no_reaction(const Model& m, const std::vector<Index>& labels, int component) {
+  std::vector<Prescribed> at(m.mesh.points.size());
+  bool any = false;
+  for (const Support& s : m.scene.supports) {
+    const bool mine = listed(labels, s.label);
+    for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+      if (m.mesh.label[e] != s.label) continue;
+      const Vec2 n = outward_normal(m.mesh, e), first = s.normal_frame ? n : Vec2(Vec2::UnitX()),
+                 second = s.normal_frame ? turned(n) : Vec2(Vec2::UnitY());
+      for (const auto& [held, d] : {std::pair(s.first, first), std::pair(s.second, second)}) {
+        if (!held) continue;
+        const double value = mine ? d[component] : 0;
+        any = any || std::abs(value) > 1e-9;
+        for (const Index v : m.mesh.edges[e]) at[static_cast<std::size_t>(v)].add(d, value);
+      }
+    }
+  }
+  if (!any) return "no bounds: no support holds it in that direction";
+  for (std::size_t v = 0; v < at.size(); ++v)
+    if (at[v].contradict())
+      return fmt::format(
+          "no bounds: at ({:.6g}, {:.6g}) it meets another support that holds the same direction, and the force is not "
+          "divided between them",
+          m.mesh.points[v].x(), m.mesh.points[v].y());
+  return {};
+}
+
+DualProblem reaction_dual(const Model& m, const std::vector<Index>& labels, int component) {
+  DualProblem dual{unloaded(m), {}, {}};
+  for (Support& support : dual.loads.supports)
+    if (listed(labels, support.label))
+      support.value = [as = support, component](const Vec2&, const Vec2& n) -> Vec2 {
+        return components_of(as, -Vec2::Unit(component), n);
+      };
+  return dual;
 }
 
 Scene with_all_edges(const Model& m) {

@@ -20,9 +20,29 @@ struct DualProblem {
   std::string estimate;  // why these loads, which are sampled, prove nothing; empty: they do
 };
 
+/// A point, a line, or a disc, where stresses are averaged and their field G is singular or not defined.
+struct StressPlace {
+  Vec2 from = Vec2::Zero(), to = Vec2::Zero();  // the same point of a point and of a disc
+  double radius = 0;                            // of a disc
+
+  static StressPlace point(const Vec2& x) {
+    return {x, x, 0};
+  }
+  /// Throws std::invalid_argument without a size.
+  static StressPlace of(const OverDisc& disc);
+  static StressPlace of(const AlongLine& line);
+  Vec2 middle() const {
+    return 0.5 * (from + to);
+  }
+  /// From its middle to its end.
+  double reach() const {
+    return 0.5 * (to - from).norm() + radius;
+  }
+};
+
 /// The singular field G over the whole body, which is of one isotropic material and has no body force and no
 /// eigenstrain: tractions on its boundary and on the faces of its cracks but `own`, whose faces G leaves free.
-DualProblem global_dual(const Model& model, const Nucleus& G, const Vec2& singular, Index own);
+DualProblem global_dual(const Model& model, const Nucleus& G, const StressPlace& singular, Index own);
 
 /// A disc about a point, in one isotropic material without eigenstrain, that holds no end of the body but the straight
 /// piece of a crack that ends at its middle.
@@ -30,6 +50,9 @@ struct CutOffDisc {
   Vec2 middle = Vec2::Zero();
   double radius = 0;
   const CrackTip* tip = nullptr;
+  double rough = 0;            // within this radius G is singular on a line through the middle, or beyond it another
+  Vec2 along = Vec2::UnitX();  // that line
+  double solid = 0;            // G does not fade within that radius
 };
 /// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
 /// where it fades [theory: B.20]. Not for materials that are incompressible.
@@ -46,10 +69,11 @@ std::string no_disc(const Model& model, Index triangle);
 /// Every edge of the boundary has a label, so that it can be loaded.
 Mesh labelled(Mesh mesh);
 
-/// The parts of the stress at a point. The model must outlive it, all of its boundary labelled.
-class PointDual {
+/// The parts of the stress at a point, or of its mean over a disc or along a line, in the frame of the line. The model
+/// must outlive it, all of its boundary labelled.
+class StressDual {
  public:
-  PointDual(const Model& model, const Vec2& x);
+  StressDual(const Model& model, const StressPlace& place);
   /// Why there is none; empty: there is.
   const std::string& why() const {
     return why_;
@@ -57,16 +81,30 @@ class PointDual {
   DualProblem operator()(PointStress part) const;
 
  private:
+  std::string why_not() const;
+
   const Model& m_;
-  Vec2 x_;
+  StressPlace place_;
   Index where_;
   bool plain_;
+  CutOffDisc disc_;
   std::string why_;
 };
 
 using BoundDual = std::function<Bounded(const DualProblem& dual, std::vector<Eigen::VectorXd>& eta)>;
 /// By intervals of the duals. `why` there are none, if it is known already.
-StressBounds bound_stress(const Model& model, const Vec2& x, std::string why, const BoundDual& bound);
+StressBounds bound_stress(const Model& model, const StressPlace& x, std::string why, const BoundDual& bound);
+
+/// The work of given tractions.
+DualProblem work_dual(const Model& model, const std::vector<Traction>& of);
+/// That of all loads of the state. Its supports may move.
+DualProblem loads_dual(const Model& model);
+/// Whether the loads of the state work twice its energy, negative: no eigenstrain, and supports that are at rest.
+bool works_twice_its_energy(const Model& model);
+/// Component 0 or 1 of the force of the supports of these labels.
+DualProblem reaction_dual(const Model& model, const std::vector<Index>& labels, int component);
+/// Why there is none; empty: there is.
+std::string no_reaction(const Model& model, const std::vector<Index>& labels, int component);
 
 /// The body of the model without loads, its supports at rest.
 Scene at_rest(const Model& model);

@@ -48,22 +48,31 @@ struct TipPotential {
 
 }  // namespace
 
-Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
-  const double size = plane_modulus(m) / (8 * pi), mu = m.mu, k = kappa(m);
+namespace {
+
+/// Of phi = c/z, psi = d/z.
+struct Amplitudes {
   Complex c = 0;
   double d = 0;
+};
+Amplitudes amplitudes(const Material& m, PointStress part) {
+  const double size = plane_modulus(m) / (8 * pi);
   switch (part) {
     case PointStress::Trace:
-      d = -4 * size;
-      break;
+      return {0, -4 * size};
     case PointStress::Difference:
-      c = -size;
-      break;
+      return {-size, 0};
     case PointStress::Shear:
-      c = Complex(0, size);
-      break;
+      return {Complex(0, size), 0};
   }
-  // phi = c/z, psi = d/z.
+  return {};
+}
+
+}  // namespace
+
+Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
+  const double mu = m.mu, k = kappa(m);
+  const auto [c, d] = amplitudes(m, part);
   return {[=](const Vec2& at) -> Vec2 {
             const Complex z = number(at - x);
             return vector(k * c / z + z * std::conj(c / (z * z)) - std::conj(d / z)) / (2 * mu);
@@ -71,6 +80,45 @@ Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
           [=](const Vec2& at) -> Mat2 {
             const Complex z = number(at - x), square = z * z;
             return tensor(-4 * (c / square).real(), 2.0 * (std::conj(z) * 2.0 * c / (square * z) - d / square));
+          }};
+}
+
+// As a point, and psi = c R^2/z^3 beside it: then the displacement on the circle is linear, and goes on so inside.
+Nucleus disc_nucleus(const Material& m, const Vec2& center, double radius, PointStress part) {
+  const double mu = m.mu, k = kappa(m), square = radius * radius;
+  const auto [c, d] = amplitudes(m, part);
+  const Nucleus point = point_nucleus(m, center, part);
+  return {[=](const Vec2& at) -> Vec2 {
+            const Complex z = number(at - center);
+            if (std::norm(z) < square) return vector((k * c * std::conj(z) - d * z) / square) / (2 * mu);
+            return point.displacement(at) - vector(std::conj(c * square / (z * z * z))) / (2 * mu);
+          },
+          [=](const Vec2& at) -> Mat2 {
+            const Complex z = number(at - center), second = z * z;
+            return point.stress(at) + tensor(0, -6.0 * c * square / (second * second));
+          }};
+}
+
+// Means over 0 < t < l of 1/(z - t) to the first three powers; conj(z - t) = z - t - (z - conj(z)).
+Nucleus line_nucleus(const Material& m, const Vec2& from, const Vec2& to, PointStress part) {
+  const double mu = m.mu, k = kappa(m), l = (to - from).norm();
+  const auto [c, d] = amplitudes(m, part);
+  const Vec2 along = (to - from) / l;
+  const Mat2 frame = (Mat2() << along.x(), -along.y(), along.y(), along.x()).finished();
+  return {[=](const Vec2& at) -> Vec2 {
+            const Complex z = number(frame.transpose() * (at - from)), first = std::log(z / (z - l)) / l,
+                          second = 1.0 / (z * (z - l));
+            return frame *
+                   vector(k * c * first + std::conj(c) * (std::conj(first) + (z - std::conj(z)) * std::conj(second)) -
+                          d * std::conj(first)) /
+                   (2 * mu);
+          },
+          [=](const Vec2& at) -> Mat2 {
+            const Complex z = number(frame.transpose() * (at - from)), a = 1.0 / z, b = 1.0 / (z - l), second = a * b,
+                          third = (b * b - a * a) / (2 * l);
+            const Mat2 local =
+                tensor(-4 * (c * second).real(), 2.0 * (2.0 * c * (second - (z - std::conj(z)) * third) - d * second));
+            return frame * local * frame.transpose();
           }};
 }
 

@@ -116,6 +116,22 @@ struct QuantityBounds::Impl {
                                  : of.estimate;
     return b;
   }
+
+  StressBounds stress(const StressPlace& where) const {
+    return bound_stress(m, where, why,
+                        [&](const DualProblem& dual, std::vector<Eigen::VectorXd>& eta) { return bound(dual, eta); });
+  }
+
+  /// What the loads of the dual push that nothing holds is no quantity.
+  Bounded try_bound(const std::function<DualProblem()>& dual) const {
+    if (!why.empty()) return lost(why);
+    try {
+      std::vector<Eigen::VectorXd> eta;
+      return bound(dual(), eta);
+    } catch (const Error& error) {
+      return lost(std::string("no bounds: ") + error.what());
+    }
+  }
 };
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
@@ -127,15 +143,40 @@ QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicat
 QuantityBounds::~QuantityBounds() = default;
 
 StressBounds QuantityBounds::stress(const Vec2& x) const {
-  if (impl_->contact) return impl_->contact->stress(x);
-  const auto bound = [&](const DualProblem& dual, std::vector<Eigen::VectorXd>& eta) {
-    return impl_->bound(dual, eta);
-  };
-  return bound_stress(impl_->m, x, impl_->why, bound);
+  return impl_->contact ? impl_->contact->stress(x) : impl_->stress(StressPlace::point(x));
 }
 
-StressBounds bound_stress(const Model& m, const Vec2& x, std::string why, const BoundDual& bound) {
-  const PointDual at(m, x);
+StressBounds QuantityBounds::mean_stress(const OverDisc& d) const {
+  return impl_->contact ? impl_->contact->mean_stress(d) : impl_->stress(StressPlace::of(d));
+}
+
+StressBounds QuantityBounds::mean_stress(const AlongLine& line) const {
+  return impl_->contact ? impl_->contact->mean_stress(line) : impl_->stress(StressPlace::of(line));
+}
+
+Bounded QuantityBounds::work(const std::vector<Traction>& of) const {
+  return impl_->contact ? impl_->contact->work(of) : impl_->try_bound([&] { return work_dual(impl_->m, of); });
+}
+
+Bounded QuantityBounds::work_of_loads() const {
+  if (impl_->contact) return impl_->contact->work_of_loads();
+  if (!impl_->why.empty()) return lost(impl_->why);
+  if (works_twice_its_energy(impl_->m)) return twice_energy(impl_->admissible_state(false).bounds);
+  return impl_->try_bound([&] { return loads_dual(impl_->m); });
+}
+
+Bounded QuantityBounds::reaction(const std::vector<Index>& labels, int component) const {
+  if (impl_->contact) return impl_->contact->reaction(labels, component);
+  if (std::string why = no_reaction(impl_->m, labels, component); !why.empty()) return lost(std::move(why));
+  return impl_->try_bound([&] { return reaction_dual(impl_->m, labels, component); });
+}
+
+Bounded twice_energy(const EnergyBounds& e) {
+  return {-e.lower - e.upper, -2 * e.upper, -2 * e.lower, e.guaranteed, e.note};
+}
+
+StressBounds bound_stress(const Model& m, const StressPlace& x, std::string why, const BoundDual& bound) {
+  const StressDual at(m, x);
   if (why.empty()) why = at.why();
   if (!why.empty()) return {lost(why), lost(why), lost(why), lost(why), lost(why)};
   StressBounds s;
@@ -145,6 +186,12 @@ StressBounds bound_stress(const Model& m, const Vec2& x, std::string why, const 
   s.s11 = combined(s.trace, 0.5, s.difference, -1);
   s.s22 = combined(s.trace, 0.5, s.difference, 1);
   return s;
+}
+
+StrainBounds strain_bounds(const Material& m, const StressBounds& s) {
+  const double shape = 0.5 / m.mu;
+  return {combined(s.trace, m.c, s.difference, -shape), combined(s.trace, m.c, s.difference, shape),
+          combined(s.s12, shape, s.s12, 0)};
 }
 
 // 4 mu c = 1 - 2 nu in plane strain.
@@ -181,7 +228,8 @@ TipBounds QuantityBounds::tip(const TipIntensity& of) const {
   TipBounds b;
   const auto bound = [&](int mode) {
     const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
-    return impl_->bound(plain ? global_dual(m, G, found->at, of.crack) : local_dual(m, G, disc), b.eta);
+    return impl_->bound(plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc),
+                        b.eta);
   };
   b.K_I = bound(1);
   b.K_II = bound(2);

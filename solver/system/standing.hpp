@@ -1,6 +1,6 @@
 #pragma once
 // Pieces of a body that contact alone holds: what they may do, and what it takes to factorize and to search [theory:
-// C.24 to C.26].
+// C.24, C.25].
 
 #include "solver/contact/contact.hpp"
 #include "solver/system/ordering.hpp"
