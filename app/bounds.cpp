@@ -61,6 +61,47 @@ std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Ve
   return out;
 }
 
+/// Of the displacement of a label, in x or y.
+Bounded mean_displacement(const Mesh& mesh, const QuantityBounds& bounds, Index label, int component) {
+  double whole = 0;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (mesh.label[e] == label) whole += length(mesh, e);
+  if (whole == 0) return {nan, nan, nan, false, "no bounds: the label has no edges"};
+  const Vec2 share = Vec2::Unit(component) / whole;
+  return bounds.work({{label, [share](const Vec2&, const Vec2&) -> Vec2 { return share; }}});
+}
+
+std::vector<BoundedMean> means_of(const BoundsTask& task, const BoundsRequest& request, const Model& m,
+                                  const QuantityBounds& bounds) {
+  using enum BoundedMean::Of;
+  const auto name = [&](Index label) { return task.body.shape.labels[static_cast<std::size_t>(label)]; };
+  std::vector<BoundedMean> out;
+  for (const OverDisc& d : request.discs) {
+    const StressBounds s = bounds.mean_stress(d);
+    const StrainBounds e = strain_bounds(material_at(m, d.center), s);
+    out.push_back({Disc, {}, d.center, d.center, d.radius, {s.s11, s.s22, s.s12, e.e11, e.e22, e.e12}});
+  }
+  for (const AlongLine& line : request.lines) {
+    const StressBounds s = bounds.mean_stress(line);
+    out.push_back({Line, {}, line.from, line.to, 0, {s.s22, s.s12, s.s11}});
+  }
+  for (const Index label : request.displacements)
+    out.push_back(
+        {.of = Displacement,
+         .on = name(label),
+         .quantities = {mean_displacement(m.mesh, bounds, label, 0), mean_displacement(m.mesh, bounds, label, 1)}});
+  for (const Index label : request.reactions)
+    out.push_back(
+        {.of = Reaction, .on = name(label), .quantities = {bounds.reaction({label}, 0), bounds.reaction({label}, 1)}});
+  if (request.compliance) out.push_back({.of = Loads, .quantities = {bounds.work_of_loads()}});
+  return out;
+}
+
+/// Why an interval is none of the body as drawn; empty: it is.
+std::string polygon_note(const BoundsTask& task) {
+  return arcs_of(task.body.shape).empty() ? "" : of_polygon;
+}
+
 struct GoalBound {
   Bounded interval;
   std::vector<Eigen::VectorXd> eta;  // of the dual solutions
@@ -109,11 +150,24 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
   return refine_for(own, b, bound.eta);
 }
 
+std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
+                                          const Adapted& adapted) {
+  const std::string polygon = polygon_note(task);
+  const QuantityBounds bounds(adapted.model, adapted.state);
+  std::vector<BoundedStress> out;
+  for (const Vec2& x : points) {
+    const StressBounds s = bounds.stress(x);
+    out.push_back({s.s11, s.s22, s.s12});
+    for (Bounded* b : {&out.back().s_xx, &out.back().s_yy, &out.back().s_xy}) qualify(*b, polygon);
+  }
+  return out;
+}
+
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,
                               int threads) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
-  const std::string polygon = arcs_of(task.body.shape).empty() ? "" : of_polygon;
+  const std::string polygon = polygon_note(task);
   const QuantityBounds bounds(model, state);
   BoundsResult out;
   if (request.tips && !model.mesh.cracks.empty()) {
@@ -131,6 +185,9 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
   out.points = points_of(task, request.points, model, state, bounds);
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
+  out.means = means_of(task, request, model, bounds);
+  for (BoundedMean& m : out.means)
+    for (Bounded& b : m.quantities) qualify(b, polygon);
   return out;
 }
 

@@ -22,6 +22,14 @@ std::string in_words(const GoalRequest& goal, const Shape& shape);
 Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& model, const State& state,
                          const Indicator& own);
 
+/// The stresses at a point.
+struct BoundedStress {
+  Bounded s_xx, s_yy, s_xy;
+};
+/// Of the points of a probe, in their order.
+std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
+                                          const Adapted& adapted);
+
 /// What [bounds] asks for, of the body that `adapted` is a solution of. Solves again where cracks that may touch are
 /// open everywhere: what it says then is of open cracks, and not guaranteed.
 BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& request, const Adapted& adapted,

@@ -87,7 +87,7 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
          {"result.json",  "state.vtu",     "map.vtu",     "map.csv",        "validate.csv", "mesh.png",
           "measured.csv", "von_mises.png", "map.png",     "validate.png",   "report.html",  "report.bin",
           "design.png",   "evolution.png", "history.png", "optimality.png", "design.toml",  "design.svg",
-          "design.dxf",   "design.msh",    "design.step", "case.toml",  "bounds.csv"})
+          "design.dxf",   "design.msh",    "design.step", "case.toml",      "bounds.csv"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }
@@ -164,8 +164,24 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
   write_csv(journal.file("map.csv"), columns, rows);
 }
 
-void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> points, const Adapted& adapted,
-                      const MapTask& task, const Analysis* analysis) {
+namespace {
+
+/// Lower and upper of the stresses, and whether all of them are guaranteed; null: no state to bound.
+void append_bounds(std::vector<double>& row, const BoundedStress* b) {
+  const Bounded none{nan, nan, nan};
+  bool all = b != nullptr;
+  for (const Bounded* of : {b ? &b->s_xx : &none, b ? &b->s_yy : &none, b ? &b->s_xy : &none}) {
+    row.insert(row.end(), {of->lower, of->upper});
+    all = all && of->guaranteed;
+  }
+  row.push_back(all ? 1 : 0);
+}
+
+}  // namespace
+
+void write_probe_file(const std::filesystem::path& path, const Probe& probe, const Adapted& adapted,
+                      const MapTask& task, const Analysis* analysis, const std::vector<BoundedStress>& bounded) {
+  const std::span<const Vec2> points = probe.points;
   const Model& model = adapted.model;
   const State& state = adapted.state;
   const std::vector<Index> where = locate(model.mesh, points);
@@ -186,9 +202,15 @@ void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> p
           stress_at(model.inner->kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
       row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
     }
+    if (probe.bounds) append_bounds(row, i < bounded.size() ? &bounded[i] : nullptr);
     rows.push_back(std::move(row));
   }
-  write_csv(path, {"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"}, rows);
+  std::vector<std::string> columns{"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"};
+  if (probe.bounds)
+    for (const char* name :
+         {"s_xx_lower", "s_xx_upper", "s_yy_lower", "s_yy_upper", "s_xy_lower", "s_xy_upper", "guaranteed"})
+      columns.emplace_back(name);
+  write_csv(path, columns, rows);
 }
 
 }  // namespace kerf

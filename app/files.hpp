@@ -1,6 +1,7 @@
 #pragma once
 // The files of a run, but for result.json and the page.
 
+#include "app/bounds.hpp"
 #include "app/map.hpp"
 #include "kerf/case_file.hpp"
 
@@ -21,8 +22,9 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);
 
-/// A probe_<name>.csv: the state at the points and, unless `analysis` is null, the map of the task.
-void write_probe_file(const std::filesystem::path& path, std::span<const Vec2> points, const Adapted& adapted,
-                      const MapTask& task, const Analysis* analysis);
+/// A probe_<name>.csv: the state at the points and, unless `analysis` is null, the map of the task. Where the probe
+/// asks for bounds, those of the stresses, which are not there without a state that can be trusted.
+void write_probe_file(const std::filesystem::path& path, const Probe& probe, const Adapted& adapted,
+                      const MapTask& task, const Analysis* analysis, const std::vector<BoundedStress>& bounded);
 
 }  // namespace kerf

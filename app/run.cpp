@@ -369,7 +369,9 @@ std::optional<BoundsRequest> bounds_asked(const Case& c) {
   if (!asked) asked = BoundsRequest{.tips = goal.crack != none};
   if (goal.crack == none && goal.quantity != "energy" && std::ranges::count(asked->points, goal.at) == 0)
     asked->points.push_back(goal.at);
-  return asked->tips || !asked->points.empty() ? asked : std::nullopt;
+  const bool some = asked->tips || asked->compliance || !asked->points.empty() || !asked->discs.empty() ||
+                    !asked->lines.empty() || !asked->displacements.empty() || !asked->reactions.empty();
+  return some ? asked : std::nullopt;
 }
 
 /// The intervals that the case asks for.
@@ -380,6 +382,21 @@ void bound(const Outcome& out, const BoundsRequest& asked, Journal& journal, Res
                               out.solved.adapted, journal.options.threads);
   write_bounds_csv(journal.file("bounds.csv"), *r.bounds);
   journal.seconds.bounds += journal.lap();
+}
+
+/// The stresses at the points of probes that ask for their bounds; of others none.
+std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal& journal) {
+  std::vector<std::vector<BoundedStress>> all(out.c.probes.size());
+  const bool any = std::ranges::any_of(out.c.probes, &Probe::bounds);
+  if (!any || !certified(out.solved.adapted.state)) return all;
+  journal.begin("bound the stresses of probes");
+  const Body body = body_of(out.c, out.solved.adapted);
+  const BoundsTask task{body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain};
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (const Probe& probe = out.c.probes[i]; probe.bounds)
+      all[i] = bound_stresses(task, probe.points, out.solved.adapted);
+  journal.seconds.bounds += journal.lap();
+  return all;
 }
 
 /// The jobs and their files.
@@ -397,10 +414,12 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   const Case& c = out->c;
   const Adapted& adapted = out->solved.adapted;
   if (const auto asked = bounds_asked(c); asked && certified(adapted.state)) bound(*out, *asked, journal, r);
+  const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
   journal.begin("write");
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
-  for (const Probe& probe : c.probes)
-    write_probe_file(journal.file("probe_" + probe.name + ".csv"), probe.points, adapted, map_task(c), mapped);
+  for (std::size_t i = 0; i < c.probes.size(); ++i)
+    write_probe_file(journal.file("probe_" + c.probes[i].name + ".csv"), c.probes[i], adapted, map_task(c), mapped,
+                     bounded[i]);
   if (!certified(adapted.state)) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);

@@ -50,6 +50,11 @@ name  = "middle"
 from  = [0, 0.5]
 to    = [2, 0.5]
 count = 41
+# bounds = true                                  # guaranteed lower and upper values of the stresses, too
+
+# [bounds]                                       # guaranteed lower and upper values of
+# displacements = ["right"]                      # mean displacements; reactions = ["left"], compliance = true,
+# disc = [{ center = [1, 0.5], radius = 0.1 }]   # mean stresses; line = [{ from = [0.5, 0.5], to = [1.5, 0.5] }]
 )toml";
 
 const char* const cracked =

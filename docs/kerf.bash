@@ -144,8 +144,16 @@ probe[0].from
 probe[0].to
 probe[0].count
 probe[0].file
+probe[0].bounds
 bounds.tips
 bounds.points
+bounds.displacements
+bounds.reactions
+bounds.compliance
+bounds.disc[0].center
+bounds.disc[0].radius
+bounds.line[0].from
+bounds.line[0].to
 output.vtk
 output.png
 output.html

@@ -7,9 +7,13 @@
 #include "kerf/units.hpp"
 #include "kerf/validate.hpp"
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kerf {
@@ -140,9 +144,28 @@ struct BoundedPoint {
   Vec2 at = Vec2::Zero();
   Bounded s_xx, s_yy, s_xy, von_mises, derivative;
 };
+/// Means, and what works on the boundary.
+struct BoundedMean {
+  enum class Of { Disc, Line, Displacement, Reaction, Loads } of = Of::Disc;
+  std::string on = {};                          // a label
+  Vec2 from = Vec2::Zero(), to = Vec2::Zero();  // of a disc its center
+  double radius = 0;
+  std::vector<Bounded> quantities = {};  // as quantities_of(of)
+};
+struct NamedQuantity {
+  std::string_view name;
+  Dimension dimension;
+};
+std::span<const NamedQuantity> quantities_of(BoundedMean::Of of);
+/// What lists of them are called in result.json; those of the loads are not listed.
+inline constexpr std::array bounded_lists{
+    std::pair(BoundedMean::Of::Disc, "discs"), std::pair(BoundedMean::Of::Line, "lines"),
+    std::pair(BoundedMean::Of::Displacement, "displacements"), std::pair(BoundedMean::Of::Reaction, "reactions")};
+
 struct BoundsResult {
   std::vector<BoundedTip> tips;
   std::vector<BoundedPoint> points;
+  std::vector<BoundedMean> means = {};
 };
 
 /// What the numbers of an optimization are called, and their limits.
@@ -188,8 +211,8 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
 /// under the pressure of a fluid also fluid_pressure, of one with a gap also gap.
 void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack);
 
-/// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note; a row per quantity, an empty cell is not
-/// known.
+/// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note,on,radius,to_x,to_y; a row per quantity, an
+/// empty cell is not known or not of that quantity. x, y: of a disc its center, of a line where it begins.
 void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100

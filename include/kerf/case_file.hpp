@@ -1,6 +1,7 @@
 #pragma once
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
+#include "kerf/bounds.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/mesh_file.hpp"
 #include "kerf/optimize.hpp"
@@ -22,6 +23,8 @@ namespace kerf {
 struct Probe {
   std::string name;
   std::vector<Vec2> points;
+  bool bounds = false;  // of the stresses, at so many points at most
+  static constexpr std::size_t most_bounded = 200;
 };
 
 /// A quantity that an adapted mesh is to bound.
@@ -46,8 +49,13 @@ struct MapJob {
 
 /// Intervals that contain quantities of the exact solution.
 struct BoundsRequest {
-  bool tips = true;          // K_I, K_II and G at every tip
-  std::vector<Vec2> points;  // stresses and T there
+  bool tips = true;                  // K_I, K_II and G at every tip
+  std::vector<Vec2> points;          // stresses and T there
+  std::vector<OverDisc> discs;       // mean stresses and strains
+  std::vector<AlongLine> lines;      // mean stresses
+  std::vector<Index> displacements;  // labels: their means
+  std::vector<Index> reactions;      // labels: the forces of their supports
+  bool compliance = false;
 };
 
 struct OutputRequest {

@@ -1,3 +1,4 @@
+#include "io/case/formula.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
 
@@ -20,6 +21,16 @@ Index open_crack(const Value& field, const Case& c) {
   return static_cast<Index>(found - known.begin());
 }
 
+/// Labels that have a support each.
+std::vector<Index> supported_labels(const Value& field, const Case& c) {
+  std::vector<Index> labels = find_labels(field, c.shape);
+  for (const Index label : labels)
+    if (std::ranges::none_of(c.scene.supports, [&](const Support& s) { return s.label == label; }))
+      fail(field.node->position, fmt::format("{}: label {} has no displacement, and so no force of a support",
+                                             field.name, quote(c.shape.labels[static_cast<std::size_t>(label)])));
+  return labels;
+}
+
 }  // namespace
 
 void read_bounds(const Value& document, Case& c) {
@@ -29,6 +40,20 @@ void read_bounds(const Value& document, Case& c) {
   c.bounds.emplace();
   take(*table, "tips", c.bounds->tips);
   if (const auto at = find(*table, "points")) c.bounds->points = points(*at, 1);
+  if (const auto on = find(*table, "displacements")) c.bounds->displacements = find_labels(*on, c.shape);
+  if (const auto on = find(*table, "reactions")) c.bounds->reactions = supported_labels(*on, c);
+  take(*table, "compliance", c.bounds->compliance);
+  for (const Value& disc : find_tables(*table, "disc")) {
+    allow_only(disc);
+    c.bounds->discs.push_back({point(need(disc, "center")), in_range(need(disc, "radius"))});
+  }
+  for (const Value& line : find_tables(*table, "line")) {
+    allow_only(line);
+    const Value to = need(line, "to");
+    c.bounds->lines.push_back({point(need(line, "from")), point(to)});
+    if (c.bounds->lines.back().from == c.bounds->lines.back().to)
+      fail(to.node->position, fmt::format("{} is where the line begins; it must have a length", to.name));
+  }
 }
 
 std::optional<GoalRequest> read_goal(const Value& adapt, const Case& c) {

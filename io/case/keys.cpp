@@ -489,6 +489,13 @@ constexpr Key rows[] = {
      "How many points it has.",
      "101"},
     {"probe[].file", Text, {.one_of = true}, "A file with the columns x,y.", "\"points.csv\""},
+    {"probe[].bounds",
+     Boolean,
+     {},
+     "Columns s_xx_lower, s_xx_upper, ... and guaranteed, as [bounds] gives at points; 200 points at most. Three "
+     "quantities per point.",
+     "true",
+     "false"},
 
     {"bounds",
      Table,
@@ -512,6 +519,32 @@ constexpr Key rows[] = {
      "also "
      "where cracks may be in contact. Three quantities per point.",
      "[[0.5, 0.5]]"},
+    {"bounds.displacements",
+     Text | Names,
+     {},
+     "Labels: mean displacement u_x, u_y of each. Two quantities per label.",
+     "[\"top\"]"},
+    {"bounds.reactions",
+     Text | Names,
+     {},
+     "Labels with a support: the force on the body in the directions that it holds, for each. Two quantities per "
+     "label.",
+     "[\"left\"]"},
+    {"bounds.compliance", Boolean, {}, "The work of all loads.", "true", "false"},
+    {"bounds.disc[]",
+     Tables,
+     {},
+     "Mean stress and mean strain over a disc inside the body, clear of boundaries, cracks and other materials. Three "
+     "quantities."},
+    {"bounds.disc[].center", Pair, {.required = true}, "Its center.", "[0.5, 0.5]"},
+    {"bounds.disc[].radius", Number, {.range = positive, .required = true}, "Its radius.", "0.1"},
+    {"bounds.line[]",
+     Tables,
+     {},
+     "Mean stress along a line inside the body: s_nn and s_nt that act across it, n = its direction turned by +90 "
+     "degrees, and s_tt along it. It must end before boundaries, cracks and other materials. Three quantities."},
+    {"bounds.line[].from", Pair, {.required = true}, "Where it begins.", "[0.2, 0.5]"},
+    {"bounds.line[].to", Pair, {.required = true}, "Where it ends.", "[0.8, 0.5]"},
 
     {"output", Table, {}, "Which files are written beside result.json and the tables."},
     {"output.vtk", Boolean, {}, "Fields for ParaView.", "false", "true"},

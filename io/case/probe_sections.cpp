@@ -32,6 +32,10 @@ void read_probes(const Value& document, const std::filesystem::path& folder, Cas
         probe.points.push_back((1 - t) * from + t * to);
       }
     }
+    take(entry, "bounds", probe.bounds);
+    if (probe.bounds && probe.points.size() > Probe::most_bounded)
+      fail(need(entry, "bounds").node->position, fmt::format("bounds in [[probe]] is for {} points at most, not {}",
+                                                             Probe::most_bounded, probe.points.size()));
     c.probes.push_back(std::move(probe));
   }
 }

@@ -65,15 +65,23 @@ void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack
 
 void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds) {
   fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "quantity,crack,tip,x,y,value,lower,upper,guaranteed,note\n");
-  const auto row = [&](const char* quantity, const std::string& crack, const char* tip, const Vec2& at,
-                       const Bounded& b) {
+  fmt::format_to(std::back_inserter(out),
+                 "quantity,crack,tip,x,y,value,lower,upper,guaranteed,note,on,radius,to_x,to_y\n");
+  const auto row = [&](std::string_view quantity, const std::string& crack, const char* tip, const Vec2& at,
+                       const Bounded& b, const BoundedMean* mean = nullptr) {
     fmt::format_to(std::back_inserter(out), "{},{},{},", quantity, csv_text(crack), tip);
     for (const double value : {at.x(), at.y(), b.value, b.lower, b.upper}) {
       append_cell(out, value);
       out.push_back(',');
     }
-    fmt::format_to(std::back_inserter(out), "{},{}\n", b.guaranteed ? "yes" : "no", csv_text(b.note));
+    fmt::format_to(std::back_inserter(out), "{},{},{}", b.guaranteed ? "yes" : "no", csv_text(b.note),
+                   mean ? csv_text(mean->on) : std::string());
+    const bool disc = mean && mean->of == BoundedMean::Of::Disc, line = mean && mean->of == BoundedMean::Of::Line;
+    for (const double value : {disc ? mean->radius : nan, line ? mean->to.x() : nan, line ? mean->to.y() : nan}) {
+      out.push_back(',');
+      append_cell(out, value);
+    }
+    out.push_back('\n');
   };
   for (const BoundedTip& t : bounds.tips) {
     const char* tip = t.at_start ? "start" : "end";
@@ -87,6 +95,12 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
     row("s_xy", "", "", p.at, p.s_xy);
     row("von_mises", "", "", p.at, p.von_mises);
     row("topological_derivative", "", "", p.at, p.derivative);
+  }
+  for (const BoundedMean& m : bounds.means) {
+    const std::span<const NamedQuantity> names = quantities_of(m.of);
+    const bool placed = m.of == BoundedMean::Of::Disc || m.of == BoundedMean::Of::Line;
+    const Vec2 at = placed ? m.from : Vec2(nan, nan);
+    for (std::size_t i = 0; i < m.quantities.size(); ++i) row(names[i].name, "", "", at, m.quantities[i], &m);
   }
   write_file(path, {out.data(), out.size()});
 }

@@ -149,6 +149,24 @@ BoundsResult bounds(const Json& from) {
   for (const Json& p : list(from, "points"))
     out.points.push_back({place(p.at("at")), bounded(p, "s_xx"), bounded(p, "s_yy"), bounded(p, "s_xy"),
                           bounded(p, "von_mises"), bounded(p, "topological_derivative")});
+  for (const auto& [of, key] : bounded_lists)
+    for (const Json& m : list(from, key)) {
+      BoundedMean mean{.of = of};
+      if (of == BoundedMean::Of::Disc) {
+        mean.from = mean.to = place(m.at("center"));
+        mean.radius = number(m, "radius");
+      } else if (of == BoundedMean::Of::Line) {
+        mean.from = place(m.at("from"));
+        mean.to = place(m.at("to"));
+      } else {
+        mean.on = text(m, "on");
+      }
+      for (const NamedQuantity& q : quantities_of(of))
+        mean.quantities.push_back(bounded(m, std::string(q.name).c_str()));
+      out.means.push_back(std::move(mean));
+    }
+  if (from.contains("compliance"))
+    out.means.push_back({.of = BoundedMean::Of::Loads, .quantities = {bounded(from, "compliance")}});
   return out;
 }
 
@@ -321,9 +339,17 @@ void read_optimize(const Json& from, Result& r) {
 }
 
 Seconds seconds(const Json& from) {
-  return {number(from, "mesh"),    number(from, "assemble"), number(from, "factor"),   number(from, "solve"),
-          number(from, "contact"), number(from, "map"),      number(from, "validate"), number(from, "optimize"),
-          number(from, "output"),  number(from, "total"),    from.contains("bounds") ? number(from, "bounds") : 0};
+  return {number(from, "mesh"),
+          number(from, "assemble"),
+          number(from, "factor"),
+          number(from, "solve"),
+          number(from, "contact"),
+          number(from, "map"),
+          number(from, "validate"),
+          number(from, "optimize"),
+          number(from, "output"),
+          number(from, "total"),
+          from.contains("bounds") ? number(from, "bounds") : 0};
 }
 
 Result from_json(const Json& from) {

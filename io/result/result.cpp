@@ -173,11 +173,18 @@ Json crack_section(const CrackResult& crack) {
 }
 
 Json bounded(const Bounded& b) {
-  Json out = {{"value", number(b.value)},
-              {"lower", number(b.lower)},
-              {"upper", number(b.upper)},
-              {"guaranteed", b.guaranteed}};
+  Json out = {
+      {"value", number(b.value)}, {"lower", number(b.lower)}, {"upper", number(b.upper)}, {"guaranteed", b.guaranteed}};
   if (!b.note.empty()) out["note"] = b.note;
+  return out;
+}
+
+Json bounded_mean(const BoundedMean& m) {
+  Json out = m.of == BoundedMean::Of::Disc   ? Json{{"center", place(m.from)}, {"radius", number(m.radius)}}
+             : m.of == BoundedMean::Of::Line ? Json{{"from", place(m.from)}, {"to", place(m.to)}}
+                                             : Json{{"on", m.on}};
+  const std::span<const NamedQuantity> names = quantities_of(m.of);
+  for (std::size_t i = 0; i < m.quantities.size(); ++i) out[std::string(names[i].name)] = bounded(m.quantities[i]);
   return out;
 }
 
@@ -197,6 +204,15 @@ Json bounds_section(const BoundsResult& bounds) {
                              {"s_xy", bounded(p.s_xy)},
                              {"von_mises", bounded(p.von_mises)},
                              {"topological_derivative", bounded(p.derivative)}});
+  for (const auto& [of, list] : bounded_lists) out[list] = Json::array();
+  for (const BoundedMean& m : bounds.means) {
+    if (m.of == BoundedMean::Of::Loads) {
+      out["compliance"] = bounded(m.quantities[0]);
+      continue;
+    }
+    Json& list = out[std::ranges::find(bounded_lists, m.of, [](const auto& l) { return l.first; })->second];
+    list.push_back(bounded_mean(m));
+  }
   return out;
 }
 

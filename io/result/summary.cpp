@@ -154,10 +154,27 @@ std::string interval(const char* name, const Bounded& b, const std::string& unit
                      b.guaranteed ? "" : " (estimate)");
 }
 
+std::string in_words(const BoundedMean& m) {
+  switch (m.of) {
+    case BoundedMean::Of::Disc:
+      return fmt::format("mean over the disc {}, radius {}", at(m.from), six(m.radius));
+    case BoundedMean::Of::Line:
+      return fmt::format("mean along the line from ({}, {}) to ({}, {})", six(m.from.x()), six(m.from.y()),
+                         six(m.to.x()), six(m.to.y()));
+    case BoundedMean::Of::Displacement:
+      return fmt::format("mean of \"{}\"", clean_text(m.on));
+    case BoundedMean::Of::Reaction:
+      return fmt::format("support of \"{}\"", clean_text(m.on));
+    case BoundedMean::Of::Loads:
+      return "work of the loads";
+  }
+  return {};
+}
+
 void add_bounds(std::string& out, const BoundsResult& bounds, const Units& u, const std::string& of_map) {
   std::string heading = "bounds", said;
   const auto line = [&](const std::string& place, std::vector<std::string> items,
-                        std::initializer_list<const Bounded*> of) {
+                        const std::vector<const Bounded*>& of) {
     items.insert(items.begin(), place);
     add(out, heading, items);
     heading.clear();
@@ -180,6 +197,15 @@ void add_bounds(std::string& out, const BoundsResult& bounds, const Units& u, co
          {interval("s_xx", p.s_xx, stress), interval("s_yy", p.s_yy, stress), interval("s_xy", p.s_xy, stress),
           interval("von Mises", p.von_mises, stress), interval("topological derivative", p.derivative, of_map)},
          {&p.s_xx, &p.derivative});
+  }
+  for (const BoundedMean& m : bounds.means) {
+    std::vector<std::string> items;
+    const std::span<const NamedQuantity> names = quantities_of(m.of);
+    for (std::size_t i = 0; i < m.quantities.size(); ++i)
+      items.push_back(interval(std::string(names[i].name).c_str(), m.quantities[i], unit(u, names[i].dimension)));
+    std::vector<const Bounded*> all;
+    for (const Bounded& b : m.quantities) all.push_back(&b);
+    line(in_words(m), std::move(items), all);
   }
   if (bounds.points.size() > shown)
     add(out, "", {fmt::format("and {} more points in bounds.csv", bounds.points.size() - shown)});
@@ -264,8 +290,9 @@ void add_times(std::string& out, const Result& result) {
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
   for (const auto& [name, value] :
        {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
-        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds), std::pair("map", s.map),
-        std::pair("validate", s.validate), std::pair("optimize", s.optimize), std::pair("output", s.output)}) {
+        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds),
+        std::pair("map", s.map), std::pair("validate", s.validate), std::pair("optimize", s.optimize),
+        std::pair("output", s.output)}) {
     if (value > 0) items.push_back(fmt::format("{} {:.3f}", name, value));
   }
   add(out, "time", items);

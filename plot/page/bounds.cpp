@@ -18,6 +18,29 @@ struct Row {
   Dimension dimension;
 };
 
+/// "s_xx" as HTML.
+std::string with_index(std::string_view name) {
+  const std::size_t bar = name.find('_');
+  return bar == std::string_view::npos ? std::string(name)
+                                       : fmt::format("{}<sub>{}</sub>", name.substr(0, bar), name.substr(bar + 1));
+}
+
+std::string where(const BoundedMean& m) {
+  switch (m.of) {
+    case BoundedMean::Of::Disc:
+      return fmt::format("mean over the disc {}, radius {}", at_place(m.from), pretty(m.radius));
+    case BoundedMean::Of::Line:
+      return fmt::format("mean along {} to {}", at_place(m.from), at_place(m.to));
+    case BoundedMean::Of::Displacement:
+      return fmt::format("mean of {}", escape_html(m.on));
+    case BoundedMean::Of::Reaction:
+      return fmt::format("support of {}", escape_html(m.on));
+    case BoundedMean::Of::Loads:
+      return "all loads";
+  }
+  return {};
+}
+
 std::vector<Row> rows_of(const BoundsResult& bounds, const std::optional<Dimension>& functional) {
   std::vector<Row> rows;
   for (const BoundedTip& t : bounds.tips) {
@@ -34,6 +57,11 @@ std::vector<Row> rows_of(const BoundsResult& bounds, const std::optional<Dimensi
     rows.push_back({"s<sub>xy</sub>", where, &p.s_xy, dimension::stress});
     rows.push_back({"von Mises", where, &p.von_mises, dimension::stress});
     if (functional) rows.push_back({"T", where, &p.derivative, per_area(*functional)});
+  }
+  for (const BoundedMean& m : bounds.means) {
+    const std::span<const NamedQuantity> names = quantities_of(m.of);
+    for (std::size_t i = 0; i < m.quantities.size(); ++i)
+      rows.push_back({with_index(names[i].name), where(m), &m.quantities[i], names[i].dimension});
   }
   return rows;
 }

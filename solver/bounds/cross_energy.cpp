@@ -85,6 +85,7 @@ class Crossing {
       sum.add_upper(-work);
       if (!a.held[k]) continue;
       sum.add_lower(0.5 * (work_of_support(u_, w_, i, k) + work_of_support(w_, u_, i, k)) - work);
+      sum.size += 0.5 * (size_at_support(u_, w_, i) + size_at_support(w_, u_, i));
     }
     return sum;
   }
@@ -114,6 +115,20 @@ class Crossing {
               on.m.inner->skeleton.prescribed[unknown];
     }
     return length(of.m.mesh, d.edge) * work;
+  }
+
+  /// Of the terms of that work in any direction: a component that vanishes is as precise as the others are.
+  static double size_at_support(const AdmissiblePair& of, const AdmissiblePair& on, std::size_t i) {
+    const EdgeData& d = of.data[i];
+    const EdgeRule& trace = of.m.inner->kernel.trace;
+    double size = 0;
+    for (Eigen::Index g = 0; g < trace.w.size(); ++g) {
+      const auto first = static_cast<std::size_t>(d.edge * on.m.inner->skeleton.per_edge + 2 * static_cast<Index>(g));
+      const std::vector<double>& prescribed = on.m.inner->skeleton.prescribed;
+      size += trace.w[g] * of.shares[d.triangle].tractions.col(trace.w.size() * d.side + g).norm() *
+              std::hypot(prescribed[first], prescribed[first + 1]);
+    }
+    return length(of.m.mesh, d.edge) * size;
   }
 
   const AdmissiblePair &u_, &w_;

@@ -86,10 +86,14 @@ struct QuantityBounds::Impl {
   // Of u, as duals that reach everywhere need it, and as those that are cut off do.
   mutable std::array<std::unique_ptr<const LoadedState>, 2> own{};
 
+  /// The degree that fits the data of both.
+  int inside(bool cut_off) const {
+    return std::max(degree_inside(m, cut_off || m.scene.body, cut_off), m.inner->data.strain.degree);
+  }
+
   const AdmissiblePair& admissible_state(bool cut_off) const {
     std::unique_ptr<const LoadedState>& a = own[cut_off ? 1 : 0];
-    if (!a)
-      a = std::make_unique<const LoadedState>(with_loads(m, with_all_edges(m)), u, degree_inside(m, cut_off, cut_off));
+    if (!a) a = std::make_unique<const LoadedState>(with_loads(m, with_all_edges(m)), u, inside(cut_off));
     return a->pair;
   }
 
@@ -101,7 +105,7 @@ struct QuantityBounds::Impl {
     const Model dual = with_loads(m, of.loads);
     const State w = solve(dual);
     if (with_indicators) eta.push_back(error_indicator(dual, w).eta);
-    const CrossEnergy cross = cross_energy(mine, admissible(dual, w, degree_inside(m, cut_off, cut_off)));
+    const CrossEnergy cross = cross_energy(mine, admissible(dual, w, inside(cut_off)));
     if (!std::isfinite(cross.half)) return lost(cross.note);
     Bounded b;
     b.value = of.known.value + cross.middle;

@@ -21,6 +21,12 @@ Result everything() {
   const Bounded some{1, 0.5, 1.5, true, ""}, lost{std::nan(""), std::nan(""), std::nan(""), false, "why, \"so\""};
   r.bounds = BoundsResult{{{"c", true, {1, 2}, some, lost, some}, {"c", false, {3, 4}, lost, some, lost}},
                           {{{5, 6}, some, some, lost, some, lost}}};
+  using enum BoundedMean::Of;
+  r.bounds->means = {{Disc, {}, {1, 2}, {1, 2}, 0.5, {some, lost, some, some, some, lost}},
+                     {Line, {}, {1, 2}, {3, 4}, 0, {some, lost, some}},
+                     {.of = Displacement, .on = "to\"p", .quantities = {some, lost}},
+                     {.of = Reaction, .on = "left", .quantities = {lost, some}},
+                     {.of = Loads, .quantities = {some}}};
   r.seconds.bounds = 0.25;
   StateResult& s = *r.state;
   s.degree = 2;

@@ -89,6 +89,10 @@ double along_label(const Mesh& mesh, Index label, const Value& of) {
   return sum;
 }
 
+BoundaryField unit(int k) {
+  return [k](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Unit(k); };
+}
+
 double half_width(const Bounded& b) {
   return 0.5 * (b.upper - b.lower);
 }
@@ -213,6 +217,14 @@ TEST(MeanBounds, ContainMeansUnderBodyForces) {
       expect_contains(t, along, fmt::format("{} n {} line", f.name, n));
       width.push_back(half_width(s.s11));
       width.push_back(half_width(t.s22));
+      for (const int k : {0, 1}) {
+        const double top = along_label(p.model.mesh, 2,
+                                       [&](const Vec2&x, const Vec2&) { return f.displacement(x, 0)[k]; }),
+                     force = along_label(p.model.mesh, 0,
+                                         [&](const Vec2&x, const Vec2&out) { return f.stress(x, 0).row(k).dot(out); });
+        expect_contains(bounds.work({{2, unit(k)}}), top, "top");
+        expect_contains(bounds.reaction({0}, k), force, "force");
+      }
     }
     EXPECT_LT(width[2], 0.2 * width[0]);
     EXPECT_LT(width[3], 0.2 * width[1]);
@@ -242,10 +254,6 @@ TEST(MeanBounds, TendToThoseOfThePoint) {
   EXPECT_TRUE(point.s11.upper < mean(0, 0) || point.s11.lower > mean(0, 0));
   EXPECT_TRUE(point.s22.upper < mean(1, 1) || point.s22.lower > mean(1, 1));
   expect_contains(bounds.mean_stress(wide), mean, "wide");
-}
-
-BoundaryField unit(int k) {
-  return [k](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Unit(k); };
 }
 
 Vec2 exact_displacement(const exact::ExactField& f, const Vec2& x) {
@@ -339,6 +347,29 @@ TEST(MeanBounds, ContainTheComplianceOfABodyAtRest) {
   const Bounded b = QuantityBounds(m, state).work_of_loads();
   expect_contains(b, work, "all loads");
   EXPECT_LT(half_width(b), 0.01 * work);
+}
+
+// A body that grows freely by an eigenstrain has u = e x and no stress.
+TEST(MeanBounds, KnowTheGrowthOfAFreeBody) {
+  Scene s;
+  s.material = plane_strain(2, 0.3);
+  s.eigenstrain.resize(1);
+  s.eigenstrain[0].normal = linear_field([](const Vec2&) -> Vec2 { return {0.25, -0.125}; });
+  s.eigenstrain[0].shear = linear_field([](const Vec2&) -> Vec2 { return Vec2::Zero(); });
+  s.supports.push_back({0, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+  s.supports.push_back({3, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+  const Model m = prepare(exact::unit_square_mesh(4, 0.1), element("bdms"), s, 1);
+  const State state = solve(m);
+  const QuantityBounds bounds(m, state);
+  expect_contains(bounds.work({{1, unit(0)}}), 0.25, "right");
+  expect_contains(bounds.work({{2, unit(1)}}), -0.125, "top");
+  const Bounded left = bounds.reaction({3}, 0);  // its neighbour holds the other direction
+  EXPECT_NEAR(left.value, 0, 1e-13);
+  EXPECT_LT(half_width(left), 1e-13);
+  EXPECT_TRUE(left.guaranteed) << left.note;
+  expect_contains(bounds.work_of_loads(), 0, "no loads");
+  EXPECT_LT(half_width(bounds.work({{1, unit(0)}})), 1e-6);
+  EXPECT_EQ(bounds.mean_stress(OverDisc{{0.5, 0.5}, 0.1}).s11.note, "no bounds: there is an eigenstrain");
 }
 
 TEST(MeanBounds, ContainMeansBesideACrackInContact) {

@@ -1,5 +1,5 @@
-// Intervals of K, G, stresses and T in scenes that nobody chose: those of a coarse mesh meet those of a fine one of
-// degree 3, both contain the exact value.
+// Intervals of K, G, stresses, T, means and displacements in scenes that nobody chose: those of a coarse mesh meet
+// those of a fine one of degree 3, both contain the exact value.
 
 #include "tests/truth/random_scene.hpp"
 #include "tests/truth/scene.hpp"
@@ -45,7 +45,10 @@ TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
   for (unsigned seed = first; seed < first + count; ++seed) {
     std::string scene = random_scene(seed);
     replace_all(scene, "contact = \"unilateral\"", "contact = \"open\"");
-    scene += "[bounds]\npoints = [[0.0, 0.18], [0.05, -0.3], [-0.35, 0.1]]\n[map]\npoints = [[0.0, 0.18]]\n";
+    scene +=
+        "[bounds]\npoints = [[0.0, 0.18], [0.05, -0.3]]\ndisplacements = \"s0\"\n"
+        "compliance = true\ndisc = [{ center = [0.0, 0.35], radius = 0.06 }]\n"
+        "line = [{ from = [-0.1, -0.33], to = [0.1, -0.36] }]\n[map]\npoints = [[0.0, 0.18]]\n";
     SCOPED_TRACE(fmt::format("seed {}\n{}", seed, scene));
     const std::vector<std::string> coarse_mesh{"mesh.size=0.1", "mesh.crack_tip_size=0.01"},
         fine_mesh{"mesh.size=0.06", "mesh.crack_tip_size=0.001", "solver.degree=3"};
@@ -58,10 +61,18 @@ TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
     for (std::size_t i = 0; i < coarse["points"].size(); ++i)
       for (const char* of : {"s_xx", "s_yy", "s_xy", "von_mises", "topological_derivative"})
         compare(coarse["points"][i][of], fine["points"][i][of], fmt::format("{} at point {}", of, i), tally);
+    for (const auto& [list, quantities] : std::vector<std::pair<const char*, std::vector<const char*>>>{
+             {"discs", {"s_xx", "s_yy", "s_xy", "e_xx", "e_yy", "e_xy"}},
+             {"lines", {"s_nn", "s_nt", "s_tt"}},
+             {"displacements", {"u_x", "u_y"}}})
+      for (std::size_t i = 0; i < coarse[list].size(); ++i)
+        for (const char* of : quantities)
+          compare(coarse[list][i][of], fine[list][i][of], fmt::format("{} of {} {}", of, list, i), tally);
+    compare(coarse["compliance"], fine["compliance"], "compliance", tally);
   }
   RecordProperty("compared", static_cast<int>(tally.compared));
   RecordProperty("guaranteed", static_cast<int>(tally.guaranteed));
-  EXPECT_GT(tally.guaranteed, 4 * count);
+  EXPECT_GT(tally.guaranteed, 6 * count);
 }
 
 }  // namespace

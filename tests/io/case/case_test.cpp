@@ -146,6 +146,37 @@ html = false
   EXPECT_TRUE(!c.output.vtk && c.output.png && !c.output.html);
 }
 
+TEST(Case, BoundsOfMeans) {
+  const Case c = read(square + R"([[boundary]]
+on = "left"
+displacement = [0, 0]
+[bounds]
+tips = false
+displacements = ["top", "right"]
+reactions = "left"
+compliance = true
+disc = [{ center = [1, 0.5], radius = 0.125 }]
+[[bounds.line]]
+from = [0.5, 0.5]
+to = [1.5, 0.25]
+[[probe]]
+name = "p"
+points = [[1, 0.5]]
+bounds = true
+)");
+  const BoundsRequest& b = *c.bounds;
+  EXPECT_EQ(b.displacements, (std::vector<Index>{2, 1}));
+  EXPECT_EQ(b.reactions, (std::vector<Index>{3}));
+  EXPECT_TRUE(b.compliance && !b.tips && b.points.empty());
+  ASSERT_EQ(b.discs.size(), 1u);
+  EXPECT_EQ(b.discs[0].center, Vec2(1, 0.5));
+  EXPECT_EQ(b.discs[0].radius, 0.125);
+  ASSERT_EQ(b.lines.size(), 1u);
+  EXPECT_EQ(b.lines[0].from, Vec2(0.5, 0.5));
+  EXPECT_EQ(b.lines[0].to, Vec2(1.5, 0.25));
+  EXPECT_TRUE(c.probes[0].bounds);
+}
+
 TEST(Case, ComponentsCombineAndRollersCarryTheRest) {
   const Case both = read(square +
                          "[[boundary]]\non = 'left'\ndisplacement_x = 1\n"
