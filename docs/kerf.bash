@@ -65,6 +65,7 @@ crack[0].contact
 crack[0].friction
 crack[0].tresca
 crack[0].pressure
+crack[0].gap
 material.young
 material.poisson
 material.shear
@@ -259,6 +260,7 @@ synthetic.crack[0].contact
 synthetic.crack[0].friction
 synthetic.crack[0].tresca
 synthetic.crack[0].pressure
+synthetic.crack[0].gap
 synthetic.region[0].name
 synthetic.region[0].circle.center
 synthetic.region[0].circle.radius
