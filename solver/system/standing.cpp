@@ -126,6 +126,11 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
     double most = 1e-6;  // jumps of motions of unit size
     for (const Index u : faces.sliding)
       if (const double jump = std::abs(all.row(u).dot(left.col(0))); jump > most) most = jump, best = u;
+    if (best == none && (all.bottomRows(s.total - s.base) * left.col(0)).cwiseAbs().maxCoeff() < 1e-6)
+      throw Error(Fault::Numerics,
+                  fmt::format("cracks cut the body into {} pieces that contact may hold together, but nothing holds "
+                              "the whole against {}; support one of its pieces",
+                              count, describe(leading(standing, left.col(0)).motion)));
     if (best == none)
       throw Error(Fault::Numerics,
                   fmt::format("cracks cut the body into {} pieces, and {}, which no contact can stop; support that "

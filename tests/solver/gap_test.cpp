@@ -164,6 +164,46 @@ TEST(Gap, PressesAsHertzSays) {
   EXPECT_LT(off[1], 0.01);
 }
 
+// A disc pressed into a ring that is too small for it [Lame]: two arcs make the closed interface, the disc is held by
+// contact alone.
+TEST(Gap, PressFitsADisc) {
+  constexpr double radius = 0.6, overlap = 1e-3;
+  const Material m = plane_strain(1, 0.3);
+  const double kappa = 8 * m.mu / plane_modulus(m) - 1;
+  // Of the ring s_r = A (1 - 1/r^2), 2 mu u_r = A ((kappa - 1)/2 r + 1/r); of the disc 2 mu u_r = -p (kappa - 1)/2 r.
+  const double per_pressure = radius * radius / (1 - radius * radius),
+               ring = per_pressure * ((kappa - 1) / 2 * radius + 1 / radius), disc = (kappa - 1) / 2 * radius,
+               pressure = overlap * 2 * m.mu / (ring + disc),
+               outside = per_pressure * pressure * ((kappa - 1) / 2 + 1) / (2 * m.mu);
+  Shape shape;
+  shape.labels = {"rim"};
+  shape.outline = circle("rim", {0, 0}, 1, 0);
+  for (const double side : {1.0, -1.0}) {
+    const double from = side > 0 ? 0 : pi;
+    shape.cracks.push_back({side > 0 ? "upper" : "lower",
+                            {{side * radius, 0}, {-side * radius, 0}},
+                            Arc{Vec2::Zero(), radius * Mat2::Identity(), from, from + pi}});
+  }
+  Scene scene{.material = m};
+  scene.supports = {{0, false, true, true, [=](const Vec2& x, const Vec2&) -> Vec2 { return outside * x; }}};
+  const auto normal = [](const Vec2& x) -> Vec2 { return x.normalized(); };
+  scene.laws.assign(2, {.normal = normal, .gap = uniform(-overlap)});
+  std::vector<double> off;
+  for (const double size : {0.1, 0.05}) {
+    const Solved s = solved(shape, {.size = size}, bdms(1), scene);
+    double square = 0, length = 0;
+    for (Index c = 0; c < 2; ++c)
+      for (const CrackPoint& p : crack_profile(s.model, s.state, c)) {
+        EXPECT_EQ(p.status, CrackPoint::Status::Closed);
+        square += p.length * std::pow(p.contact_pressure() / pressure - 1, 2);
+        length += p.length;
+      }
+    off.push_back(std::sqrt(square / length));
+  }
+  EXPECT_LT(off[0], 0.02);
+  EXPECT_LT(off[1], 0.7 * off[0]);
+}
+
 // An interference as large as the opening of a crack under a uniform pressure leaves the same stress as that pressure:
 // gap and fluid are two loads of one problem.
 TEST(Gap, InterferenceIsAWedge) {

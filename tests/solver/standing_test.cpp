@@ -122,7 +122,12 @@ TEST(Standing, NamesTheMotionThatNothingResists) {
   Scene open = on_ground(shape);
   open.laws[0].kind = CrackLaw::Kind::Open;
   load_top(open, [](double) { return Vec2(0, -0.1); });
-  EXPECT_NE(refusal_of(shape, open).find("cracks cut the body into 2 pieces"), std::string::npos);
+  EXPECT_NE(refusal_of(shape, open).find("which no contact can stop"), std::string::npos);
+  Scene held_by_nothing = on_ground(shape);
+  held_by_nothing.supports.clear();
+  load_top(held_by_nothing, [](double) { return Vec2(0, -0.1); });
+  held_by_nothing.tractions.push_back({bottom, [](const Vec2&, const Vec2&) { return Vec2(0, 0.1); }});
+  EXPECT_NE(refusal_of(shape, held_by_nothing).find("but nothing holds the whole against"), std::string::npos);
 }
 
 // NAFEMS CGS-4: a block on an incline of slope 0.1 with friction 0.3, pushed uphill along the horizontal: it slips at
