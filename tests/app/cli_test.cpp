@@ -251,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"hole_outside", "[[hole]]\nname = \"h\"\ncircle = { center = [1, 1], radius = 0.1 }", "", "", 3, "'h'"},
         Broken{"too_fine", "", "size = 0.2", "size = 1e-9", 3, "mesh.size"},
         Broken{"not_supported_body", "", "displacement = [0, 0]", "traction = [0, 0]", 4, "translation"},
-        Broken{"piece_cut_off", "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [1, 0.5]]", "", "", 4, "pieces"}),
+        Broken{"piece_cut_off", "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [1, 0.5]]", "", "", 4, "contact does not hold the body"}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST_F(Cli, FilesThatCannotBeRead) {
