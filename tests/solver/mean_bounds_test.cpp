@@ -368,6 +368,13 @@ TEST(MeanBounds, KnowTheGrowthOfAFreeBody) {
   EXPECT_LT(half_width(left), 1e-13);
   EXPECT_TRUE(left.guaranteed) << left.note;
   expect_contains(bounds.work_of_loads(), 0, "no loads");
+  static constexpr double pull = 0.5;
+  s.tractions.push_back({1, [](const Vec2&, const Vec2&) -> Vec2 { return {pull, 0}; }});
+  const Model pulled = prepare(exact::unit_square_mesh(4, 0.1), element("bdms"), s, 1);
+  const State longer = solve(pulled);
+  const Bounded work = QuantityBounds(pulled, longer).work_of_loads();
+  EXPECT_NEAR(work.value, pull * (0.25 + pull * (s.material.c + 0.25 / s.material.mu)), 1e-9);
+  EXPECT_LT(half_width(work), 1e-6);
   EXPECT_LT(half_width(bounds.work({{1, unit(0)}})), 1e-6);
   EXPECT_EQ(bounds.mean_stress(OverDisc{{0.5, 0.5}, 0.1}).s11.note, "no bounds: there is an eigenstrain");
 }

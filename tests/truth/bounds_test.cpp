@@ -45,10 +45,12 @@ TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
   for (unsigned seed = first; seed < first + count; ++seed) {
     std::string scene = random_scene(seed);
     replace_all(scene, "contact = \"unilateral\"", "contact = \"open\"");
-    scene +=
-        "[bounds]\npoints = [[0.0, 0.18], [0.05, -0.3]]\ndisplacements = \"s0\"\n"
-        "compliance = true\ndisc = [{ center = [0.0, 0.35], radius = 0.06 }]\n"
-        "line = [{ from = [-0.1, -0.33], to = [0.1, -0.36] }]\n[map]\npoints = [[0.0, 0.18]]\n";
+    // By turns: each quantity costs solves of both meshes.
+    scene += seed % 2 == 0 ? "[bounds]\npoints = [[0.0, 0.18], [0.05, -0.3], [-0.35, 0.1]]\n"
+                           : "[bounds]\ndisplacements = \"s0\"\ncompliance = true\n"
+                             "disc = [{ center = [0.0, 0.35], radius = 0.06 }]\n"
+                             "line = [{ from = [-0.1, -0.33], to = [0.1, -0.36] }]\n";
+    scene += "[map]\npoints = [[0.0, 0.18]]\n";
     SCOPED_TRACE(fmt::format("seed {}\n{}", seed, scene));
     const std::vector<std::string> coarse_mesh{"mesh.size=0.1", "mesh.crack_tip_size=0.01"},
         fine_mesh{"mesh.size=0.06", "mesh.crack_tip_size=0.001", "solver.degree=3"};
@@ -68,11 +70,11 @@ TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
       for (std::size_t i = 0; i < coarse[list].size(); ++i)
         for (const char* of : quantities)
           compare(coarse[list][i][of], fine[list][i][of], fmt::format("{} of {} {}", of, list, i), tally);
-    compare(coarse["compliance"], fine["compliance"], "compliance", tally);
+    if (coarse.contains("compliance")) compare(coarse["compliance"], fine["compliance"], "compliance", tally);
   }
   RecordProperty("compared", static_cast<int>(tally.compared));
   RecordProperty("guaranteed", static_cast<int>(tally.guaranteed));
-  EXPECT_GT(tally.guaranteed, 6 * count);
+  EXPECT_GT(tally.guaranteed, 4 * count);
 }
 
 }  // namespace
