@@ -43,6 +43,9 @@ class SecondOrders {
   /// Not available outside the body, and where the mesh is too coarse for the distance to the next feature.
   SecondOrder at(const Vec2& x);
 
+  /// Why c2 is known nowhere in the body; empty where it is known away from features.
+  const std::string& unknown() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -258,7 +258,8 @@ void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
       {.multiplier = enclosed && g_.limited ? lower_third(T) : t.step.price - (g_.price - g_.r.volume_penalty),
        .area = how.nucleate_fraction * g_.whole,
        .least = std::max(1.5 * g_.background.size, 0.5 * how.min_feature),
-       .most = std::max(1.5 * g_.size, 0.5 * how.min_feature)});
+       .most = std::max(1.5 * g_.size, 0.5 * how.min_feature),
+       .resolved = rules_.coarse <= 1});  // a ranking on a coarse mesh would be left with few
   if (t.discs.empty()) return;
   cut_discs(g_.background, t.discs, t.phi);
   t.nucleated = true;

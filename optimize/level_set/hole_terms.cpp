@@ -56,10 +56,13 @@ HoleTerms HoleExpansion::terms(const Vec2& x, bool bounds) {
       found.note = error.what();
     }
     sum.T += part->of.weight * (found.available ? found.T : part->T[t]);
-    if (found.available)
+    if (found.available) {
       sum.c2 += part->of.weight * found.c2;
-    else if (!part->bound)
-      sum.c2 = nan, sum.note = found.note;
+    } else if (!part->bound) {
+      sum.c2 = nan;
+      sum.note = found.note;
+      sum.resolved = sum.resolved && !part->second->unknown().empty();
+    }
   }
   return sum;
 }

@@ -10,6 +10,7 @@ namespace kerf {
 struct HoleTerms {
   double T = nan, c2 = nan;  // c2: NaN where it is not known
   std::string note = {};     // why not
+  bool resolved = true;      // false: c2 could be known, but the mesh is too coarse there
 
   /// By T alone where c2 is not known.
   double change(double radius) const;

@@ -24,7 +24,7 @@ class Places {
   }
 
   /// The disc of largest gain at x and, where the design has a mirror, its image; on the axis where both would meet.
-  /// Their area; 0: there is no room, or none pays.
+  /// Their area; 0: there is no room, none pays, or the mesh is too coarse to tell.
   double add(Vec2 x) {
     double most = largest(x);
     if (most < how_.least) return 0;
@@ -38,8 +38,9 @@ class Places {
     }
     if (most < how_.least) return 0;
     if (std::ranges::any_of(refused_, [&](const Vec2& y) { return (x - y).norm() < how_.least; })) return 0;
-    const double radius = best_radius(body_.terms(x), how_.multiplier, most);
-    if (radius < how_.least) {
+    const HoleTerms terms = body_.terms(x);
+    const double radius = best_radius(terms, how_.multiplier, most);
+    if (radius < how_.least || (how_.resolved && !terms.resolved)) {
       refused_.push_back(x);
       return 0;
     }
@@ -48,7 +49,7 @@ class Places {
     return (twice ? 2 : 1) * pi * radius * radius;
   }
 
-  /// Whether so many places do not pay that the next ones, with a larger T, will not.
+  /// Whether so many places do not pay, or are not resolved, that the next ones, with a larger T, will not.
   bool exhausted() const {
     constexpr std::size_t enough = 50;
     return refused_.size() >= enough;

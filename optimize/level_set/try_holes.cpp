@@ -50,6 +50,7 @@ int try_holes(const HolesTried& in, HoleExpansion& expansion, std::vector<Nuclea
     const HoleTerms terms = expansion.objective(h.at);
     h.T = terms.T;
     h.c2 = terms.c2;
+    h.note = terms.note;
     h.predicted = terms.change(h.radius);
     own.push_back(&h);
   }

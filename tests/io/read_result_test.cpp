@@ -51,6 +51,8 @@ Result everything() {
   o.holes.least = -0.5;
   o.holes.at = {1, 1};
   o.holes.proof = Verdict::OutOfRange;
+  o.nucleated = {{.iteration = 2, .at = {0.5, 0.25}, .radius = 0.1, .T = 3, .c2 = 4, .predicted = 0.1, .actual = 0.11},
+                 {.iteration = 4, .at = {1, 0.25}, .note = "it became part of a larger hole"}};
   o.bumps.least = 0.25;
   o.notes = {"a note, with \"quotes\""};
   o.variables = Eigen::Vector2d(0.5, 1.0 / 3);

@@ -85,6 +85,13 @@ TEST(Nucleation, ASecondTermThatPunishesLargeHolesMakesThemSmaller) {
   double largest = 0;  // 0.05 gains most, and has no room everywhere
   for (const Disc& disc : places(100)) largest = std::max(largest, disc.radius);
   EXPECT_DOUBLE_EQ(largest, 0.05);
+  // Where the mesh does not resolve the second term no hole is cut, but on coarse meshes of rankings.
+  const HolesIn coarse{b.mesh, T, [](const Vec2&) { return HoleTerms{.T = 0.5, .resolved = false}; }};
+  const Nucleation how{.multiplier = 1, .area = 0.5, .least = 0.04, .most = 0.1};
+  Nucleation ranking = how;
+  ranking.resolved = false;
+  EXPECT_TRUE(places_to_nucleate(b, d, coarse, how).empty());
+  EXPECT_FALSE(places_to_nucleate(b, d, coarse, ranking).empty());
   // The support is a side as others are: distances of level sets do not know it.
   for (const Disc& disc : places(0)) EXPECT_GE(disc.center.x(), 3 * disc.radius - 1e-12);
 }

@@ -39,6 +39,10 @@ struct SecondOrders::Impl {
     return *other;
   }
 
+  const std::string& why_unknown() const {
+    return unknown;
+  }
+
   SecondOrder at(const Vec2& x) {
     SecondOrder result{.at = x, .note = unknown};
     const Index t = locate(a.model->mesh, locator, x);
@@ -124,6 +128,10 @@ SecondOrders::~SecondOrders() = default;
 
 SecondOrder SecondOrders::at(const Vec2& x) {
   return impl_->at(x);
+}
+
+const std::string& SecondOrders::unknown() const {
+  return impl_->why_unknown();
 }
 
 SecondOrder second_order(const Analysis& a, const Functional& j, const Perturbation& p, const Vec2& x) {
