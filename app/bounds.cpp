@@ -151,9 +151,8 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
 }
 
 std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
-                                          const Adapted& adapted) {
+                                          const QuantityBounds& bounds) {
   const std::string polygon = polygon_note(task);
-  const QuantityBounds bounds(adapted.model, adapted.state);
   std::vector<BoundedStress> out;
   for (const Vec2& x : points) {
     const StressBounds s = bounds.stress(x);

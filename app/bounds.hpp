@@ -26,9 +26,9 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
 struct BoundedStress {
   Bounded s_xx, s_yy, s_xy;
 };
-/// Of the points of a probe, in their order.
+/// Of the points of a probe, in their order; `bounds` are those of the body's state.
 std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
-                                          const Adapted& adapted);
+                                          const QuantityBounds& bounds);
 
 /// What [bounds] asks for, of the body that `adapted` is a solution of. Solves again where cracks that may touch are
 /// open everywhere: what it says then is of open cracks, and not guaranteed.

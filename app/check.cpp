@@ -119,7 +119,7 @@ void print_mesh(Lines& out, const Mesh& mesh) {
             mesh.triangles.size(), mesh.points.size(), q.h_min, q.h_max, q.min_angle_deg);
 }
 
-/// ", pressure 2 MPa" or ", pressure 0 to 2 MPa", by its values in the middle of the edges.
+/// ", pressure 2 MPa" or ", gap 0 to 2 mm", by its values in the middle of the edges; nothing for an empty field.
 std::string on_faces(const char* what, const BoundaryField& of, const std::string& unit, const Mesh& mesh,
                      std::span<const CrackEdge> edges) {
   if (!of || edges.empty()) return {};

@@ -392,9 +392,9 @@ std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal
   journal.begin("bound the stresses of probes");
   const Body body = body_of(out.c, out.solved.adapted);
   const BoundsTask task{body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain};
+  const QuantityBounds bounds(out.solved.adapted.model, out.solved.adapted.state);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (const Probe& probe = out.c.probes[i]; probe.bounds)
-      all[i] = bound_stresses(task, probe.points, out.solved.adapted);
+    if (const Probe& probe = out.c.probes[i]; probe.bounds) all[i] = bound_stresses(task, probe.points, bounds);
   journal.seconds.bounds += journal.lap();
   return all;
 }

@@ -2,7 +2,7 @@
 
 #include "geometry/plane.hpp"
 #include "kerf/map.hpp"
-#include "optimize/parametric/minimize.hpp"
+#include "solver/nonnegative.hpp"
 #include "solver/stress.hpp"
 #include "topo/bump.hpp"
 #include "topo/map_at_centroids.hpp"

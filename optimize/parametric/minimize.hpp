@@ -77,7 +77,4 @@ double scale_of(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::
 /// Violations of constraints are not part of it.
 double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double scale);
 
-/// min |A x - b| over x >= 0 [Lawson, Hanson 1974, chapter 23].
-Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-
 }  // namespace kerf

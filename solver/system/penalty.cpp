@@ -90,11 +90,7 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Penalt
 
 Condensation::Condensation(const Model& model)
     : m(model), S(model.inner->factor->contact_complement()), points(contact_points(model)) {
-  const Standing& standing = m.inner->standing;
-  if (standing.empty()) return;
-  S.diagonal() -= standing.springs;
-  // What slides without resistance stays where it slides least.
-  if (standing.slides.cols() > 0) S += S.diagonal().mean() * standing.slides * standing.slides.transpose();
+  m.inner->standing.release(S);
 }
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {

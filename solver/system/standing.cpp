@@ -1,6 +1,7 @@
 #include "solver/system/standing.hpp"
 
 #include "geometry/topology.hpp"
+#include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/Eigenvalues>
@@ -171,39 +172,7 @@ Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
 
 /// What of f no combination of the columns with factors >= 0 balances: f + A q at the best q.
 Eigen::VectorXd unbalanced(const Eigen::MatrixXd& A, const Eigen::VectorXd& f) {
-  const Eigen::VectorXd size = A.colwise().norm().transpose().cwiseMax(1e-300);
-  const Eigen::MatrixXd unit = A * size.cwiseInverse().asDiagonal();
-  // Its dual: the point of the cone { d : A'd >= 0 } that is nearest to f, by its own small problem in the motions.
-  Eigen::VectorXd q = Eigen::VectorXd::Zero(unit.cols());
-  std::vector<Eigen::Index> used;
-  Eigen::VectorXd left = f;
-  constexpr int most = 400;
-  const double small = 1e-11 * f.norm();
-  for (int step = 0; step < most; ++step) {  // [Lawson, Hanson 1974]
-    Eigen::Index best = -1;
-    double gain = small;
-    for (Eigen::Index i = 0; i < unit.cols(); ++i)
-      if (const double g = -unit.col(i).dot(left); g > gain && std::find(used.begin(), used.end(), i) == used.end())
-        gain = g, best = i;
-    if (best < 0) break;
-    used.push_back(best);
-    while (!used.empty()) {
-      const Eigen::VectorXd x = unit(Eigen::all, used).completeOrthogonalDecomposition().solve(-f);
-      double way = 1;
-      for (std::size_t i = 0; i < used.size(); ++i)
-        if (const double here = q[used[i]]; x[static_cast<Eigen::Index>(i)] <= 0)
-          way = std::min(way, here / std::max(here - x[static_cast<Eigen::Index>(i)], 1e-300));
-      for (std::size_t i = 0; i < used.size(); ++i) q[used[i]] += way * (x[static_cast<Eigen::Index>(i)] - q[used[i]]);
-      if (way >= 1) break;
-      std::erase_if(used, [&](Eigen::Index i) {
-        if (q[i] > 1e-14 * q.maxCoeff()) return false;
-        q[i] = 0;
-        return true;
-      });
-    }
-    left = f + unit * q;
-  }
-  return left;
+  return f + A * nonnegative_least_squares(A, -f);
 }
 
 /// An orthonormal basis of what the columns span.
@@ -214,6 +183,12 @@ Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
 }
 
 }  // namespace
+
+void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
+  if (empty()) return;
+  S.diagonal() -= springs;
+  if (slides.cols() > 0) S += S.diagonal().mean() * slides * slides.transpose();
+}
 
 void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, Standing& standing,
           std::vector<std::string>& notes) {

@@ -27,6 +27,9 @@ struct Standing {
   bool empty() const {
     return motions.empty();
   }
+  /// Of S onto the rows in contact, as the factor has it: takes the springs out. What slides without resistance stays
+  /// where it slides least.
+  void release(Eigen::Ref<Eigen::MatrixXd> S) const;
 };
 
 /// The pieces that cracks leave and supports do not hold. Marks tangential jumps that are to be rows in contact of no

@@ -5,6 +5,7 @@
 #include "solver/bounds/load_steps.hpp"
 #include "solver/data.hpp"
 #include "solver/quadrature.hpp"
+#include "tests/solver/exact_crack.hpp"
 #include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
@@ -141,37 +142,13 @@ TEST(LoadSteps, AreSharpForASpringBehindAStop) {
   }
 }
 
-struct Problem {
-  exact::ExactField exact;
-  Model model;
-  State state;
-};
-
-// Crack 0 from (-1, 0) to (1, 0), turned with the field, under exact tractions; `held` labels have the exact
-// displacements.
-Problem problem(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held,
-                CrackLaw::Kind kind = CrackLaw::Kind::Unilateral, const char* name = "bdms") {
-  const Vec2 along = f.tips[1].at - f.tips[0].at;
-  const Mesh mesh = exact::crack_mesh(n, std::atan2(along.y(), along.x()), 0.2);
-  Scene s;
-  s.material = f.material;
-  for (Index label = 0; label < 4; ++label) {
-    if (std::ranges::count(held, label) > 0)
-      s.supports.push_back({label, false, true, true, [f](const Vec2& x, const Vec2&) -> Vec2 {
-                              return f.displacement(x, exact::side_of(f, x));
-                            }});
-    else
-      s.tractions.push_back(
-          {label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, exact::side_of(f, x)) * n; }});
-  }
-  s.laws.push_back({.kind = kind});
-  Problem p{f, prepare(mesh, element(name, degree), s, 1), {}};
-  p.state = solve(p.model);
-  return p;
+CrackProblem touching_crack(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held,
+                            const char* name = "bdms") {
+  return crack_problem(f, n, degree, held, CrackLaw::Kind::Unilateral, name);
 }
 
 // int t.u over a label, of the exact field.
-double exact_work(const Problem& p, Index label, const BoundaryField& t) {
+double exact_work(const CrackProblem& p, Index label, const BoundaryField& t) {
   const EdgeRule rule = gauss(24);
   double work = 0;
   for (Index e = 0; e < static_cast<Index>(p.model.mesh.edges.size()); ++e) {
@@ -214,7 +191,7 @@ std::array<Bounded, 3> components(const StressBounds& s) {
   return {s.s11, s.s22, s.s12};
 }
 
-void expect_stresses(const Problem& p, Theorem by, const std::string& which) {
+void expect_stresses(const CrackProblem& p, Theorem by, const std::string& which) {
   const ContactQuantityBounds bounds(p.model, p.state, by);
   const Vec2 x(0.2, 1.1);
   const auto s = components(bounds.stress(x));
@@ -224,7 +201,7 @@ void expect_stresses(const Problem& p, Theorem by, const std::string& which) {
   expect_contains(s[2], exact(0, 1), which + " s12");
 }
 
-void expect_works(const Problem& p, Theorem by, const std::string& which) {
+void expect_works(const CrackProblem& p, Theorem by, const std::string& which) {
   const ContactQuantityBounds bounds(p.model, p.state, by);
   for (const int k : {0, 1})
     expect_contains(bounds.work({{2, along(k)}}), exact_work(p, 2, along(k)), fmt::format("{} component {}", which, k));
@@ -234,23 +211,23 @@ TEST(ContactQuantityBounds, ContainStressesOfCracksThatCloseInPart) {
   int partly = 0;
   for (const exact::ExactField& f : closing()) {
     partly += !f.transitions.empty();
-    expect_stresses(problem(f, 8, 1, {}), Theorem::CrossedWorks, f.name);
+    expect_stresses(touching_crack(f, 8, 1, {}), Theorem::CrossedWorks, f.name);
   }
   EXPECT_EQ(partly, 4);
 }
 
 TEST(ContactQuantityBounds, ContainStressesBesideSupportsAndOfOtherElements) {
   for (const exact::ExactField& f : {closing()[0], closing()[4]}) {
-    expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::Concavity, f.name + " first theorem");
-    expect_stresses(problem(f, 8, 1, {0, 3}), Theorem::CrossedWorks, f.name + " second theorem");
+    expect_stresses(touching_crack(f, 8, 1, {0, 3}), Theorem::Concavity, f.name + " first theorem");
+    expect_stresses(touching_crack(f, 8, 1, {0, 3}), Theorem::CrossedWorks, f.name + " second theorem");
   }
-  expect_stresses(problem(closing()[0], 8, 2, {}), Theorem::CrossedWorks, "degree 2");
-  expect_stresses(problem(closing()[1], 8, 1, {}, CrackLaw::Kind::Unilateral, "afw"), Theorem::CrossedWorks, "afw");
+  expect_stresses(touching_crack(closing()[0], 8, 2, {}), Theorem::CrossedWorks, "degree 2");
+  expect_stresses(touching_crack(closing()[1], 8, 1, {}, "afw"), Theorem::CrossedWorks, "afw");
 }
 
 TEST(ContactQuantityBounds, ContainWorksOnTheBoundary) {
   for (const exact::ExactField& f : closing()) {
-    const Problem p = problem(f, 8, 1, {0});
+    const CrackProblem p = touching_crack(f, 8, 1, {0});
     expect_works(p, Theorem::CrossedWorks, f.name + " second theorem");
     expect_works(p, Theorem::Concavity, f.name + " first theorem");
   }
@@ -261,7 +238,7 @@ TEST(ContactQuantityBounds, ContainWorksOnTheBoundary) {
 double order(const char* id, Theorem by) {
   std::array<double, 2> gap, width;
   for (const int i : {0, 1}) {
-    const Problem p = problem(exact::table_field(id, 0.3), i == 0 ? 8 : 32, 1, {0});
+    const CrackProblem p = touching_crack(exact::table_field(id, 0.3), i == 0 ? 8 : 32, 1, {0});
     const EnergyBounds energy = energy_bounds(p.model, p.state);
     gap[i] = energy.upper - energy.lower;
     width[i] = half_width(ContactQuantityBounds(p.model, p.state, by).work({{2, along(1)}}));
@@ -291,7 +268,7 @@ TEST(ContactQuantityBounds, CloseAsTheGapWhereNoEndOfContactMoves) {
 TEST(ContactQuantityBounds, OfAnOpenCrackAreThoseOfSuperposedLoads) {
   const exact::ExactField f = exact::table_field("c01_modeI", 0.3);
   const Vec2 x(0.3, 0.9);
-  const Problem open = problem(f, 16, 1, {0}, CrackLaw::Kind::Open), contact = problem(f, 16, 1, {0});
+  const CrackProblem open = crack_problem(f, 16, 1, {0}), contact = touching_crack(f, 16, 1, {0});
   const auto by_superposition = components(QuantityBounds(open.model, open.state).stress(x));
   const auto by_works = components(ContactQuantityBounds(contact.model, contact.state).stress(x));
   for (int i = 0; i < 3; ++i) {
@@ -305,7 +282,7 @@ TEST(ContactQuantityBounds, OfAnOpenCrackAreThoseOfSuperposedLoads) {
 TEST(ContactQuantityBounds, ShiftUnderAUniformFluidPressure) {
   const double fluid = 0.7;
   const exact::ExactField f = closing()[4];
-  const Problem p = problem(f, 8, 1, {});
+  const CrackProblem p = touching_crack(f, 8, 1, {});
   Scene dry = p.model.scene, wet = dry;
   dry.laws[0].pressure = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
   for (Traction& t : wet.tractions)
@@ -327,7 +304,7 @@ TEST(ContactQuantityBounds, ShiftUnderAUniformFluidPressure) {
 // No exact solution: bounds on finer meshes lie in those on coarser ones, nearly.
 TEST(ContactQuantityBounds, HoldForBodyForcesSeveralMaterialsAndAlmostNoCompressibility) {
   const exact::ExactField f = exact::table_field("c05_partial_linear", 0.3);
-  Problem p = problem(f, 8, 1, {0});
+  CrackProblem p = touching_crack(f, 8, 1, {0});
   Mesh mesh = p.model.mesh;
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -356,7 +333,7 @@ TEST(ContactQuantityBounds, HoldForBodyForcesSeveralMaterialsAndAlmostNoCompress
 
 // Long steps change the set of contact: without the crossed works the interval misses the truth.
 TEST(ContactQuantityBounds, NeedTheCrossedWorks) {
-  const Problem p = problem(exact::table_field("c05_partial_linear", 0.3), 32, 2, {0});
+  const CrackProblem p = touching_crack(exact::table_field("c05_partial_linear", 0.3), 32, 2, {0});
   Scene pull = p.model.scene;
   pull.tractions = {{2, along(1)}};
   for (Support& support : pull.supports) support.value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
@@ -380,7 +357,7 @@ TEST(ContactQuantityBounds, NeedTheCrossedWorks) {
 
 TEST(ContactQuantityBounds, SayWhyThereAreNone) {
   const exact::ExactField f = exact::table_field("c05_partial_linear", 0.3);
-  Problem p = problem(f, 8, 1, {0});
+  CrackProblem p = touching_crack(f, 8, 1, {0});
   const ContactQuantityBounds bounds(p.model, p.state);
   EXPECT_EQ(components(bounds.stress({9, 9}))[0].note, "no bounds: the point lies outside the body");
   const Bounded beside = components(bounds.stress({0.05, 0.05}))[1];
@@ -402,7 +379,7 @@ TEST(ContactQuantityBounds, SayWhyThereAreNone) {
   EXPECT_EQ(none.note, "no bounds: with friction the solution does not minimize an energy");
   EXPECT_EQ(QuantityBounds(slipping, state).stress({0.3, 0.9}).s11.note, none.note);
   // A mean displacement of a body that floats is none of its quantities.
-  const Problem floating = problem(f, 8, 1, {});
+  const CrackProblem floating = touching_crack(f, 8, 1, {});
   const Bounded drift = ContactQuantityBounds(floating.model, floating.state).work({{2, along(1)}});
   EXPECT_TRUE(std::isnan(drift.lower) && !drift.guaranteed);
   EXPECT_NE(drift.note.find("nothing holds the body"), std::string::npos) << drift.note;

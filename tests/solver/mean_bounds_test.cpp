@@ -4,6 +4,7 @@
 #include "solver/data.hpp"
 #include "solver/nucleus.hpp"
 #include "solver/quadrature.hpp"
+#include "tests/solver/exact_crack.hpp"
 #include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
@@ -15,35 +16,6 @@ namespace kerf {
 namespace {
 
 constexpr double slope = pi / 6;
-
-struct Problem {
-  exact::ExactField exact;
-  Model model;
-  State state;
-};
-
-// A straight crack from (-1, 0) to (1, 0), turned, in [-2, 2]^2 under the exact tractions; `held` labels have the exact
-// displacements.
-Problem problem(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held,
-                CrackLaw::Kind kind = CrackLaw::Kind::Open) {
-  const Vec2 along = f.tips[1].at - f.tips[0].at;
-  const Mesh mesh = exact::crack_mesh(n, std::atan2(along.y(), along.x()), 0.2);
-  Scene s;
-  s.material = f.material;
-  for (Index label = 0; label < 4; ++label) {
-    if (std::ranges::count(held, label) > 0)
-      s.supports.push_back({label, false, true, true, [f](const Vec2& x, const Vec2&) -> Vec2 {
-                              return f.displacement(x, exact::side_of(f, x));
-                            }});
-    else
-      s.tractions.push_back(
-          {label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, exact::side_of(f, x)) * n; }});
-  }
-  s.laws.push_back({.kind = kind});
-  Problem p{f, prepare(mesh, element("bdms", degree), s, 1), {}};
-  p.state = solve(p.model);
-  return p;
-}
 
 template <typename Field>
 Mat2 mean_over_disc(const OverDisc& d, const Field& of) {
@@ -170,7 +142,7 @@ TEST(MeanBounds, ContainMeansOverDiscsAndLines) {
     for (const int degree : {1, 2}) {
       std::vector<double> width;
       for (const int n : {8, 16}) {
-        const Problem p = problem(f, n, degree, held);
+        const CrackProblem p = crack_problem(f, n, degree, held);
         const QuantityBounds bounds(p.model, p.state);
         const std::string which = fmt::format("held {} degree {} n {}", held.size(), degree, n);
         const StressBounds s = bounds.mean_stress(disc);
@@ -188,7 +160,7 @@ TEST(MeanBounds, ContainMeansOverDiscsAndLines) {
 }
 
 // The field of a smooth state with its body force in the unit square, label 0 held: the nucleus is cut off.
-Problem smooth(const exact::ExactField& f, int n, int degree) {
+CrackProblem smooth(const exact::ExactField& f, int n, int degree) {
   Scene s;
   s.material = f.material;
   s.body = [f](const Vec2& x) -> Vec2 { return f.body(x); };
@@ -196,7 +168,7 @@ Problem smooth(const exact::ExactField& f, int n, int degree) {
       {0, false, true, true, [f](const Vec2& x, const Vec2&) -> Vec2 { return f.displacement(x, 0); }});
   for (Index label = 1; label < 4; ++label)
     s.tractions.push_back({label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, 0) * n; }});
-  Problem p{f, prepare(exact::unit_square_mesh(n, 0.1), element("bdms", degree), s, 1), {}};
+  CrackProblem p{f, prepare(exact::unit_square_mesh(n, 0.1), element("bdms", degree), s, 1), {}};
   p.state = solve(p.model);
   return p;
 }
@@ -210,7 +182,7 @@ TEST(MeanBounds, ContainMeansUnderBodyForces) {
                along = Q.transpose() * mean_along_line(line, stress) * Q;
     std::vector<double> width;
     for (const int n : {12, 18}) {
-      const Problem p = smooth(f, n, 2);
+      const CrackProblem p = smooth(f, n, 2);
       const QuantityBounds bounds(p.model, p.state);
       const StressBounds s = bounds.mean_stress(disc), t = bounds.mean_stress(line);
       expect_contains(s, over, fmt::format("{} n {} disc", f.name, n));
@@ -234,7 +206,7 @@ TEST(MeanBounds, ContainMeansUnderBodyForces) {
 // A small disc and a short line say what the point says; a large one does not.
 TEST(MeanBounds, TendToThoseOfThePoint) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
-  const Problem p = problem(f, 16, 2, {0});
+  const CrackProblem p = crack_problem(f, 16, 2, {0});
   const QuantityBounds bounds(p.model, p.state);
   const Vec2 x(0.2, 1.0);
   const StressBounds point = bounds.stress(x), disc = bounds.mean_stress(OverDisc{x, 1e-4}),
@@ -270,7 +242,7 @@ TEST(MeanBounds, ContainDisplacementsForcesAndWorks) {
     const exact::ExactField f = exact::table_field(id, 0.3);
     std::vector<double> width;
     for (const int n : {8, 16}) {
-      const Problem p = problem(f, n, 1, {0}, kind);
+      const CrackProblem p = crack_problem(f, n, 1, {0}, kind);
       const QuantityBounds bounds(p.model, p.state);
       const std::string which = fmt::format("{} n {}", id, n);
       double work = 0;
@@ -299,7 +271,7 @@ TEST(MeanBounds, ContainDisplacementsForcesAndWorks) {
 
 // The force of the only support balances the loads: it is known, whatever the mesh.
 TEST(MeanBounds, AForceThatStaticsTellIsSharp) {
-  const Problem p = problem(exact::table_field("c03_inclined_open", 0.3), 8, 1, {});
+  const CrackProblem p = crack_problem(exact::table_field("c03_inclined_open", 0.3), 8, 1, {});
   Scene s = p.model.scene;
   s.tractions = {{2, unit(1)}};
   s.supports.push_back({0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
@@ -316,7 +288,7 @@ TEST(MeanBounds, ContainForcesThatStaticsDoNotTell) {
   for (const int k : {0, 1}) {
     std::vector<double> width;
     for (const int n : {8, 16}) {
-      const Problem p = problem(f, n, 2, {0, 2});
+      const CrackProblem p = crack_problem(f, n, 2, {0, 2});
       const Bounded b = QuantityBounds(p.model, p.state).reaction({0}, k);
       const auto force = [&](const Vec2& x, const Vec2& out) { return exact_stress(f, x).row(k).dot(out); };
       expect_contains(b, along_label(p.model.mesh, 0, force), fmt::format("n {} component {}", n, k));
@@ -381,7 +353,7 @@ TEST(MeanBounds, KnowTheGrowthOfAFreeBody) {
 
 TEST(MeanBounds, ContainMeansBesideACrackInContact) {
   const exact::ExactField f = exact::table_field("c05_partial_linear", 0.3);
-  const Problem p = problem(f, 16, 1, {0}, CrackLaw::Kind::Unilateral);
+  const CrackProblem p = crack_problem(f, 16, 1, {0}, CrackLaw::Kind::Unilateral);
   const QuantityBounds bounds(p.model, p.state);
   const OverDisc disc{{0.2, 1.1}, 0.4};
   const AlongLine line{{-0.4, 1.0}, {0.6, 1.2}};
@@ -393,7 +365,7 @@ TEST(MeanBounds, ContainMeansBesideACrackInContact) {
 
 TEST(MeanBounds, SayWhyThereAreNone) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
-  const Problem p = problem(f, 8, 1, {0, 1});
+  const CrackProblem p = crack_problem(f, 8, 1, {0, 1});
   const QuantityBounds bounds(p.model, p.state);
   const auto expect_none = [](const Bounded& b, const std::string& why) {
     EXPECT_TRUE(std::isnan(b.lower) && !b.guaranteed);
@@ -407,7 +379,7 @@ TEST(MeanBounds, SayWhyThereAreNone) {
   expect_none(bounds.reaction({0}, 0), "it meets another support that holds the same direction");
   expect_none(bounds.reaction({2}, 1), "no support holds it");
   EXPECT_TRUE(bounds.reaction({0, 1}, 0).guaranteed);
-  const Problem floating = problem(f, 8, 1, {});
+  const CrackProblem floating = crack_problem(f, 8, 1, {});
   expect_none(QuantityBounds(floating.model, floating.state).work({{2, unit(1)}}), "nothing holds the body");
   EXPECT_THROW(bounds.mean_stress(OverDisc{{0.2, 1}, -1}), std::invalid_argument);
 }

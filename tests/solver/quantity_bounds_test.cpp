@@ -1,6 +1,7 @@
 #include "kerf/bounds.hpp"
 
 #include "kerf/fracture.hpp"
+#include "tests/solver/exact_crack.hpp"
 #include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
@@ -12,33 +13,6 @@ namespace kerf {
 namespace {
 
 constexpr double slope = pi / 6;
-
-struct Problem {
-  exact::ExactField exact;
-  Model model;
-  State state;
-};
-
-// A straight open crack from (-1, 0) to (1, 0), turned, under the exact tractions; `held` labels have the exact
-// displacements.
-Problem problem(const exact::ExactField& f, int n, int degree, const std::vector<Index>& held) {
-  const Mesh mesh = exact::crack_mesh(n, slope, 0.2);
-  Scene s;
-  s.material = f.material;
-  for (Index label = 0; label < 4; ++label) {
-    if (std::ranges::count(held, label) > 0)
-      s.supports.push_back({label, false, true, true, [f](const Vec2& x, const Vec2&) -> Vec2 {
-                              return f.displacement(x, exact::side_of(f, x));
-                            }});
-    else
-      s.tractions.push_back(
-          {label, [f](const Vec2& x, const Vec2& n) -> Vec2 { return f.stress(x, exact::side_of(f, x)) * n; }});
-  }
-  s.laws.push_back({.kind = CrackLaw::Kind::Open});
-  Problem p{f, prepare(mesh, element("bdms", degree), s, 1), {}};
-  p.state = solve(p.model);
-  return p;
-}
 
 void expect_contains(const Bounded& b, double exact, const std::string& which) {
   EXPECT_LE(b.lower, exact) << which << " " << b.note;
@@ -59,7 +33,7 @@ TEST(QuantityBounds, ContainKAndGOfAStraightCrackUnderATurnedStress) {
     for (const int degree : {1, 2}) {
       std::vector<double> width;
       for (const int n : {8, 16}) {
-        const Problem p = problem(f, n, degree, held);
+        const CrackProblem p = crack_problem(f, n, degree, held);
         const QuantityBounds bounds(p.model, p.state);
         for (const TipIntensity& tip : crack_tips(p.model, p.state)) {
           const std::string which =
@@ -83,7 +57,7 @@ TEST(QuantityBounds, ContainStressesAtPoints) {
   for (const std::vector<Index>& held : {std::vector<Index>{}, std::vector<Index>{0}})
     for (const int degree : {1, 2})
       for (const int n : {8, 16}) {
-        const Problem p = problem(f, n, degree, held);
+        const CrackProblem p = crack_problem(f, n, degree, held);
         const QuantityBounds bounds(p.model, p.state);
         for (const Vec2& x : {Vec2(0.3, 0.9), Vec2(-1.2, -0.3), Vec2(0.1, -0.4)}) {
           const auto s = bounds.stress(x);
@@ -135,7 +109,7 @@ struct Polynomial {
 
 // The crack of `problem` under the exact tractions of both fields and under a pressure inside, with a region of the
 // same material: the singular field is cut off about each point.
-Problem local_problem(const exact::ExactField& f, const Polynomial& more, double pressure, int n, int degree) {
+CrackProblem local_problem(const exact::ExactField& f, const Polynomial& more, double pressure, int n, int degree) {
   Mesh mesh = exact::crack_mesh(n, slope, 0.2);
   mesh.region.assign(mesh.triangles.size(), none);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -156,7 +130,7 @@ Problem local_problem(const exact::ExactField& f, const Polynomial& more, double
   s.laws.push_back({.kind = CrackLaw::Kind::Open, .pressure = [pressure](const Vec2&, const Vec2&) -> Vec2 {
                       return {pressure, 0};
                     }});
-  Problem p{f, prepare(std::move(mesh), element("bdms", degree), s, 1), {}};
+  CrackProblem p{f, prepare(std::move(mesh), element("bdms", degree), s, 1), {}};
   p.state = solve(p.model);
   return p;
 }
@@ -171,7 +145,7 @@ TEST(QuantityBounds, ContainWithRegionsBodyForceAndPressure) {
   for (const int degree : {1, 2}) {
     std::vector<double> width;
     for (const int n : {16, 32}) {
-      const Problem p = local_problem(f, more, pressure, n, degree);
+      const CrackProblem p = local_problem(f, more, pressure, n, degree);
       const QuantityBounds bounds(p.model, p.state);
       const std::string which = fmt::format("degree {} n {}", degree, n);
       const TipBounds b = bounds.tip({.crack = 0});
@@ -199,7 +173,7 @@ TEST(QuantityBounds, ContainWithRegionsBodyForceAndPressure) {
 
 TEST(QuantityBounds, SayWhyThereAreNone) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
-  Problem p = problem(f, 8, 1, {0});
+  CrackProblem p = crack_problem(f, 8, 1, {0});
   Scene contact = p.model.scene;
   contact.laws[0].kind = CrackLaw::Kind::Unilateral;
   const Model m = prepare(p.model.mesh, element("bdms", 1), contact, 1);

@@ -181,6 +181,9 @@ TEST(Standing, MapsHold) {
   const ValidationRequest request{.points = {{0.2, 1.5}}, .radii = {0.16, 0.08, 0.04, 0.02}};
   for (const Validation& v : validate({shape, sizing}, bdms(1), scene, {"energy", {energy()}}, request))
     EXPECT_EQ(v.verdict, Verdict::Holds) << v.at.transpose() << ": " << v.reason;
+  // The upper block slides as it likes: nothing is said of what sees that.
+  const Functional moved{"tracking", {displacement_tracking({}, {})}};
+  EXPECT_THROW(validate({shape, sizing}, bdms(1), scene, moved, request), Error);
 }
 
 }  // namespace

@@ -149,15 +149,15 @@ void require_known_loads(const Functional& j, const Model& m) {
 }
 
 void require_supports(const Functional& j, const Model& model) {
-  if (model.inner->floating.empty()) return;
+  if (model.inner->floating.empty() && model.inner->standing.slides.cols() == 0) return;
   for (const Term& term : j.terms)
     if (term.uses_displacement || term.on_boundary)
-      throw Error(
-          Fault::Usage,
-          fmt::format("functional \"{}\" sees rigid motions, and the supports leave the body free to make some: "
-                      "what a change of the body does to J is not defined; add supports, or use a functional "
-                      "of stresses, energies or cracks",
-                      term.kind));
+      throw Error(Fault::Usage,
+                  fmt::format("functional \"{}\" sees rigid motions, and the supports leave the body, or a piece of "
+                              "it, free to make some: "
+                              "what a change of the body does to J is not defined; add supports, or use a functional "
+                              "of stresses, energies or cracks",
+                              term.kind));
 }
 
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {

@@ -38,19 +38,21 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   }
   const Inner& o = *operators().inner;
   W = o.factor->interface_complement();
-  if (!o.standing.empty())
-    W.bottomRightCorner(o.ordering.contact_rows, o.ordering.contact_rows).diagonal() -= o.standing.springs;
+  o.standing.release(W.bottomRightCorner(o.ordering.contact_rows, o.ordering.contact_rows));
   const Index trailing = o.ordering.contact_rows, leading = o.ordering.size - trailing;
   status = contact_status(m, s);
   jump.resize(trailing);
   force.resize(trailing);
+  std::vector<bool> unilateral(static_cast<std::size_t>(trailing), false);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = o.ordering.row[u];
     if (row < leading) continue;
     jump[row - leading] = s.skeleton[u] - m.inner->skeleton.prescribed[u];
     force[row - leading] = s.force[u];
+    unilateral[static_cast<std::size_t>(row - leading)] = o.skeleton.bounded[u];
   }
-  for (Index row = 0; row < trailing; ++row) points.push_back({.normal = row});
+  for (Index row = 0; row < trailing; ++row)  // what slides freely is a row of no law
+    if (unilateral[static_cast<std::size_t>(row)]) points.push_back({.normal = row});
 }
 
 void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
