@@ -103,7 +103,7 @@ double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, E
   const Model& model = adapted.model;
   const Mesh& mesh = model.mesh;
   const Index vertex = data.corners.vertex[static_cast<std::size_t>(corner)];
-  const double e33 = corner_eigenstrains(model, data.corners)(4, corner);
+  const StrainData& strain = model.inner->data.strain;
   double largest = 0;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto& [a, b] = mesh.edges[e];
@@ -112,6 +112,8 @@ double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, E
     const Index t = left != none ? left : right;
     const Vec2 middle = 0.5 * (mesh.points[a] + mesh.points[b]);
     const Eigen::Vector4d s = stress_at(model.inner->kernel, triangle(model, t), adapted.state.interior.col(t), middle);
+    const auto half = [&](int k) { return mesh.triangles[t][k] == a || mesh.triangles[t][k] == b ? 0.5 : 0.0; };
+    const double e33 = strain.empty() ? 0 : strain_33_at(strain, t, Vec2(half(1), half(2)))[0];
     largest = std::max(largest, von_mises(material_of(mesh, model.scene, t), plane_strain, s, e33));
   }
   return largest;
