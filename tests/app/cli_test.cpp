@@ -1,5 +1,7 @@
 // The program as a user meets it: exit codes, messages, files. The words of case-file errors are tested in tests/cases.
 
+#include "tests/support/folder.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -47,16 +49,10 @@ traction = [0, 1]
 )";
 
 /// Every test works in a folder of its own.
-class Cli : public testing::Test {
+class Cli : public kerf::test::InFolder {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-cli-XXXXXX").string();
-    folder = mkdtemp(name.data());
     write("a.toml", square);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
   }
 
   void write(const std::string& name, const std::string& text) const {
@@ -89,8 +85,6 @@ class Cli : public testing::Test {
     EXPECT_EQ(std::count(o.error.begin(), o.error.end(), '\n'), 1) << o.error;
     EXPECT_NE(o.error.find(words), std::string::npos) << o.error;
   }
-
-  fs::path folder;
 };
 
 TEST_F(Cli, VersionAndHelp) {
@@ -251,7 +245,8 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"hole_outside", "[[hole]]\nname = \"h\"\ncircle = { center = [1, 1], radius = 0.1 }", "", "", 3, "'h'"},
         Broken{"too_fine", "", "size = 0.2", "size = 1e-9", 3, "mesh.size"},
         Broken{"not_supported_body", "", "displacement = [0, 0]", "traction = [0, 0]", 4, "translation"},
-        Broken{"piece_cut_off", "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [1, 0.5]]", "", "", 4, "contact does not hold the body"}),
+        Broken{"piece_cut_off", "[[crack]]\nname = \"c\"\npath = [[0, 0.5], [1, 0.5]]", "", "", 4,
+               "contact does not hold the body"}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST_F(Cli, FilesThatCannotBeRead) {

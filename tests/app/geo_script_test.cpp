@@ -1,5 +1,7 @@
 // A geometry of gmsh is a program. From a stranger it may draw, but not start programs or write files.
 
+#include "tests/support/folder.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -11,14 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class GeoScript : public testing::Test {
+class GeoScript : public kerf::test::InFolder {
  protected:
   void SetUp() override {
 #ifndef KERF_WITH_GMSH
     GTEST_SKIP() << "built without gmsh";
 #endif
-    std::string name = (fs::temp_directory_path() / "kerf-geo-XXXXXX").string();
-    folder = mkdtemp(name.data());
     fs::create_directory(folder / "home");
     fs::create_directory(folder / "tmp");
     std::ofstream(folder / "a.toml") << R"([domain]
@@ -35,10 +35,6 @@ mesher = "gmsh"
 [output]
 png = false
 )";
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
   }
   /// kerf check of a square with these lines of script; true when it went through.
   bool check(const std::string& script) const {
@@ -59,8 +55,6 @@ png = false
     EXPECT_TRUE(fs::is_empty(folder / "home")) << script;
     EXPECT_TRUE(fs::is_empty(folder / "tmp")) << script;
   }
-
-  fs::path folder;
 };
 
 TEST_F(GeoScript, DrawsButStartsNoProgramsAndWritesNoFiles) {

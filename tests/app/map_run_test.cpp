@@ -1,6 +1,7 @@
 // Functionals, maps and validations from case file to files.
 
 #include "app/run.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,16 +37,8 @@ traction = [0.1, "x - 0.05"]
 size = 0.15
 )";
 
-class MapRun : public testing::Test {
+class MapRun : public test::InFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-map-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   json run_text(const std::string& more, Job job = Job::Run, int threads = 2) {
     std::ofstream(folder / "case.toml") << body << more;
     run(read_case(folder / "case.toml"), job, {.folder = folder / "out", .threads = threads});
@@ -57,7 +50,6 @@ class MapRun : public testing::Test {
     for (std::string line; std::getline(file, line);) all.push_back(line);
     return all;
   }
-  fs::path folder;
 };
 
 TEST_F(MapRun, ValidationHoldsForATrackingFunctional) {

@@ -5,6 +5,7 @@
 #include "io/mesh_source.hpp"
 #include "kerf/adaptive.hpp"
 #include "kerf/mesher.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,16 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class MeshFileRun : public testing::Test {
+class MeshFileRun : public test::InFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-mesh-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   Case plate(const std::string& more, const std::string& mesh = (fs::path(KERF_TEST_DATA) / "meshes/gmsh41.msh")) {
     std::ofstream(folder / "a.toml") << "[domain]\nfile = '" << mesh << "'\n[material]\nyoung = 1\npoisson = 0.3\n"
                                      << "[[region]]\nname = 'stiff'\nyoung = 5\npoisson = 0.3\n"
@@ -42,7 +35,6 @@ class MeshFileRun : public testing::Test {
     std::ifstream file(folder / "out" / "result.json");
     return json::parse(file);
   }
-  fs::path folder;
 };
 
 TEST_F(MeshFileRun, TheStateIsOnTheMeshOfTheFile) {

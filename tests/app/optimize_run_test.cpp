@@ -1,5 +1,7 @@
 // Optimizations as a user runs them: files, interruptions, resumption.
 
+#include "tests/support/folder.hpp"
+
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -98,16 +100,8 @@ const std::string small_change = [] {
   return text + "[output]\npng = false\n";
 }();
 
-class Optimize : public testing::Test {
+class Optimize : public kerf::test::InFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-optimize-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder / name, std::ios::binary) << text;
     return folder / name;
@@ -185,8 +179,6 @@ class Optimize : public testing::Test {
     ASSERT_EQ(of_a.size(), of_b.size());
     for (const auto& [name, bytes] : of_a) EXPECT_TRUE(of_b.count(name) && of_b.at(name) == bytes) << name;
   }
-
-  fs::path folder;
 };
 
 std::vector<std::string> lines_of(const std::string& text) {

@@ -3,6 +3,7 @@
 #include "app/run.hpp"
 
 #include "tests/support/exact.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,16 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class Run : public testing::Test {
+class Run : public test::InFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-run-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
   json run_case(const std::string& name, const std::vector<std::string>& overrides, Job job = Job::Run, int threads = 2,
                 const std::string& to = "out") {
     const Case c = read_case(fs::path(KERF_CASES) / (name + ".toml"), overrides);
@@ -34,11 +27,6 @@ class Run : public testing::Test {
     std::ifstream file(folder / to / "result.json");
     return json::parse(file);
   }
-  std::string text(const fs::path& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  fs::path folder;
 };
 
 void expect_keys(const json& object, std::initializer_list<const char*> keys, const std::string& where) {

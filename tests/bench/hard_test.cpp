@@ -3,9 +3,8 @@
 
 #include "bench/hard.hpp"
 #include "bench/hard/family.hpp"
-#include "io/files.hpp"
 #include "kerf/types.hpp"
-#include "tests/support/sample.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,14 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class HardBenchTest : public testing::Test {
- protected:
-  std::string text(const fs::path& name) const {
-    return read_file(folder / name);
-  }
-  const test::Folder made;
-  const fs::path folder = made.path;
-};
+class HardBenchTest : public test::InFolder {};
 
 class HardFamilyTest : public HardBenchTest, public testing::WithParamInterface<std::string> {};
 

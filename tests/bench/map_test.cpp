@@ -3,9 +3,9 @@
 #include "bench/map.hpp"
 
 #include "bench/records.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -18,22 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class MapBenchTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-bench-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  std::string text(const fs::path& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  fs::path folder;
-};
+class MapBenchTest : public test::InFolder {};
 
 std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));

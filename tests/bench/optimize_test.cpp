@@ -5,9 +5,9 @@
 #include "bench/optimize_peers.hpp"
 #include "bench/records.hpp"
 #include "optimize/refuse.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -19,30 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class OptimizeBenchTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-bench-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  std::string text(const fs::path& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  fs::path folder;
-};
+class OptimizeBenchTest : public test::InFolder {};
 
 /// A scenario from a folder that is gone afterwards.
 OptimizeProblem problem_named(const std::string& name) {
-  std::string folder = (fs::temp_directory_path() / "kerf-bench-XXXXXX").string();
-  mkdtemp(folder.data());
-  OptimizeProblem p = read_problem(name, folder);
-  fs::remove_all(folder);
-  return p;
+  const test::Folder folder;
+  return read_problem(name, folder.path);
 }
 
 /// The design y -> |y - 1/2| of the cantilever: a beam along its axis.

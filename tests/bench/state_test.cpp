@@ -1,9 +1,9 @@
 // `kerf bench state` as a whole, on tiny meshes, and the lines of other programs.
 
 #include "bench/records.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -15,22 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class StateBenchTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-bench-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  std::string text(const fs::path& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  fs::path folder;
-};
+class StateBenchTest : public test::InFolder {};
 
 TEST_F(StateBenchTest, WritesItsFiles) {
   const StateBench bench =

@@ -3,11 +3,10 @@
 #include "bench/verify/records.hpp"
 
 #include "io/files.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -16,18 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class VerifyBenchTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-verify-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  fs::path folder;
-};
+class VerifyBenchTest : public test::InFolder {};
 
 /// Source, second check, and a tolerance with its reason for everything that is compared; those that cannot be run say
 /// why. read_manual refuses what is missing.

@@ -6,16 +6,6 @@ namespace kerf::fuzz {
 
 namespace fs = std::filesystem;
 
-void Faults::SetUp() {
-  std::string name = (fs::temp_directory_path() / "kerf-faults-XXXXXX").string();
-  folder = mkdtemp(name.data());
-}
-
-void Faults::TearDown() {
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-}
-
 Input Faults::input(const std::string& command, const std::string& text, const std::vector<std::string>& more) {
   Input input{.arguments = {command, "case.toml", "-o", "out", "--threads", "1", "--log-level", "off"},
               .files = {{"case.toml", text}}};

@@ -2,6 +2,7 @@
 // The program as a child under faults: what it must leave, and what it may.
 
 #include "tests/fuzz/contract.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,16 +14,11 @@
 namespace kerf::fuzz {
 
 /// A folder of its own per test, gone afterwards.
-class Faults : public testing::Test {
+class Faults : public test::InFolder {
  protected:
-  void SetUp() override;
-  void TearDown() override;
-
   /// `kerf ARGUMENTS` on this case file, one thread, results in out, no log.
   static Input input(const std::string& command, const std::string& text, const std::vector<std::string>& more = {});
   Outcome run(const Input& input, const Limits& limits = {.seconds = 60, .memory_gb = 0}) const;
-
-  std::filesystem::path folder;
 };
 
 /// A small plate with a crack, a map, a validation and an optimization, without pictures.

@@ -1,6 +1,7 @@
 #include "optimize/checkpoint.hpp"
 
 #include "kerf/types.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -15,27 +16,13 @@
 namespace kerf {
 namespace {
 
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "kerf-checkpoint-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
 Checkpoint sample() {
   Checkpoint c;
   c.fingerprint = "0123456789abcdef";
   c.texts = {{"", "nameless"}, {"method", "level-set"}, {"note", std::string("a\0b\n", 4)}};
   c.numbers["empty"] = Eigen::VectorXd();
   c.numbers["phi"] = Eigen::VectorXd::LinSpaced(7, -1, 1 + 1e-16);
-  c.numbers["odd"] =
-      Eigen::Vector4d(nan, -0.0, std::numeric_limits<double>::denorm_min(),
-                      -infinity);
+  c.numbers["odd"] = Eigen::Vector4d(nan, -0.0, std::numeric_limits<double>::denorm_min(), -infinity);
   return c;
 }
 
@@ -75,7 +62,7 @@ std::string complaint(const std::filesystem::path& path) {
 }
 
 TEST(Checkpoint, ComesBackBitForBitAndTheSameBytesEveryTime) {
-  const Folder folder;
+  const test::Folder folder;
   const auto path = folder.path / "checkpoint.bin";
   EXPECT_FALSE(read_checkpoint(path));
   write_checkpoint(path, sample());
@@ -93,7 +80,7 @@ TEST(Checkpoint, ComesBackBitForBitAndTheSameBytesEveryTime) {
 }
 
 TEST(Checkpoint, EveryTruncationIsRefused) {
-  const Folder folder;
+  const test::Folder folder;
   const auto path = folder.path / "checkpoint.bin";
   write_checkpoint(path, sample());
   const std::string whole = bytes_of(path);
@@ -107,7 +94,7 @@ TEST(Checkpoint, EveryTruncationIsRefused) {
 }
 
 TEST(Checkpoint, EveryFlippedBitIsRefused) {
-  const Folder folder;
+  const test::Folder folder;
   const auto path = folder.path / "checkpoint.bin";
   write_checkpoint(path, sample());
   const std::string whole = bytes_of(path);
@@ -124,7 +111,7 @@ TEST(Checkpoint, EveryFlippedBitIsRefused) {
 }
 
 TEST(Checkpoint, LyingLengthsWithARightChecksumDoNotAllocateOrOverrun) {
-  const Folder folder;
+  const test::Folder folder;
   const auto path = folder.path / "checkpoint.bin";
   write_checkpoint(path, sample());
   const std::string whole = bytes_of(path);
@@ -147,7 +134,7 @@ TEST(Checkpoint, LyingLengthsWithARightChecksumDoNotAllocateOrOverrun) {
 }
 
 TEST(Checkpoint, PlacesThatCannotHoldOneAreNamed) {
-  const Folder folder;
+  const test::Folder folder;
   EXPECT_EQ(complaint(folder.path), "cannot read the checkpoint '': it is no regular file");
   put(folder.path / "text", "[domain]\noutline = []\n");
   EXPECT_EQ(complaint(folder.path / "text"), "the checkpoint '' is no checkpoint of kerf; start without --resume");
@@ -167,7 +154,7 @@ TEST(Checkpoint, PlacesThatCannotHoldOneAreNamed) {
 }
 
 TEST(Checkpoint, AKillLeavesTheOldOrTheNewOne) {
-  const Folder folder;
+  const test::Folder folder;
   const auto path = folder.path / "checkpoint.bin";
   // Checkpoint k holds k everywhere: a mixture would show, even with a right checksum.
   const auto numbered = [](int k) {

@@ -4,6 +4,7 @@
 #include "optimize/level_set/background.hpp"
 #include "optimize/level_set/speed.hpp"
 #include "optimize/loop/evaluate.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -150,7 +151,8 @@ void expect_same_run(const OptimizeResult& a, const OptimizeResult& b) {
 }
 
 TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "kerf_level_set_checkpoint.bin";
+  const test::Folder folder;
+  const std::filesystem::path path = folder.path / "checkpoint.bin";
   const OptimizeRequest r = volume(0.5, 34);
   Problem from_density = cantilever(0.07), from_full = from_density;
   from_full.sizing.size = 0.1;
@@ -169,7 +171,6 @@ TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
     }
     EXPECT_THROW(optimize_level_set(p, r, {}, {path, "another case", true}), Error);
   }
-  std::filesystem::remove(path);
 }
 
 TEST(LevelSet, FrozenPartsStaySolid) {

@@ -2,6 +2,7 @@
 
 #include "optimize/parametric/evaluations.hpp"
 #include "tests/optimize/designs.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -323,18 +324,6 @@ TEST(Parameters, CobylaDoesWithoutDerivatives) {
   EXPECT_TRUE(std::isnan(found.optimality));
 }
 
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "kerf-parameters-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
 void expect_same(const OptimizeResult& a, const OptimizeResult& b) {
   EXPECT_EQ(a.variables, b.variables);
   EXPECT_EQ(a.objective, b.objective);
@@ -353,7 +342,7 @@ void expect_same(const OptimizeResult& a, const OptimizeResult& b) {
 }
 
 TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
-  const Folder folder;
+  const test::Folder folder;
   const Problem p = plate();
   OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
   r.volume_at_most = 0.92;
@@ -402,7 +391,7 @@ TEST(Parameters, KilledAndResumedEndsWithTheSameBits) {
 
 // The comparison of starts is part of the checkpoint.
 TEST(Parameters, SeveralStartsStoppedAndResumedEndWithTheSameBits) {
-  const Folder folder;
+  const test::Folder folder;
   const Problem p = plate();
   OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
   r.volume_at_most = 0.92;

@@ -4,6 +4,7 @@
 #include "kerf/optimize.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/loop/intervals.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/topo/validation.hpp"
 
 #include <fmt/core.h>
@@ -199,15 +200,14 @@ TEST(Upper, SumsAndLoadCases) {
 
 // Stopped after the bounds had been made to leave room, and before.
 TEST(Upper, RoomInBoundsIsPartOfTheCheckpoint) {
-  std::string name = (std::filesystem::temp_directory_path() / "kerf-upper-XXXXXX").string();
-  const std::filesystem::path folder = mkdtemp(name.data());
+  const test::Folder made;
   const Driven d;
   const OptimizeResult whole = optimize_parameters(d.p, d.r, {}, {});
   const auto room = std::ranges::find_if(
       whole.history, [](const Iteration& i) { return i.note.find("leave room") != std::string::npos; });
   ASSERT_NE(room, whole.history.end());
   for (const int rows : {2, static_cast<int>(room - whole.history.begin()) + 1}) {
-    const CheckpointPlace place{folder / fmt::format("checkpoint{}", rows), "case", true};
+    const CheckpointPlace place{made.path / fmt::format("checkpoint{}", rows), "case", true};
     int shown = 0;
     optimize_parameters(
         d.p, d.r, [&](const Iterate&) { return ++shown < rows; }, place);
@@ -219,7 +219,6 @@ TEST(Upper, RoomInBoundsIsPartOfTheCheckpoint) {
     EXPECT_EQ(resumed.finer.intervals[0].upper, whole.finer.intervals[0].upper);
     EXPECT_EQ(resumed.history.size(), whole.history.size());
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -3,32 +3,13 @@
 
 #include "io/result.hpp"
 #include "plot/picture.hpp"
-
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include "tests/support/folder.hpp"
 
 #include <cmath>
 #include <functional>
 #include <string>
 
 namespace kerf::test {
-
-struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->test_suite_name()) + "_" + info->name() + "_" + std::to_string(getpid());
-    for (char& c : name) c = c == '/' ? '_' : c;
-    path = std::filesystem::temp_directory_path() / ("kerf_report_" + name);
-    std::filesystem::create_directories(path);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code code;
-    std::filesystem::remove_all(path, code);
-  }
-};
 
 /// A rectangle cut into 2 nx ny triangles.
 inline Picture grid(const Vec2& low, const Vec2& high, Index nx, Index ny,

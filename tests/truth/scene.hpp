@@ -3,6 +3,7 @@
 // come from its own formulas.
 
 #include "app/run.hpp"
+#include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,17 +16,8 @@
 namespace kerf {
 
 /// A folder of its own per test, gone afterwards.
-class Truth : public testing::Test {
+class Truth : public test::InFolder {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "kerf-truth-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder, ignored);
-  }
-
   /// result.json of the case `text` (TOML, no output but the numbers) with `overrides` as --set gives them.
   nlohmann::json run_scene(const std::string& text, Job job = Job::Solve,
                            const std::vector<std::string>& overrides = {}) {
@@ -35,8 +27,6 @@ class Truth : public testing::Test {
     std::ifstream result(folder / "out" / "result.json");
     return nlohmann::json::parse(result);
   }
-
-  std::filesystem::path folder;
 };
 
 }  // namespace kerf
