@@ -48,6 +48,7 @@ std::string_view MeshBytes::rest_of_line() {
 std::string MeshBytes::quoted() {
   if (!skip_blanks()) fail(fmt::format("the file ends inside {}; it is cut off", section_));
   const std::string_view line = rest_of_line();
+  if (bytes_[at_ - 1] == '\n') --at_;  // what is wrong with the name is wrong in its line
   const std::size_t end = line.rfind('"');
   if (line.front() != '"' || end == 0) fail(fmt::format("{}: a name in quotation marks is missing", section_));
   return std::string(line.substr(1, end - 1));
