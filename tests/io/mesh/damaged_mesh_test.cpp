@@ -182,5 +182,59 @@ TEST(DamagedMesh, BinaryNumbers) {
   EXPECT_EQ(complaint(infinite), fmt::format("a.msh: $Nodes, byte {}: a number is not finite", node + 12));
 }
 
+/// A square of n x n cells, node (n + 1) j + i + 1 at (i, j), with a crack of these edges.
+std::string cracked_grid(int n, const std::vector<std::pair<int, int>>& crack) {
+  Square s;
+  s.names = "2\n1 1 \"rim\"\n1 5 \"crack:c\"\n";
+  s.nodes.clear();
+  s.elements.clear();
+  int tag = 1;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) s.nodes.push_back(fmt::format("{} {} {} 0", (n + 1) * j + i + 1, i, j));
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = (n + 1) * j + i + 1, b = a + 1, c = b + n + 1, d = a + n + 1;
+      s.elements.push_back(fmt::format("{} 2 2 0 1 {} {} {}", tag++, a, b, c));
+      s.elements.push_back(fmt::format("{} 2 2 0 1 {} {} {}", tag++, a, c, d));
+    }
+  for (int i = 1; i <= n; ++i) s.elements.push_back(fmt::format("{} 1 2 1 1 {} {}", tag++, i, i + 1));
+  for (const auto& [a, b] : crack) s.elements.push_back(fmt::format("{} 1 2 5 5 {} {}", tag++, a, b));
+  return s.text();
+}
+
+TEST(DamagedMesh, ClosedCracks) {
+  const std::vector<std::pair<int, int>> loop = {{8, 9}, {9, 15}, {15, 14}, {14, 8}};  // around the cell at (1, 1)
+  EXPECT_EQ(complaint(cracked_grid(5, loop)), "a.msh: crack \"c\" is closed, through (1, 1); a closed cut is a hole");
+  auto with_line = loop;
+  with_line.emplace_back(22, 28);
+  EXPECT_EQ(complaint(cracked_grid(5, with_line)),
+            "a.msh: crack \"c\" is in several pieces, one from (3, 3) to (3, 4), another closed; each needs a name of "
+            "its own");
+  EXPECT_EQ(complaint(cracked_grid(5, {{22, 28}})), "no complaint");
+}
+
+TEST(DamagedMesh, NoTriangles) {
+  Square s;
+  s.elements.resize(8);
+  EXPECT_EQ(complaint(s.text()), "a.msh: there are no triangles; mesh the surfaces (gmsh -2), and save them");
+}
+
+TEST(DamagedMesh, SurfacesAndSidesWithTwoNames) {
+  std::string bytes = square_4;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    bytes.replace(bytes.find(from), from.size(), to);
+  };
+  replace("1\n1 1 \"rim\"", "3\n1 1 \"rim\"\n2 1 \"soft\"\n2 2 \"stiff\"");
+  replace("1 0 0 0 1 1 0 0 1 1", "1 0 0 0 1 1 0 2 1 2 1 1");
+  EXPECT_EQ(complaint(bytes, {.materials = {"soft"}}), "no complaint");
+  EXPECT_EQ(complaint(bytes, {.materials = {"soft", "stiff"}}),
+            "a.msh: element 5 at (0, 0) lies in the regions \"soft\" and \"stiff\"");
+  const MeshFileRequest one = {.sides = {{{1, -0.1}, "a", "first: "}}},
+                        two = {.sides = {{{1, -0.1}, "a", "first: "}, {{0.5, -0.1}, "b", "second: "}}};
+  EXPECT_EQ(complaint(Square().text(), one), "no complaint");
+  EXPECT_EQ(complaint(Square().text(), two, Fault::Usage),
+            "second: the side at (0.5, 0) gets the names \"a\" and \"b\"");
+}
+
 }  // namespace
 }  // namespace kerf
