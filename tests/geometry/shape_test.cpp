@@ -8,7 +8,6 @@
 namespace kerf {
 namespace {
 
-
 double polygon_area(const std::vector<Vec2>& points) {
   double twice = 0;
   for (std::size_t i = 0; i < points.size(); ++i) twice += cross(points[i], points[(i + 1) % points.size()]);
@@ -143,6 +142,12 @@ std::vector<Bad> bad_shapes() {
   };
   Shape elliptic = with_arc({0, 0}, 1, 0, 1);
   elliptic.cracks[0].arc->axes(1, 1) = 0.5;
+  Shape bent_arc = with_arc({0, 0}, 1, 0, 1);
+  bent_arc.cracks[0].points.insert(bent_arc.cracks[0].points.begin() + 1, Vec2(1, 0.5));
+  Shape moved_arc = with_arc({0, 0}, 1, 0, 1);
+  moved_arc.cracks[0].points.back().x() += 0.1;
+  Shape short_arc = square();  // of the half circle from (2, -2) to (2, 2) a third is missing
+  short_arc.outline.sides[1].arc = Arc{{2, 0}, 2 * Mat2::Identity(), -pi / 2, pi / 6};
   Shape bad_label = square();
   bad_label.outline.sides[2].label = 7;
   Shape open_arc = with_holes({circle("h", {0, 0}, 1, 0)});
@@ -169,6 +174,7 @@ std::vector<Bad> bad_shapes() {
       {"pinched", outline({{0, 0}, {1, 1}, {2, 0}, {2, 2}, {1, 1}, {0, 2}}), {"outline touches itself at (1, 1)"}},
       {"open_arc", open_arc, {"hole 'h'", "does not close"}},
       {"loose_arc", loose_arc, {"side 2", "outline", "arc that starts at"}},
+      {"short_arc", short_arc, {"side 2", "outline", "arc that ends at (3.73205, 1) instead of (2, 2)"}},
       {"nan_arc", nan_arc, {"hole 'h'", "finite"}},
       {"zero_radius", with_holes({circle("h", {0, 0}, 0, 0)}), {"hole 'h'", "radius"}},
       {"flat_ellipse", with_holes({ellipse("h", {0, 0}, {1, 0}, 0, 0)}), {"hole 'h'", "radius"}},
@@ -236,6 +242,10 @@ std::vector<Bad> bad_shapes() {
       {"arc_outside", with_arc({5, 0}, 1, 1, 6), {"crack 'c' lies outside"}},
       {"arc_touching_the_boundary", with_arc({1, 0}, 1, -1, 1), {"crack 'c' touches the outline at (2, "}},
       {"arc_elliptic", elliptic, {"crack 'c'", "no circle"}},
+      {"arc_of_three_points", bent_arc, {"crack 'c' is an arc with 3 points; it needs its start and its end"}},
+      {"arc_to_elsewhere",
+       moved_arc,
+       {"crack 'c' has an arc from (1, 0) to (0.540302, 0.841471), but other end points"}},
       {"arcs_overlapping", two_arcs({0, 0}, 1, 0, 2, {0, 0}, 1, 1, 3), {"'c' and 'd' overlap"}},
       {"arcs_tangent", two_arcs({0, 0}, 1, -1, 1, {2, 0}, 1, 2, 4), {"'c' and 'd'"}},
       {"arcs_nearly_tangent", two_arcs({0, 0}, 1, -1, 1, {1.99999, 0}, 1, 2, 4), {"'c' and 'd' touch at (1, "}},
