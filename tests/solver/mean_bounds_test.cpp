@@ -70,8 +70,8 @@ double half_width(const Bounded& b) {
 }
 
 void expect_contains(const Bounded& b, double exact, const std::string& which) {
-  EXPECT_LE(b.lower, exact) << which << " " << b.note;
-  EXPECT_GE(b.upper, exact) << which << " " << b.note;
+  EXPECT_LE(b.lower, exact) << which << " by " << b.lower - exact << " " << b.note;
+  EXPECT_GE(b.upper, exact) << which << " by " << exact - b.upper << " " << b.note;
   EXPECT_TRUE(b.guaranteed) << which << " " << b.note;
 }
 
