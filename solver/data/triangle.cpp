@@ -143,8 +143,9 @@ class TriangleIntegration {
     c.value = values(check, c.corners);
     const Points coarse = c.value;
     const double samples = (coarse.rowwise().maxCoeff() - coarse.rowwise().minCoeff()).sum();
-    // The first cell's values are wanted at the points of the rule in any case.
-    if (cells_.empty() || (!c.settled && width <= beyond * samples)) c.value = values(rule_, c.corners);
+    // The first cell's values are wanted at the points of the rule in any case; what a polynomial leaves of a constant
+    // is of twice its degree.
+    if (cells_.empty() || c.settled || width <= beyond * samples) c.value = values(rule_, c.corners);
     if (c.settled || width > beyond * samples) return;
     const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
     if (difference <= std::max(agree * size, narrow * size_)) {
