@@ -102,5 +102,84 @@ TEST(Summary, AnglesAndTerms) {
       << text;
 }
 
+Bounded within(double value, double by, bool guaranteed = true, std::string note = "") {
+  return {value, value - by, value + by, guaranteed, std::move(note)};
+}
+Bounded unknown(std::string why) {
+  return {std::nan(""), std::nan(""), std::nan(""), false, std::move(why)};
+}
+
+TEST(Summary, Bounds) {
+  Result r = test::full_result();
+  BoundsResult b;
+  b.tips = {{"c", false, {1, 0}, within(1.25, 0.25), within(-0.5, 0.5, false, "an estimate"), within(1.5, 0.5)}};
+  const Bounded none = unknown("no bound: a material is orthotropic");
+  b.points = {{{0.5, 0.25}, within(1, 0.5), within(2, 0.5), within(3, 0.5), within(4, 0.5), none},
+              {{0.5, 0.75}, none, none, none, none, none}};
+  using Of = BoundedMean::Of;
+  const auto mean = [](Of of, std::vector<Bounded> q) {
+    BoundedMean m;
+    m.of = of;
+    m.on = "left";
+    m.from = {1, 2};
+    m.to = {3, 4};
+    m.radius = 0.25;
+    m.quantities = std::move(q);
+    return m;
+  };
+  for (const Of of : {Of::Disc, Of::Line, Of::Displacement, Of::Reaction, Of::Loads})
+    b.means.push_back(mean(of, std::vector<Bounded>(quantities_of(of).size(), within(8, 1))));
+  r.bounds = b;
+  const std::string text = summary(r);
+  expect_narrow(text);
+  for (const char* part :
+       {"bounds      tip at (1, 0)  K_I in [1, 1.5]  K_II in [-1, 0] (estimate)  G in [1, 2]\n", "note: an estimate\n",
+        "            at (0.5, 0.25)  s_xx in [0.5, 1.5]  s_yy in [1.5, 2.5]  s_xy in [2.5, 3.5]",
+        "von Mises in [3.5, 4.5]", "topological derivative: none",
+        "            at (0.5, 0.75)  s_xx: none  s_yy: none  s_xy: none", "mean over the disc at (1, 2), radius 0.25",
+        "mean along the line from (1, 2) to (3, 4)", "mean of \"left\"", "support of \"left\"", "work of the loads",
+        "in [7, 9]"})
+    EXPECT_TRUE(has(text, part)) << part << "\n" << text;
+  // A note that holds for several lines is said once.
+  const std::string note = "note: no bound: a material is orthotropic";
+  EXPECT_TRUE(has(text, note)) << text;
+  EXPECT_EQ(text.find(note), text.rfind(note)) << text;
+  EXPECT_FALSE(has(text, "more points in bounds.csv"));
+  r.bounds->points.resize(13);
+  EXPECT_TRUE(has(summary(r), "and 3 more points in bounds.csv"));
+}
+
+TEST(Summary, LongListsArePointedTo) {
+  Result r = test::full_result();
+  r.map->points.assign(12, {.at = {0.5, 0.5}, .value = 1});
+  r.map->points[1] = {.at = {0.25, 0.5}, .value = std::nan(""), .masked = true};
+  EXPECT_TRUE(has(summary(r), "at (0.25, 0.5)  no value: too near to something else for this radius")) << summary(r);
+  EXPECT_TRUE(has(summary(r), "and 2 more points in map.csv"));
+  OptimizeResult o;
+  o.method = OptimizeMethod::Mma;
+  o.iterations = 1;
+  o.state_solves = 3;
+  o.objective = 2;
+  o.volume_fraction = 0.5;
+  o.optimality = 0.01;
+  o.stopped = "it is optimal";
+  o.notes = {"checked"};
+  o.history.resize(2);
+  o.history[0].objective = 4;
+  o.history[1].holes = 1;
+  o.history[1].bounds = {0.75};
+  o.variables = Eigen::VectorXd::LinSpaced(32, 0, 31);
+  r.optimize = o;
+  r.optimize_names = {.bounds = {"K"}, .at_most = {1.5}};
+  for (int k = 0; k < 32; ++k) r.optimize_names.variables.push_back(fmt::format("v{}", k));
+  const std::string text = summary(r);
+  expect_narrow(text);
+  for (const char* part : {"ended after 1 iteration and 3 state solves: it is optimal", "objective 2 from 4",
+                           "volume fraction 0.5  optimality 0.01  1 hole\n", "K 0.75  at most 1.5\n", "v0 0  v1 1",
+                           "v29 29", "and 2 more variables in result.json", "note: checked\n"})
+    EXPECT_TRUE(has(text, part)) << part << "\n" << text;
+  EXPECT_FALSE(has(text, "v30"));
+}
+
 }  // namespace
 }  // namespace kerf
