@@ -304,7 +304,8 @@ void check_syntax(const std::string& text, const ExpressionContext& context) {
     parser.Eval(results);
     if (results != 1) fail(text, text.find(',') + 1, "more than one value; numbers are written with a point");
   } catch (const mu::ParserError& e) {
-    const auto column = static_cast<std::size_t>(std::max(e.GetPos() + 1, 1));
+    const int after = e.GetCode() == mu::ecMISPLACED_COLON ? 0 : 1;  // that of a colon is where muParser goes on
+    const auto column = static_cast<std::size_t>(std::max(e.GetPos() + after, 1));
     fail(text, std::min(column, text.size() + 1), explain(e));
   }
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <sstream>
 
 namespace kerf {
 
@@ -75,6 +76,11 @@ Node convert(const toml::node& node, const Position& whole) {
     out.boolean = boolean->get();
   } else {
     out.kind = Node::Kind::Date;
+    std::ostringstream words;
+    if (const auto* date = node.as_date()) words << date->get();
+    if (const auto* time = node.as_time()) words << time->get();
+    if (const auto* moment = node.as_date_time()) words << moment->get();
+    out.text = words.str();
   }
   return out;
 }

@@ -51,6 +51,16 @@ const std::vector<std::string> texts = {
     "r",
     "1/(1+100*(x-1)^2)",
     "nx*x+ny",
+    "x<=0.7 ? x : 1-y",
+    "y>=0.4 ? x*y : 2",
+    "x+y<=5 ? x : y",
+    "x+y>=5 ? x : y",
+    "x+y<=-5 ? x : y",
+    "0*(1+x)",
+    "-(2-x)^(-0.4)",
+    "1-(2.5-x)^0.5/(1+y)",
+    "1/(3-x)^(0.4)",
+    "x<9 ? (2-x)^(-0.4) : 7",
 };
 
 }  // namespace
@@ -166,7 +176,30 @@ INSTANTIATE_TEST_SUITE_P(
                     Load{"1e-4/((x-1.513)^2+1e-8)", std::atan(0.487e4) + std::atan(1.513e4), 1e-9},
                     Load{"abs(32*x-rint(32*x))<0.00032 ? 1 : 0", 64 * 2e-5, 1e-8},
                     Load{"(x-1.2)^2<1e-10 ? 1 : 0", 2e-5, 1e-9}, Load{"max(0,x-1.31)", 0.5 * 0.69 * 0.69, 1e-12},
-                    Load{"sqrt(2-x)", std::pow(2, 1.5) / 1.5, 1e-10}, Load{"exp(x)", std::exp(2) - 1, 1e-10}));
+                    Load{"-(2-x)^(-0.4)", -std::pow(2, 0.6) / 0.6, 1e-10},
+                    Load{"1-(2-x)^(-0.4)", 2 - std::pow(2, 0.6) / 0.6, 1e-10},
+                    Load{"(2-x)^(-0.4)/4", std::pow(2, 0.6) / 2.4, 1e-10},
+                    Load{"x<9 ? (2-x)^(-0.4) : 7", std::pow(2, 0.6) / 0.6, 1e-10},
+                    Load{"x>9 ? 7 : 3*(2-x)^(-0.4)", std::pow(2, 0.6) / 0.2, 1e-10}, Load{"x<=0.7 ? 1 : 0", 0.7, 1e-12},
+                    Load{"x>=0.7 ? 1 : 0", 1.3, 1e-12}, Load{"sqrt(2-x)", std::pow(2, 1.5) / 1.5, 1e-10},
+                    Load{"exp(x)", std::exp(2) - 1, 1e-10}));
+
+// Both components at once: of the same power, of another one, and of none.
+TEST(Integration, ComponentsWithPowersOfTheirOwn) {
+  const EdgeRule rule = gauss(data_points);
+  const EdgeLine edge{Vec2(2, 1), Vec2(0, 1), Vec2(0, 1)};  // half the mean is the integral over it
+  const auto of = [](double exponent) { return std::pow(2, 1 + exponent) / (1 + exponent); };
+  for (const auto& [second, truth] :
+       {std::pair("3*(2-x)^(-0.4)", 3 * of(-0.4)), std::pair("(2-x)^(-0.3)", of(-0.3)), std::pair("1+x", 4.0)}) {
+    const EdgeValues v = edge_values(vector_field(formula_of("(2-x)^(-0.4)"), formula_of(second)), edge, "load", 10);
+    const Vec2 total = 2 * v.at * rule.w;
+    EXPECT_NEAR(total.x(), of(-0.4), 2 * v.error.x() + 1e-13) << second;
+    EXPECT_NEAR(total.y(), truth, 2 * v.error.y() + 1e-13) << second;
+    if (v.how != Resolution::Open) {
+      EXPECT_NEAR(total.y(), truth, 1e-8 * truth) << second;
+    }
+  }
+}
 
 // A square that is not integrable is said; an integral that is not known is open, not wrong.
 TEST(Integration, SaysWhatItCannotKnow) {

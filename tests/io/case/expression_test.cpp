@@ -120,7 +120,9 @@ INSTANTIATE_TEST_SUITE_P(Expression, Mistakes,
                                          Bad{"!x", 1, "&& ||"}, Bad{"$x", 1, "unexpected character"},
                                          Bad{"x \xC3\xA9", 3, "\"\xC3\xA9\""}, Bad{"\"x\"", 1, "unexpected character"},
                                          Bad{"x(1)", 1, "not a function"}, Bad{"_pi", 1, "unknown"},
-                                         Bad{"inf", 1, "unknown name"}, Bad{"x;y", 2, "unexpected character"}));
+                                         Bad{"inf", 1, "unknown name"}, Bad{"x;y", 2, "unexpected character"},
+                                         Bad{"1 ? 2 : 3 : 4", 11, "misplaced ? or :"}, Bad{": 1", 1, "c ? a : b"},
+                                         Bad{"sin(x,)", 7, "unexpected"}, Bad{",x", 1, "written with a point"}));
 
 TEST(Expression, RefusesEmptyText) {
   for (const char* text : {"", "  ", "\n"}) EXPECT_NE(error(text).find("empty"), std::string::npos);
