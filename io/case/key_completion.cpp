@@ -12,7 +12,6 @@ namespace {
 /// Every key that --set can name, with 0 for the number of an entry, tables that are like others written out.
 void list(const std::string& table, std::string_view above, std::vector<std::string>& out) {
   for (const Key* key : keys_in(table)) {
-    if (!key->rules.later.empty()) continue;
     std::string path = fmt::format("{}{}{}", table, table.empty() ? "" : ".", name(*key));
     if (key->path.ends_with("[]")) path += "[]";
     if (name(*key) == above) continue;  // a sum holds no sum

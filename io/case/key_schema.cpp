@@ -48,7 +48,6 @@ Json object_of(std::string_view path) {
   Json object = {{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
   Json required = Json::array(), one_of = Json::array(), dependent = Json::object();
   for (const Key* key : keys_in(path)) {
-    if (!key->rules.later.empty()) continue;
     const std::string called(name(*key));
     const bool own = key->path.starts_with(path) && (path.empty() || key->path.size() > path.size());
     std::string_view there = key->path;

@@ -125,7 +125,6 @@ std::string wrapped(View text, std::size_t indent) {
 /// A row of a list of keys: what may stand there, and what it is if nothing does.
 std::string summary_of(const Key& key) {
   std::string out = value_in_words(key);
-  if (!key.rules.later.empty()) return out + "; not supported yet";
   if (key.rules.required)
     out += "; needed";
   else if (!key.otherwise.empty())
@@ -200,7 +199,6 @@ std::string about(const Key& key, const std::string& path) {
   if (!key.example.empty()) add("example", fmt::format("{} = {}", name(key), key.example));
   add("one of", alternatives(key));
   add("goes with", goes_with(key));
-  if (!key.rules.later.empty()) add("later", fmt::format("not supported yet; {}", key.rules.later));
   std::vector<Listed> keys;
   if (!key.rules.like.empty()) list(key.rules.like, "", keys);
   list(key.path, "", keys);
@@ -257,7 +255,6 @@ std::string table_of(View path, const Key& section) {
     std::string text(key.text);
     if (const std::string others = alternatives(key); !others.empty()) text += fmt::format(" One of {}.", others);
     if (const std::string with = goes_with(key); !with.empty()) text += fmt::format(" Goes with {}.", with);
-    if (!key.rules.later.empty()) text += fmt::format(" Not supported yet; {}.", key.rules.later);
     if (!key.example.empty() && !has(key.type, Word) && !has(key.type, Boolean) && !has(key.type, Name))
       text += fmt::format(" Example: `{}`.", key.example);
     out += fmt::format("| `{}` | {} | {} | {} |\n", l.name, value_in_words(key),

@@ -58,13 +58,12 @@ using KeyWords = std::span<const std::string_view>;
 struct KeyRules {
   KeyRange range = {};
   KeyWords words = {}, later_words = {};  // of a Word; those of a later release
-  std::string_view with = {};   // "p|q": goes with these keys of its table, or these words of its table's `kind` or
-                                // `method`, or these shapes of what it starts, only; empty: with everything
-  bool required = false;        // wherever it may stand
-  bool one_of = false;          // its table needs exactly one of the keys that have this
-  bool bare = false;            // a table that may have none of them
-  std::string_view like = {};   // a table: has the keys of that one, too
-  std::string_view later = {};  // not read yet: what to do instead
+  std::string_view with = {};  // "p|q": goes with these keys of its table, or these words of its table's `kind` or
+                               // `method`, or these shapes of what it starts, only; empty: with everything
+  bool required = false;       // wherever it may stand
+  bool one_of = false;         // its table needs exactly one of the keys that have this
+  bool bare = false;           // a table that may have none of them
+  std::string_view like = {};  // a table: has the keys of that one, too
 };
 
 struct Key {
