@@ -72,6 +72,7 @@ TEST_F(Peaks, AtCornersOfChordsAreSaidToBeTooLarge) {
 TEST_F(Peaks, WarmBodiesHaveNoCornersOfChords) {
   std::ofstream(folder / "a.toml") << R"([domain]
 outline = [[-4, -4], [4, -4], [4, 4], [-4, 4]]
+sides = ["outer", "outer", "outer", "outer"]
 [[hole]]
 name = "h"
 circle = { center = [0, 0], radius = 1 }
