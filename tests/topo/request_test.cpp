@@ -2,6 +2,7 @@
 // chosen.
 
 #include "kerf/analysis.hpp"
+#include "kerf/map.hpp"
 #include "tests/topo/validation.hpp"
 
 #include <gtest/gtest.h>
@@ -119,6 +120,36 @@ TEST(FunctionalRequests, BodiesThatTheyDoNotKnow) {
 
   const ScalarField negative = [](const Vec2&) { return -1.0; };
   EXPECT_NE(said(plate(), {stress_pnorm(4, negative, false)}).find("is negative: its weight must not be"),
+            std::string::npos);
+}
+
+TEST(ClampedHoles, BodiesThatTheyDoNotKnow) {
+  const auto said = [](const Body& b, const Term& term = energy()) {
+    const Prepared p = prepared(b);
+    const Functional j{"", {term}};
+    const Analysis a = analyze(j, p.model, p.state);
+    const std::vector<Vec2> at = {{0.5, 0.5}};
+    return refusal(
+        [&] { map_at(a, j, {.perturbation = {.kind = Perturbation::Kind::ClampedHole}, .radius = 0.02}, at); });
+  };
+  EXPECT_EQ(said(plate()), "no refusal");
+  Body floating = plate();
+  floating.scene.supports.clear();
+  floating.scene.tractions = {{0, [](const Vec2&, const Vec2&) { return Vec2(0, -1); }},
+                              {2, [](const Vec2&, const Vec2&) { return Vec2(0, 1); }}};
+  EXPECT_NE(said(floating).find("the supports leave the body a rigid motion"), std::string::npos) << said(floating);
+  Body filled = plate();
+  filled.shape.regions = {circle("r", {-0.5, -0.5}, 0.2, none)};
+  filled.scene.regions = {plane_strain(2, 0.3)};
+  EXPECT_NE(said(filled).find("its Green tensor is known in one material only"), std::string::npos) << said(filled);
+  // Pulled along itself a crack neither opens nor presses.
+  Body along = plate();
+  along.scene.supports = {{3, false, true, false, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }},
+                          {0, false, false, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }}};
+  along.scene.tractions = {{1, [](const Vec2&, const Vec2&) { return Vec2(1, 0); }}};
+  EXPECT_NE(said(along).find("cracks with neither gap nor pressure respond to it one-sidedly"), std::string::npos)
+      << said(along);
+  EXPECT_NE(said(plate(), stress_power(2, {}, false)).find("the stress around a clamped hole is singular"),
             std::string::npos);
 }
 
