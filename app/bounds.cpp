@@ -99,7 +99,7 @@ std::vector<BoundedMean> means_of(const BoundsTask& task, const BoundsRequest& r
 
 /// Why an interval is none of the body as drawn; empty: it is.
 std::string polygon_note(const BoundsTask& task) {
-  return arcs_of(task.body.shape).empty() ? "" : of_polygon;
+  return arcs_of(task.body.shape).empty() || task.body.sizing.curved ? "" : of_polygon;
 }
 
 struct GoalBound {

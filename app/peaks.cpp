@@ -124,6 +124,7 @@ double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, E
 std::string note_on_chords(const Adapted& adapted, const PlotData& data, const Case& c, const Peak& von_mises) {
   const std::optional<PlacedValue> top = von_mises.singular ? von_mises.regular : std::optional(von_mises.largest);
   if (!top) return {};
+  if (c.sizing.curved) return {};
   const std::vector<Arc> arcs = arcs_of(c.shape);
   if (std::none_of(arcs.begin(), arcs.end(), [&](const Arc& arc) { return lies_on(arc, top->at); })) return {};
   const auto found = std::find(data.points.begin(), data.points.end(), top->at);
@@ -133,8 +134,9 @@ std::string note_on_chords(const Adapted& adapted, const PlotData& data, const C
   return fmt::format(
       "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
       "it is "
-      "larger than on the curve; in the middle of the chords beside it it is {:.4g}",
-      top->value, in_words(top->at), middle);
+      "larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
+      top->value, in_words(top->at), middle,
+      can_be_curved(c.element) && !c.mesh && !c.optimize ? "; with mesh.curved = true edges follow the curve" : "");
 }
 
 }  // namespace kerf

@@ -238,6 +238,8 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   Analysis analysis = evaluate(c.functional, solved.adapted, with_map);
   r.functional = functional_result(c.functional, analysis);
   note(notes_on(c.functional, analysis, c.shape, r.cracks));
+  if (c.validate && c.sizing.curved)
+    note({"the validation is of the body with chords along its curved sides: it cuts balls out of straight triangles"});
   if (!with_map) {
     journal.seconds.solve += journal.lap();
     return analysis;

@@ -128,7 +128,7 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
   StateSection s{state_result(model, state, adapted.indicator, energy_bounds(model, state)),
                  crack_results(model, state, shape),
                  {}};
-  s.state.of_polygon = !arcs_of(shape).empty();
+  s.state.of_polygon = !arcs_of(shape).empty() && model.mesh.arc.empty();
   add_resultants(model, state, shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);

@@ -96,6 +96,7 @@ body.force
 mesh.size
 mesh.crack_tip_size
 mesh.min_angle
+mesh.curved
 mesh.mesher
 mesh.adapt.error
 mesh.adapt.max_triangles

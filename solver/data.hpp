@@ -4,6 +4,7 @@
 
 #include "kerf/mesh.hpp"
 #include "kerf/scene.hpp"
+#include "solver/element/bow.hpp"
 #include "solver/quadrature.hpp"
 
 namespace kerf {
@@ -28,6 +29,10 @@ struct EdgeValues {
 /// Errors below `size` times rounding are left: the largest of f on all edges, or 0. Throws Error(Numerics), naming
 /// `what` and the place, where the data are not finite.
 EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size = 0);
+/// The same on a curved edge of a mesh, sampled, with the normal of the curve. `density`: times |dx/ds| over the
+/// length of the chord, so that length times weight integrates a traction as on straight edges.
+EdgeValues curved_edge_values(const BoundaryField& f, const Mesh& mesh, const Bows& bows, Index edge, const char* what,
+                              bool density);
 /// The largest value that is known of f on the edge, where that is finite; else 0.
 double size_on(const BoundaryField& f, const EdgeLine& edge);
 
@@ -89,10 +94,11 @@ struct SceneData {
   std::vector<TriangleValues> body;    // per triangle, where the body force is not a polynomial of low degree
   StrainData strain;
 };
-SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
+SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
+                     const Bows& bows = {});
 
 /// All but the body force.
-SceneData boundary_data(const Mesh& mesh, const Scene& scene);
+SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows = {});
 
 /// The pressure in a crack, or null.
 const LoadedCrack* pressure_in(const SceneData& data, Index crack);

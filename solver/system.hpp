@@ -25,6 +25,10 @@ struct Inner {
 Model with_loads(const Model& model, Scene scene);
 
 Triangle triangle(const Model& model, Index t);
+/// Of a triangle with its curved edges.
+double cell_area(const Model& model, Index t);
+/// Throws Error(Usage): `what` is for meshes of straight edges.
+void require_straight(const Model& model, std::string_view what);
 
 /// (e, s) with the scene's eigenstrain e.
 double work_of_eigenstrain(const Model& m, const Field& s);

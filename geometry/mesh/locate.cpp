@@ -89,7 +89,10 @@ Locator make_locator(const Mesh& mesh) {
   return locator;
 }
 
-Index locate(const Mesh& mesh, const Locator& locator, const Vec2& x) {
+namespace {
+
+/// In the triangle of the chords.
+Index locate_straight(const Mesh& mesh, const Locator& locator, const Vec2& x) {
   if (locator.nodes.empty()) return none;
   const double margin = 1e-12 * (locator.nodes[0].high - locator.nodes[0].low).norm();
   double least = margin;
@@ -119,6 +122,43 @@ Index locate(const Mesh& mesh, const Locator& locator, const Vec2& x) {
     }
   }
   return found;
+}
+
+/// Whether x lies on the side of the arc on which triangle t does.
+bool on_own_side(const Mesh& mesh, Index t, Index edge, const Vec2& x) {
+  const Arc& arc = mesh.arcs[std::size_t(mesh.arc[std::size_t(edge)])];
+  const auto& [a, b] = mesh.edges[std::size_t(edge)];
+  const Vec2 &p = mesh.points[std::size_t(a)], &q = mesh.points[std::size_t(b)];
+  const bool left = mesh.sides[std::size_t(edge)][0] == t, center_left = cross(q - p, arc.center - p) > 0;
+  const Vec2 y = arc.axes.inverse() * (x - arc.center);
+  constexpr double rounding = 1e-12;
+  return left == center_left ? y.norm() <= 1 + rounding : y.norm() >= 1 - rounding;
+}
+
+}  // namespace
+
+// Between a chord and its arc lies what belongs to the other side of the chord.
+Index locate(const Mesh& mesh, const Locator& locator, const Vec2& x) {
+  Index t = locate_straight(mesh, locator, x);
+  if (mesh.arc.empty() || locator.nodes.empty()) return t;
+  const bool found = t != none;
+  if (!found) t = nearest_triangle(mesh, locator, x);
+  for (const Index e : mesh.edges_of[std::size_t(t)]) {
+    if (mesh.arc[std::size_t(e)] == none) continue;
+    const auto& [a, b] = mesh.edges[std::size_t(e)];
+    const Vec2 side = mesh.points[std::size_t(b)] - mesh.points[std::size_t(a)];
+    const double along = (x - mesh.points[std::size_t(a)]).dot(side) / side.squaredNorm();
+    if (!(along >= 0 && along <= 1)) continue;
+    if (found && !on_own_side(mesh, t, e, x)) {
+      const auto& [left, right] = mesh.sides[std::size_t(e)];
+      return left == t ? right : left;
+    }
+    // Beyond the chord, within the arc: a flat segment of it.
+    const double beyond = std::abs(cross(side, x - mesh.points[std::size_t(a)])) / side.squaredNorm();
+    constexpr double flat = 0.3;
+    if (!found && beyond < flat && on_own_side(mesh, t, e, x)) return t;
+  }
+  return found ? t : none;
 }
 
 Index nearest_triangle(const Mesh& mesh, const Locator& locator, const Vec2& x) {

@@ -298,6 +298,26 @@ std::vector<Vertex> chain(const Triangulation& triangulation, const Vertex& a, c
   return found;
 }
 
+/// An edge that follows an arc from a to b.
+struct Followed {
+  Index a, b;
+  Arc arc;
+};
+
+void follow(Mesh& mesh, const std::vector<Followed>& followed) {
+  if (followed.empty()) return;
+  std::map<std::pair<Index, Index>, const Followed*> between;
+  for (const Followed& f : followed) between[std::minmax(f.a, f.b)] = &f;
+  mesh.arc.assign(mesh.edges.size(), none);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto found = between.find({mesh.edges[e][0], mesh.edges[e][1]});
+    if (found == between.end()) continue;
+    mesh.arc[e] = Index(mesh.arcs.size());
+    mesh.arcs.push_back(found->second->arc);
+    if (found->second->a != mesh.edges[e][0]) std::swap(mesh.arcs.back().from, mesh.arcs.back().to);
+  }
+}
+
 /// A mesh, its points on the chords of curved cracks with their places on the arcs, and the edges around regions.
 struct Rough {
   std::vector<Vec2> points;
@@ -308,10 +328,11 @@ struct Rough {
     Index a, b, region;  // on the left from a to b
   };
   std::vector<Interface> interfaces;
+  std::vector<Followed> followed;
 };
 
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
-              double min_angle_deg) {
+              double min_angle_deg, bool curved) {
   Triangulation triangulation;
   const std::vector<Vertex> vertex = insert_pieces(triangulation, drawing, pieces);
   Face hint = vertex.front()->face();
@@ -356,12 +377,21 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
       else
         rough.marked.push_back({a, b, strand.label, strand.crack});
     }
-    if (strand.crack == none || !strand.arc) continue;
+    if (!strand.arc || (strand.crack == none && !curved)) continue;
+    std::vector<double> at{piece.from};  // of the chain's points on the strand
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
     for (std::size_t k = 1; k + 1 < chains[i].size(); ++k) {
       const double part = (vec(chains[i][k]->point()) - a).norm() / (b - a).norm();
-      rough.places.push_back(
-          {chains[i][k]->info().value, point(drawing, strand, piece.from + part * (piece.to - piece.from))});
+      at.push_back(piece.from + part * (piece.to - piece.from));
+      rough.places.push_back({chains[i][k]->info().value, point(drawing, strand, at.back())});
+    }
+    at.push_back(piece.to);
+    for (std::size_t k = 0; k + 1 < chains[i].size() && curved; ++k) {
+      Arc arc = *strand.arc;
+      const auto turned = [&](double s) { return strand.arc->from + s * (strand.arc->to - strand.arc->from); };
+      arc.from = turned(at[k]);
+      arc.to = turned(at[k + 1]);
+      rough.followed.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, arc});
     }
   }
   return rough;
@@ -420,23 +450,26 @@ SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& siz
 struct Meshed {
   Mesh mesh;
   std::vector<Marked> marked;
+  std::vector<Followed> followed;
 };
 
 /// `names`: whose words errors are in.
-Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField& field, double min_angle_deg,
+                    bool curved = false) {
   // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
   for (int finer = 1;; finer *= 2) {
-    const Pieces pieces = split_to_size(drawing, field, finer);
+    const Pieces pieces = split_to_size(drawing, field, finer, curved);
     const auto problem = find_crossing(names, drawing, pieces, {0, 0}, false);
     if (problem && finer == 16) throw Error(Fault::Geometry, *problem);
     if (problem) continue;
-    Rough rough = mesh_of(names, drawing, pieces, field, min_angle_deg);
+    Rough rough = mesh_of(names, drawing, pieces, field, min_angle_deg, curved);
     if (!place_on_arcs(rough) && finer < 16) continue;
     Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
     mesh.region = regions(mesh, rough.interfaces);
     Smoothed smoothed = smooth(mesh, min_angle_deg, sweeps);
     mesh = connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
-    return {std::move(mesh), std::move(rough.marked)};
+    follow(mesh, rough.followed);
+    return {std::move(mesh), std::move(rough.marked), std::move(rough.followed)};
   }
 }
 
@@ -497,7 +530,9 @@ Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
   }
   marked.insert(marked.end(), body.begin(), body.end());
   marked.insert(marked.end(), at_ends.begin(), at_ends.end());
-  return connect(std::move(mesh.points), std::move(mesh.triangles), marked, std::move(region));
+  Mesh whole = connect(std::move(mesh.points), std::move(mesh.triangles), marked, std::move(region));
+  follow(whole, outside.followed);
+  return whole;
 }
 
 /// Per patch whether an angle in it or at its rim is smaller than promised.
@@ -524,7 +559,8 @@ std::vector<bool> cramped(const Mesh& mesh, const std::vector<Patch>& patches, d
 
 /// With patches around the tips. Edges at their rims cannot be split, so that an angle there may fall short: then that
 /// patch becomes smaller, and in the end is left out.
-Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& field, double min_angle_deg) {
+Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& field, double min_angle_deg,
+                  bool curved) {
   Patches kinds{min_angle_deg};
   std::vector<PatchPlace> places = place_patches(drawing, field);
   for (int attempt = 0;; ++attempt) {
@@ -535,7 +571,7 @@ Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& f
       names.holes.push_back({fmt::format("around a tip of {}", name(shape, drawing.strands[place.tip.strand])), {}});
     }
     const Drawing around = without(drawing, patches, Index(shape.holes.size()) + 1);
-    Mesh mesh = fill(mesh_drawing(names, around, field, min_angle_deg), patches);
+    Mesh mesh = fill(mesh_drawing(names, around, field, min_angle_deg, curved), patches);
     constexpr int patience = 6;
     const std::vector<bool> bad = cramped(mesh, patches, min_angle_deg);
     if (attempt == patience || std::ranges::none_of(bad, std::identity{})) return mesh;
@@ -553,8 +589,8 @@ Mesh triangulate(const Shape& shape, const Sizing& given, const Background* back
   const Sizing sizing = checked(shape, given);
   const Drawing drawing = draw(shape);
   const SizeField field = field_of(shape, drawing, sizing, background);
-  if (sizing.mirrored_tips) return with_patches(shape, drawing, field, sizing.min_angle_deg);
-  return mesh_drawing(shape, drawing, field, sizing.min_angle_deg).mesh;
+  if (sizing.mirrored_tips) return with_patches(shape, drawing, field, sizing.min_angle_deg, sizing.curved);
+  return mesh_drawing(shape, drawing, field, sizing.min_angle_deg, sizing.curved).mesh;
 }
 
 }  // namespace

@@ -67,6 +67,6 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, double ac
 
 /// Strands split at the target length. Whole circles and ellipses on which no crack ends get the polygon that has their
 /// area. `finer` multiplies the number of pieces on arcs.
-Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer);
+Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, bool curved);
 
 }  // namespace kerf

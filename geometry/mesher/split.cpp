@@ -13,10 +13,12 @@ namespace kerf {
 namespace {
 
 constexpr double max_pieces = 4e6;  // per strand
+constexpr double widest = pi / 4;   // piece of an arc that an edge follows
 
 /// Parameters that split a strand into pieces of about the target length: equal steps of the
 /// integral of ds / h.
-std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer) {
+std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer,
+                           bool curved) {
   std::vector<double> s{0}, steps{0};
   std::vector<std::array<double, 2>> open{{0, 1}};
   const double longest = strand.arc ? 1.0 / 8 : 1;
@@ -38,6 +40,8 @@ std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const S
   }
   const bool whole = strand.arc && strand.from == strand.to;
   int count = std::max(whole ? 8 : 1, int(std::lround(steps.back())));
+  if (strand.arc && curved)
+    count = std::max(count, int(std::ceil(std::abs(strand.arc->to - strand.arc->from) / widest)));
   if (strand.arc) count *= finer;
   std::vector<double> at{0};
   std::size_t k = 1;
@@ -134,16 +138,17 @@ void keep_area(const Drawing& drawing, Pieces& all) {
 
 }  // namespace
 
-Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) {
+Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, bool curved) {
   Pieces all{drawing.corners, {}};
   std::vector<bool> mouth(drawing.corners.size(), false);
   for (const Strand& strand : drawing.strands)
     if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
-    const std::vector<double> s = strand.keep ? std::vector<double>{0, 1} : spaced(drawing, strand, field, finer);
+    const std::vector<double> s =
+        strand.keep ? std::vector<double>{0, 1} : spaced(drawing, strand, field, finer, curved);
     std::vector<double> factor(s.size() - 1, 1.0);
-    if (strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
+    if (!curved && strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
       factor = area_factors(*strand.arc, s);
     const auto moved = [&](const Vec2& x, std::size_t i) -> Vec2 {
       return factor[i] == 1 ? x : strand.arc->center + factor[i] * (x - strand.arc->center);
@@ -160,7 +165,7 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer) 
       previous = next;
     }
   }
-  keep_area(drawing, all);
+  if (!curved) keep_area(drawing, all);
   return all;
 }
 

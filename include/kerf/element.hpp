@@ -171,6 +171,10 @@ constexpr bool can_have_regions(const Element& e) {
 constexpr bool can_be_strained(const Element& e) {
   return is_mixed(e) && !is_symmetric(e);
 }
+/// Triangles with curved edges, onto which Piola's transformation takes the spaces of straight ones.
+constexpr bool can_be_curved(const Element& e) {
+  return is_mixed(e) && !is_symmetric(e) && e.at_vertices == AtVertices::Nothing && e.cut == Cut::None;
+}
 /// Incompressible materials, nu = 1/2.
 constexpr bool can_be_incompressible(const Element& e) {
   return is_mixed(e);

@@ -1,6 +1,7 @@
 #pragma once
 // Triangles, edges, and what each edge is. Plain arrays; nothing here knows about unknowns.
 
+#include "kerf/shape.hpp"
 #include "kerf/types.hpp"
 
 #include <array>
@@ -28,6 +29,10 @@ struct Mesh {
   std::vector<Index> crack;                    // per edge: crack number or none
   std::vector<std::vector<CrackEdge>> cracks;  // per crack, its edges from the start of its path to the end
   std::vector<Index> region;                   // per triangle: region number or none; empty when there are none
+  // Edges that stand for a piece of an arc, x(from) = points[edges[e][0]], x(to) = points[edges[e][1]]: elements that
+  // can be curved follow it. Per edge its place in `arcs` or none; empty when all edges are straight.
+  std::vector<Index> arc = {};
+  std::vector<Arc> arcs = {};
 };
 
 /// An edge that means something: a piece of the boundary (label) or of a crack, a -> b along the crack's path.
@@ -87,7 +92,7 @@ std::vector<Index> locate(const Mesh& mesh, std::span<const Vec2> points);
 /// A triangle of least distance to a finite point, wherever that lies; none if there are no triangles.
 Index nearest_triangle(const Mesh& mesh, const Locator& locator, const Vec2& point);
 
-/// Every triangle into four similar ones; labels and cracks carry over.
+/// Every triangle into four similar ones; labels and cracks carry over, arcs do not.
 Mesh refine(const Mesh& mesh);
 
 }  // namespace kerf

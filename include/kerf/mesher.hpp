@@ -15,6 +15,7 @@ struct Sizing {
   double across = 2;            // edges across narrow gaps between sides
   bool mirrored_tips = false;   // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
                                 // friction needs [theory: F.8]
+  bool curved = false;          // edges along arcs of loops and regions follow them: Mesh::arc
   std::vector<Vec2> ends = {};  // points with edges of end_size: where contact ends (solve_graded finds them)
 };
 /// Target edge length at Sizing::ends, for a size that is given (not 0). Adjoints are singular there as states are at
@@ -31,7 +32,8 @@ struct Background {
 };
 
 /// Constrained Delaunay triangulation, seeded with a hexagonal lattice per size level, refined (Ruppert, Shewchuk) and
-/// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area. Besides tips, short
+/// smoothed. Whole circles and ellipses on which no crack ends become polygons of the same area, unless their edges are
+/// curved: these are pieces of at most 45 degrees, their ends on the arc. Besides tips, short
 /// edges are asked for by kinks and mouths of cracks, reentrant corners, curved sides, short sides and narrow gaps.
 /// Sides to be kept are never split; beside those longer than the target the edges grow to their length, and the angles
 /// are no longer promised.

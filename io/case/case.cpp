@@ -40,6 +40,16 @@ void read_material(const Value& document, Case& c) {
   c.scene.material = elastic(material, constants, c.plane_strain);
 }
 
+/// What mesh.curved asks of the element and the body.
+void check_curved(const Value& document, const Case& c) {
+  if (!c.sizing.curved) return;
+  const Value curved = need(*find_table(document, "mesh"), "curved");
+  if (const auto why = refusal(c.element, can_be_curved))
+    fail(curved.node->position, fmt::format("{}: {}", curved.name, *why));
+  if (find(need(document, "domain"), "file"))
+    fail(curved.node->position, curved.name + " goes with a body that is drawn in the case: a file has chords already");
+}
+
 void read_mesh(const Value& document, Case& c) {
   const auto mesh = find_table(document, "mesh");
   if (!mesh) return;
@@ -47,6 +57,7 @@ void read_mesh(const Value& document, Case& c) {
   take(*mesh, "size", c.sizing.size);
   take(*mesh, "crack_tip_size", c.sizing.crack_tip_size);
   take(*mesh, "min_angle", c.sizing.min_angle_deg);
+  take(*mesh, "curved", c.sizing.curved);
   if (const auto mesher = find(*mesh, "mesher"); mesher && !find(need(document, "domain"), "file"))
     fail(mesher->node->position, mesher->name + " goes with a geometry in domain.file");
   if (const auto adapt = find_table(*mesh, "adapt")) {
@@ -175,6 +186,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_functional(document, origin.folder, definitions, c);
   read_mesh(document, c);
   read_solver(document, c);
+  check_curved(document, c);
   read_synthetic(document, c);
   read_optimize(document, origin.folder, frozen, definitions, c);
   check_all_used(definitions);

@@ -295,6 +295,13 @@ constexpr Key rows[] = {
      "Least angle in degrees, kept wherever the drawing's own angles allow.",
      "20",
      "25"},
+    {"mesh.curved",
+     Boolean,
+     {},
+     "Edges along arcs, circles and ellipses follow them, and stresses converge at the order of the element there. For "
+     "bdms and afw; solve and map. Of bounds that of the energy alone is known there, and a validation uses chords.",
+     "true",
+     "false"},
     {"mesh.mesher",
      Word,
      {.words = mesher_words},

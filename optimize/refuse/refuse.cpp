@@ -192,6 +192,9 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   if (auto why = wrong_load_cases(p.objective, r)) all.push_back({"load_case[0]", *why});
   if (auto why = wrong_volume(p.objective, r))
     all.push_back({r.volume_at_most ? "optimize.volume.at_most" : "optimize", *why});
+  if (p.sizing.curved)
+    all.push_back(
+        {"mesh.curved", "mesh.curved is for solve and map; an optimization moves straight edges: leave it out"});
   look_at_materials(p, all);
   look_at_cracks(p, r, all);
   look_at_gaps(p, all);

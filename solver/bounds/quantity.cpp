@@ -55,6 +55,7 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 }
 
 std::string unavailable(const Model& m) {
+  if (!m.mesh.arc.empty()) return "no bounds: triangles are curved (mesh.curved)";
   if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";

@@ -43,6 +43,7 @@ double work(const Material& material, const Mat2& s) {
 
 Bounded squared_stress_bounds(const Model& model, const Field& state, const SquaredVonMises& square) {
   if (const std::string why = unavailable(model.scene); !why.empty()) return lost(why);
+  if (!model.mesh.arc.empty()) return lost("no bound: triangles are curved (mesh.curved)");
   if (!model.inner->data.strain.empty()) return lost("no bound: the body has an eigenstrain");
   const AdmissiblePair pair = admissible(model, state, 0);
   if (!std::isfinite(pair.bounds.upper - pair.bounds.lower)) return lost(pair.bounds.note);

@@ -232,9 +232,12 @@ class EdgeIntegration {
  public:
   EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, double size)
       : f_(f), edge_(edge), what_(what), size_(std::max(size, size_on(f, edge))) {}
+  /// `at`: of a curved edge its value at s.
+  EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, std::function<Vec2(double)> at)
+      : f_(f), edge_(edge), what_(what), size_(0), at_(std::move(at)) {}
 
   EdgeValues run() {
-    if (f_.known()) {
+    if (f_.known() && !at_) {
       EdgeValues v = enclosed();
       if (!contradicted_) return v;
       parts_.clear();
@@ -244,7 +247,7 @@ class EdgeIntegration {
 
  private:
   Vec2 value(double s) const {
-    const Vec2 x = edge_.a + s * (edge_.b - edge_.a), v = f_(x, edge_.n);
+    const Vec2 x = edge_.a + s * (edge_.b - edge_.a), v = at_ ? at_(s) : f_(x, edge_.n);
     if (!v.allFinite())
       throw Error(Fault::Numerics, fmt::format("the {} is not finite at ({:.6g}, {:.6g})", what_, x.x(), x.y()));
     return v;
@@ -402,9 +405,29 @@ class EdgeIntegration {
   int evaluations_ = 0;
   bool contradicted_ = false;  // a value lies outside of what encloses it
   double scale_ = 0;
+  std::function<Vec2(double)> at_;
 };
 
 }  // namespace
+
+EdgeValues curved_edge_values(const BoundaryField& f, const Mesh& mesh, const Bows& bows, Index edge, const char* what,
+                              bool density) {
+  const EdgeLine line = edge_line(mesh, edge);
+  const double chord = (line.b - line.a).norm();
+  const auto at = [&](double s) -> Vec2 {
+    const OnEdge p = on_edge(mesh, bows, edge, s);
+    const double speed = p.slope.norm();
+    Vec2 n = Vec2(p.slope.y(), -p.slope.x()) / speed;
+    if (n.dot(line.n) < 0) n = -n;
+    return (density ? speed / chord : 1) * f(p.x, n);
+  };
+  EdgeValues v = EdgeIntegration(f, line, what, at).run();
+  // A polynomial along a polynomial edge, with its normal: nothing hides between points that agree on it.
+  constexpr int low = 4;
+  if (v.how == Resolution::Sampled && f.known() && f.known()->degree() >= 0 && f.known()->degree() <= low)
+    v.how = Resolution::Proved;
+  return v;
+}
 
 EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size) {
   return EdgeIntegration(f, edge, what, size).run();

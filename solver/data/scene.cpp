@@ -1,5 +1,7 @@
 #include "solver/data.hpp"
 
+#include "solver/element/local.hpp"
+
 #include "solver/parallel.hpp"
 
 #include <algorithm>
@@ -32,6 +34,29 @@ void add_unseen(const Mesh& mesh, const std::vector<EdgeValues>& values, bool pr
     found = which;
   }
   if (found) all.push_back(*found);
+}
+
+bool is_bowed(const Mesh& mesh, const Bows& bows, Index t) {
+  const auto& [a, b, c] = mesh.edges_of[t];
+  return bow_at(bows, a) || bow_at(bows, b) || bow_at(bows, c);
+}
+
+// A body force in a curved triangle, at the points of the rule.
+TriangleValues curved_values(const VectorField& f, const Mesh& mesh, const Bows& bows, Index t,
+                             const TriangleRule& rule) {
+  Triangle shape;
+  for (int i = 0; i < 3; ++i) {
+    const Index e = mesh.edges_of[t][i];
+    shape.x[i] = mesh.points[mesh.triangles[t][i]];
+    shape.forward[i] = mesh.sides[e][0] == t;
+    shape.bow[i] = bow_at(bows, e);
+  }
+  TriangleValues v;
+  const Points x = rule_points(rule, shape);
+  v.at.resize(2, x.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q) v.at.col(q) = f(x.col(q));
+  v.how = Resolution::Sampled;
+  return v;
 }
 
 }  // namespace
@@ -105,7 +130,7 @@ const std::vector<Index>& labeled(const SceneData& data, Index label) {
   return label < 0 || label >= static_cast<Index>(data.edges.size()) ? nothing : data.edges[label];
 }
 
-SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
+SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) {
   SceneData data;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const Index label = mesh.label[e];
@@ -113,15 +138,18 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
     if (label >= static_cast<Index>(data.edges.size())) data.edges.resize(static_cast<std::size_t>(label) + 1);
     data.edges[label].push_back(e);
   }
-  const auto values = [&](Index label, const BoundaryField& f, const char* what) {
+  const auto values = [&](Index label, const BoundaryField& f, const char* what, bool density) {
     LoadedEdges all{label, {}};
     double size = 0;
     for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line(mesh, e)));
-    for (const Index e : labeled(data, label)) all.values.push_back(edge_values(f, edge_line(mesh, e), what, size));
+    for (const Index e : labeled(data, label))
+      all.values.push_back(bow_at(bows, e) ? curved_edge_values(f, mesh, bows, e, what, density)
+                                           : edge_values(f, edge_line(mesh, e), what, size));
     return all;
   };
-  for (const Support& s : scene.supports) data.supports.push_back(values(s.label, s.value, "prescribed displacement"));
-  for (const Traction& t : scene.tractions) data.tractions.push_back(values(t.label, t.value, "traction"));
+  for (const Support& s : scene.supports)
+    data.supports.push_back(values(s.label, s.value, "prescribed displacement", false));
+  for (const Traction& t : scene.tractions) data.tractions.push_back(values(t.label, t.value, "traction", true));
   for (std::size_t c = 0; c < std::min(mesh.cracks.size(), scene.laws.size()); ++c) {
     const BoundaryField& p = scene.laws[c].pressure;
     if (!p || scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
@@ -129,14 +157,16 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene) {
     double size = 0;
     for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line(mesh, e.edge)));
     for (const CrackEdge& e : mesh.cracks[c])
-      all.values.push_back(edge_values(p, edge_line(mesh, e.edge), "pressure in a crack", size));
+      all.values.push_back(bow_at(bows, e.edge)
+                               ? curved_edge_values(p, mesh, bows, e.edge, "pressure in a crack", false)
+                               : edge_values(p, edge_line(mesh, e.edge), "pressure in a crack", size));
     data.pressures.push_back(std::move(all));
   }
   return data;
 }
 
-SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
-  SceneData data = boundary_data(mesh, scene);
+SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
+  SceneData data = boundary_data(mesh, scene, bows);
   data.strain = strain_data(mesh, scene, rule, threads);
   if (!scene.body || is_polynomial(scene.body)) return data;
   data.body.resize(mesh.triangles.size());
@@ -144,6 +174,10 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
+      if (is_bowed(mesh, bows, t)) {
+        data.body[t] = curved_values(scene.body, mesh, bows, t, rule);
+        continue;
+      }
       data.body[t] = triangle_values(scene.body, {mesh.points[a], mesh.points[b], mesh.points[c]}, rule, size);
     }
   });

@@ -21,6 +21,7 @@ constexpr std::array refusals{
     Refusal{can_press_cracks, "cannot do cracks with a pressure in them"},
     Refusal{can_have_regions, "cannot do regions of other materials: its stress is one at every vertex"},
     Refusal{can_be_strained, "cannot do an eigenstrain"},
+    Refusal{can_be_curved, "cannot do curved triangles", "mesh.curved = false"},
     Refusal{can_be_incompressible, "cannot do an incompressible material (poisson = 0.5)"},
     Refusal{can_be_enclosed,
             "cannot do an incompressible body (poisson = 0.5) that its supports enclose: its pressure has no level"},

@@ -65,9 +65,11 @@ struct Elimination : Space<E> {
   Rowwise<S, 1> YT;     // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
   Rowwise<B, 1> ZT;
   double gamma;
+  double density;  // one over the area in xi
 
   Elimination(const LocalArrays<E, S>& a, const Material& material, const Penalty& penalty) {
     gamma = 1 / (2 * material.mu);
+    density = 1 / a.area;
     factorize(a, penalty);
     YB = a.Bt;
     YC = a.Ct;
@@ -117,8 +119,8 @@ struct Elimination : Space<E> {
     if (penalty.a > 0) {
       result.trace = s.h * (YC.transpose().lazyProduct(YT) - Z.transpose().lazyProduct(ZT));
       if constexpr (V > 0) result.trace.template tail<V>() *= s.h;
-      result.own = 2 * ZT.dot(given);
-      result.by_theta = 2 * (YT.squaredNorm() - ZT.squaredNorm());
+      result.own = density * ZT.dot(given);
+      result.by_theta = density * (YT.squaredNorm() - ZT.squaredNorm());
     }
     return result;
   }
@@ -130,7 +132,7 @@ struct Elimination : Space<E> {
     return F;
   }
   double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
-    return 2 * (YT.dot(stress) + ZT.dot(low));
+    return density * (YT.dot(stress) + ZT.dot(low));
   }
 
   // Right-hand sides of the dual problem: `stress` <- L^-1 stress, `own` <- LB^-1 own; returned is
@@ -166,7 +168,7 @@ struct Elimination : Space<E> {
  private:
   void factorize(const LocalArrays<E, S>& a, const Penalty& penalty) {
     L = a.M;
-    if (penalty.a > 0) L += 2 * penalty.a * a.trace * a.trace.transpose();  // the area in xi is 1/2
+    if (penalty.a > 0) L += density * penalty.a * a.trace * a.trace.transpose();
     for (int i = 0; i < S; ++i)
       for (int b = 0; b < B; ++b) {
         const double factor = gamma * a.Bt(i, b);

@@ -103,16 +103,43 @@ struct InteriorFields : Space<E> {
 
   static Eigen::Vector4d stress_at_point(const Triangle& t, const Eigen::Ref<const Eigen::VectorXd>& c, const Vec2& x) {
     const Scaled s = scale(t);
-    return stress_at(s, c, (x - s.center) / s.h);
+    const Place p = place_of(t, s, x);
+    return p.pushed(stress_at(s, c, p.xi));
+  }
+
+  // A point in the coordinates of the spaces; stresses there stand for these of the body: S D'/J [theory: E.26].
+  struct Place {
+    Vec2 xi;
+    bool curved = false;
+    Mat2 D = Mat2::Identity();
+    double J = 1;
+
+    Eigen::Vector4d pushed(const Eigen::Vector4d& S) const {
+      if (!curved) return S;
+      const Vec2 first = D * S.template head<2>() / J, second = D * S.template tail<2>() / J;
+      return {first.x(), first.y(), second.x(), second.y()};
+    }
+    // The transpose.
+    Eigen::Vector4d pulled(const Eigen::Vector4d& w) const {
+      if (!curved) return w;
+      const Vec2 first = D.transpose() * w.template head<2>() / J, second = D.transpose() * w.template tail<2>() / J;
+      return {first.x(), first.y(), second.x(), second.y()};
+    }
+  };
+  static Place place_of(const Triangle& t, const Scaled& s, const Vec2& x) {
+    if (!is_curved(t)) return {(x - s.center) / s.h};
+    const Vec2 l = cell_coordinates(t, x);
+    const CellMap map = cell_map(t, l);
+    return {point(s, l.x(), l.y()), true, map.D, map.J};
   }
 
   static Fields evaluate(const Triangle& t, const Eigen::Ref<const Eigen::VectorXd>& c, const Points& x) {
     const Scaled s = scale(t);
     Fields f{Eigen::Matrix4Xd(4, x.cols()), Points::Zero(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
     for (Eigen::Index i = 0; i < x.cols(); ++i) {
-      const Vec2 xi = (x.col(i) - s.center) / s.h;
-      const auto v = monomials_at(xi);
-      f.stress.col(i) = stress_at(s, c, xi);
+      const Place p = place_of(t, s, x.col(i));
+      const auto v = monomials_at(p.xi);
+      f.stress.col(i) = p.pushed(stress_at(s, c, p.xi));
       for (int b = 0; b < U / 2; ++b) f.displacement.col(i) += v[b] * c.template segment<2>(F + 2 * b);
       for (int r = 0; r < rotation_count(E); ++r) f.rotation[i] += v[r] * c[F + U + r];
     }
@@ -123,14 +150,15 @@ struct InteriorFields : Space<E> {
     const Scaled s = scale(t);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(interior_count(E));
     for (Eigen::Index i = 0; i < x.cols(); ++i) {
-      const Vec2 xi = (x.col(i) - s.center) / s.h;
-      const auto v = monomials_at(xi);
-      for (int m = 0; m < P; ++m) all.template segment<4>(4 * m) += v[m] * w.stress.col(i);
+      const Place p = place_of(t, s, x.col(i));
+      const auto v = monomials_at(p.xi);
+      const Eigen::Vector4d by_stress = p.pulled(w.stress.col(i));
+      for (int m = 0; m < P; ++m) all.template segment<4>(4 * m) += v[m] * by_stress;
       if constexpr (W > 0) {
-        const auto curl = curls_at(s, xi, v);
+        const auto curl = curls_at(s, p.xi, v);
         for (int b = 0; b < W; ++b) {
-          all[4 * P + 2 * b] += curl.row(b) * w.stress.col(i).template head<2>();
-          all[4 * P + 2 * b + 1] += curl.row(b) * w.stress.col(i).template tail<2>();
+          all[4 * P + 2 * b] += curl.row(b) * by_stress.template head<2>();
+          all[4 * P + 2 * b + 1] += curl.row(b) * by_stress.template tail<2>();
         }
       }
       for (int b = 0; b < U / 2; ++b) all.template segment<2>(F + 2 * b) += v[b] * w.displacement.col(i);

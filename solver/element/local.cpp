@@ -3,6 +3,8 @@
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -96,6 +98,7 @@ Kernel kernel(const Element& e) {
            constant_cut(e),
            triangle_rule(2 * stress_degree(e)),
            triangle_rule(8 + e.displacement),
+           can_be_curved(e) ? triangle_rule(4 * e.stress + 2) : TriangleRule{},
            points > 0 ? gauss(points) : EdgeRule{},
            gauss(std::max({1, e.stress, points})),
            {}};
@@ -104,22 +107,134 @@ Kernel kernel(const Element& e) {
   return k;
 }
 
+namespace {
+
+std::array<Vec2, 3> barycentric_slopes(const Triangle& t) {
+  const double twice = 2 * area(t);
+  std::array<Vec2, 3> slope;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 e = t.x[(i + 2) % 3] - t.x[(i + 1) % 3];
+    slope[i] = Vec2(-e.y(), e.x()) / twice;
+  }
+  return slope;
+}
+
+// Of a curved edge at a point of the triangle: its ends in its own direction, l_a l_b, s.
+struct Bowed {
+  int a, b;
+  double both, s;
+};
+Bowed bowed(const Triangle& t, int e, const std::array<double, 3>& l) {
+  const int a = (e + (t.forward[e] ? 1 : 2)) % 3, b = (e + (t.forward[e] ? 2 : 1)) % 3;
+  return {a, b, l[a] * l[b], 0.5 * (1 + l[b] - l[a])};
+}
+
+}  // namespace
+
+CellMap cell_map(const Triangle& t, const Vec2& l) {
+  const std::array<double, 3> at = {1 - l.x() - l.y(), l.x(), l.y()};
+  CellMap map{at[0] * t.x[0] + at[1] * t.x[1] + at[2] * t.x[2], Mat2::Identity(), 1};
+  if (!is_curved(t)) return map;
+  const std::array<Vec2, 3> slope = barycentric_slopes(t);
+  for (int e = 0; e < 3; ++e) {
+    if (!t.bow[e]) continue;
+    const auto [a, b, both, s] = bowed(t, e, at);
+    const Vec2 q = height(*t.bow[e], s), along = height_slope(*t.bow[e], s);
+    map.x += both * q;
+    map.D +=
+        q * (at[b] * slope[a] + at[a] * slope[b]).transpose() + 0.5 * both * along * (slope[b] - slope[a]).transpose();
+  }
+  map.J = map.D.determinant();
+  return map;
+}
+
+std::array<Mat2, 2> cell_map_slopes(const Triangle& t, const Vec2& l) {
+  const std::array<double, 3> at = {1 - l.x() - l.y(), l.x(), l.y()};
+  const std::array<Vec2, 3> slope = barycentric_slopes(t);
+  std::array<Mat2, 2> D = {Mat2::Zero(), Mat2::Zero()};
+  for (int e = 0; e < 3; ++e) {
+    if (!t.bow[e]) continue;
+    const auto [a, b, both, s] = bowed(t, e, at);
+    const Vec2 q = height(*t.bow[e], s), first = height_slope(*t.bow[e], s), second = 2 * t.bow[e]->q[2],
+               of_both = at[b] * slope[a] + at[a] * slope[b], of_s = 0.5 * (slope[b] - slope[a]);
+    for (int axis = 0; axis < 2; ++axis)
+      D[axis] += of_s[axis] * first * of_both.transpose() +
+                 q * (slope[b][axis] * slope[a] + slope[a][axis] * slope[b]).transpose() +
+                 (of_both[axis] * first + both * of_s[axis] * second) * of_s.transpose();
+  }
+  return D;
+}
+
+Vec2 cell_coordinates(const Triangle& t, const Vec2& x) {
+  Mat2 sides;
+  sides << t.x[1] - t.x[0], t.x[2] - t.x[0];
+  const Mat2 inverse = sides.inverse();
+  Vec2 l = inverse * (x - t.x[0]);
+  if (!is_curved(t)) return l;
+  constexpr int most = 30;
+  const double h = std::sqrt(2 * area(t)), close = 1e-15 * (h + x.cwiseAbs().maxCoeff());
+  double before = infinity;
+  for (int step = 0; step < most; ++step) {
+    const CellMap map = cell_map(t, l);
+    const Vec2 left = x - map.x;
+    const double size = left.norm();
+    if (size <= close || !(size < before) || !(map.J > 0)) break;
+    before = size;
+    l += inverse * map.D.inverse() * left;
+  }
+  return l;
+}
+
+const TriangleRule& stress_rule(const Kernel& k, const Triangle& t) {
+  return is_curved(t) ? k.curved : k.rule;
+}
+
+Eigen::VectorXd rule_weights(const TriangleRule& rule, const Triangle& t) {
+  Eigen::VectorXd w = rule.w;
+  if (is_curved(t))
+    for (Eigen::Index q = 0; q < w.size(); ++q) w[q] *= cell_map(t, rule.x.col(q)).J;
+  return w;
+}
+
+double cell_area(const Kernel& k, const Triangle& t) {
+  return is_curved(t) ? area(t) * rule_weights(k.curved, t).sum() : area(t);
+}
+
 Points rule_points(const TriangleRule& rule, const Triangle& t) {
   Points x(2, rule.w.size());
+  if (is_curved(t)) {
+    for (Eigen::Index q = 0; q < x.cols(); ++q) x.col(q) = cell_map(t, rule.x.col(q)).x;
+    return x;
+  }
   for (Eigen::Index q = 0; q < x.cols(); ++q)
     x.col(q) = (1 - rule.x(0, q) - rule.x(1, q)) * t.x[0] + rule.x(0, q) * t.x[1] + rule.x(1, q) * t.x[2];
   return x;
 }
 
+Points chord_points(const TriangleRule& rule, const Triangle& t) {
+  Triangle chords = t;
+  chords.bow = {};
+  return (rule_points(rule, chords).colwise() - centroid(t)) / std::sqrt(2 * area(t));
+}
+
+Points seen_places(const Kernel& k, const Triangle& t) {
+  const Points x = rule_points(k.curved, t);
+  const Eigen::MatrixXd v = monomials(k.element.displacement, chord_points(k.curved, t)),
+                        weighted = v * k.curved.w.asDiagonal();
+  const Eigen::MatrixXd mass = weighted * v.transpose();
+  return mass.llt().solve(weighted * x.transpose()).transpose();
+}
+
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force) {
   const Points x = rule_points(k.load, t);
-  const Eigen::MatrixXd v = monomials(k.element.displacement, (x.colwise() - centroid(t)) / std::sqrt(2 * area(t)));
+  const Eigen::VectorXd w = rule_weights(k.load, t);
+  const Eigen::MatrixXd v = monomials(k.element.displacement, chord_points(k.load, t));
   ForceMoments moments = ForceMoments::Zero(displacement_count(k.element));
   for (Eigen::Index q = 0; q < x.cols(); ++q) {
     const Vec2 at = x.col(q), value = force.col(q);
     if (!value.allFinite())
       throw Error(Fault::Numerics, fmt::format("the body force is not finite at ({:.6g}, {:.6g})", at.x(), at.y()));
-    for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += k.load.w[q] * v(b, q) * value;
+    for (Eigen::Index b = 0; b < v.rows(); ++b) moments.segment<2>(2 * b) += w[q] * v(b, q) * value;
   }
   return moments;
 }
@@ -138,8 +253,9 @@ double legendre(int k, double s) {
 Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
   const Vec2& from = t.x[(edge + 1) % 3];
   const Vec2& to = t.x[(edge + 2) % 3];
-  const double along = t.forward[edge] ? k.trace.s[point] : 1 - k.trace.s[point];
-  return from + along * (to - from);
+  const double own = k.trace.s[point], along = t.forward[edge] ? own : 1 - own;
+  const Vec2 on_chord = from + along * (to - from);
+  return t.bow[edge] ? Vec2(on_chord + own * (1 - own) * height(*t.bow[edge], own)) : on_chord;
 }
 
 Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,

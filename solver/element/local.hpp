@@ -4,6 +4,7 @@
 
 #include "kerf/scene.hpp"
 #include "kerf/state.hpp"
+#include "solver/element/bow.hpp"
 #include "solver/element/spaces.hpp"
 #include "solver/quadrature.hpp"
 
@@ -20,7 +21,13 @@ struct Triangle {
                                            Eigen::Matrix3d::Identity()};
   // Per edge its frames at the Gauss points where they differ along it (curved cracks), or nothing.
   std::array<const Mat2*, 3> bent = {nullptr, nullptr, nullptr};
+  // Per edge how it bows out, or nothing where it is straight.
+  std::array<const Bow*, 3> bow = {nullptr, nullptr, nullptr};
 };
+
+inline bool is_curved(const Triangle& t) {
+  return t.bow[0] || t.bow[1] || t.bow[2];
+}
 
 inline const Mat2& frame_at(const Triangle& t, int edge, int point) {
   return t.bent[edge] ? t.bent[edge][point] : t.frame[edge];
@@ -42,6 +49,7 @@ struct Kernel {
   Eigen::MatrixXd cut;            // per stress function its coefficients in the full tensors, where the cut is constant
   TriangleRule rule;              // exact for products of two stresses
   TriangleRule load;              // for data: exact to degree 8
+  TriangleRule curved;            // in place of `rule` in curved triangles, where products of stresses are rational
   EdgeRule trace;                 // the Gauss points that carry the multipliers; the middle in p2
   EdgeRule edge;                  // exact for the moments of a normal stress of higher degree than the trace
   Eigen::MatrixXd trace_at_edge;  // the trace functions at its points
@@ -158,7 +166,32 @@ Eigen::Vector4d stress_at(const Kernel& k, const Triangle& t, Eigen::Ref<const E
 
 double area(const Triangle& t);
 Vec2 centroid(const Triangle& t);
+
+/// The map of a curved triangle, from the one of its chords: Phi(X) = X + sum over its curved edges of l_a l_b q(s)
+/// [theory: E.25]; its derivative D by X, J = det D. The identity of a straight one.
+struct CellMap {
+  Vec2 x;
+  Mat2 D;
+  double J;
+};
+CellMap cell_map(const Triangle& t, const Vec2& l);  // l: the second and the third barycentric coordinate
+/// Of D along the two coordinates.
+std::array<Mat2, 2> cell_map_slopes(const Triangle& t, const Vec2& l);
+/// (l1, l2) that the map takes to x; of points outside those of the map's polynomial, as far as it can be inverted.
+Vec2 cell_coordinates(const Triangle& t, const Vec2& x);
+
+/// The rule of products of two stresses on this triangle.
+const TriangleRule& stress_rule(const Kernel& k, const Triangle& t);
+/// Its points, and what times area(t) integrates over the triangle: the rule's weights times J.
 Points rule_points(const TriangleRule& rule, const Triangle& t);
+Eigen::VectorXd rule_weights(const TriangleRule& rule, const Triangle& t);
+/// In the coordinates of its spaces, (X - centroid)/sqrt(2 area), those of the chords.
+Points chord_points(const TriangleRule& rule, const Triangle& t);
+/// The place x in a triangle as its displacements see it: coefficients (columns) of the projection of the map onto
+/// them, in the mean of squares over the triangle of the chords.
+Points seen_places(const Kernel& k, const Triangle& t);
+/// Of the triangle with its curved edges; area(t) is that of its chords.
+double cell_area(const Kernel& k, const Triangle& t);
 /// The k-th Gauss point of edge i.
 Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point);
 

@@ -42,6 +42,7 @@ struct LocalArrays : Space<E> {
   Rowwise<N, X> Ct;     // transposed moments of s n, and of -as s against the rotations at vertices
   Rowwise<B, 1> given;  // right-hand side of the constraints
   Rowwise<N, 1> trace;  // int tr s
+  double area = 0.5;    // of the triangle, in xi
 };
 
 template <const Element& E>
@@ -170,6 +171,35 @@ struct LocalProblem : Space<E> {
     }
   }
 
+  // What a curved triangle has in place of add_tensors and add_bubbles. A stress function S of the chords' triangle
+  // stands for S D'/J: divergence, normal trace and the work on displacements stay as they are [theory: E.26].
+  static void add_curved(const Kernel& k, const Triangle& t, const Scaled& s, const Eigen::Matrix4d& A, Full& a) {
+    a.area = 0;
+    for (Eigen::Index q = 0; q < k.curved.w.size(); ++q) {
+      const Vec2 l = k.curved.x.col(q), xi = point(s, l.x(), l.y());
+      const CellMap map = cell_map(t, l);
+      const double w = 0.5 * k.curved.w[q];
+      const Values v = monomials_at(xi);
+      Eigen::Matrix<double, 4, F> G;  // S D'
+      set_zero(G);
+      for (int m = 0; m < P; ++m)
+        for (int c = 0; c < 4; ++c) G.template block<2, 1>(c / 2 * 2, 4 * m + c) = v[m] * map.D.col(c % 2);
+      if constexpr (W > 0) {
+        const auto curl = curls_at(s, xi, v);
+        for (int b = 0; b < W; ++b)
+          for (int row = 0; row < 2; ++row)
+            G.template block<2, 1>(2 * row, 4 * P + 2 * b + row) = map.D * curl.row(b).transpose();
+      }
+      const Eigen::Matrix<double, 4, F> strain = (w / map.J) * (A * G);
+      for (int i = 0; i < F; ++i) {
+        for (int j = 0; j < F; ++j) a.M(i, j) += G.col(i).dot(strain.col(j));
+        a.trace[i] += w * (G(0, i) + G(3, i));
+        for (int r = 0; r < R; ++r) a.Bt(i, U + r) += w * v[r] * (G(1, i) - G(2, i));
+      }
+      a.area += w * map.J;
+    }
+  }
+
   static Full assemble_full(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
                             const ForceMoments& force) {
     Full a;
@@ -182,8 +212,15 @@ struct LocalProblem : Space<E> {
     for (int i = 0; i < U && force.size() > 0; ++i) a.given[i] = share * force[i];
     const Moments of = moments(k, s);
     const Eigen::Matrix4d A = compliance(material);
-    add_tensors(of, A, a);
-    if constexpr (W > 0) add_bubbles(of, A, a);
+    bool straight = true;
+    if constexpr (can_be_curved(E)) {
+      straight = !is_curved(t);
+      if (!straight) add_curved(k, t, s, A, a);
+    }
+    if (straight) {
+      add_tensors(of, A, a);
+      if constexpr (W > 0) add_bubbles(of, A, a);
+    }
     add_divergence(of, a);
     for (int e = 0; e < 3; ++e) add_edge(k, t, s, e, a);
     if constexpr (V > 0)

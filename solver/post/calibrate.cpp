@@ -32,7 +32,6 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
   const Corners corners = split_for_stress(m.mesh);
   const RecoveredStress better = recover_stress(m, state, corners, singular_corners(m, state, corners), m.scene.body);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const TriangleRule& rule = m.inner->kernel.rule;
   std::vector<Share> shares(static_cast<std::size_t>(triangles));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
@@ -42,11 +41,13 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
         share.recovered = share.recovered && !better.kept[static_cast<std::size_t>(c)];
       if (!share.recovered) continue;
       const Triangle shape = triangle(m, t);
+      const TriangleRule& rule = stress_rule(m.inner->kernel, shape);
       const Points x = rule_points(rule, shape);
+      const Eigen::VectorXd weight = rule_weights(rule, shape);
       const Eigen::Matrix4Xd s = evaluate(m.inner->kernel, shape, state.interior.col(t), x).stress;
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
         const Eigen::Vector3d r = recovered_at(m, state, corners, better, {t, x.col(q)});
-        const double w = area(shape) * rule.w[q];
+        const double w = area(shape) * weight[q];
         share.square += w * (s.col(q) - Eigen::Vector4d(r[0], r[2], r[2], r[1])).squaredNorm();
         share.stress += w * s.col(q).squaredNorm();
       }

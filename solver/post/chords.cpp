@@ -55,9 +55,11 @@ void add_chords(const Shape& shape, const Model& m, const State& s, Indicator& i
   for (Index t = 0; t < triangles; ++t) {
     const Triangle shape_of = triangle(m, t);
     stress +=
-        area(shape_of) * rule.w.dot(evaluate(m, s, t, rule_points(rule, shape_of)).stress.colwise().squaredNorm());
+        area(shape_of) *
+        rule_weights(rule, shape_of).dot(evaluate(m, s, t, rule_points(rule, shape_of)).stress.colwise().squaredNorm());
     for (const Index e : m.mesh.edges_of[static_cast<std::size_t>(t)]) {
       const auto k = static_cast<std::size_t>(e);
+      if (!m.mesh.arc.empty() && m.mesh.arc[k] != none) continue;
       if (m.mesh.label[k] == none && m.mesh.crack[k] == none && !is_interface(m.mesh, e)) continue;
       const Vec2 &a = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][0])],
                  &b = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][1])];

@@ -79,6 +79,26 @@ std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
   return slope;
 }
 
+/// The same where the edges follow arcs: their tangents away from the tip, `count` of them.
+std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t count) {
+  std::vector<Vec2> slope(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = i + 1 < count ? i : i - 1;
+    const auto e = static_cast<std::size_t>(w.edges[k]);
+    const Arc& arc = mesh.arcs[static_cast<std::size_t>(mesh.arc[e])];
+    const double t = mesh.edges[e][0] == w.vertices[i] ? arc.from : arc.to;
+    const Vec2 tangent = (arc.axes * Vec2(-std::sin(t), std::cos(t))).normalized();
+    const Vec2 along = mesh.points[w.vertices[k + 1]] - mesh.points[w.vertices[k]];
+    slope[i] = tangent.dot(along) < 0 ? Vec2(-tangent) : tangent;
+  }
+  return slope;
+}
+
+bool follows_arcs(const Mesh& mesh, const Walk& w, std::size_t edges) {
+  return !mesh.arc.empty() && std::all_of(w.edges.begin(), w.edges.begin() + static_cast<std::ptrdiff_t>(edges),
+                                          [&](Index e) { return mesh.arc[static_cast<std::size_t>(e)] != none; });
+}
+
 /// Cut where the curve has turned too far or comes back, so that it is a graph over the distance from the tip.
 void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
   constexpr double most_turn = 0.5;
@@ -98,10 +118,14 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w) {
   x.resize((tip.curved ? smooth : straight) + 1);
   if (tip.curved) cut_to_graph(x, slopes(x));
   tip.edges.assign(w.edges.begin(), w.edges.begin() + static_cast<std::ptrdiff_t>(x.size()) - 1);
-  const Vec2 back = (tip.curved ? slopes(x).front() : x.back()).normalized();
+  const bool arcs = tip.curved && follows_arcs(mesh, w, tip.edges.size());
+  std::vector<Vec2> slope = arcs ? slopes_of_arcs(mesh, w, x.size()) : slopes(x);
+  const Vec2 back = (tip.curved ? slope.front() : x.back()).normalized();
   tip.frame << -back.x(), back.y(), -back.y(), -back.x();
   for (Vec2& v : x) v = Vec2(tip.frame.transpose() * v);
-  tip.slopes = slopes(x);
+  for (Vec2& v : slope) v = Vec2(tip.frame.transpose() * v);
+  tip.slopes = arcs ? std::move(slope) : slopes(x);
+  tip.follows = arcs;
   tip.vertices = std::move(x);
   return tip;
 }
@@ -163,8 +187,17 @@ double angle_about(const CrackTip& tip, const Vec2& x) {
       std::lower_bound(v.begin() + 1, v.end() - 1, r, [](const Vec2& y, double radius) { return y.norm() < radius; });
   const Vec2 a = *(after - 1), along = *after - a;
   const double half = a.dot(along), square = along.squaredNorm();
-  const double t = (std::sqrt(std::max(half * half + square * (r * r - a.squaredNorm()), 0.0)) - half) / square;
-  const Vec2 there = -(a + t * along);
+  double t = (std::sqrt(std::max(half * half + square * (r * r - a.squaredNorm()), 0.0)) - half) / square;
+  Vec2 there = -(a + t * along);
+  if (tip.follows && t <= 1) {  // cells reach to the curve, not to its chord
+    constexpr int steps = 3;
+    const auto edge = static_cast<std::size_t>(after - v.begin()) - 1;
+    for (int step = 0; step < steps; ++step) {
+      const CurvePoint c = curve_point(tip, edge, t);
+      t -= 0.5 * (c.at.squaredNorm() - r * r) / c.at.dot(c.slope);
+    }
+    there = -curve_point(tip, edge, t).at;
+  }
   return std::atan2(cross(there, x), there.dot(x)) + std::atan2(there.y(), there.x());
 }
 

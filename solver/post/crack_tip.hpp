@@ -16,6 +16,7 @@ struct CrackTip {
   std::vector<Vec2> vertices;     // of those edges: one more, the first at 0, ever farther from it
   std::vector<Vec2> slopes;       // of the curve through the vertices, per length of chord
   bool curved = false;            // straight otherwise, up to rounding
+  bool follows = false;           // edges of the mesh do: Mesh::arc
   double room =
       0;  // to the nearest end of the material other than the smooth part: boundary, other cracks, kinks, regions
 };

@@ -69,11 +69,21 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   jacobian << shape.x[1] - shape.x[0], shape.x[2] - shape.x[0];
   const Mat2 inverse = jacobian.inverse();  // d/dx = sum_k inverse(k, x) d/dl_k
   const Eigen::Index n = x.cols();
+  const Eigen::VectorXd w = rule_weights(rule, shape);
+  std::vector<Mat2> bent;  // the same in curved triangles, where it changes from point to point
+  if (is_curved(shape))
+    for (Eigen::Index q = 0; q < n; ++q) bent.emplace_back(inverse * cell_map(shape, rule.x.col(q)).D.inverse());
   Eigen::MatrixX4d gradient(n, 4), stress = f.stress.transpose();
   for (Eigen::Index q = 0; q < n; ++q)
     gradient.row(q) = displacement_gradient(material, f.stress.col(q), f.rotation[q]).transpose();
   const auto derive = [&](const auto& column, int axis) -> Eigen::VectorXd {
-    return inverse(0, axis) * (d.along[0] * column) + inverse(1, axis) * (d.along[1] * column);
+    const Eigen::VectorXd first = d.along[0] * column, second = d.along[1] * column;
+    if (bent.empty()) return inverse(0, axis) * first + inverse(1, axis) * second;
+    Eigen::VectorXd slope(n);
+    for (Eigen::Index q = 0; q < n; ++q)
+      slope[q] = bent[static_cast<std::size_t>(q)](0, axis) * first[q] +
+                 bent[static_cast<std::size_t>(q)](1, axis) * second[q];
+    return slope;
   };
   Interior result;
   const bool strained = !m.inner->data.strain.empty();
@@ -84,14 +94,14 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   for (int row = 0; row < 2; ++row) {
     Eigen::VectorXd curl = derive(gradient.col(2 * row + 1), 0) - derive(gradient.col(2 * row), 1);
     if (strained) curl += (free[0].row(2 * row + 1) - free[1].row(2 * row)).transpose();
-    result.square += 4 * mu * mu * h * h * rule.w.dot(curl.cwiseAbs2());
+    result.square += 4 * mu * mu * h * h * w.dot(curl.cwiseAbs2());
     if (m.scene.body) {
       const Eigen::VectorXd rest = derive(stress.col(2 * row), 0) + derive(stress.col(2 * row + 1), 1);
-      result.square += h * h * rule.w.dot((rest + force.row(row).transpose()).cwiseAbs2());
+      result.square += h * h * w.dot((rest + force.row(row).transpose()).cwiseAbs2());
     }
   }
-  result.square += rule.w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
-  for (int c = 0; c < 4; ++c) result.stress += rule.w.dot(stress.col(c).cwiseAbs2());
+  result.square += w.dot((stress.col(1) - stress.col(2)).cwiseAbs2());
+  for (int c = 0; c < 4; ++c) result.stress += w.dot(stress.col(c).cwiseAbs2());
   if (strained) {
     result.unseen += 4 * mu * mu * std::min(m.inner->data.strain.rest[t], large);
     constexpr double rounding = 1e-12;  // of the stress that the eigenstrain could make
@@ -106,13 +116,15 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
 EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& rule) {
   const Triangle shape = triangle(m, t);
   Points x(2, 3 * edge_points);
-  std::array<Vec2, 3> tau;
+  Points tau(2, 3 * edge_points);
   for (int e = 0; e < 3; ++e) {
     const Index edge = m.mesh.edges_of[t][e];
-    const Vec2& a = m.mesh.points[m.mesh.edges[edge][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[edge][1]] - a;
-    tau[e] = side.normalized();
-    for (int g = 0; g < edge_points; ++g) x.col(edge_points * e + g) = a + rule.s[g] * side;
+    const double chord = length(m.mesh, edge);
+    for (int g = 0; g < edge_points; ++g) {
+      const OnEdge at = on_edge(m.mesh, m.inner->skeleton.bows, edge, rule.s[g]);
+      x.col(edge_points * e + g) = at.x;
+      tau.col(edge_points * e + g) = at.slope / chord;  // of a curved edge per length of its chord
+    }
   }
   const Fields f = evaluate(m.inner->kernel, shape, s.interior.col(t), x);
   const Eigen::Matrix4Xd free = eigenstrain_at(m, s.eigenstrain, t, x);
@@ -120,7 +132,7 @@ EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& 
   for (int i = 0; i < 3 * edge_points; ++i) {
     const Eigen::Vector4d d =
         displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(i), f.rotation[i]) + free.col(i);
-    const Vec2& direction = tau[i / edge_points];
+    const Vec2 direction = tau.col(i);
     traces.col(i) << d.head<2>().dot(direction), d.tail<2>().dot(direction);
   }
   return traces;
@@ -206,7 +218,8 @@ EdgesWithData edges_with_data(const Model& m) {
   return all;
 }
 
-// d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much.
+// d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much. Of a
+// curved edge per length of its chord, and not in a frame, which turns.
 Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
   constexpr double step = 1e-4;  // central differences: exact to 1e-8 for the cubic functions of a trace
   const Eigen::VectorXd slope =
@@ -214,7 +227,10 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
       (2 * step * length(m.mesh, e));
   Vec2 sum = Vec2::Zero();
   for (Eigen::Index g = 0; g < slope.size(); ++g)
-    sum += slope[g] * s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g);
+    sum +=
+        slope[g] * (bow_at(m.inner->skeleton.bows, e) ? Vec2(frame_at(m.inner->skeleton, e, static_cast<int>(g)) *
+                                                             s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g))
+                                                      : Vec2(s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g)));
   return sum;
 }
 
@@ -252,6 +268,9 @@ struct EdgeResiduals {
     jump -= traces[other].col(edge_points * j + g);
     if (m.inner->skeleton.jump[e] == none) return jump;
     const double sign = m.mesh.sides[e][0] == t ? 1 : -1;  // the jump is right minus left
+    if (bow_at(m.inner->skeleton.bows, e))
+      return frame_between(m.mesh, m.inner->skeleton, e, rule.s[g]).transpose() *
+             (jump + sign * jump_slope(m, s, e, rule.s[g]));
     return m.inner->skeleton.frame[e].transpose() * jump + sign * jump_slope(m, s, e, rule.s[g]);
   }
 
@@ -261,7 +280,8 @@ struct EdgeResiduals {
     if (data.place[e] == none) return Vec2::Zero();
     const Prescribed& given = data.edges[data.place[e]];
     const Vec2 trace = traces[t].col(edge_points * i + g);
-    Vec2 jump = m.inner->skeleton.frame[e].transpose() * trace - given.slope.col(g) / length(m.mesh, e);
+    Vec2 jump = frame_between(m.mesh, m.inner->skeleton, e, rule.s[g]).transpose() * trace -
+                given.slope.col(g) / length(m.mesh, e);
     for (int d = 0; d < 2; ++d)
       if (!given.component[d]) jump[d] = 0;
     return jump;

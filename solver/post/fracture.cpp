@@ -133,6 +133,7 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
   const TriangleRule& rule =
       size < small * (narrow.outer - narrow.inner) ? model.inner->kernel.rule : model.inner->kernel.load;
   const Points x = rule_points(rule, shape);
+  const Eigen::VectorXd weight = rule_weights(rule, shape);
   const Fields f = evaluate(model.inner->kernel, shape, state.interior.col(t), x);
   const bool strained = disc.eigenstrain != 0;
   const Eigen::Matrix4Xd free = eigenstrain_beyond_tip(model, disc, t, x);
@@ -143,7 +144,7 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
   Integrals sum = Integrals::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const Vec2 at = disc.tip.frame.transpose() * (x.col(i) - disc.tip.at);
-    const double r = at.norm(), w = area(shape) * rule.w[i];
+    const double r = at.norm(), w = area(shape) * weight[i];
     const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i], free.col(i));
     const LocalState other = less(disc, {s, d}, at);
     const auto unit = auxiliary_fields(disc.material, at, angle_about(disc.tip, at));
@@ -258,6 +259,12 @@ double fluid_pressure(const Face& face, double t) {
   return face.fluid ? pressure_at(*face.fluid, face.along_edge ? t : 1 - t) : 0;
 }
 
+/// Of a point of a curved edge, in its parameter away from the tip.
+double trace_place(const Model& model, bool along_edge, int point) {
+  const Eigen::VectorXd& s = model.inner->kernel.trace.s;
+  return along_edge ? s[point] : 1 - s[s.size() - 1 - point];
+}
+
 /// Points of the profile per edge, from the tip.
 std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const CrackPoint> profile) {
   const CrackLaw& law = model.scene.laws[tip.crack];
@@ -273,7 +280,9 @@ std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const
     for (std::size_t k = 0; k < count; ++k) {
       const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
       const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
-      face.t.push_back((x - tip.vertices[i]).dot(along) / along.squaredNorm());
+      face.t.push_back(bow_at(model.inner->skeleton.bows, edges[place].edge)
+                           ? trace_place(model, edges[place].forward == tip.at_start, static_cast<int>(k))
+                           : (x - tip.vertices[i]).dot(along) / along.squaredNorm());
       face.points.push_back(p);
       face.points.back().sigma_n = -p.contact_pressure();
     }
@@ -429,9 +438,10 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
     const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
     if (a.norm() >= disc.ring.front().outer) break;
     const std::vector<Spot> all = spots(tip, edge);
+    const bool bowed = bow_at(model.inner->skeleton.bows, tip.edges[edge]);
     Points x(2, static_cast<Eigen::Index>(all.size()));
     for (std::size_t i = 0; i < all.size(); ++i)
-      x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (a + all[i].place * (b - a));
+      x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (bowed ? all[i].at : Vec2(a + all[i].place * (b - a)));
     const double curvature = cross(tip.slopes[edge + 1], tip.slopes[edge]) / (b - a).norm();
     const bool away = (tip.frame * (b - a)).dot(tangent(model.mesh, tip.edges[edge])) > 0;
     for (const bool upper : {true, false}) {
@@ -442,8 +452,8 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
       for (std::size_t i = 0; i < all.size(); ++i) {
         const Eigen::Index column = static_cast<Eigen::Index>(i);
         const Spot& p = all[i];
-        const Auxiliary here =
-            along_curve(in_frame(disc, f.stress.col(column), f.rotation[column], free.col(column)), b - a, p);
+        const Auxiliary beside = in_frame(disc, f.stress.col(column), f.rotation[column], free.col(column)),
+                        here = bowed ? beside : along_curve(beside, b - a, p);
         Eigen::Vector4d through = flux(disc.material, p, less(disc, here, p.at), upper);
         through[auxiliary] = flux(disc.material, p, here, upper)[auxiliary];
         if (disc.eigenstrain != 0)  // J takes the elastic energy

@@ -42,7 +42,9 @@ struct Projection {
   Triangle shape;
   Vec2 center;
   double h;
+  const TriangleRule& rule;
   Points q;
+  Eigen::VectorXd w;  // over the triangle; means are those that the displacements have, over the one of its chords
   Eigen::Matrix<double, n, n> stiffness = Eigen::Matrix<double, n, n>::Zero();
   Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
 
@@ -50,12 +52,13 @@ struct Projection {
       : shape(triangle(model, t)),
         center(centroid(shape)),
         h(std::sqrt(2 * area(shape))),
-        q(rule_points(model.inner->kernel.rule, shape)) {
+        rule(stress_rule(model.inner->kernel, shape)),
+        q(rule_points(rule, shape)),
+        w(rule_weights(rule, shape)) {
     for (Eigen::Index i = 0; i < q.cols(); ++i) {
-      const double w = model.inner->kernel.rule.w[i];
       const Monomials<D> v = at(q.col(i));
-      stiffness += w * v.gradient.transpose() * v.gradient;
-      mean += w * v.value;
+      stiffness += w[i] * v.gradient.transpose() * v.gradient;
+      mean += rule.w[i] * v.value;
     }
   }
   Monomials<D> at(const Vec2& x) const {
@@ -80,12 +83,11 @@ Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& in
   Vec2 mean_displacement = Vec2::Zero();
   const Material& material = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
-    const double w = model.inner->kernel.rule.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
     const Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]) + free.col(i);
-    load.col(0) += w * v.gradient.transpose() * d.head<2>();
-    load.col(1) += w * v.gradient.transpose() * d.tail<2>();
-    mean_displacement += w * f.displacement.col(i);
+    load.col(0) += p.w[i] * v.gradient.transpose() * d.head<2>();
+    load.col(1) += p.w[i] * v.gradient.transpose() * d.tail<2>();
+    mean_displacement += p.rule.w[i] * f.displacement.col(i);
   }
   // d/dx = 1/h d/dxi: coefficients in xi are h times the solution.
   const Eigen::Matrix<double, p.n, 2> c = p.h * p.stiffness.llt().solve(load);
@@ -106,7 +108,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
   Fields w{Eigen::Matrix4Xd(4, p.q.cols()), Points(2, p.q.cols()), Eigen::RowVectorXd(p.q.cols())};
   const Material& m = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
-    const double share = model.inner->kernel.rule.w[i];
+    const double share = p.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
     Eigen::Vector4d d;  // by the gradient d1 u1, d2 u1, d1 u2, d2 u2
     d << v.gradient * by_load.col(0), v.gradient * by_load.col(1);
@@ -115,7 +117,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
     w.stress.col(i) << difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference;
     add_orthotropic(m, d, w.stress.col(i));
     w.rotation[i] = d[1] - d[2];
-    w.displacement.col(i) = share * by_mean;
+    w.displacement.col(i) = p.rule.w[i] * by_mean;
   }
   return weigh(model.inner->kernel, p.shape, p.q, w);
 }
@@ -184,7 +186,7 @@ CornerValues corner_values(const Model& model, const Field& state, const Corners
   Eigen::Matrix<double, 7, Eigen::Dynamic> sum = Eigen::Matrix<double, 7, Eigen::Dynamic>::Zero(7, n);
   Eigen::RowVectorXd weight = Eigen::RowVectorXd::Zero(n);
   for (Index t = 0; t < triangles; ++t) {
-    const double w = area(model.mesh, t);
+    const double w = cell_area(model, t);
     for (int i = 0; i < 3; ++i) {
       sum.col(corners.of[t][i]) += w * local.col(Eigen::Index{3} * t + i);
       weight[corners.of[t][i]] += w;
@@ -218,7 +220,8 @@ double mean_stress(const Model& model, const Field& state) {
   double square = 0;
   for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(model, t);
-    square += area(shape) * stress_at(model.inner->kernel, shape, state.interior.col(t), centroid(shape)).squaredNorm();
+    square += cell_area(model, t) *
+              stress_at(model.inner->kernel, shape, state.interior.col(t), centroid(shape)).squaredNorm();
   }
   return std::sqrt(square / area(model));
 }
@@ -277,6 +280,20 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
 
 }  // namespace
 
+namespace {
+
+double length_along(const Model& model, Index edge) {
+  const Bows& bows = model.inner->skeleton.bows;
+  if (!bow_at(bows, edge)) return length(model.mesh, edge);
+  static const EdgeRule rule = gauss(8);
+  double sum = 0;
+  for (Eigen::Index q = 0; q < rule.s.size(); ++q)
+    sum += rule.w[q] * on_edge(model.mesh, bows, edge, rule.s[q]).slope.norm();
+  return sum;
+}
+
+}  // namespace
+
 std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack) {
   const CrackLaw::Kind law = model.scene.laws[crack].kind;
   const bool mixed = is_mixed(model.element);
@@ -289,16 +306,15 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
   const BoundaryField& fluid = model.scene.laws[crack].pressure;
   std::vector<CrackPoint> profile;
   for (const CrackEdge& c : model.mesh.cracks[crack]) {
-    const double l = length(model.mesh, c.edge);
-    const Vec2& a = model.mesh.points[model.mesh.edges[c.edge][0]];
-    const Vec2& b = model.mesh.points[model.mesh.edges[c.edge][1]];
+    const double l = length_along(model, c.edge);
     for (int k = 0; k < points; ++k) {
       const int g = c.forward ? k : points - 1 - k;
       const double along = rule.s[g];
       CrackPoint p{};
       p.s = done + l * (c.forward ? along : 1 - along);
-      p.at = a + along * (b - a);
-      p.length = l * rule.w[g];
+      const OnEdge on = on_edge(model.mesh, model.inner->skeleton.bows, c.edge, along);
+      p.at = on.x;
+      p.length = on.slope.norm() * rule.w[g];
       if (fluid) p.fluid_pressure = fluid(p.at, normal(model.mesh, c.edge))[0];
       p.sigma_n = -p.fluid_pressure;
       if (mixed)

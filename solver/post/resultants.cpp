@@ -34,15 +34,17 @@ class Holding {
     for (int g = 0; g < skeleton.per_edge / 2; ++g) {
       Vec2 force = Vec2::Zero();
       for (Eigen::Index q = 0; q < k.edge.s.size(); ++q) {
-        const Vec2 x = line.a + k.edge.s[q] * (line.b - line.a);
-        const Vec2 traction = tensor(stress_at(k, shape, s_.interior.col(t), x)) * line.n;
+        const OnEdge p = on_edge(m_.mesh, skeleton.bows, e, k.edge.s[q]);
+        Vec2 n = Vec2(p.slope.y(), -p.slope.x()) / l;  // times the length of the curve over that of the chord
+        if (n.dot(line.n) < 0) n = -n;
+        const Vec2 traction = tensor(stress_at(k, shape, s_.interior.col(t), p.x)) * n;
         force += l * k.edge.w[q] * k.trace_at_edge(g, q) * traction;
       }
-      const Vec2 at = line.a + k.trace.s[g] * (line.b - line.a);
+      const Vec2 at = on_edge(m_.mesh, skeleton.bows, e, k.trace.s[g]).x;
       for (int d = 0; d < 2; ++d) {
         const Index unknown = edge_unknown(skeleton, e) + 2 * g + d;
         if (!skeleton.fixed[unknown]) continue;
-        const Vec2 direction = skeleton.frame[e].col(d);
+        const Vec2 direction = frame_at(skeleton, e, g).col(d);
         r.add(at, (direction.dot(force) - loads_[unknown]) * direction);
       }
     }

@@ -45,10 +45,11 @@ Eigen::VectorXd work_on_motions(const Model& m, const Sensitivity& dJ) {
 Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion) {
   const Kernel& k = m.inner->kernel;
   const Triangle shape = triangle(m, t);
-  const Points x = rule_points(k.rule, shape);
+  const TriangleRule& rule = stress_rule(k, shape);
+  const Points x = rule_points(rule, shape), seen = seen_points(k, shape, rule);
+  const Eigen::VectorXd weight = rule_weights(rule, shape);
   Fields f{Eigen::Matrix4Xd::Zero(4, x.cols()), Points(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
-  for (Eigen::Index q = 0; q < x.cols(); ++q)
-    f.displacement.col(q) = area(shape) * k.rule.w[q] * motion.at(seen_at(k, shape, x.col(q)));
+  for (Eigen::Index q = 0; q < x.cols(); ++q) f.displacement.col(q) = area(shape) * weight[q] * motion.at(seen.col(q));
   return weigh(k, shape, x, f);
 }
 

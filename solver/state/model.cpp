@@ -33,6 +33,7 @@ struct Loaded {
   Scene& scene;
   SceneData data;
   int threads;
+  const Bows& bows;
 };
 
 // Loads in equilibrium hold a body that is in one piece by themselves.
@@ -66,7 +67,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   constexpr double exact = 1e-12;
   if (worst > exact) {
     balance(motions, shares(mesh, k, s, motions, work), scene);
-    loaded.data = scene_data(mesh, scene, k.load, loaded.threads);
+    loaded.data = scene_data(mesh, scene, k.load, loaded.threads, loaded.bows);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
   }
@@ -134,12 +135,20 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
                           rows, edges, most, shortest, at.x(), at.y()));
 }
 
+// What curved triangles cannot do yet.
+void check_curved(const Mesh& mesh, const Scene& scene) {
+  if (!mesh.arc.empty() && has_eigenstrain(scene))
+    throw Error(Fault::Numerics, "an eigenstrain is for straight triangles only; use mesh.curved = false");
+}
+
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
 struct Prepared {
   Prepared(Mesh of, Kernel by, Scene under, int on)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
-    Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads), threads};
-    skeleton = number(mesh, kernel, {scene, loaded.data});
+    const Bows bows = bows_of(mesh, kernel.element);
+    check_curved(mesh, scene);
+    Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads, bows), threads, bows};
+    skeleton = number(mesh, kernel, {scene, loaded.data}, bows);
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
     standing = standing_pieces(mesh, kernel, scene, skeleton);
     if (!standing.in_pieces) floating = check_supports(mesh, kernel, skeleton, loaded, notes);
@@ -245,6 +254,15 @@ Triangle triangle(const Model& model, Index t) {
   return triangle(model.mesh, model.inner->skeleton, t);
 }
 
+double cell_area(const Model& m, Index t) {
+  return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(m.inner->kernel, triangle(m, t));
+}
+
+void require_straight(const Model& m, std::string_view what) {
+  if (m.mesh.arc.empty()) return;
+  throw Error(Fault::Usage, fmt::format("{} is for straight triangles only; use mesh.curved = false", what));
+}
+
 Fields evaluate(const Model& model, const Field& state, Index t, const Points& x) {
   return evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
 }
@@ -254,18 +272,19 @@ double strain_energy(const Model& m, const Field& s) {
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(m, t);
     const Material& material = material_of(m.mesh, m.scene, t);
-    const Points x = rule_points(m.inner->kernel.rule, shape);
+    const TriangleRule& rule = stress_rule(m.inner->kernel, shape);
+    const Points x = rule_points(rule, shape);
+    const Eigen::VectorXd w = rule_weights(rule, shape);
     double sum = 0;
     for (Eigen::Index q = 0; q < x.cols(); ++q) {
       const Eigen::Vector4d v = stress_at(m.inner->kernel, shape, s.interior.col(t), x.col(q));
       const double difference = v[0] - v[3], trace = v[0] + v[3];
-      sum +=
-          m.inner->kernel.rule.w[q] * ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * material.mu) +
-                                       material.c * trace * trace);
+      sum += w[q] * ((0.5 * difference * difference + v[1] * v[1] + v[2] * v[2]) / (2 * material.mu) +
+                     material.c * trace * trace);
       if (isotropic(material)) continue;
       const double shear = 0.5 * (v[1] + v[2]);
       const Eigen::Vector3d more = orthotropic_strain(material, v[0], v[3], shear);
-      sum += m.inner->kernel.rule.w[q] * (more[0] * v[0] + more[1] * v[3] + 2 * more[2] * shear);
+      sum += w[q] * (more[0] * v[0] + more[1] * v[3] + 2 * more[2] * shear);
     }
     energy += 0.5 * area(shape) * sum;
   }
@@ -291,21 +310,25 @@ Mat2 barycentric_slopes(const Mesh& mesh, Index t) {
   return sides.inverse();
 }
 
-// (l1, l2) of points.
-Points barycentric(const Mesh& mesh, Index t, const Points& x) {
-  return barycentric_slopes(mesh, t) * (x.colwise() - mesh.points[mesh.triangles[t][0]]);
+// (l1, l2) of points; of a curved triangle those that its map takes there.
+Points barycentric(const Model& m, Index t, const Points& x) {
+  const Triangle shape = triangle(m, t);
+  if (!is_curved(shape)) return barycentric_slopes(m.mesh, t) * (x.colwise() - m.mesh.points[m.mesh.triangles[t][0]]);
+  Points l(2, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i) l.col(i) = cell_coordinates(shape, x.col(i));
+  return l;
 }
 
 }  // namespace
 
 Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Points& x) {
   if (share == 0 || m.inner->data.strain.empty()) return Eigen::Matrix4Xd::Zero(4, x.cols());
-  return share * strain_at(m.inner->data.strain, t, barycentric(m.mesh, t, x));
+  return share * strain_at(m.inner->data.strain, t, barycentric(m, t, x));
 }
 
 Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
   const Mat2 inverse = barycentric_slopes(m.mesh, t);
-  const Points l = barycentric(m.mesh, t, x);
+  const Points l = barycentric(m, t, x);
   return inverse(0, axis) * strain_slope_at(m.inner->data.strain, t, l, 0) +
          inverse(1, axis) * strain_slope_at(m.inner->data.strain, t, l, 1);
 }
@@ -324,7 +347,7 @@ double potential_energy(const Model& m, const Field& s) {
 
 double area(const Model& m) {
   double sum = 0;
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) sum += area(m.mesh, t);
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) sum += cell_area(m, t);
   return sum;
 }
 

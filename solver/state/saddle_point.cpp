@@ -399,6 +399,7 @@ double rounding_in_stiff_regions(const Model& m, const State& state) {
 }  // namespace
 
 State solve_saddle_point(const Model& m) {
+  require_straight(m, "the saddle-point system (backend \"umfpack\")");
   if (std::ranges::any_of(m.scene.laws, has_gap))
     throw Error(Fault::Usage,
                 "the saddle-point system (backend \"umfpack\") knows no gap of a crack; use the backend \"cholmod\"");

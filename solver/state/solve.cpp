@@ -283,10 +283,12 @@ Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
   Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(m, t);
-    const Points x = rule_points(k.rule, shape), u = evaluate(m, s, t, x).displacement;
-    for (Eigen::Index q = 0; q < x.cols(); ++q) {
-      const double w = area(shape) * k.rule.w[q];
-      const Vec2 at = seen_at(k, shape, x.col(q));
+    const TriangleRule& rule = stress_rule(k, shape);
+    const Points u = evaluate(m, s, t, rule_points(rule, shape)).displacement, seen = seen_points(k, shape, rule);
+    const Eigen::VectorXd weight = rule_weights(rule, shape);
+    for (Eigen::Index q = 0; q < u.cols(); ++q) {
+      const double w = area(shape) * weight[q];
+      const Vec2 at = seen.col(q);
       for (Index i = 0; i < n; ++i) moment[i] += w * u.col(q).dot(m.inner->floating[i].at(at));
     }
   }
@@ -306,7 +308,9 @@ std::vector<ContactPoint> contact_points(const Model& m) {
         p.normal = m.inner->ordering.row[unknown] - leading;
         if (m.inner->skeleton.frictional[unknown + 1]) {
           p.tangential = m.inner->ordering.row[unknown + 1] - leading;
-          p.slip_bound = law.slip_bound * length(m.mesh, c.edge) * m.inner->kernel.trace.w[g];
+          p.slip_bound = law.slip_bound *
+                         on_edge(m.mesh, m.inner->skeleton.bows, c.edge, m.inner->kernel.trace.s[g]).slope.norm() *
+                         m.inner->kernel.trace.w[g];
           p.friction = law.friction;
         }
         points.push_back(p);

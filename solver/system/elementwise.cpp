@@ -41,24 +41,30 @@ Twice along(const RigidMotion& motion, const Twice& dx, const Twice& dy, const V
   return u * direction.x() + v * direction.y();
 }
 
-// visit(first unknown, frame, from, to, s) for every pair of unknowns that are displacements at the point from + s (to
-// - from). Edges go in their own direction, so that both sides of an edge agree on its points to the last bit.
+// visit(first unknown, frame, from, to, s, beyond) for every pair of unknowns that are displacements at the point from
+// + s (to - from) + beyond. Edges go in their own direction, so that both sides of an edge agree on its points to the
+// last bit.
 template <class Visit>
 void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
   const int points = points_per_edge(k.element);
   for (int e = 0; e < 3; ++e) {
     const Vec2 &a = t.x[(e + (t.forward[e] ? 1 : 2)) % 3], &b = t.x[(e + (t.forward[e] ? 2 : 1)) % 3];
-    for (int g = 0; g < points; ++g) visit(2 * (points * e + g), frame_at(t, e, g), a, b, k.trace.s[g]);
+    for (int g = 0; g < points; ++g) {
+      const double s = k.trace.s[g];
+      visit(2 * (points * e + g), frame_at(t, e, g), a, b, s,
+            t.bow[e] ? Vec2(s * (1 - s) * height(*t.bow[e], s)) : Vec2::Zero().eval());
+    }
   }
   if (k.element.at_vertices == AtVertices::Displacement)
-    for (int v = 0; v < 3; ++v) visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0);
+    for (int v = 0; v < 3; ++v)
+      visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0, Vec2::Zero().eval());
 }
 
 // Traces of the translations and of the rotation by 1/h about the center.
 void span_motions(const Kernel& k, const Triangle& t, const Vec2& center, double h, Strained& s) {
   s.span.setZero(skeleton_count(k.element), 3);
-  for_each_point(k, t, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at) {
-    const Vec2 d = (a + at * (b - a) - center) / h;
+  for_each_point(k, t, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at, const Vec2& beyond) {
+    const Vec2 d = (a + at * (b - a) + beyond - center) / h;
     for (int c = 0; c < 2; ++c) s.span.row(first + c) << frame(0, c), frame(1, c), cross(d, frame.col(c));
   });
   if (k.element.at_vertices == AtVertices::Rotation) s.span.bottomRightCorner<3, 1>().setConstant(-1 / h);
@@ -120,11 +126,13 @@ Strained strained(const Model& m, const Twofold& values, Index t) {
   const Eigen::Vector3d most = s.inverse * (s.span.transpose() * trace.high);
   s.motion = {center, most.head<2>(), most[2] / h};
   s.rest = trace.high;
-  for_each_point(k, shape, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at) {
-    const Twice dx = offset(a.x(), b.x(), at, center.x()), dy = offset(a.y(), b.y(), at, center.y());
-    for (int c = 0; c < 2; ++c)
-      s.rest[first + c] = (trace.of[first + c] + along(s.motion, dx, dy, frame.col(c)) * -1).high;
-  });
+  for_each_point(k, shape,
+                 [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at, const Vec2& beyond) {
+                   const Twice dx = offset(a.x(), b.x(), at, center.x()) + Twice{beyond.x(), 0},
+                               dy = offset(a.y(), b.y(), at, center.y()) + Twice{beyond.y(), 0};
+                   for (int c = 0; c < 2; ++c)
+                     s.rest[first + c] = (trace.of[first + c] + along(s.motion, dx, dy, frame.col(c)) * -1).high;
+                 });
   if (k.element.at_vertices == AtVertices::Rotation)
     for (Eigen::Index i = s.rest.size() - 3; i < s.rest.size(); ++i)
       s.rest[i] = (trace.of[i] + Twice{s.motion.rotation, 0}).high;
@@ -138,6 +146,16 @@ Strained strained(const Model& m, const Twofold& values, Index t) {
 void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<Eigen::VectorXd> interior) {
   const Element& e = m.element;
   const int first = stress_count(e), rotation = first + displacement_count(e);
+  if (const Triangle shape = triangle(m, t); is_curved(shape)) {
+    const Points places = seen_places(m.inner->kernel, shape);
+    for (Eigen::Index b = 0; b < places.cols(); ++b) {
+      const Vec2 d = places.col(b) - (b == 0 ? motion.center : Vec2::Zero().eval());
+      interior.segment<2>(first + 2 * static_cast<int>(b)) +=
+          (b == 0 ? motion.translation : Vec2::Zero().eval()) + motion.rotation * Vec2(-d.y(), d.x());
+    }
+    interior[rotation] -= motion.rotation;
+    return;
+  }
   interior.segment<2>(first) += motion.at(centroid(m.mesh, t));
   if (e.displacement > 0) {  // the coefficients of xi = (x - centroid)/h
     const double turn = motion.rotation * std::sqrt(2 * area(m.mesh, t));

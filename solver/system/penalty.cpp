@@ -59,11 +59,10 @@ void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
       const SkeletonVector seen_here = skeleton.low.size() > 0
                                            ? strained(m, skeleton, t).rest
                                            : trace_seen(m.mesh, m.inner->skeleton, skeleton.high, t);
-      const double a = penalty_at(m, t), mean = column.head(count).dot(seen_here) / area(m.mesh, t) + loads.own[t] +
-                                                s.theta[t] * column[count + 1];
-      size[t] = std::max(
-          column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / area(m.mesh, t) + std::abs(loads.own[t]),
-          std::abs(mean));
+      const double size_of = cell_area(m, t), a = penalty_at(m, t),
+                   mean = column.head(count).dot(seen_here) / size_of + loads.own[t] + s.theta[t] * column[count + 1];
+      size[t] = std::max(column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / size_of + std::abs(loads.own[t]),
+                         std::abs(mean));
       s.theta[t] = a * mean;
       change[t] = mean - before[t] / a;
     }
@@ -165,7 +164,7 @@ Eigen::VectorXd response_to(const Condensation& condensed, const Loads& loads, c
 // Per piece the sum of |T| values.
 Eigen::VectorXd sums(const Model& m, const UniformPressure& u, const Eigen::VectorXd& values) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(u.size.size());
-  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t) sum[u.piece[t]] += area(m.mesh, t) * values[t];
+  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t) sum[u.piece[t]] += cell_area(m, t) * values[t];
   return sum;
 }
 
@@ -175,8 +174,8 @@ void without_level(const Model& m, const Loads& loads, PenaltyIterate& s) {
   update_theta(m, loads, next);
   double sum = 0, whole = 0;
   for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-    sum += area(m.mesh, t) * next.theta[t] / penalty_at(m, t);
-    whole += area(m.mesh, t);
+    sum += cell_area(m, t) * next.theta[t] / penalty_at(m, t);
+    whole += cell_area(m, t);
   }
   for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) s.theta[t] -= penalty_at(m, t) * sum / whole;
 }
@@ -200,9 +199,9 @@ void UniformPressure::prepare(const Condensation& condensed, const Loads& loads,
     for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) {
       const auto column = m.inner->system.traces.col(t);
       const double a = penalty_at(m, t),
-                   mean = column.head(traces).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t)) / area(m.mesh, t);
+                   mean = column.head(traces).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t)) / cell_area(m, t);
       left[t] = a * ((piece[t] == k ? 1 - a * column[traces + 1] : 0) - mean);
-      if (piece[t] == k) size[k] += area(m.mesh, t) * a;
+      if (piece[t] == k) size[k] += cell_area(m, t) * a;
     }
     stiffness.col(k) = sums(m, *this, left);
   }

@@ -109,7 +109,7 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     for (int g = 0; g < s.per_edge / 2; ++g)
       value.segment<2>(edge_unknown(s, e) + 2 * g) =
-          frame_at(s, e, g).transpose() * motion.at(edge_point(mesh, k, e, g));
+          frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.bows, e, k.trace.s[g]).x);
   for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c) {
     if (k.element.at_vertices == AtVertices::Rotation) value[corner_unknown(s, c)] = -motion.rotation;
     if (k.element.at_vertices == AtVertices::Displacement)
@@ -127,9 +127,11 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
       const Triangle shape = triangle(mesh, s, t);
       const Points x = rule_points(k.load, shape), force = body_force(loading.data, loading.scene, t, x);
+      const Points seen = is_curved(shape) ? seen_points(k, shape, k.load) : x;
+      const Eigen::VectorXd w = rule_weights(k.load, shape);
       for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const double weight = area(shape) * k.load.w[q];
-        const Vec2 moved = motion.at(x.col(q));
+        const double weight = area(shape) * w[q];
+        const Vec2 moved = motion.at(seen.col(q));
         work += weight * force.col(q).dot(moved);
         size += weight * force.col(q).norm() * moved.norm();  // a radial force works on a rotation by rounding alone
       }
@@ -164,8 +166,9 @@ std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, co
   return chosen;
 }
 
-Vec2 seen_at(const Kernel& k, const Triangle& t, const Vec2& x) {
-  return k.element.displacement == 0 ? centroid(t) : x;
+Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule) {
+  if (is_curved(t)) return seen_places(k, t) * monomials(k.element.displacement, chord_points(rule, t));
+  return k.element.displacement == 0 ? Points(centroid(t).replicate(1, rule.w.size())) : rule_points(rule, t);
 }
 
 Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
@@ -174,10 +177,12 @@ Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, con
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
     const Triangle shape = triangle(mesh, s, t);
-    const Points x = rule_points(k.rule, shape);
-    for (Eigen::Index q = 0; q < x.cols(); ++q) {
-      const double w = area(shape) * k.rule.w[q];
-      const Vec2 at = seen_at(k, shape, x.col(q));
+    const TriangleRule& rule = stress_rule(k, shape);
+    const Points seen = seen_points(k, shape, rule);
+    const Eigen::VectorXd weight = rule_weights(rule, shape);
+    for (Eigen::Index q = 0; q < seen.cols(); ++q) {
+      const double w = area(shape) * weight[q];
+      const Vec2 at = seen.col(q);
       for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index j = 0; j < n; ++j) gram(i, j) += w * motions[i].at(at).dot(motions[j].at(at));
     }

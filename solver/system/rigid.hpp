@@ -39,8 +39,9 @@ std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, co
 /// Trace values of a motion: per skeleton base unknown.
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion);
 
-/// The point at which the element's displacement sees a motion at x: x itself, the centroid when it is constant.
-Vec2 seen_at(const Kernel& k, const Triangle& t, const Vec2& x);
+/// Where the element's displacement sees a motion at the points of a rule: there, at the centroid when it is constant;
+/// in curved triangles at the projection of the places onto its displacements.
+Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule);
 
 /// Shares of the motions, as the element's displacement sees them, in the field that has the `moments` int u . motion:
 /// Gram matrix^-1 moments.

@@ -46,18 +46,31 @@ void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
   }
 }
 
+// Directions at a point of a curved edge: the normal of its polynomial on the side of `chord`, and that turned.
+Mat2 frame_on_bow(const Mesh& mesh, const Skeleton& s, Index e, double at, const Vec2& chord) {
+  const Vec2 slope = on_edge(mesh, s.bows, e, at).slope.normalized();
+  Vec2 n(slope.y(), -slope.x());
+  if (n.dot(chord) < 0) n = -n;
+  return (Mat2() << n, Vec2(-n.y(), n.x())).finished();
+}
+
 // Frames of curved cracks: the true normal, on the side of the chord's.
 void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   s.bent_at.assign(mesh.edges.size(), none);
   if (!is_mixed(k.element)) return;
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
-    if (!scene.laws[crack].normal) continue;
     for (const CrackEdge& c : mesh.cracks[crack]) {
+      const bool bowed = bow_at(s.bows, c.edge);
+      if (!bowed && !scene.laws[crack].normal) continue;
       s.bent_at[c.edge] = static_cast<Index>(s.bent.size());
       const Vec2& a = mesh.points[mesh.edges[c.edge][0]];
       const Vec2& b = mesh.points[mesh.edges[c.edge][1]];
       const Vec2 chord = normal(mesh, c.edge);
       for (int g = 0; g < points_per_edge(k.element); ++g) {
+        if (bowed) {
+          s.bent.push_back(frame_on_bow(mesh, s, c.edge, k.trace.s[g], chord));
+          continue;
+        }
         Vec2 n = scene.laws[crack].normal(a + k.trace.s[g] * (b - a));
         if (n.dot(chord) < 0) n = -n;
         s.bent.push_back((Mat2() << n, Vec2(-n.y(), n.x())).finished());
@@ -73,12 +86,19 @@ void shift_by_gaps(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
     for (const CrackEdge& c : mesh.cracks[crack]) {
       const EdgeLine line = edge_line(mesh, c.edge);
       for (int g = 0; g < points_per_edge(k.element); ++g) {
-        const Vec2 x = line.a + k.trace.s[g] * (line.b - line.a), gap = scene.laws[crack].gap(x, line.n);
+        const Vec2 x = on_edge(mesh, s.bows, c.edge, k.trace.s[g]).x, gap = scene.laws[crack].gap(x, line.n);
         check_finite(gap, x, "gap of a crack");
         s.prescribed[s.jump[c.edge] + 2 * g] = -gap.x();
       }
     }
   }
+}
+
+// The frames of a curved edge that is held along its normal.
+void bend_roller(const Mesh& mesh, const Kernel& k, Index e, const Vec2& outward, Skeleton& s) {
+  s.bent_at[e] = static_cast<Index>(s.bent.size());
+  for (int g = 0; g < points_per_edge(k.element); ++g)
+    s.bent.push_back(frame_on_bow(mesh, s, e, k.trace.s[g], outward));
 }
 
 void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Skeleton& s) {
@@ -93,7 +113,10 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Sk
       const Vec2& b = mesh.points[mesh.edges[e][1]];
       const Vec2 n = outward_normal(mesh, e);
       s.frame[e] = Mat2::Identity();
-      if (support.normal_frame) s.frame[e] << n, Vec2(-n.y(), n.x());
+      if (support.normal_frame) {
+        s.frame[e] << n, Vec2(-n.y(), n.x());
+        if (bow_at(s.bows, e)) bend_roller(mesh, k, e, n, s);
+      }
       const auto value_at = [&](double along) -> Vec2 {
         const Vec2 x = a + along * (b - a);
         const Vec2 value = support.value(x, n);
@@ -257,6 +280,11 @@ const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
   return s.bent_at[edge] == none ? s.frame[edge] : s.bent[s.bent_at[edge] + point];
 }
 
+Mat2 frame_between(const Mesh& mesh, const Skeleton& s, Index edge, double at) {
+  if (s.bent_at[edge] == none || !bow_at(s.bows, edge)) return s.frame[edge];
+  return frame_on_bow(mesh, s, edge, at, s.frame[edge].col(0));
+}
+
 Index edge_unknown(const Skeleton& s, Index edge) {
   return edge * s.per_edge;
 }
@@ -288,10 +316,11 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
   return true;
 }
 
-Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading) {
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows) {
   const Scene& scene = loading.scene;
   check_element(mesh, k.element, scene);
   Skeleton s;
+  s.bows = bows;
   s.per_edge = per_edge(k.element);
   s.per_vertex = per_vertex(k.element);
   const Index edges = static_cast<Index>(mesh.edges.size());
@@ -356,6 +385,7 @@ Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
     result.frame[i] = s.frame[e];
     result.forward[i] = mesh.sides[e][0] == t;
     if (s.bent_at[e] != none) result.bent[i] = s.bent.data() + s.bent_at[e];
+    result.bow[i] = bow_at(s.bows, e);
     if (s.per_vertex > 1) result.corner[i] = s.corner_frame[s.corners.of[t][i]];
   }
   return result;
@@ -405,7 +435,8 @@ void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e,
   const double l = length(mesh, e);
   for (int q = 0; q < data_points; ++q) {
     const double at = rule.s[q];
-    const Vec2 n = normal(mesh, e);
+    const Vec2 slope = on_edge(mesh, s.bows, e, at).slope;
+    const Vec2 n = bow_at(s.bows, e) ? Vec2(slope.y() / l, -slope.x() / l) : normal(mesh, e);
     const Vec2 moment = l * rule.w[q] * (values.at(0, q) * n + values.at(1, q) * Vec2(-n.y(), n.x()));
     if (is_mixed(k.element)) {
       const Eigen::VectorXd basis = trace_basis(k.trace, at);
@@ -441,7 +472,7 @@ Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton
         const double at = rule.s[q];
         if (is_mixed(k.element)) {
           const Eigen::VectorXd basis = trace_basis(k.trace, at);
-          for (int g = 0; g < basis.size(); ++g) add(edge_unknown(s, e) + 2 * g, basis[g], s.frame[e]);
+          for (int g = 0; g < basis.size(); ++g) add(edge_unknown(s, e) + 2 * g, basis[g], frame_at(s, e, g));
           continue;
         }
         const double bubble = s.per_edge > 0 ? 4 * at * (1 - at) : 0;

@@ -17,7 +17,7 @@ struct Skeleton {
   Index base = 0;                             // base unknowns
   Index total = 0;                            // base and jump unknowns
   std::vector<Mat2> frame;                    // per edge, columns are directions
-  std::vector<Mat2> bent;                     // frames at the Gauss points of curved cracks
+  std::vector<Mat2> bent;                     // frames at the Gauss points of curved cracks and rollers
   std::vector<Index> bent_at;                 // per edge its first one, or none
   std::vector<Index> jump;                    // per edge its first jump unknown, or none
   Corners corners;                            // empty without unknowns at vertices
@@ -28,11 +28,14 @@ struct Skeleton {
   std::vector<bool> bounded;                  // per unknown: a normal jump that must not be negative
   std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
   std::vector<bool> sliding;                  // per unknown: a tangential jump in contact that no law acts on
+  Bows bows;                                  // of curved edges
   std::vector<bool> unseen;                   // per unknown: part of a combination that no triangle sees; or empty
 };
 
 /// Directions of the two components at a Gauss point of an edge.
 const Mat2& frame_at(const Skeleton& s, Index edge, int point);
+/// The same at a point of a curved edge whose frames follow it, s from 0 to 1; else the edge's own.
+Mat2 frame_between(const Mesh& mesh, const Skeleton& s, Index edge, double at);
 Index edge_unknown(const Skeleton& s, Index edge);
 Index corner_unknown(const Skeleton& s, Index corner);
 
@@ -44,7 +47,7 @@ struct Loading {
 
 /// Supports are projected onto the edge spaces in L2, interpolated in displacement elements.
 /// Throws Error(Numerics) for a scene that the element cannot do.
-Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading);
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows = {});
 
 /// A uniform pressure strains nothing in an incompressible body: whether no edge has a given normal traction, so that
 /// its level is free. Throws Error(Numerics) when contact forces would depend on it.

@@ -69,9 +69,15 @@ double sum_over(const Model& m, const std::vector<bool>& use, const std::functio
 struct BoundaryPoint {
   Vec2 x, n;
   double weight;
-  Index first;            // unknown of the edge
+  Index edge;
   Eigen::VectorXd basis;  // per Gauss point
-  const Mat2& frame;
+  const Skeleton& skeleton;
+  Index first(Eigen::Index g) const {  // unknown
+    return edge_unknown(skeleton, edge) + 2 * static_cast<Index>(g);
+  }
+  const Mat2& frame(Eigen::Index g) const {
+    return frame_at(skeleton, edge, static_cast<int>(g));
+  }
 };
 void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at,
                  const Vec2* singular = nullptr) {
@@ -81,20 +87,25 @@ void along_label(const Model& m, Index label, const std::function<void(const Bou
     if (m.mesh.label[e] != label) continue;
     const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
-    const Vec2 n = outward_normal(m.mesh, e);
+    const Vec2 outward = outward_normal(m.mesh, e);
     const int pieces = singular ? pieces_beside(*singular, a, a + side) : 1;
     for (int piece = 0; piece < pieces; ++piece)
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
         const double s = (piece + rule.s[q]) / pieces;
-        at({a + s * side, n, side.norm() * rule.w[q] / pieces, edge_unknown(m.inner->skeleton, e),
-            trace_basis(m.inner->kernel.trace, s), m.inner->skeleton.frame[e]});
+        const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, s);
+        const double speed = p.slope.norm();
+        Vec2 n = outward;
+        if (bow_at(m.inner->skeleton.bows, e)) {
+          n = Vec2(p.slope.y(), -p.slope.x()) / speed;
+          if (n.dot(outward) < 0) n = -n;
+        }
+        at({p.x, n, speed * rule.w[q] / pieces, e, trace_basis(m.inner->kernel.trace, s), m.inner->skeleton});
       }
   }
 }
 Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
   Vec2 u = Vec2::Zero();
-  for (Eigen::Index g = 0; g < p.basis.size(); ++g)
-    u += p.basis[g] * (p.frame * skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)));
+  for (Eigen::Index g = 0; g < p.basis.size(); ++g) u += p.basis[g] * (p.frame(g) * skeleton.segment<2>(p.first(g)));
   return u;
 }
 
@@ -106,11 +117,11 @@ struct JumpPoint {
 void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
   for (const CrackEdge& c : m.mesh.cracks[crack]) {
     if (m.inner->skeleton.jump[c.edge] == none) continue;
-    const Vec2& a = m.mesh.points[m.mesh.edges[c.edge][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[c.edge][1]] - a;
-    for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g)
-      at({a + m.inner->kernel.trace.s[g] * side, side.norm() * m.inner->kernel.trace.w[g],
+    for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g) {
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, c.edge, m.inner->kernel.trace.s[g]);
+      at({p.x, p.slope.norm() * m.inner->kernel.trace.w[g],
           m.inner->skeleton.jump[c.edge] + 2 * static_cast<Index>(g)});
+    }
   }
 }
 CrackState crack_state(const Field& s, const JumpPoint& p) {
@@ -130,8 +141,9 @@ double over_body(const Term& term, const Model& m, const Field& s, const std::ve
     const Triangle shape = triangle(m, t);
     if (!wanted(term, shape)) return 0.0;
     const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
+    const Eigen::VectorXd w = rule_weights(rule, shape);
     double value = 0;
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += rule.w[q] * term.density(field_point(term, p, q)).value;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) value += w[q] * term.density(field_point(term, p, q)).value;
     return area(shape) * value;
   });
 }
@@ -174,6 +186,15 @@ void divide(const Triangle& shape, double share, const Singular& added, const Tr
   for (int i = 0; i < 3; ++i) {
     part.x = {shape.x[i], middle[(i + 2) % 3], middle[(i + 1) % 3]};
     divide(part, 0.25 * share, added, rule, points);
+  }
+}
+
+// To where the points of the chords' triangle lie in the curved one.
+void bend(const Triangle& shape, const Triangle& chords, Divided& points) {
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    const CellMap map = cell_map(shape, cell_coordinates(chords, points.x[i]));
+    points.x[i] = map.x;
+    points.w[i] *= map.J;
   }
 }
 
@@ -223,9 +244,10 @@ Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
         if (!wanted(term, shape)) continue;
         const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
         const Eigen::Index n = rule.w.size();
+        const Eigen::VectorXd weight = rule_weights(rule, shape);
         Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
         for (Eigen::Index q = 0; q < n; ++q) {
-          const double share = area(shape) * rule.w[q];
+          const double share = area(shape) * weight[q];
           const Density by = term.density(field_point(term, p, q));
           w.stress.col(q) =
               share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
@@ -246,7 +268,7 @@ Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
     along_label(m, term.label, [&](const BoundaryPoint& p) {
       const Vec2 by = p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).by_displacement;
       for (Eigen::Index g = 0; g < p.basis.size(); ++g)
-        d.skeleton.segment<2>(p.first + 2 * static_cast<Index>(g)) += p.basis[g] * (p.frame.transpose() * by);
+        d.skeleton.segment<2>(p.first(g)) += p.basis[g] * (p.frame(g).transpose() * by);
     });
   }
   if (term.on_crack) {
@@ -305,10 +327,11 @@ Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Ind
   if (!term.density || !wanted(term, shape)) return sum;
   const TriangleRule rule = triangle_rule(5);
   const Points x = rule_points(rule, shape);
+  const Eigen::VectorXd weights = rule_weights(rule, shape);
   const Sampled p = sample(term, m, s.interior.col(t), {t, shape, x, s.eigenstrain});
   for (Eigen::Index k = 0; k < changes.cols(); ++k) {
     const Sampled d = sample(term, m, changes.col(k), {t, shape, x});
-    sum[k] = area(shape) * mean_change(term, p, d, rule.w);
+    sum[k] = area(shape) * mean_change(term, p, d, weights);
   }
   return sum;
 }
@@ -348,7 +371,7 @@ double domain_difference(const Term& term, const Model& m, const Field& s, const
       if (!wanted(term, shape)) return 0.0;
       const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain}),
                     d = sample(term, m, change.interior.col(t), {t, shape, rule_points(rule, shape)});
-      return area(shape) * mean_change(term, p, d, rule.w);
+      return area(shape) * mean_change(term, p, d, rule_weights(rule, shape));
     });
   }
   return total;
@@ -362,7 +385,10 @@ double difference(const Term& term, const Model& m, const Field& s, const Field&
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
       Divided points;
-      divide(shape, 1, added, rule, points);
+      Triangle chords = shape;
+      chords.bow = {};
+      divide(chords, 1, added, rule, points);
+      if (is_curved(shape)) bend(shape, chords, points);
       const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());
       Points x(2, n);
       for (Eigen::Index q = 0; q < n; ++q) x.col(q) = points.x[static_cast<std::size_t>(q)];

@@ -27,24 +27,27 @@ std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus>
     const Vec2& b = m.mesh.points[m.mesh.edges[e][1]];
     const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
     // Tractions on both faces of a crack cancel in what both see: the right face's go to the jump.
-    const Vec2 n = boundary ? Vec2(-outward_normal(m.mesh, e)) : normal(m.mesh, e);
+    const Vec2 outward = boundary ? Vec2(-outward_normal(m.mesh, e)) : normal(m.mesh, e);
     const Index first = boundary ? edge_unknown(skeleton, e) : skeleton.jump[e];
     const int pieces = pieces_beside(x0, a, b);
     for (int piece = 0; piece < pieces; ++piece)
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
         const double s = (piece + rule.s[q]) / pieces, w = rule.w[q] / pieces;
-        const Vec2 x = a + s * (b - a);
+        const OnEdge at = on_edge(m.mesh, skeleton.bows, e, s);
+        Vec2 n(at.slope.y(), -at.slope.x());  // times |dx/ds|
+        if (n.dot(outward) < 0) n = -n;
+        const Vec2& x = at.x;
         const Eigen::VectorXd basis = trace_basis(trace, s);
         for (std::size_t j = 0; j < fields.size(); ++j) {
           const Vec2 moved = fields[j].displacement(x), traction = fields[j].stress(x) * n;
           for (int g = 0; g < static_cast<int>(basis.size()); ++g)
             for (int d = 0; d < 2; ++d) {
               const Index u = first + 2 * g + d;
-              const Vec2 direction = boundary ? skeleton.frame[e].col(d) : frame_at(skeleton, e, g).col(d);
+              const Vec2 direction = frame_at(skeleton, e, g).col(d);
               if (skeleton.fixed[u])
                 prescribed[j][u] -= w * basis[g] / trace.w[g] * direction.dot(moved);
               else
-                load[j][u] += w * (b - a).norm() * basis[g] * direction.dot(traction);
+                load[j][u] += w * basis[g] * direction.dot(traction);
             }
         }
       }

@@ -34,9 +34,10 @@ bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& ru
 }
 
 // What the analysis holds at a point of a free edge with tangent t.
-class OnEdge {
+class DensityOnEdge {
  public:
-  OnEdge(const Analysis& a, const Functional& j) : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a)) {
+  DensityOnEdge(const Analysis& a, const Functional& j)
+      : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a)) {
     need_dual_recovered_ = needs(a, j, {}).recover_dual;
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
@@ -90,7 +91,7 @@ BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   require_no_eigenstrain(a.model->scene);
   const Model& m = *a.model;
   require_supports(j, m);
-  const OnEdge on_edge(a, j);
+  const DensityOnEdge on_boundary(a, j);
   const EdgeRule rule = gauss(2);
   BoundaryGradient g;
   std::vector<Index> beside;
@@ -107,7 +108,7 @@ BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   parallel_for(static_cast<Index>(g.points.size()), m.threads, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       BoundaryGradient::Point& p = g.points[static_cast<std::size_t>(i)];
-      p.density = on_edge.density(beside[static_cast<std::size_t>(i)], p.at, {-p.normal.y(), p.normal.x()});
+      p.density = on_boundary.density(beside[static_cast<std::size_t>(i)], p.at, {-p.normal.y(), p.normal.x()});
     }
   });
   return g;

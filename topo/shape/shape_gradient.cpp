@@ -314,6 +314,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
   require_no_eigenstrain(a.model->scene);
   const Model& m = *a.model;
+  require_straight(m, "a derivative by the shape");
   require(m.element, can_optimize);
   require_supports(j, m);
   Parts p = parts_of(a, j);

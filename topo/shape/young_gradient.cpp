@@ -27,6 +27,7 @@ double work(const Model& m, const Field& s, const Field& z, Index region) {
 }  // namespace
 
 double young_gradient(const Analysis& a, const Functional& j, Model& model, Index region, double young) {
+  require_straight(model, "a derivative by Young's modulus");
   require_supports(j, model);
   std::vector<bool> use(model.mesh.triangles.size());
   for (std::size_t t = 0; t < use.size(); ++t) use[t] = region_of(model.mesh, static_cast<Index>(t)) == region;

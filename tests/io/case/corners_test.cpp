@@ -3,6 +3,7 @@
 #include "io/kept.hpp"
 #include "tests/io/case/case_files.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace kerf {
@@ -49,7 +50,7 @@ TEST(Corners, ValuesOfOtherKinds) {
 
 TEST(Corners, TooMuch) {
   std::string define = "[define]\n";
-  for (int k = 0; k < 20000; ++k) define += "a" + std::to_string(k) + " = 1\n";
+  for (int k = 0; k < 20000; ++k) define += fmt::format("a{} = 1\n", k);
   EXPECT_NE(error(square + define).find("[define] holds at most "), std::string::npos);
   const std::string sum(200000, '+');
   EXPECT_NE(error(square + "[[boundary]]\non = 'top'\ntraction = [0, 'x" + sum + "x']\n").find("characters; at most "),

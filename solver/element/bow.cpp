@@ -1,0 +1,109 @@
+#include "solver/element/bow.hpp"
+
+#include "solver/element/local.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// The height of a polynomial over the chord of the unit arc of angle 2a about (0, 1), seen from its middle: `along`
+/// the chord and `across` it.
+struct UnitHeight {
+  std::array<double, 3> along, across;
+};
+
+UnitHeight unit_height(double a, int degree) {
+  const double s = std::sin(a), c = std::cos(a), half = std::sin(0.5 * a), rise = 2 * half * half;  // 1 - c
+  switch (degree) {
+    case 2:
+      return {{0, 0, 0}, {2 * s * s / c, 0, 0}};
+    case 3: {  // Bezier's handles
+      const double handle = 4.0 / 3 * std::tan(0.5 * a), turn = 3 * (handle * c - 2 * s / 3);
+      return {{turn, -2 * turn, 0}, {3 * handle * s, 0, 0}};
+    }
+    default: {
+      // x = p t + (s - p) t^3, y = 1 - p^2 t^2/2 + e t^4 with x^2 + y^2 - 1 = e^2 t^4 (1 - t^2)^2.
+      const double beyond = half * half * (2 * s - 2 * std::sqrt(2.0) * half) / c;  // p - s
+      const double p = s + beyond, e = 0.5 * p * p - rise;
+      const auto square = [](double by) { return std::array<double, 3>{by, -4 * by, 4 * by}; };  // by (2 s - 1)^2
+      const std::array<double, 3> bend = square(-4 * e);
+      return {{-4 * beyond, 8 * beyond, 0}, {4 * rise + bend[0], bend[1], bend[2]}};
+    }
+  }
+}
+
+/// Whether the cell's map turns over or shrinks too much, on a lattice.
+bool folds(const Triangle& t) {
+  constexpr int n = 8;
+  constexpr double least = 0.2;
+  double low = infinity, high = 0;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) {
+      const double J = cell_map(t, {double(i) / n, double(j) / n}).J;
+      low = std::min(low, J);
+      high = std::max(high, J);
+    }
+  return !(low > least * high);
+}
+
+}  // namespace
+
+Bow bow_of(const Arc& piece, int degree) {
+  const double a = 0.5 * (piece.to - piece.from), middle = 0.5 * (piece.from + piece.to);
+  const UnitHeight h = unit_height(a, degree);
+  const Vec2 out(std::cos(middle), std::sin(middle)), along(-out.y(), out.x());
+  Bow b;
+  for (std::size_t i = 0; i < 3; ++i) b.q[i] = piece.axes * (h.across[i] * out + h.along[i] * along);
+  return b;
+}
+
+const Bow* bow_at(const Bows& bows, Index edge) {
+  const Index at = bows.of.empty() ? none : bows.of[edge];
+  return at == none ? nullptr : &bows.all[at];
+}
+
+Bows bows_of(const Mesh& mesh, const Element& e) {
+  Bows bows;
+  if (mesh.arc.empty()) return bows;
+  require(e, can_be_curved);
+  bows.of.assign(mesh.edges.size(), none);
+  for (std::size_t k = 0; k < mesh.edges.size(); ++k) {
+    if (mesh.arc[k] == none) continue;
+    bows.of[k] = static_cast<Index>(bows.all.size());
+    bows.all.push_back(bow_of(mesh.arcs[mesh.arc[k]], e.stress + 1));
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Triangle cell;
+    for (int i = 0; i < 3; ++i) {
+      const Index edge = mesh.edges_of[t][i];
+      cell.x[i] = mesh.points[mesh.triangles[t][i]];
+      cell.forward[i] = mesh.sides[edge][0] == static_cast<Index>(t);
+      cell.bow[i] = bow_at(bows, edge);
+    }
+    if (!is_curved(cell) || !folds(cell)) continue;
+    const Vec2 at = centroid(cell);
+    throw Error(Fault::Numerics,
+                fmt::format("the curved side at ({:.6g}, {:.6g}) folds the triangle beside it; make mesh.size smaller, "
+                            "or leave out mesh.curved",
+                            at.x(), at.y()));
+  }
+  return bows;
+}
+
+OnEdge on_edge(const Mesh& mesh, const Bows& bows, Index edge, double s) {
+  const Vec2 &a = mesh.points[mesh.edges[edge][0]], &b = mesh.points[mesh.edges[edge][1]];
+  OnEdge at{a + s * (b - a), b - a};
+  if (const Bow* bow = bow_at(bows, edge)) {
+    const Vec2 h = height(*bow, s);
+    at.x += s * (1 - s) * h;
+    at.slope += (1 - 2 * s) * h + s * (1 - s) * height_slope(*bow, s);
+  }
+  return at;
+}
+
+}  // namespace kerf
