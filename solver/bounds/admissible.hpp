@@ -61,7 +61,7 @@ struct AdmissiblePair {
   std::vector<Share> shares;
   std::vector<Rest> rests;
   Share sum;
-  double rounding = 0;
+  double rounding = 0, beyond_arcs = 0;
   EnergyBounds bounds;       // not finite: nothing else is there
   TriangleRule plain, rich;  // rich: of triangles with data on their edges
 };

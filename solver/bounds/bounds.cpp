@@ -4,6 +4,7 @@
 #include "solver/system.hpp"
 
 #include "solver/bounds/admissible.hpp"
+#include "solver/bounds/curved.hpp"
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace kerf {
 
@@ -60,6 +62,7 @@ struct Reference {
   RightInverse inverse;
   Eigen::MatrixXd normal_free;
   std::array<std::array<Eigen::MatrixXd, 2>, 3> at_edge;  // values at the Gauss points, edges backward and forward
+  std::shared_ptr<const CurvedReference> curved;          // where there are curved triangles
 };
 
 Reference reference(const Element& e, int n, const Forces& f) {
@@ -91,6 +94,12 @@ Reference reference(const Element& e, int n, const Forces& f) {
   return r;
 }
 
+// The fields of a curved triangle are those of its chords, taken over.
+Triangle chords_of(Triangle cell) {
+  cell.bow = {};
+  return cell;
+}
+
 struct Bounding {
   const Model& m;
   const Field& s;
@@ -114,7 +123,7 @@ struct Bounding {
 
   /// Symmetric stress in equilibrium: its complementary energy and the work of the supports.
   void lower(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
-    const Triangle shape = triangle(m, t);
+    const Triangle cell = triangle(m, t), shape = chords_of(cell);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
     const double det = J.determinant();
     const Points x = nodes(r, shape);
@@ -127,6 +136,10 @@ struct Bounding {
     work_of_supports(share.tractions, edges, share);
 
     add_loads_unseen(r, t, edges, stress);
+    if (is_curved(cell)) {
+      add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share);
+      return;
+    }
 
     const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
     const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
@@ -248,6 +261,16 @@ struct Bounding {
     return result;
   }
 
+  /// Of the loads on an edge with data, at one of its points and in all.
+  double work_at(Index i, int g) const {
+    return length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
+  }
+  double work_on_edge(Index i) const {
+    double work = 0;
+    for (int g = 0; g < data_carriers; ++g) work += work_at(i, g);
+    return work;
+  }
+
   /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
   Eigen::RowVectorXd wanted_divergence(const Reference& r, Index t) const {
     const Triangle shape = triangle(m, t);
@@ -268,7 +291,7 @@ struct Bounding {
 
   /// Energy of the conforming displacement with its divergence moved towards that of the stress.
   void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
-    const Triangle shape = triangle(m, t);
+    const Triangle cell = triangle(m, t), shape = chords_of(cell);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
     const Material& material = material_of(m.mesh, m.scene, t);
     const double mu = material.mu, c = material.c;
@@ -285,6 +308,18 @@ struct Bounding {
         const Along a = along(d, r.field_nodes.col(q));
         v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
       }
+    }
+    if (is_curved(cell)) {
+      const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), nodes(r, shape)).stress;
+      share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share);
+      share.upper = share.elastic;
+      share.size += share.elastic;
+      for (const Index i : edges) {
+        const double work = work_on_edge(i);
+        share.upper -= work;
+        share.size += std::abs(work);
+      }
+      return;
     }
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
     Eigen::RowVectorXd wanted = wanted_divergence(r, t);
@@ -370,8 +405,7 @@ struct Bounding {
     }
     for (const Index i : edges)
       for (int g = 0; g < data_carriers; ++g) {
-        const double work =
-            length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
+        const double work = work_at(i, g);
         e -= work;
         size += std::abs(work);
       }
@@ -538,8 +572,24 @@ Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>
   return o;
 }
 
+/// What of triangles with curved edges the bounds do not know; null: nothing.
+const char* unavailable_on_arcs(const Model& m) {
+  if (m.mesh.arc.empty()) return nullptr;
+  if (m.scene.body) return "no bounds of the energy: a body force in curved triangles (mesh.curved)";
+  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
+    if (m.mesh.arc[e] == none) continue;
+    if (m.mesh.crack[e] != none && (m.scene.laws[m.mesh.crack[e]].kind == CrackLaw::Kind::Unilateral ||
+                                    has_pressure(m.scene.laws[m.mesh.crack[e]])))
+      return "no bounds of the energy: contact or pressure on curved faces (mesh.curved)";
+    if (m.inner->skeleton.bent_at[e] != none && m.mesh.label[e] != none)
+      return "no bounds of the energy: a curved side that is held along its normal (mesh.curved)";
+  }
+  return nullptr;
+}
+
 std::string unavailable(const Model& m) {
   if (const auto why = refusal(m.element, can_bound_energy)) return *why;
+  if (const char* why = unavailable_on_arcs(m)) return why;
   if (!m.inner->standing.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
@@ -553,8 +603,11 @@ std::string unavailable(const Model& m) {
 struct References {
   Reference plain, rich;  // rich: boundary data are of higher degree than the fields inside
 };
-References references(const Element& e, int inside, const Forces& f) {
-  return {reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
+References references(const Element& e, int inside, const Forces& f, bool curved) {
+  References both{reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
+  for (Reference* r : {&both.plain, &both.rich})
+    if (curved) r->curved = std::make_shared<const CurvedReference>(curved_reference(r->n, e.stress));
+  return both;
 }
 
 std::vector<Share> bound_triangles(const Bounding& of, const References& to,
@@ -667,6 +720,12 @@ EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
   if (!result.guaranteed)
     result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
                               asymptotic ? "body force is" : "prescribed displacements are");
+  if (!a.m.mesh.arc.empty()) {
+    result.guaranteed = false;
+    result.note = fmt::format(
+        "the bounds of the energy are estimates: what arcs have beyond the polynomials of the edges is put at {:.1g}",
+        a.beyond_arcs);
+  }
   return result;
 }
 
@@ -684,10 +743,15 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
   const int degree =
       std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
-  const References to = references(m.element, degree, a.f);
+  const References to = references(m.element, degree, a.f, !m.mesh.arc.empty());
   a.shares = bound_triangles({m, s, a.f, a.data, a.conforming, statics, keep}, to, a.edges);
   a.rests = rests_of(m, a.data, a.f, a.edges);
   a.sum = total(a.shares);
+  if (!m.mesh.arc.empty()) {
+    a.beyond_arcs = beyond_arcs(m, s);
+    a.sum.below += a.beyond_arcs;
+    a.sum.above += a.beyond_arcs;
+  }
   a.bounds = bounds_of(a, s);
   a.rounding = (64 * epsilon + 2 * a.bounds.imbalance) * a.sum.size;
   a.plain = to.plain.rule;

@@ -374,6 +374,36 @@ Eigen::RowVectorXd bubble_of_mean(const EdgeRule& rule, double rest) {
   return change;
 }
 
+// Through a curved edge flows what the multiplier lets through, so that the mean of the divergence over a triangle is
+// that of 2 c tr s there as well: a bubble along the normal of the chord.
+void correct_flux(const Model& m, const Field& s, const Nodes& nodes, Index e, int side, Points& v) {
+  const Skeleton& skeleton = m.inner->skeleton;
+  const auto normal_at = [&](double at) -> Vec2 {  // times |dx/ds|
+    const Vec2 slope = on_edge(m.mesh, skeleton.bows, e, at).slope;
+    return {slope.y(), -slope.x()};
+  };
+  const EdgeRule& trace = m.inner->kernel.trace;
+  double rest = 0;
+  for (Eigen::Index g = 0; g < trace.w.size(); ++g) {
+    const Index u = 2 * static_cast<Index>(g);
+    Vec2 moved = s.skeleton.segment<2>(e * skeleton.per_edge + u);
+    if (side == 1 && skeleton.jump[e] != none) moved += s.skeleton.segment<2>(skeleton.jump[e] + u);
+    rest += trace.w[g] * normal_at(trace.s[g]).dot(frame_at(skeleton, e, static_cast<int>(g)) * moved);
+  }
+  static const EdgeRule rule = gauss(data_points);
+  const Eigen::MatrixXd basis = traces(even(nodes.degree), rule.s);
+  const Points value = edge_values(nodes, v, e, side) * basis;
+  const Vec2 across = normal(m.mesh, e);
+  double flux = 0;
+  for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+    const Vec2 n = normal_at(rule.s[q]);
+    rest -= rule.w[q] * n.dot(value.col(q));
+    flux += rule.w[q] * 6 * rule.s[q] * (1 - rule.s[q]) * n.dot(across);
+  }
+  const Eigen::RowVectorXd change = bubble_of_mean(even(nodes.degree), rest / flux);
+  for (int i = 1; i < nodes.degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * across;
+}
+
 // Edges take the prescribed values, or the mean of the discrete displacement.
 void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std::vector<EdgeData>& data, Points& v) {
   const int degree = m.element.trace + 1;
@@ -394,6 +424,8 @@ void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std
                                               : bubble_of_mean(rule, wanted[k] - here.row(k).dot(rule.w));
         for (int i = 1; i < degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * frame.col(k);
       }
+      if (bow_at(m.inner->skeleton.bows, e) && !(given[e] && (given[e]->held[0] || given[e]->held[1])))
+        correct_flux(m, s, nodes, e, side, v);
     }
   }
 }

@@ -1,0 +1,216 @@
+#include "solver/bounds/curved.hpp"
+
+#include "solver/anisotropic.hpp"
+#include "solver/recovery.hpp"
+#include "solver/system.hpp"
+
+#include "kerf/recover.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+/// The map of a triangle at a point, and how D changes along its two coordinates.
+struct Place {
+  Mat2 D, inverse;
+  double J;
+  std::array<Mat2, 2> D_by;
+  Vec2 J_by;
+
+  Place(const Triangle& cell, const Vec2& l) {
+    const CellMap map = cell_map(cell, l);
+    D = map.D;
+    inverse = D.inverse();
+    J = map.J;
+    D_by = cell_map_slopes(cell, l);
+    for (int axis = 0; axis < 2; ++axis) J_by[axis] = J * (inverse * D_by[axis]).trace();
+  }
+  /// The gradient of D B/J on the body, B and its gradient those on the triangle of the chords [Piola].
+  Mat2 gradient(const Vec2& B, const Mat2& slope) const {
+    Mat2 by;
+    for (int axis = 0; axis < 2; ++axis)
+      by.col(axis) = (D_by[axis] * B + D * slope.col(axis)) / J - D * B * (J_by[axis] / (J * J));
+    return by * inverse;
+  }
+};
+
+Mat2 piola(const Eigen::Vector4d& S, const Mat2& D) {
+  return (Mat2() << S[0], S[1], S[2], S[3]).finished() * D.transpose();
+}
+
+/// B in H^1_0 with div B = wanted, at a point of the rule.
+struct Corrected {
+  const CurvedReference& r;
+  Mat2 map, inverse;
+  double det;
+  Eigen::VectorXd value, derivative;
+
+  Corrected(const CurvedReference& by, const Triangle& cell, const Eigen::VectorXd& wanted)
+      : r(by), map(jacobian(cell.x)), inverse(map.inverse()), det(map.determinant()) {
+    value = r.inverse.value * (det * wanted);
+    derivative = r.inverse.derivative * (det * wanted);
+  }
+  Vec2 at(Eigen::Index q) const {
+    return map * value.segment<2>(2 * q) / det;
+  }
+  Mat2 slope(Eigen::Index q) const {
+    const Eigen::Vector4d d = derivative.segment<4>(4 * q);
+    return map * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
+  }
+};
+
+double strain_trace(const Material& m, const Mat2& s) {
+  double trace = 2 * m.c * s.trace();
+  if (!isotropic(m)) trace += orthotropic_strain(m, s(0, 0), s(1, 1), 0.5 * (s(0, 1) + s(1, 0))).head<2>().sum();
+  return trace;
+}
+
+/// Twice the energy density of a symmetric stress.
+double stress_work(const Material& m, const Mat2& s) {
+  const double trace = s.trace(), difference = s(0, 0) - s(1, 1), shear = 0.5 * (s(0, 1) + s(1, 0));
+  double work = (0.5 * difference * difference + 2 * shear * shear) / (2 * m.mu) + m.c * trace * trace;
+  if (!isotropic(m)) {
+    const Eigen::Vector3d e = orthotropic_strain(m, s(0, 0), s(1, 1), shear);
+    work += e[0] * s(0, 0) + e[1] * s(1, 1) + 2 * e[2] * shear;
+  }
+  return work;
+}
+
+/// The work of the stress of the strain g on the strain h; without compressibility that of their deviators.
+double strain_work(const Material& m, const Eigen::Matrix3d& C, const Mat2& g, const Mat2& h) {
+  const double difference = g(0, 0) - g(1, 1), other = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
+               other_shear = h(0, 1) + h(1, 0);
+  if (!isotropic(m))
+    return Eigen::Vector3d(g(0, 0), g(1, 1), shear).dot(C * Eigen::Vector3d(h(0, 0), h(1, 1), other_shear));
+  const double volume = m.c > 0 ? g.trace() * h.trace() / (4 * m.c) : 0;
+  return m.mu * (difference * other + shear * other_shear) + volume;
+}
+
+constexpr double doubt = 2;  // of the difference between the rules
+
+}  // namespace
+
+CurvedReference curved_reference(int n, int k) {
+  const int degree = n + k;
+  const TriangleRule good = split_rule(2 * degree), other = split_rule(2 * degree - 4);
+  const Eigen::Index a = good.w.size() / 3, b = other.w.size() / 3;
+  CurvedReference r;
+  r.nodes = lattice(degree);
+  r.rule = {Points(2, 3 * (a + b)), Eigen::VectorXd::Zero(3 * (a + b))};
+  r.coarse = Eigen::VectorXd::Zero(3 * (a + b));
+  for (Eigen::Index t = 0; t < 3; ++t) {
+    r.rule.x.middleCols(t * (a + b), a) = good.x.middleCols(t * a, a);
+    r.rule.x.middleCols(t * (a + b) + a, b) = other.x.middleCols(t * b, b);
+    r.rule.w.segment(t * (a + b), a) = good.w.segment(t * a, a);
+    r.coarse.segment(t * (a + b) + a, b) = other.w.segment(t * b, b);
+  }
+  r.at_nodes = interpolation(n, r.nodes);
+  r.at_rule = interpolation(n, r.rule.x);
+  r.slope = differentiation(n + 1, r.nodes);
+  r.slope_at_rule = differentiation(n + 1, r.rule.x);
+  r.inverse = right_inverse(degree, r.rule);
+  return r;
+}
+
+// s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
+// neither divergence nor normal trace there.
+void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                              const Eigen::Matrix4Xd& stress, Share& share) {
+  const Eigen::Matrix4Xd at_nodes = stress * r.at_nodes.transpose(), at_rule = stress * r.at_rule.transpose();
+  Eigen::VectorXd asymmetry(r.nodes.cols());
+  for (Eigen::Index q = 0; q < asymmetry.size(); ++q) {
+    const Mat2 s = piola(at_nodes.col(q), cell_map(cell, r.nodes.col(q)).D);
+    asymmetry[q] = s(0, 1) - s(1, 0);
+  }
+  const Corrected by(r, cell, asymmetry);
+  double energy = 0, other = 0;
+  for (Eigen::Index q = 0; q < at_rule.cols(); ++q) {
+    const Place p(cell, r.rule.x.col(q));
+    const Mat2 g = p.gradient(by.at(q), by.slope(q));
+    Mat2 s = piola(at_rule.col(q), p.D) / p.J;
+    s += (Mat2() << g(0, 1), -g(0, 0), g(1, 1), -g(1, 0)).finished();
+    share.asymmetry = std::max(share.asymmetry, std::abs(s(0, 1) - s(1, 0)));
+    share.stress = std::max(share.stress, s.cwiseAbs().maxCoeff());
+    const double work = p.J * stress_work(material, s);
+    energy += r.rule.w[q] * work;
+    other += r.coarse[q] * work;
+  }
+  energy *= 0.5 * area(cell);
+  other *= 0.5 * area(cell);
+  share.lower -= energy;
+  share.size += energy;
+  share.below += doubt * std::abs(energy - other);
+}
+
+double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share) {
+  const Mat2 inverse = jacobian(cell.x).inverse();
+  const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
+  const auto slopes = [&](const std::array<Eigen::MatrixXd, 2>& by, Eigen::Index q) -> Mat2 {
+    Mat2 g;
+    g << v * by[0].row(q).transpose(), v * by[1].row(q).transpose();
+    return g * inverse;
+  };
+  const Eigen::Matrix4Xd at_nodes = stress * r.at_nodes.transpose();
+  Eigen::VectorXd wanted(r.nodes.cols());
+  for (Eigen::Index q = 0; q < wanted.size(); ++q) {
+    const CellMap map = cell_map(cell, r.nodes.col(q));
+    wanted[q] =
+        strain_trace(material, piola(at_nodes.col(q), map.D)) - map.J * (slopes(r.slope, q) * map.D.inverse()).trace();
+  }
+  const Corrected by(r, cell, wanted);
+  // J(v + alpha w) = e + alpha b + alpha^2 a, by both rules; the least one.
+  std::array<double, 2> e{}, b{}, a{};
+  double worst = 0;
+  for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
+    const Place p(cell, r.rule.x.col(q));
+    const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse, h = p.gradient(by.at(q), by.slope(q));
+    const double own = strain_work(material, C, g, g), mixed = strain_work(material, C, g, h),
+                 added = strain_work(material, C, h, h);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double w = area(cell) * p.J * (i == 0 ? r.rule.w[q] : r.coarse[q]);
+      e[i] += 0.5 * w * own;
+      b[i] += w * mixed;
+      a[i] += 0.5 * w * added;
+    }
+    worst = std::max(worst, std::abs(g.trace() + h.trace()));
+    share.gradient = std::max(share.gradient, g.cwiseAbs().maxCoeff());
+  }
+  const double alpha = material.c == 0 ? 1 : a[0] > 0 ? -b[0] / (2 * a[0]) : 0;
+  const double energy = e[0] + alpha * (b[0] + alpha * a[0]), other = e[1] + alpha * (b[1] + alpha * a[1]);
+  share.divergence = material.c == 0 ? worst : 0;
+  share.above += doubt * std::abs(energy - other);
+  return energy;
+}
+
+double beyond_arcs(const Model& m, const Field& s) {
+  static const EdgeRule rule = gauss(data_points);
+  constexpr double several = 4;
+  double total = 0;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.arc.size()); ++e) {
+    if (m.mesh.arc[e] == none) continue;
+    const Arc& arc = m.mesh.arcs[m.mesh.arc[e]];
+    const Mat2 to_circle = arc.axes.inverse();
+    const double radius = arc.axes.colwise().norm().maxCoeff();
+    for (const Index t : m.mesh.sides[e]) {
+      if (t == none) continue;
+      const Triangle cell = triangle(m, t);
+      const Material& material = material_of(m.mesh, m.scene, t);
+      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+        const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+        const double distance = radius * std::abs((to_circle * (p.x - arc.center)).norm() - 1);
+        const Mat2 stress = tensor(stress_at(m.inner->kernel, cell, s.interior.col(t), p.x));
+        const double strain = stress.norm() * (1 / (2 * material.mu) + 2 * material.c);
+        total += several * p.slope.norm() * rule.w[q] * distance * stress.norm() * strain;
+      }
+    }
+  }
+  return total;
+}
+
+}  // namespace kerf

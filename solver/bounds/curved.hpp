@@ -1,0 +1,34 @@
+#pragma once
+// The shares of triangles with curved edges in the bounds of the energy [theory: B.29].
+
+#include "solver/bounds/admissible.hpp"
+#include "solver/bounds/right_inverse.hpp"
+
+namespace kerf {
+
+/// Everything that does not depend on the triangle. Stresses of the triangle of the chords are polynomials of degree n
+/// by their values on lattice(n), displacements of degree n + 1; their divergences and asymmetries times J are of
+/// degree n + k. Two rules on each third, of which the difference is what is known of the error of either.
+struct CurvedReference {
+  Points nodes;                       // lattice(n + k)
+  TriangleRule rule;                  // points of both; the weights of the better one, 0 at those of the other
+  Eigen::VectorXd coarse;             // the weights of the other
+  Eigen::MatrixXd at_nodes, at_rule;  // from lattice(n)
+  std::array<Eigen::MatrixXd, 2> slope, slope_at_rule;  // from lattice(n + 1)
+  RightInverse inverse;
+};
+CurvedReference curved_reference(int n, int k);
+
+/// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. Adds minus the complementary
+/// energy of a symmetric one.
+void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                              const Eigen::Matrix4Xd& stress, Share& share);
+/// The elastic energy of the displacement v (on lattice(n + 1)) with its divergence moved towards that of `stress`.
+double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share);
+
+/// What the body has beyond the polynomials that its edges are: the area between an arc and its polynomial times the
+/// density of the work of stress and strain there, several times. An estimate.
+double beyond_arcs(const Model& m, const Field& s);
+
+}  // namespace kerf
