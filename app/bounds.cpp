@@ -9,29 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace kerf {
 
 namespace {
-
-/// T of these needs no adjoint.
-bool is_energy(const Functional& j) {
-  return std::ranges::all_of(j.terms, [](const Term& t) { return (t.energy || t.work) && !t.measured; });
-}
-
-/// Empty where T is not bounded.
-std::optional<Analysis> analysis_of(const BoundsTask& task, const Model& m, const State& s) {
-  return is_energy(task.functional) ? std::optional(analyze(task.functional, m, s)) : std::nullopt;
-}
-
-Bounded bound_derivative(const BoundsTask& task, const std::optional<Analysis>& analysis, const Vec2& x,
-                         const StressBounds& stress) {
-  if (!analysis)
-    return {nan, nan, nan, false,
-            "no bounds: the topological derivative is bounded for the energy and the compliance alone"};
-  return derivative_bounds(*analysis, task.perturbation, x, stress);
-}
 
 std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s, const QuantityBounds& bounds) {
   std::vector<BoundedTip> out;
@@ -49,14 +30,14 @@ const Material& material_at(const Model& m, const Vec2& x) {
 }
 
 std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Vec2>& points, const Model& m,
-                                    const State& s, const QuantityBounds& bounds) {
+                                    const QuantityBounds& bounds) {
   std::vector<BoundedPoint> out;
   if (points.empty()) return out;
-  const std::optional<Analysis> analysis = analysis_of(task, m, s);
+  const DerivativeBounds derivative(task.functional, task.perturbation, m);
   for (const Vec2& x : points) {
-    const StressBounds b = bounds.stress(x);
-    out.push_back({x, b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, x), task.plane_strain, b),
-                   bound_derivative(task, analysis, x, b)});
+    StressBounds b = bounds.stress(x);
+    out.push_back(
+        {x, b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, x), task.plane_strain, b), derivative.at(x, b)});
   }
   return out;
 }
@@ -118,14 +99,15 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
     const TipBounds tip = bounds.tip(at);
     return {goal.quantity == "K_I" ? tip.K_I : goal.quantity == "K_II" ? tip.K_II : tip.G, tip.eta};
   }
-  const StressBounds stress = bounds.stress(goal.at);
-  GoalBound out{{}, stress.eta};
+  StressBounds stress = bounds.stress(goal.at);
+  GoalBound out;
   if (goal.quantity == "topological_derivative")
-    out.interval = bound_derivative(task, analysis_of(task, m, s), goal.at, stress);
+    out.interval = DerivativeBounds(task.functional, task.perturbation, m, true).at(goal.at, stress);
   else if (goal.quantity == "von_mises")
     out.interval = von_mises_bounds(material_at(m, goal.at), task.plane_strain, stress);
   else
     out.interval = goal.quantity == "s_xx" ? stress.s11 : goal.quantity == "s_yy" ? stress.s22 : stress.s12;
+  out.eta = stress.eta;
   return out;
 }
 
@@ -181,7 +163,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     for (BoundedTip& t : out.tips)
       for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
   }
-  out.points = points_of(task, request.points, model, state, bounds);
+  out.points = points_of(task, request.points, model, bounds);
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
   out.means = means_of(task, request, model, bounds);

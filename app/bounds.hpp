@@ -2,7 +2,7 @@
 // Intervals that contain quantities of the exact solution.
 
 #include "app/solve.hpp"
-#include "kerf/analysis.hpp"
+#include "kerf/functional.hpp"
 
 namespace kerf {
 

@@ -1,15 +1,31 @@
 #pragma once
-// Guaranteed intervals of T at a point, from those of the stress there.
+// Guaranteed intervals of T at points, from those of the stresses there.
 
-#include "kerf/analysis.hpp"
 #include "kerf/bounds.hpp"
-#include "kerf/perturbation.hpp"
+#include "kerf/functional.hpp"
+
+#include <memory>
 
 namespace kerf {
 
-/// T = -energy_share/2 form(s, s) [theory: T.3, T.10] of a circular hole or inclusion, for J that is the energy or the
-/// compliance (Analysis::energy_share alone) of a body without body force. Otherwise `note` says why there is none.
-Bounded derivative_bounds(const Analysis& analysis, const Perturbation& perturbation, const Vec2& x,
-                          const StressBounds& stress);
+/// T = form(s, dual - energy_share/2 s) [theory: T.4] of a circular hole or inclusion lies in the range of
+/// that form over the intervals of the two stresses [theory: B.27]. For sums of energies, compliances, misfits, volumes
+/// and functionals that are linear in the displacement (Term::linear): these have an adjoint, which is the same body
+/// under other loads, so that its stress is bounded like that of the state, with three more quantities per point. Not
+/// where a crack may be in contact and J has an adjoint, nor for a hole in a body with a body force or where J weighs
+/// the displacement in it; `note` says why there is none.
+class DerivativeBounds {
+ public:
+  /// The model must outlive it. `with_indicators`: of the adjoint and its dual solutions, as QuantityBounds.
+  DerivativeBounds(const Functional& j, const Perturbation& p, const Model& model, bool with_indicators = false);
+  ~DerivativeBounds();
+
+  /// From the bounds of the stress of the state at x. The indicators that are asked for are added to those of `stress`.
+  Bounded at(const Vec2& x, StressBounds& stress) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace kerf

@@ -522,9 +522,9 @@ constexpr Key rows[] = {
     {"bounds.points",
      Points,
      {},
-     "Stresses here, the von Mises stress, and T of the energy or the compliance for a circular hole or inclusion, "
-     "also "
-     "where cracks may be in contact. Three quantities per point.",
+     "Stresses here, the von Mises stress, and T for a circular hole or inclusion: of energies, the compliance and "
+     "misfits, also where cracks may be in contact, and of what is linear in the displacement where none may. Three "
+     "quantities per point and body: the state, the adjoint, the body with measured displacements.",
      "[[0.5, 0.5]]"},
     {"bounds.displacements",
      Text | Names,

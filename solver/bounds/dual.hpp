@@ -2,6 +2,7 @@
 // What a quantity of a state is made of: the loads l of a dual solution, and what is known without it [theory: B.12].
 
 #include "kerf/bounds.hpp"
+#include "solver/at_rest.hpp"
 #include "solver/nucleus.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
@@ -55,7 +56,7 @@ struct CutOffDisc {
   double solid = 0;            // G does not fade within that radius
 };
 /// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
-/// where it fades [theory: B.20]. Not for materials that are incompressible.
+/// where it fades [theory: B.20].
 DualProblem local_dual(const Model& model, const Nucleus& G, const CutOffDisc& disc);
 
 /// Of a disc, what is clear of everything else: a margin is left.
@@ -105,9 +106,6 @@ bool works_twice_its_energy(const Model& model);
 DualProblem reaction_dual(const Model& model, const std::vector<Index>& labels, int component);
 /// Why there is none; empty: there is.
 std::string no_reaction(const Model& model, const std::vector<Index>& labels, int component);
-
-/// The body of the model without loads, its supports at rest.
-Scene at_rest(const Model& model);
 
 /// The scene of the model with loads that are 0 wherever those of a dual may act.
 Scene with_all_edges(const Model& model);

@@ -85,6 +85,20 @@ TEST(BoundsRun, ContainWhatAFinerSolutionSays) {
   EXPECT_EQ(count, 2 * 3 + 5);
 }
 
+// With an adjoint: the opening of the crack, and the work of loads beside a prescribed displacement.
+TEST(BoundsRun, ContainTOfFunctionalsWithAnAdjoint) {
+  const std::string moved = pulled + "[[boundary]]\non = \"left\"\ndisplacement = [0.1, 0]\n";
+  for (const char* functional : {"crack_opening\"\ncrack = \"c\"\n", "compliance\"\n"}) {
+    const TemporaryFolder folder, finer;
+    const std::string text = moved + "[functional]\nkind = \"" + functional;
+    const nlohmann::json coarse = result_of(folder, text + "[bounds]\npoints = [[0.3, 0.5]]\n", {"solver.degree=2"}),
+                         fine =
+                             result_of(finer, text + "[map]\npoints = [[0.3, 0.5]]\n", {"solver.degree=3"}, Job::Map);
+    const double T = fine["map"]["points"][0]["value"];
+    expect_interval(coarse["bounds"]["points"][0]["topological_derivative"], T, 0.5 * std::abs(T));
+  }
+}
+
 TEST(BoundsRun, SayWhyThereAreNone) {
   const TemporaryFolder folder;
   const auto note = [&](const std::string& set) {
