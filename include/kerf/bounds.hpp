@@ -75,8 +75,8 @@ Bounded von_mises_bounds(const Material& material, bool plane_strain, const Stre
 /// is the solution under the loads l, and with J(u) the potential energy -2k l = J(u + k w) - J(u - k w), both bounded
 /// [theory: B.11]. One solve by the factor of the model per quantity. With body force, several materials, kinks and
 /// pressure in cracks the singular field is cut off about its place [theory: B.20], where the material must be
-/// isotropic, without eigenstrain, and not quite incompressible: otherwise `note` says why there is no interval. Where
-/// a crack may be in contact, stresses are those of ContactQuantityBounds, and there is no K.
+/// isotropic and without eigenstrain: otherwise `note` says why there is no interval. Where a crack may be in contact,
+/// stresses are those of ContactQuantityBounds, and there is no K.
 class QuantityBounds {
  public:
   /// Model and state must outlive it. `with_indicators`: the error indicator of each dual solution, which says where a

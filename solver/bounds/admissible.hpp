@@ -15,7 +15,9 @@ struct Share {  // of one triangle
   double largest = 0;                   // |v| at its nodes
   double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
   double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
-  double square = 0, elastic = 0;       // with an eigenstrain the mean of |p|^2, and the energy of v
+  double square = 0;                    // where an eigenstrain has a rest: the mean of |p - its projection onto P4|^2
+  double elastic = 0;                   // the energy of v
+  double force = 0;  // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
   Tractions tractions;
   // If they are kept, at the points of the rule: the stress p, the strain of v less the eigenstrain, and v.
   Eigen::Matrix4Xd kept_stress, kept_strain;
@@ -43,10 +45,15 @@ struct Unseen {
 };
 Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap);
 
-/// |(C e, R)| + (C R, R)/2 for the rest R of an eigenstrain, its mean square `rest` and the error of its means:
-/// `elastic` = (C e, e)/2, `largest` |e|, e the strain less its polynomial.
-double moved_by_eigenstrain(const Material& material, double area, double rest, double error, double elastic,
-                            double largest);
+/// What the rest of an eigenstrain acts on in a triangle.
+struct MovedField {
+  double elastic, largest;  // of the strain e less the polynomial of the eigenstrain: (C e, e)/2, the largest |e|
+  double stress, force;     // the largest of p, and Share::force
+};
+/// At least what the rest R of an eigenstrain, its mean square `rest` and the error of its means, adds to the upper
+/// bound: |(C e, R)| + (C R, R)/2, or what is left when v takes up the trace of R [theory: B.28].
+double moved_by_eigenstrain(const Material& material, const Triangle& t, double rest, double error,
+                            const MovedField& on);
 
 /// A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
 bool unseen_couples(const Forces& f);

@@ -23,6 +23,7 @@ namespace kerf {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr int strain_degree = 4;  // of the polynomials of eigenstrains that have a rest
 
 // What A s : s has beyond that of the isotropic part.
 double orthotropic_work(const Material& m, double s11, double s22, double s12) {
@@ -61,6 +62,7 @@ struct Reference {
   Eigen::MatrixXd force, mean_force;                                       // body force, what the element sees of it
   RightInverse inverse;
   Eigen::MatrixXd normal_free;
+  Eigen::MatrixXd to_strains, of_strains;                 // from the rule to lattice(strain_degree), and back
   std::array<std::array<Eigen::MatrixXd, 2>, 3> at_edge;  // values at the Gauss points, edges backward and forward
   std::shared_ptr<const CurvedReference> curved;          // where there are curved triangles
 };
@@ -83,6 +85,10 @@ Reference reference(const Element& e, int n, const Forces& f) {
       interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
   r.inverse = right_inverse(n, r.rule);
   r.normal_free = normal_free_right_inverse(n);
+  if (n >= strain_degree) {
+    r.to_strains = projection(strain_degree, r.rule);
+    r.of_strains = interpolation(strain_degree, r.rule.x);
+  }
   const EdgeRule trace = gauss(points_per_edge(e));
   for (int side = 0; side < 3; ++side)
     for (int forward = 0; forward < 2; ++forward) {
@@ -147,20 +153,17 @@ struct Bounding {
     const Material& material = material_of(m.mesh, m.scene, t);
     const double mu = material.mu, c = material.c;
     const Eigen::Matrix4Xd free = eigenstrain(r, t);
-    double energy = 0, freed = 0, square = 0;
-    if (keep) share.kept_stress.resize(4, at.cols());
+    double energy = 0, freed = 0;
+    Eigen::Matrix4Xd whole(4, at.cols());
     for (Eigen::Index i = 0; i < at.cols(); ++i) {
       const Mat2 gradient =
           J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
       const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
                    s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
-      if (keep) share.kept_stress.col(i) << s11, s12, s21, s22;
+      whole.col(i) << s11, s12, s21, s22;
       energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
       if (!isotropic(material)) energy += r.rule.w[i] * orthotropic_work(material, s11, s22, 0.5 * (s12 + s21));
-      if (free.cols() > 0) {
-        freed += r.rule.w[i] * free.col(i).dot(Eigen::Vector4d(s11, s12, s21, s22));
-        square += r.rule.w[i] * (s11 * s11 + s12 * s12 + s21 * s21 + s22 * s22);
-      }
+      if (free.cols() > 0) freed += r.rule.w[i] * free.col(i).dot(whole.col(i));
       share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
       share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
     }
@@ -168,11 +171,19 @@ struct Bounding {
     freed *= area(shape);
     share.lower -= energy + freed;
     share.size += energy + std::abs(freed);
+    if ((free.cols() > 0 || keep) && r.n >= strain_degree) share.square = beyond_strains(r, whole);
     if (free.cols() > 0) {
       const StrainData& strain = m.inner->data.strain;
-      share.below = area(shape) * (std::sqrt(strain.rest[t] * square) + strain.error[t] * share.stress);
-      share.square = square;
+      share.below = area(shape) * (std::sqrt(strain.rest[t] * share.square) + strain.error[t] * share.stress);
     }
+    if (keep) share.kept_stress = std::move(whole);
+  }
+
+  /// The mean of |p - its projection|^2: the rest of an eigenstrain, also of the other state of a pair, works on no
+  /// polynomial of its degree.
+  static double beyond_strains(const Reference& r, const Eigen::Matrix4Xd& stress) {
+    const Eigen::Matrix4Xd rest = stress - stress * r.to_strains.transpose() * r.of_strains.transpose();
+    return rest.colwise().squaredNorm().dot(r.rule.w);
   }
 
   Points nodes(const Reference& r, const Triangle& shape) const {
@@ -396,6 +407,8 @@ struct Bounding {
       const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
       const Points at = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
       const Eigen::VectorXd own = r.inverse.value * scaled;
+      share.force =
+          diameter(shape) / pi * std::sqrt(area(shape) * at.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[t];
       for (Eigen::Index q = 0; q < at.cols(); ++q) {
         const double w = r.rule.w[q] * area(shape), work = at.col(q).dot(value.col(q));
         e -= w * work;
@@ -418,8 +431,8 @@ struct Bounding {
     }
     if (free.cols() > 0) {
       const StrainData& strain = m.inner->data.strain;
-      share.above =
-          moved_by_eigenstrain(material, area(shape), strain.rest[t], strain.error[t], share.elastic, worst[1]);
+      share.above = moved_by_eigenstrain(material, shape, strain.rest[t], strain.error[t],
+                                         {share.elastic, worst[1], share.stress, share.force});
     }
     const double square = zz + alpha * (2 * zw + alpha * ww);
     share.rough = std::sqrt(std::max(0.0, square));
@@ -672,15 +685,30 @@ bool unseen_couples(const Forces& f) {
   return f.nodal.cols() > 0 && f.degree == 0;
 }
 
-double moved_by_eigenstrain(const Material& material, double area, double rest, double error, double elastic,
-                            double largest) {
+namespace {
+
+/// R has zero mean: tr R = div w with w = 0 on the boundary of the triangle, |grad w| <= |tr R|/beta. v + w is
+/// admissible, and its strain less the eigenstrain moves by eps(w) - R, which has no trace.
+double moved_without_volume(double mu, const Triangle& t, double rest, const MovedField& on) {
+  const double size = std::sqrt(area(t) * rest), gradient = size * std::sqrt(std::pow(local_korn(t), 2) - 1),
+               square = 2 * mu * std::pow(size + gradient, 2);
+  return std::sqrt(2 * on.elastic * square) + 0.5 * square + on.force * gradient;
+}
+
+}  // namespace
+
+double moved_by_eigenstrain(const Material& material, const Triangle& t, double rest, double error,
+                            const MovedField& on) {
   if (rest == 0 && error == 0) return 0;
-  const double mu = material.mu, c = material.c;  // C e : e <= stiffness |e|^2
-  const double stiffness = !isotropic(material) ? 2 * shear_moduli(material).largest
-                           : c > 0              ? std::max(2 * mu, 1 / (2 * c))
-                                                : infinity,
-               square = stiffness * area * rest;
-  return std::sqrt(2 * elastic * square) + 0.5 * square + stiffness * area * error * largest;
+  const double mu = material.mu, c = material.c;
+  const bool plain = isotropic(material);
+  if (plain && c == 0)
+    return moved_without_volume(mu, t, rest, on) + area(t) * error * (2 * mu * on.largest + on.stress);
+  // C e : e <= stiffness |e|^2
+  const double stiffness = plain ? std::max(2 * mu, 1 / (2 * c)) : 2 * shear_moduli(material).largest,
+               square = stiffness * area(t) * rest, moved = std::sqrt(2 * on.elastic * square) + 0.5 * square;
+  return (plain ? std::min(moved, moved_without_volume(mu, t, rest, on)) : moved) +
+         stiffness * area(t) * error * on.largest;
 }
 
 double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
@@ -705,9 +733,6 @@ EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
   result.oscillation = std::max(more.below, more.above);
   result.lower = sum.lower - rounding - more.below - sum.below;
   result.upper = sum.upper + rounding + more.above + sum.above;
-  if (!std::isfinite(sum.above))
-    return lost(result.oscillation,
-                "no bounds of the energy: an incompressible body cannot follow an eigenstrain that is no polynomial");
   if (!(result.lower <= result.upper))
     return lost(result.oscillation, "no bounds of the energy: they are lost to rounding");
   constexpr double isochoric = 1e-9;
@@ -762,8 +787,8 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
 }  // namespace
 
 int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
-  constexpr int most = 4;  // of an eigenstrain
-  return std::max({stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? most : 0});
+  return std::max(
+      {stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? strain_degree : 0});
 }
 
 AdmissiblePair admissible(const Model& m, const Field& s, int inside) {

@@ -163,10 +163,11 @@ double eigenstrain_unseen(const AdmissiblePair& u, const AdmissiblePair& w, doub
     const double rest = together(a.empty() ? 0 : a.rest[t], b.empty() ? 0 : b.rest[t], k),
                  error = (a.empty() ? 0 : a.error[t]) + k * (b.empty() ? 0 : b.error[t]);
     if (rest == 0 && error == 0) continue;
-    const double size = area(u.m.mesh, t);
-    sum += size * (std::sqrt(rest * together(x.square, y.square, k)) + error * (x.stress + k * y.stress));
-    sum += moved_by_eigenstrain(material_of(u.m.mesh, u.m.scene, t), size, rest, error,
-                                together(x.elastic, y.elastic, k), x.gradient + k * y.gradient);
+    const Triangle shape = triangle(u.m, t);
+    sum += area(shape) * (std::sqrt(rest * together(x.square, y.square, k)) + error * (x.stress + k * y.stress));
+    sum += moved_by_eigenstrain(material_of(u.m.mesh, u.m.scene, t), shape, rest, error,
+                                {together(x.elastic, y.elastic, k), x.gradient + k * y.gradient,
+                                 x.stress + k * y.stress, x.force + k * y.force});
   }
   return sum;
 }

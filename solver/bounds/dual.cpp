@@ -316,7 +316,6 @@ std::string no_disc(const Model& m, Index triangle) {
   const Material& material = material_of(m.mesh, m.scene, triangle);
   if (!isotropic(material)) return "no bounds: the material there is orthotropic";
   if (eigenstrain_of(m.mesh, m.scene, triangle)) return "no bounds: there is an eigenstrain";
-  if (material.c == 0) return "no bounds: an incompressible body cannot follow the singular field where it is cut off";
   return {};
 }
 

@@ -420,5 +420,39 @@ TEST(EnergyBounds, SayWhenTheDataAreNotResolved) {
   EXPECT_NE(kink.note.find("prescribed displacements"), std::string::npos) << kink.note;
 }
 
+// A pull along y and the eigenstrain of a displacement U that is no polynomial and changes the volume of a body whose
+// material does not, or hardly, do so: J = -1/(8 mu) - int_top U_y.
+TEST(Bounds, HoldTheEnergyWithAnEigenstrainThatChangesTheVolume) {
+  constexpr double mu = 0.5;
+  const auto U = [](const Vec2& x) -> Vec2 { return {0.1 * std::exp(x.x()), 0.05 * x.x() * std::exp(x.y())}; };
+  for (const double c : {0.0, 1e-6}) {
+    const Material material{mu, c};
+    const Mat2 pull = (Mat2() << 0, 0, 0, 1).finished(), stretch = strain(material, pull);
+    const double energy = -0.5 * (1 / (4 * mu) + c) - 0.025 * std::exp(1.0);
+    Scene s{.material = material};
+    s.eigenstrain = {{[](const Vec2& x) -> Vec2 {
+                        return {0.1 * std::exp(x.x()), 0.05 * x.x() * std::exp(x.y())};
+                      },
+                      [](const Vec2& x) -> Vec2 {
+                        return {0.025 * std::exp(x.y()), 0};
+                      },
+                      false}};
+    s.supports = {
+        {0, false, true, true, [U, stretch](const Vec2& x, const Vec2&) -> Vec2 { return U(x) + stretch * x; }}};
+    for (const Index label : {1, 2, 3})
+      s.tractions.push_back({label, [pull](const Vec2&, const Vec2& n) -> Vec2 { return pull * n; }});
+    std::vector<double> gap;
+    for (const int n : {2, 4}) {
+      const Model m = prepare(exact::unit_square_mesh(n, 0.2), element("bdms", 2), s, 1);
+      const EnergyBounds b = energy_bounds(m, solve(m));
+      EXPECT_TRUE(b.guaranteed) << b.note;
+      EXPECT_LE(b.lower, energy) << c;
+      EXPECT_GE(b.upper, energy) << c;
+      gap.push_back(b.upper - b.lower);
+    }
+    EXPECT_LT(gap[1], gap[0] / 16);
+  }
+}
+
 }  // namespace
 }  // namespace kerf

@@ -171,6 +171,36 @@ TEST(QuantityBounds, ContainWithRegionsBodyForceAndPressure) {
   }
 }
 
+// Where nothing changes its volume the singular fields are cut off with a source that fades [theory: B.28].
+TEST(QuantityBounds, ContainWithoutChangeOfVolume) {
+  const Material rubber{1, 0};
+  const exact::ExactField f =
+      exact::line_crack("rubber", rubber, exact::under((Mat2() << 0.5, 0, 0, 1).finished(), slope));
+  const double k1 = (0.5 * std::pow(std::sin(slope), 2) + std::pow(std::cos(slope), 2)) * std::sqrt(pi);
+  const Polynomial more{rubber,
+                        (Mat2() << std::cos(slope), -std::sin(slope), std::sin(slope), std::cos(slope)).finished()};
+  constexpr double pressure = 0.5;
+  std::vector<double> width;
+  for (const auto& [degree, n] : {std::pair(1, 16), std::pair(1, 32), std::pair(2, 16)}) {
+    const CrackProblem p = local_problem(f, more, pressure, n, degree);
+    const QuantityBounds bounds(p.model, p.state);
+    const std::string which = fmt::format("degree {} n {}", degree, n);
+    const Bounded one = bounds.tip({.crack = 0}).K_I;
+    expect_contains(one, k1, which + " K_I");
+    const Vec2 x(0.1, 0.9);
+    const StressBounds at = bounds.stress(x);
+    const Mat2 exact = f.stress(x, exact::side_of(f, x)) + more.stress(x) - pressure * Mat2::Identity();
+    expect_contains(at.trace, exact.trace(), which + " trace");
+    expect_contains(at.difference, 0.5 * (exact(1, 1) - exact(0, 0)), which + " difference");
+    expect_contains(at.s12, exact(0, 1), which + " shear");
+    for (const Bounded& of : {one, at.trace, at.s12}) {
+      width.push_back(half_width(of));
+      EXPECT_TRUE(of.guaranteed || n == 16) << which << " " << of.note;
+    }
+  }
+  for (int i = 0; i < 3; ++i) EXPECT_LT(width[3 + i], 0.6 * width[i]) << i;
+}
+
 TEST(QuantityBounds, SayWhyThereAreNone) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
   CrackProblem p = crack_problem(f, 8, 1, {0});
