@@ -29,10 +29,14 @@ struct EdgeValues {
 /// Errors below `size` times rounding are left: the largest of f on all edges, or 0. Throws Error(Numerics), naming
 /// `what` and the place, where the data are not finite.
 EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size = 0);
-/// The same on a curved edge of a mesh, sampled, with the normal of the curve. `density`: times |dx/ds| over the
-/// length of the chord, so that length times weight integrates a traction as on straight edges.
-EdgeValues curved_edge_values(const BoundaryField& f, const Mesh& mesh, const Bows& bows, Index edge, const char* what,
-                              bool density);
+struct EdgeOf {
+  const Mesh& mesh;
+  const Bows& bows;
+  Index edge;
+};
+/// The same on an edge of a mesh. A curved one is sampled, with the normal of the curve; `density`: times |dx/ds| over
+/// the length of the chord, so that length times weight integrates a traction as on straight edges.
+EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size = 0);
 /// The largest value that is known of f on the edge, where that is finite; else 0.
 double size_on(const BoundaryField& f, const EdgeLine& edge);
 

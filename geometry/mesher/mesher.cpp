@@ -386,11 +386,10 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
       rough.places.push_back({chains[i][k]->info().value, point(drawing, strand, at.back())});
     }
     at.push_back(piece.to);
-    for (std::size_t k = 0; k + 1 < chains[i].size() && curved; ++k) {
-      Arc arc = *strand.arc;
-      const auto turned = [&](double s) { return strand.arc->from + s * (strand.arc->to - strand.arc->from); };
-      arc.from = turned(at[k]);
-      arc.to = turned(at[k + 1]);
+    if (!curved) continue;
+    const auto turned = [&](double s) { return strand.arc->from + s * (strand.arc->to - strand.arc->from); };
+    for (std::size_t k = 0; k + 1 < chains[i].size(); ++k) {
+      const Arc arc{strand.arc->center, strand.arc->axes, turned(at[k]), turned(at[k + 1])};
       rough.followed.push_back({chains[i][k]->info().value, chains[i][k + 1]->info().value, arc});
     }
   }

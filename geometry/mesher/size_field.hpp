@@ -66,7 +66,8 @@ std::vector<bool> reentrant_corners(const Drawing& drawing);
 void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources);
 
 /// Strands split at the target length. Whole circles and ellipses on which no crack ends get the polygon that has their
-/// area. `finer` multiplies the number of pieces on arcs.
+/// area, unless edges are to be `curved`: then all points stay on the arcs, pieces of 45 degrees at most. `finer`
+/// multiplies the number of pieces on arcs.
 Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, bool curved);
 
 }  // namespace kerf

@@ -15,7 +15,7 @@ struct Sizing {
   double across = 2;            // edges across narrow gaps between sides
   bool mirrored_tips = false;   // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
                                 // friction needs [theory: F.8]
-  bool curved = false;          // edges along arcs of loops and regions follow them: Mesh::arc
+  bool curved = false;          // edges along arcs follow them: Mesh::arc
   std::vector<Vec2> ends = {};  // points with edges of end_size: where contact ends (solve_graded finds them)
 };
 /// Target edge length at Sizing::ends, for a size that is given (not 0). Adjoints are singular there as states are at

@@ -100,12 +100,6 @@ Reference reference(const Element& e, int n, const Forces& f) {
   return r;
 }
 
-// The fields of a curved triangle are those of its chords, taken over.
-Triangle chords_of(Triangle cell) {
-  cell.bow = {};
-  return cell;
-}
-
 struct Bounding {
   const Model& m;
   const Field& s;

@@ -410,16 +410,14 @@ class EdgeIntegration {
 
 }  // namespace
 
-EdgeValues curved_edge_values(const BoundaryField& f, const Mesh& mesh, const Bows& bows, Index edge, const char* what,
-                              bool density) {
-  const EdgeLine line = edge_line(mesh, edge);
+EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size) {
+  const EdgeLine line = edge_line(of.mesh, of.edge);
+  if (!bow_at(of.bows, of.edge)) return edge_values(f, line, what, size);
   const double chord = (line.b - line.a).norm();
   const auto at = [&](double s) -> Vec2 {
-    const OnEdge p = on_edge(mesh, bows, edge, s);
+    const OnEdge p = on_edge(of.mesh, of.bows, of.edge, s);
     const double speed = p.slope.norm();
-    Vec2 n = Vec2(p.slope.y(), -p.slope.x()) / speed;
-    if (n.dot(line.n) < 0) n = -n;
-    return (density ? speed / chord : 1) * f(p.x, n);
+    return (density ? speed / chord : 1) * f(p.x, normal_at(p, line.n) / speed);
   };
   EdgeValues v = EdgeIntegration(f, line, what, at).run();
   // A polynomial along a polynomial edge, with its normal: nothing hides between points that agree on it.

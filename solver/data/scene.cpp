@@ -36,23 +36,10 @@ void add_unseen(const Mesh& mesh, const std::vector<EdgeValues>& values, bool pr
   if (found) all.push_back(*found);
 }
 
-bool is_bowed(const Mesh& mesh, const Bows& bows, Index t) {
-  const auto& [a, b, c] = mesh.edges_of[t];
-  return bow_at(bows, a) || bow_at(bows, b) || bow_at(bows, c);
-}
-
 // A body force in a curved triangle, at the points of the rule.
-TriangleValues curved_values(const VectorField& f, const Mesh& mesh, const Bows& bows, Index t,
-                             const TriangleRule& rule) {
-  Triangle shape;
-  for (int i = 0; i < 3; ++i) {
-    const Index e = mesh.edges_of[t][i];
-    shape.x[i] = mesh.points[mesh.triangles[t][i]];
-    shape.forward[i] = mesh.sides[e][0] == t;
-    shape.bow[i] = bow_at(bows, e);
-  }
+TriangleValues curved_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule) {
   TriangleValues v;
-  const Points x = rule_points(rule, shape);
+  const Points x = rule_points(rule, cell);
   v.at.resize(2, x.cols());
   for (Eigen::Index q = 0; q < x.cols(); ++q) v.at.col(q) = f(x.col(q));
   v.how = Resolution::Sampled;
@@ -143,8 +130,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
     double size = 0;
     for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line(mesh, e)));
     for (const Index e : labeled(data, label))
-      all.values.push_back(bow_at(bows, e) ? curved_edge_values(f, mesh, bows, e, what, density)
-                                           : edge_values(f, edge_line(mesh, e), what, size));
+      all.values.push_back(edge_values(f, {mesh, bows, e}, what, density, size));
     return all;
   };
   for (const Support& s : scene.supports)
@@ -157,9 +143,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
     double size = 0;
     for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line(mesh, e.edge)));
     for (const CrackEdge& e : mesh.cracks[c])
-      all.values.push_back(bow_at(bows, e.edge)
-                               ? curved_edge_values(p, mesh, bows, e.edge, "pressure in a crack", false)
-                               : edge_values(p, edge_line(mesh, e.edge), "pressure in a crack", size));
+      all.values.push_back(edge_values(p, {mesh, bows, e.edge}, "pressure in a crack", false, size));
     data.pressures.push_back(std::move(all));
   }
   return data;
@@ -173,12 +157,9 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   const double size = size_over(scene.body, mesh);
   parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      if (is_bowed(mesh, bows, t)) {
-        data.body[t] = curved_values(scene.body, mesh, bows, t, rule);
-        continue;
-      }
-      data.body[t] = triangle_values(scene.body, {mesh.points[a], mesh.points[b], mesh.points[c]}, rule, size);
+      const Triangle cell = cell_of(mesh, bows, t);
+      data.body[t] =
+          is_curved(cell) ? curved_values(scene.body, cell, rule) : triangle_values(scene.body, cell.x, rule, size);
     }
   });
   return data;

@@ -11,7 +11,7 @@ namespace kerf {
 
 namespace {
 
-/// The height of a polynomial over the chord of the unit arc of angle 2a about (0, 1), seen from its middle: `along`
+/// The height of a polynomial over the chord of the unit arc of angle 2a with its middle at (0, 1): `along`
 /// the chord and `across` it.
 struct UnitHeight {
   std::array<double, 3> along, across;
@@ -78,13 +78,7 @@ Bows bows_of(const Mesh& mesh, const Element& e) {
     bows.all.push_back(bow_of(mesh.arcs[mesh.arc[k]], e.stress + 1));
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Triangle cell;
-    for (int i = 0; i < 3; ++i) {
-      const Index edge = mesh.edges_of[t][i];
-      cell.x[i] = mesh.points[mesh.triangles[t][i]];
-      cell.forward[i] = mesh.sides[edge][0] == static_cast<Index>(t);
-      cell.bow[i] = bow_at(bows, edge);
-    }
+    const Triangle cell = cell_of(mesh, bows, static_cast<Index>(t));
     if (!is_curved(cell) || !folds(cell)) continue;
     const Vec2 at = centroid(cell);
     throw Error(Fault::Numerics,

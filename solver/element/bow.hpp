@@ -38,5 +38,10 @@ struct OnEdge {
   Vec2 x, slope;
 };
 OnEdge on_edge(const Mesh& mesh, const Bows& bows, Index edge, double s);
+/// The normal there times |dx/ds|, on the side of `towards`.
+inline Vec2 normal_at(const OnEdge& p, const Vec2& towards) {
+  const Vec2 n(p.slope.y(), -p.slope.x());
+  return n.dot(towards) < 0 ? Vec2(-n) : n;
+}
 
 }  // namespace kerf

@@ -107,6 +107,17 @@ Kernel kernel(const Element& e) {
   return k;
 }
 
+Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t) {
+  Triangle cell;
+  for (int i = 0; i < 3; ++i) {
+    const Index edge = mesh.edges_of[t][i];
+    cell.x[i] = mesh.points[mesh.triangles[t][i]];
+    cell.forward[i] = mesh.sides[edge][0] == t;
+    cell.bow[i] = bow_at(bows, edge);
+  }
+  return cell;
+}
+
 namespace {
 
 std::array<Vec2, 3> barycentric_slopes(const Triangle& t) {
@@ -196,8 +207,9 @@ Eigen::VectorXd rule_weights(const TriangleRule& rule, const Triangle& t) {
   return w;
 }
 
-double cell_area(const Kernel& k, const Triangle& t) {
-  return is_curved(t) ? area(t) * rule_weights(k.curved, t).sum() : area(t);
+double cell_area(const Triangle& t) {
+  static const TriangleRule exact = triangle_rule(6);  // J is of twice the degree of the element at most
+  return is_curved(t) ? area(t) * rule_weights(exact, t).sum() : area(t);
 }
 
 Points rule_points(const TriangleRule& rule, const Triangle& t) {
@@ -212,9 +224,7 @@ Points rule_points(const TriangleRule& rule, const Triangle& t) {
 }
 
 Points chord_points(const TriangleRule& rule, const Triangle& t) {
-  Triangle chords = t;
-  chords.bow = {};
-  return (rule_points(rule, chords).colwise() - centroid(t)) / std::sqrt(2 * area(t));
+  return (rule_points(rule, chords_of(t)).colwise() - centroid(t)) / std::sqrt(2 * area(t));
 }
 
 Points seen_places(const Kernel& k, const Triangle& t) {

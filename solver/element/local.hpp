@@ -28,6 +28,13 @@ struct Triangle {
 inline bool is_curved(const Triangle& t) {
   return t.bow[0] || t.bow[1] || t.bow[2];
 }
+/// Triangle t of a mesh, its edges without frames. The bows must outlive it.
+Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t);
+/// With straight edges instead.
+inline Triangle chords_of(Triangle t) {
+  t.bow = {};
+  return t;
+}
 
 inline const Mat2& frame_at(const Triangle& t, int edge, int point) {
   return t.bent[edge] ? t.bent[edge][point] : t.frame[edge];
@@ -191,7 +198,7 @@ Points chord_points(const TriangleRule& rule, const Triangle& t);
 /// them, in the mean of squares over the triangle of the chords.
 Points seen_places(const Kernel& k, const Triangle& t);
 /// Of the triangle with its curved edges; area(t) is that of its chords.
-double cell_area(const Kernel& k, const Triangle& t);
+double cell_area(const Triangle& t);
 /// The k-th Gauss point of edge i.
 Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point);
 

@@ -36,8 +36,10 @@ std::vector<Index> mark(const Eigen::VectorXd& eta) {
 
 Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
              const Indicator& indicator) {  // of the goal
-  if (wanted.refinement == Refinement::Bisect) require_straight(model, "bisection");
-  if (wanted.refinement == Refinement::Bisect) return bisect(model.mesh, mark(indicator.eta), sizing.mirrored_tips);
+  if (wanted.refinement == Refinement::Bisect) {
+    require_straight(model, "bisection");
+    return bisect(model.mesh, mark(indicator.eta), sizing.mirrored_tips);
+  }
   constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
   // Below the goal: at singular points the error falls slower than the order of the element says.
   constexpr double safety = 0.7;

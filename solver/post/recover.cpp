@@ -278,10 +278,6 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
   return gap || law != CrackLaw::Kind::Unilateral ? CrackPoint::Status::Open : CrackPoint::Status::Biactive;
 }
 
-}  // namespace
-
-namespace {
-
 double length_along(const Model& model, Index edge) {
   const Bows& bows = model.inner->skeleton.bows;
   if (!bow_at(bows, edge)) return length(model.mesh, edge);

@@ -255,7 +255,7 @@ Triangle triangle(const Model& model, Index t) {
 }
 
 double cell_area(const Model& m, Index t) {
-  return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(m.inner->kernel, triangle(m, t));
+  return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(cell_of(m.mesh, m.inner->skeleton.bows, t));
 }
 
 void require_straight(const Model& m, std::string_view what) {

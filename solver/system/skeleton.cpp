@@ -48,9 +48,7 @@ void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
 
 // Directions at a point of a curved edge: the normal of its polynomial on the side of `chord`, and that turned.
 Mat2 frame_on_bow(const Mesh& mesh, const Skeleton& s, Index e, double at, const Vec2& chord) {
-  const Vec2 slope = on_edge(mesh, s.bows, e, at).slope.normalized();
-  Vec2 n(slope.y(), -slope.x());
-  if (n.dot(chord) < 0) n = -n;
+  const Vec2 n = normal_at(on_edge(mesh, s.bows, e, at), chord).normalized();
   return (Mat2() << n, Vec2(-n.y(), n.x())).finished();
 }
 
@@ -378,14 +376,11 @@ const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
 }
 
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
-  Triangle result;
+  Triangle result = cell_of(mesh, s.bows, t);
   for (int i = 0; i < 3; ++i) {
     const Index e = mesh.edges_of[t][i];
-    result.x[i] = mesh.points[mesh.triangles[t][i]];
     result.frame[i] = s.frame[e];
-    result.forward[i] = mesh.sides[e][0] == t;
     if (s.bent_at[e] != none) result.bent[i] = s.bent.data() + s.bent_at[e];
-    result.bow[i] = bow_at(s.bows, e);
     if (s.per_vertex > 1) result.corner[i] = s.corner_frame[s.corners.of[t][i]];
   }
   return result;

@@ -28,11 +28,8 @@ double work_on_measured(const Model& m, const Support& measured) {
     if (traction.label != measured.label) continue;
     const std::vector<Index>& edges = labeled(m.inner->data, traction.label);
     for (std::size_t j = 0; j < edges.size(); ++j) {
-      constexpr const char* what = "measured displacement";
-      const Bows& bows = m.inner->skeleton.bows;
-      const EdgeValues u = bow_at(bows, edges[j])
-                               ? curved_edge_values(measured.value, m.mesh, bows, edges[j], what, false)
-                               : edge_values(measured.value, edge_line(m.mesh, edges[j]), what);
+      const EdgeValues u =
+          edge_values(measured.value, {m.mesh, m.inner->skeleton.bows, edges[j]}, "measured displacement", false);
       for (int q = 0; q < data_points; ++q)
         work += length(m.mesh, edges[j]) * rule.w[q] * traction.values[j].at.col(q).dot(u.at.col(q));
     }

@@ -94,11 +94,7 @@ void along_label(const Model& m, Index label, const std::function<void(const Bou
         const double s = (piece + rule.s[q]) / pieces;
         const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, s);
         const double speed = p.slope.norm();
-        Vec2 n = outward;
-        if (bow_at(m.inner->skeleton.bows, e)) {
-          n = Vec2(p.slope.y(), -p.slope.x()) / speed;
-          if (n.dot(outward) < 0) n = -n;
-        }
+        const Vec2 n = bow_at(m.inner->skeleton.bows, e) ? Vec2(normal_at(p, outward) / speed) : outward;
         at({p.x, n, speed * rule.w[q] / pieces, e, trace_basis(m.inner->kernel.trace, s), m.inner->skeleton});
       }
   }
@@ -385,8 +381,7 @@ double difference(const Term& term, const Model& m, const Field& s, const Field&
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
       Divided points;
-      Triangle chords = shape;
-      chords.bow = {};
+      const Triangle chords = chords_of(shape);
       divide(chords, 1, added, rule, points);
       if (is_curved(shape)) bend(shape, chords, points);
       const Eigen::Index n = static_cast<Eigen::Index>(points.x.size());

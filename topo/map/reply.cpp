@@ -34,8 +34,7 @@ std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus>
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
         const double s = (piece + rule.s[q]) / pieces, w = rule.w[q] / pieces;
         const OnEdge at = on_edge(m.mesh, skeleton.bows, e, s);
-        Vec2 n(at.slope.y(), -at.slope.x());  // times |dx/ds|
-        if (n.dot(outward) < 0) n = -n;
+        const Vec2 n = normal_at(at, outward);  // times |dx/ds|
         const Vec2& x = at.x;
         const Eigen::VectorXd basis = trace_basis(trace, s);
         for (std::size_t j = 0; j < fields.size(); ++j) {
