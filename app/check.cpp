@@ -4,6 +4,7 @@
 #include "app/solve.hpp"
 #include "io/text.hpp"
 #include "solver/resultants.hpp"
+#include "solver/system.hpp"
 
 #include <fmt/format.h>
 
@@ -76,9 +77,9 @@ class Lines {
 
 using Notes = std::vector<std::string>;
 
-void print_body(Lines& out, const Shape& shape, const Mesh& mesh) {
+void print_body(Lines& out, const Shape& shape, const Mesh& mesh, const Bows& bows) {
   double body = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) body += area(mesh, static_cast<Index>(t));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) body += cell_area(cell_of(mesh, bows, static_cast<Index>(t)));
   Vec2 low = mesh.points.at(0), high = low;
   for (const Vec2& p : mesh.points) {
     low = low.cwiseMin(p);
@@ -101,13 +102,14 @@ const char* with_eigenstrain(const Scene& scene, Index r) {
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? ", with an eigenstrain" : "";
 }
 
-void print_regions(Lines& out, const Case& c, const Mesh& mesh) {
+void print_regions(Lines& out, const Case& c, const Mesh& mesh, const Bows& bows) {
   const Shape& shape = c.shape;
   for (std::size_t r = 0; r < shape.regions.size(); ++r) {
     double size = 0;
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
-      if (mesh.region[t] == static_cast<Index>(r)) size += area(mesh, static_cast<Index>(t)), ++count;
+      if (mesh.region[t] == static_cast<Index>(r))
+        size += cell_area(cell_of(mesh, bows, static_cast<Index>(t))), ++count;
     out.print("region    {}: {}, area {:.6g}, {} triangles{}\n", shape.regions[r].name, in_words(c.regions[r]), size,
               count, with_eigenstrain(c.scene, static_cast<Index>(r)));
   }
@@ -177,15 +179,15 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
 /// What the labels are called in the picture, with the resultants of the loads on them.
 using Names = std::vector<Named>;
 
-void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, Names& names) {
+void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, const Bows& bows, Names& names) {
   const TriangleRule rule = triangle_rule(8);
-  const SceneData data = scene_data(mesh, c.scene, rule, 1);
+  const SceneData data = scene_data(mesh, c.scene, rule, 1, bows);
   const auto line = [&](const std::string& what, const Resultant& r) {
     out.print("{:<20} force {}{}, moment {:.6g}{} about (0, 0)\n", what, at(r.force),
               with_blank(unit(c.units, dimension::force)), r.moment + 0.0,
               with_blank(unit(c.units, dimension::moment)));
   };
-  const std::vector<LabelResultant> tractions = traction_resultants(mesh, c.scene, data);
+  const std::vector<LabelResultant> tractions = traction_resultants(mesh, bows, c.scene, data);
   if (!tractions.empty() || c.scene.body) out.print("\nloads\n");
   Resultant sum;
   for (const LabelResultant& r : tractions) {
@@ -195,7 +197,7 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh,
     sum.add(r.of);
   }
   if (c.scene.body) {
-    const Resultant body = body_resultant(mesh, c.scene, data, rule);
+    const Resultant body = body_resultant(mesh, bows, c.scene, data, rule);
     line("body", body);
     sum.add(body);
   }
@@ -221,6 +223,7 @@ void note_loads(Notes& notes, const Scene& scene) {
 std::string check(const Case& c, const std::filesystem::path& folder) {
   if (c.optimize) refuse_optimization(c);
   const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
+  const Bows bows = bows_of(mesh, c.element);
   Lines out;
   Notes notes = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   if (c.mesh)
@@ -230,16 +233,16 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       "meshes and optimization",
                       *problem));
   out.print("{}\n", c.title);
-  print_body(out, c.shape, mesh);
+  print_body(out, c.shape, mesh, bows);
   out.print("material  {}, plane {}{}\n", in_words({c.young, c.poisson, c.orthotropy}),
             c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
-  print_regions(out, c, mesh);
+  print_regions(out, c, mesh, bows);
   print_mesh(out, mesh);
   print_cracks(out, notes, c, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);
   Names names;
   for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});
-  print_resultants(out, notes, c, mesh, names);
+  print_resultants(out, notes, c, mesh, bows, names);
   for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
   if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
   if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);

@@ -112,10 +112,11 @@ void add_resultants(const Model& model, const State& state, const Shape& shape, 
     }
     return result;
   };
-  out.loads = named(traction_resultants(model.mesh, model.scene, model.inner->data));
+  const Bows& bows = model.inner->skeleton.bows;
+  out.loads = named(traction_resultants(model.mesh, bows, model.scene, model.inner->data));
   out.reactions = named(reactions(model, state));
   if (model.scene.body) {
-    const Resultant body = body_resultant(model.mesh, model.scene, model.inner->data, model.inner->kernel.load);
+    const Resultant body = body_resultant(model.mesh, bows, model.scene, model.inner->data, model.inner->kernel.load);
     out.body = ResultantResult{"", body.force, body.moment};
     sum.add(body);
   }

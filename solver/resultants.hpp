@@ -24,8 +24,10 @@ struct LabelResultant {
   Index label;
   Resultant of;
 };
-std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Scene& scene, const SceneData& data);
-Resultant body_resultant(const Mesh& mesh, const Scene& scene, const SceneData& data, const TriangleRule& rule);
+std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
+                                                const SceneData& data);
+Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene, const SceneData& data,
+                         const TriangleRule& rule);
 
 /// What the supports exert on the body, per label of a support: the tractions of the solution less the loads that act
 /// there, on the components that are held. In displacement elements the forces on nodes; those of a corner count to

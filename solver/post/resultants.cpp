@@ -35,8 +35,7 @@ class Holding {
       Vec2 force = Vec2::Zero();
       for (Eigen::Index q = 0; q < k.edge.s.size(); ++q) {
         const OnEdge p = on_edge(m_.mesh, skeleton.bows, e, k.edge.s[q]);
-        Vec2 n = Vec2(p.slope.y(), -p.slope.x()) / l;  // times the length of the curve over that of the chord
-        if (n.dot(line.n) < 0) n = -n;
+        const Vec2 n = normal_at(p, line.n) / l;  // times the length of the curve over that of the chord
         const Vec2 traction = tensor(stress_at(k, shape, s_.interior.col(t), p.x)) * n;
         force += l * k.edge.w[q] * k.trace_at_edge(g, q) * traction;
       }
@@ -98,29 +97,31 @@ void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& 
 
 }  // namespace
 
-std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Scene& scene, const SceneData& data) {
+std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
+                                                const SceneData& data) {
   const EdgeRule rule = gauss(data_points);
   std::vector<LabelResultant> all;
   for (std::size_t i = 0; i < data.tractions.size(); ++i) {
     Resultant& r = entry(all, scene.tractions[i].label);
     for (std::size_t j = 0; j < data.tractions[i].values.size(); ++j) {
-      const EdgeLine line = edge_line(mesh, labeled(data, data.tractions[i].label)[j]);
-      const double l = (line.b - line.a).norm();
+      const Index e = labeled(data, data.tractions[i].label)[j];
+      const double l = length(mesh, e);
       for (int q = 0; q < data_points; ++q)
-        r.add(line.a + rule.s[q] * (line.b - line.a), l * rule.w[q] * data.tractions[i].values[j].at.col(q));
+        r.add(on_edge(mesh, bows, e, rule.s[q]).x, l * rule.w[q] * data.tractions[i].values[j].at.col(q));
     }
   }
   return all;
 }
 
-Resultant body_resultant(const Mesh& mesh, const Scene& scene, const SceneData& data, const TriangleRule& rule) {
+Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene, const SceneData& data,
+                         const TriangleRule& rule) {
   Resultant r;
   if (!scene.body) return r;
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
-    Triangle shape;
-    for (int i = 0; i < 3; ++i) shape.x[i] = mesh.points[mesh.triangles[t][i]];
-    const Points x = rule_points(rule, shape), force = body_force(data, scene, t, x);
-    for (Eigen::Index q = 0; q < x.cols(); ++q) r.add(x.col(q), area(shape) * rule.w[q] * force.col(q));
+    const Triangle cell = cell_of(mesh, bows, t);
+    const Points x = rule_points(rule, cell), force = body_force(data, scene, t, x);
+    const Eigen::VectorXd w = rule_weights(rule, cell);
+    for (Eigen::Index q = 0; q < x.cols(); ++q) r.add(x.col(q), area(cell) * w[q] * force.col(q));
   }
   return r;
 }

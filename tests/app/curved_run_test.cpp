@@ -98,6 +98,45 @@ TEST(CurvedRun, MapsAgreeWithTheStress) {
   EXPECT_NEAR(result["map"]["points"][0]["value"].get<double>(), expected, 2e-3 * std::abs(expected));
 }
 
+// A quarter of a disc under its own weight, pulled at the rim: loads and reactions are those of the curved body.
+TEST(CurvedRun, LoadsAndReactionsAreInEquilibrium) {
+  const TemporaryFolder folder;
+  const std::string quarter = R"([domain]
+outline = [[0, 0], [2, 0], { arc_to = [0, 2], center = [0, 0] }]
+sides = ["bottom", "rim", "left"]
+[material]
+young = 1.0
+poisson = 0.3
+[body]
+force = [0, -1]
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "rim"
+traction = ["0.1*nx", "0.2*ny"]
+[mesh]
+size = 0.5
+curved = true
+[solver]
+degree = 2
+[output]
+vtk = false
+png = false
+html = false
+)";
+  const nlohmann::json all = result_of(folder, quarter)["state"]["resultants"];
+  constexpr double close = 2e-6, rounding = 1e-10;  // the area of arcs of degree 3
+  EXPECT_NEAR(all["body"]["force"][1].get<double>(), -pi, close);
+  EXPECT_NEAR(all["body"]["moment"].get<double>(), -8.0 / 3, 2 * close);
+  EXPECT_NEAR(all["balance"]["force"][0].get<double>(), 0, rounding);
+  EXPECT_NEAR(all["balance"]["force"][1].get<double>(), 0, rounding);
+  EXPECT_NEAR(all["balance"]["moment"].get<double>(), 0, close);
+  const std::string said = check(read_case(folder.write("b.toml", quarter)), {});
+  EXPECT_NE(said.find("area 3.14159"), std::string::npos) << said;
+  EXPECT_NE(said.find("force (0, -3.14159)"), std::string::npos) << said;
+}
+
 std::string refusal_of(const std::string& text, Job job = Job::Solve, const std::vector<std::string>& set = {}) {
   const TemporaryFolder folder;
   try {

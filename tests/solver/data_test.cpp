@@ -100,10 +100,10 @@ TEST(Data, ReactionsAreWhatHoldsTheBody) {
     EXPECT_NEAR(held[0].of.force.x(), -2, 1e-10) << name;
     EXPECT_NEAR(held[0].of.force.y(), 3, 1e-10) << name;
     EXPECT_NEAR(held[0].of.moment, 3 * 0.5 + 2, 1e-10) << name;
-    const std::vector<LabelResultant> loads = traction_resultants(m.mesh, m.scene, m.inner->data);
+    const std::vector<LabelResultant> loads = traction_resultants(m.mesh, {}, m.scene, m.inner->data);
     ASSERT_EQ(loads.size(), 1U);
     EXPECT_NEAR(loads[0].of.moment, -2, 1e-12);
-    const Resultant body = body_resultant(m.mesh, m.scene, m.inner->data, m.inner->kernel.load);
+    const Resultant body = body_resultant(m.mesh, {}, m.scene, m.inner->data, m.inner->kernel.load);
     EXPECT_NEAR(body.moment, -1.5, 1e-12);
   }
 }
