@@ -16,14 +16,15 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
 void return_freed_memory();
 
-/// P' K P = L L' by CHOLMOD (supernodal), in the order in which K comes: rows in contact last, before them those of an
-/// interface. The last block of L is the Cholesky factor of the Schur complement S = D - B K^-1 B' onto its rows. A
-/// matrix that is not definite goes to UMFPACK, without such rows.
+/// P' K P = L L' by CHOLMOD's analysis and solves and a numeric phase of our own, in the order in which K comes: rows
+/// in contact last, before them those of an interface. The last block of L is the Cholesky factor of the Schur
+/// complement S = D - B K^-1 B' onto its rows. A matrix that is not definite goes to UMFPACK, without such rows.
 class Factor {
  public:
-  /// Runs on one thread: OpenBLAS with two gives other bits. Throws LostDefiniteness when K is not positive definite,
-  /// std::bad_alloc when memory runs out.
-  Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0);
+  /// The same bits for any number of threads. Throws LostDefiniteness when K is not positive definite, std::bad_alloc
+  /// when memory runs out.
+  Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0,
+         int threads = 1);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;

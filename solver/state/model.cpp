@@ -86,15 +86,15 @@ LowerTriangle lifted(LowerTriangle k, const Skeleton& s, const Ordering& o) {
 
 // Very slender bodies: the rounding of K is larger than what it takes to bend them, and K may have lost its
 // definiteness. With a shift above that rounding its factor still is the preconditioner of the exact products.
-Factor factor_of(const LowerTriangle& k, const Element& e, const Ordering& o) {
+Factor factor_of(const LowerTriangle& k, const Element& e, const Ordering& o, int threads) {
   if (!is_definite(e)) return Factor(k, o.contact_rows, false, o.interface_rows);
   try {
-    return Factor(k, o.contact_rows, true, o.interface_rows);
+    return Factor(k, o.contact_rows, true, o.interface_rows, threads);
   } catch (const LostDefiniteness&) {
     constexpr double shift = 1e-13;
     LowerTriangle raised = k;
     for (Index row = 0; row < k.size; ++row) raised.values[raised.start[row]] *= 1 + shift;
-    return Factor(raised, o.contact_rows, true, o.interface_rows);
+    return Factor(raised, o.contact_rows, true, o.interface_rows, threads);
   }
 }
 
@@ -215,8 +215,8 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   auto factor = std::make_shared<const Factor>(
       !how.factorize                  ? Factor(LowerTriangle{}, 0)
       : !made.skeleton.unseen.empty() ? Factor(lifted(system.K, made.skeleton, ordering), ordering.contact_rows)
-      : !made.standing.empty()        ? factor_of(sprung(system.K, ordering, made.standing), e, ordering)
-                                      : factor_of(system.K, e, ordering));
+      : !made.standing.empty()        ? factor_of(sprung(system.K, ordering, made.standing), e, ordering, threads)
+                                      : factor_of(system.K, e, ordering, threads));
   seconds.factor = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
 }

@@ -3,6 +3,7 @@
 #include "kerf/stop.hpp"
 #include "solver/system/blas.hpp"
 #include "solver/system/lost_definiteness.hpp"
+#include "solver/system/multifrontal.hpp"
 
 #include <cholmod.h>
 #include <dlfcn.h>
@@ -108,21 +109,24 @@ struct Factor::Impl {
   double entries = 0, flops = 0;
   Eigen::MatrixXd contact_factor, interface_factor;
   std::optional<Lu> lu;  // instead of a Cholesky factor
+  std::optional<Multifrontal> numeric;
+  int threads = 1;
 
   ~Impl() {
     if (factor) cholmod_free_factor(&factor, &session.c);
   }
 
-  void factorize(cholmod_sparse& a) {
+  void factorize(const LowerTriangle& lower) {
     check_stop();
-    const BlasCall in_blas;
-    const int done = cholmod_factorize(&a, factor, &session.c);
-    // cholmod_solve resets the status: it must be read here.
-    if (session.c.status == CHOLMOD_NOT_POSDEF)
+    if (!factor->x && !cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor, &session.c)) out_of_memory();
+    if (!numeric)
+      numeric.emplace(Supernodes{static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
+                                 static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
+                                 static_cast<const Index*>(factor->s)});
+    if (!numeric->factorize(lower, static_cast<double*>(factor->x), threads))
       throw LostDefiniteness(
           "rounding has eaten the stiffness of the body: it is slender or nearly free to move, triangles are very "
           "flat, or materials differ too much; support it more firmly, or refine the mesh there");
-    if (!done || session.c.status != CHOLMOD_OK) out_of_memory();
   }
 
   template <typename Dense>
@@ -173,10 +177,11 @@ struct Factor::Impl {
   }
 };
 
-Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, Index interface_rows)
+Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, Index interface_rows, int threads)
     : impl_(std::make_unique<Impl>()) {
   use_one_thread();
   impl_->size = lower.size;
+  impl_->threads = threads;
   if (impl_->size == 0) return;
   if (!definite) {
     if (contact_rows + interface_rows > 0)
@@ -200,7 +205,7 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
   if (!impl_->factor) out_of_memory();
   impl_->entries = c.lnz;
   impl_->flops = c.fl;
-  impl_->factorize(a);
+  impl_->factorize(lower);
   if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
   impl_->interface_factor = impl_->last_block(contact_rows + interface_rows);
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
@@ -210,9 +215,7 @@ void Factor::refactor(const LowerTriangle& lower) {
   if (impl_->lu || lower.size != impl_->size) throw std::invalid_argument("Factor: refactor with another pattern");
   if (impl_->size == 0) return;
   const Eigen::Index rows = impl_->interface_factor.rows(), contact = impl_->contact_factor.rows();
-  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
-                          const_cast<double*>(lower.values.data()), -1);
-  impl_->factorize(a);
+  impl_->factorize(lower);
   impl_->interface_factor = impl_->last_block(static_cast<Index>(rows));
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact, contact);
 }

@@ -1,9 +1,9 @@
 #include "solver/parallel.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace kerf {
@@ -34,25 +34,60 @@ void parallel_for(Index count, int threads, const std::function<void(Index, Inde
 }
 
 void parallel_tasks(Index count, int threads, const std::function<void(Index)>& body) {
-  const Index workers = std::clamp<Index>(count, 1, std::max(threads, 1));
-  std::vector<std::exception_ptr> failures(static_cast<std::size_t>(std::max(count, 0)));
-  std::atomic<Index> next{0};
-  const auto work = [&] {
-    for (Index i = next++; i < count; i = next++) {
-      try {
-        body(i);
-      } catch (...) {
-        failures[static_cast<std::size_t>(i)] = std::current_exception();
+  Team(static_cast<int>(std::clamp<Index>(count, 1, std::max(threads, 1)))).run(count, body);
+}
+
+Team::Team(int threads) {
+  for (int w = 1; w < threads; ++w)
+    threads_.emplace_back([this] {
+      std::unique_lock lock(mutex_);
+      while (true) {
+        begun_.wait(lock, [this] { return over_ || next_ < count_; });
+        if (over_) return;
+        work(lock);
       }
-    }
-  };
+    });
+}
+
+Team::~Team() {
   {
-    std::vector<std::jthread> pool;
-    for (Index w = 1; w < workers; ++w) pool.emplace_back(work);
-    work();
+    const std::scoped_lock lock(mutex_);
+    over_ = true;
   }
-  for (const auto& failure : failures)
-    if (failure) std::rethrow_exception(failure);
+  begun_.notify_all();
+}
+
+void Team::run(Index count, const std::function<void(Index)>& body) {
+  std::unique_lock lock(mutex_);
+  body_ = &body;
+  count_ = count;
+  next_ = 0;
+  failure_ = nullptr;
+  if (count > 1) begun_.notify_all();
+  work(lock);
+  ended_.wait(lock, [this] { return busy_ == 0; });
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+// Every item runs, so that it does not depend on the threads which failure is told.
+void Team::work(std::unique_lock<std::mutex>& lock) {
+  ++busy_;
+  while (next_ < count_) {
+    const Index item = next_++;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      (*body_)(item);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (failure && (!failure_ || item < failed_)) {
+      failure_ = failure;
+      failed_ = item;
+    }
+  }
+  if (--busy_ == 0) ended_.notify_one();
 }
 
 }  // namespace kerf

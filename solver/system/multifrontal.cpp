@@ -1,0 +1,454 @@
+#include "solver/system/multifrontal.hpp"
+
+#include "kerf/stop.hpp"
+#include "solver/parallel.hpp"
+#include "solver/system/blas.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <numeric>
+
+extern "C" {
+void dpotrf_(const char* part, const int* n, double* a, const int* lda, int* info);
+void dtrsm_(const char* side, const char* part, const char* transposed, const char* unit, const int* m, const int* n,
+            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dsyrk_(const char* part, const char* transposed, const int* n, const int* k, const double* alpha, const double* a,
+            const int* lda, const double* beta, double* c, const int* ldc);
+void dgemm_(const char* a_transposed, const char* b_transposed, const int* m, const int* n, const int* k,
+            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
+            double* c, const int* ldc);
+}
+
+namespace kerf {
+
+namespace {
+
+constexpr double one = 1, minus_one = -1;
+
+/// The lower Cholesky factor in place; whether all pivots are positive.
+bool cholesky(int n, double* a, int lda) {
+  int info = 0;
+  dpotrf_("L", &n, a, &lda, &info);
+  return info == 0;
+}
+/// b (m x n) <- b l^-T
+void divide(int m, int n, const double* l, int ldl, double* b, int ldb) {
+  dtrsm_("R", "L", "T", "N", &m, &n, &one, l, &ldl, b, &ldb);
+}
+/// c (lower, n x n) -= a a', a n x k
+void subtract_square(int n, int k, const double* a, int lda, double* c, int ldc) {
+  dsyrk_("L", "N", &n, &k, &minus_one, a, &lda, &one, c, &ldc);
+}
+/// c (m x n) -= a b', a m x k, b n x k
+void subtract_product(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c, int ldc) {
+  dgemm_("N", "T", &m, &n, &k, &minus_one, a, &lda, b, &ldb, &one, c, &ldc);
+}
+
+/// A few columns of length `height`, the first `width` rows their own: for what the calls of a BLAS would cost more.
+bool small_panel(Index height, Index width, double* a) {
+  const auto column = [=](Index k) { return a + std::int64_t{k} * height; };
+  for (Index j = 0; j < width; ++j) {
+    double* __restrict to = column(j);
+    Index k = 0;
+    for (; k + 4 <= j; k += 4) {
+      const double *p = column(k), *q = column(k + 1), *r = column(k + 2), *s = column(k + 3);
+      const double at_p = p[j], at_q = q[j], at_r = r[j], at_s = s[j];
+      for (Index i = j; i < height; ++i) to[i] -= p[i] * at_p + q[i] * at_q + r[i] * at_r + s[i] * at_s;
+    }
+    for (; k < j; ++k) {
+      const double* p = column(k);
+      const double at_p = p[j];
+      for (Index i = j; i < height; ++i) to[i] -= p[i] * at_p;
+    }
+    if (!(to[j] > 0)) return false;
+    const double pivot = std::sqrt(to[j]), inverse = 1 / pivot;
+    to[j] = pivot;
+    for (Index i = j + 1; i < height; ++i) to[i] *= inverse;
+  }
+  return true;
+}
+
+/// c (lower, n x n) -= a a' for narrow a (n x k, columns `lda` apart), two columns by four at a time.
+void small_square(Index n, Index k, const double* a, Index lda, double* c) {
+  const auto column = [=](Index j) { return a + std::int64_t{j} * lda; };
+  Index j = 0;
+  for (; j + 2 <= n; j += 2) {
+    double* __restrict left = c + std::int64_t{j} * n, * __restrict right = left + n;
+    Index t = 0;
+    for (; t + 4 <= k; t += 4) {
+      const double *p = column(t), *q = column(t + 1), *r = column(t + 2), *s = column(t + 3);
+      const double p0 = p[j], q0 = q[j], r0 = r[j], s0 = s[j], p1 = p[j + 1], q1 = q[j + 1], r1 = r[j + 1],
+                   s1 = s[j + 1];
+      for (Index i = j; i < n; ++i) {
+        left[i] -= p[i] * p0 + q[i] * q0 + r[i] * r0 + s[i] * s0;
+        right[i] -= p[i] * p1 + q[i] * q1 + r[i] * r1 + s[i] * s1;
+      }
+    }
+    for (; t < k; ++t) {
+      const double *p = column(t), p0 = p[j], p1 = p[j + 1];
+      for (Index i = j; i < n; ++i) {
+        left[i] -= p[i] * p0;
+        right[i] -= p[i] * p1;
+      }
+    }
+  }
+  for (; j < n; ++j)
+    for (Index t = 0; t < k; ++t) {
+      const double* p = column(t);
+      double* to = c + std::int64_t{j} * n;
+      for (Index i = j; i < n; ++i) to[i] -= p[i] * p[j];
+    }
+}
+
+}  // namespace
+
+/// What one thread needs: where each row of L is in the front, and the stack of what fronts leave.
+struct Multifrontal::Arena {
+  std::vector<Index> place;
+  std::unique_ptr<double[]> stack;
+  Arena(Index columns, std::size_t room) : place(static_cast<std::size_t>(columns)), stack(new double[room]) {}
+};
+
+/// One factorization.
+struct Multifrontal::Run {
+  const Multifrontal& of;
+  const LowerTriangle& K;
+  double* values;
+  Team& team;
+  std::vector<double*> left = {};                    // per front what it leaves: lower, rest x rest
+  std::vector<std::unique_ptr<double[]>> kept = {};  // of roots of subtrees
+  std::vector<std::unique_ptr<Arena>> free = {};
+  std::mutex mutex = {};
+  std::atomic<bool> definite = true;
+
+  Run(const Multifrontal& m, const LowerTriangle& k, double* v, Team& t)
+      : of(m), K(k), values(v), team(t), left(static_cast<std::size_t>(m.s_.count), nullptr), kept(left.size()) {}
+
+  std::unique_ptr<Arena> take() {
+    const std::scoped_lock lock(mutex);
+    if (free.empty()) return std::make_unique<Arena>(of.columns_, of.subtree_room_);
+    std::unique_ptr<Arena> arena = std::move(free.back());
+    free.pop_back();
+    return arena;
+  }
+  void give(std::unique_ptr<Arena> arena) {
+    const std::scoped_lock lock(mutex);
+    free.push_back(std::move(arena));
+  }
+
+  static void find_places(const Front& f, std::vector<Index>& place) {
+    for (Index i = 0; i < f.height; ++i) place[static_cast<std::size_t>(f.rows[i])] = i;
+  }
+
+  /// Columns from .. to of the front's own part of K.
+  void add_entries(const Front& f, const std::vector<Index>& place, Index from, Index to) const {
+    for (Index j = from; j < to; ++j) {
+      double* column = f.panel + std::int64_t{j} * f.height;
+      std::fill_n(column, f.height, 0.0);
+      for (Index p = K.start[f.first + j]; p < K.start[f.first + j + 1]; ++p)
+        column[place[static_cast<std::size_t>(K.rows[p])]] = K.values[p];
+    }
+  }
+
+  /// Columns from .. to of what the child leaves; `places`: of its rows in the front.
+  static void add_child(const Front& f, double* rest, const double* child, const std::vector<Index>& places, Index from,
+                        Index to) {
+    const auto m = static_cast<Index>(places.size());
+    for (Index j = from; j < to; ++j) {
+      const Index at = places[static_cast<std::size_t>(j)];
+      const double* source = child + std::int64_t{j} * m;
+      double* target =
+          at < f.width ? f.panel + std::int64_t{at} * f.height : rest + std::int64_t{at - f.width} * f.rest() - f.width;
+      for (Index i = j; i < m; ++i) target[places[static_cast<std::size_t>(i)]] += source[i];
+    }
+  }
+  std::vector<Index> places_of(Index child, const std::vector<Index>& place) const {
+    const Front c = of.front(child, values);
+    std::vector<Index> places(static_cast<std::size_t>(c.rest()));
+    for (Index i = 0; i < c.rest(); ++i)
+      places[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(c.rows[c.width + i])];
+    return places;
+  }
+
+  bool eliminate(const Front& f, double* rest) const {
+    const int height = f.height, width = f.width, m = f.rest();
+    constexpr Index narrow = 24;
+    constexpr std::int64_t little = 40000, little_square = 65536;
+    if (width <= narrow || std::int64_t{width} * width * height < little) {
+      if (!small_panel(height, width, f.panel)) return false;
+    } else {
+      if (!cholesky(width, f.panel, height)) return false;
+      if (m > 0) divide(m, width, f.panel, height, f.panel + width, height);
+    }
+    if (m == 0) return true;
+    constexpr Index slender = 8;
+    if (width < slender || std::int64_t{width} * m * m < little_square)
+      small_square(m, width, f.panel + width, height, rest);
+    else
+      subtract_square(m, width, f.panel + width, height, rest, m);
+    return true;
+  }
+
+  /// What the front leaves is made on top of the stack, then moved down to where that of its children was.
+  bool perform(Index s, Arena& arena, std::size_t& top) {
+    const Front f = of.front(s, values);
+    double *rest = arena.stack.get() + top, *lowest = rest;
+    std::fill_n(rest, f.rest_size(), 0.0);
+    find_places(f, arena.place);
+    add_entries(f, arena.place, 0, f.width);
+    for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
+      const std::vector<Index> places = places_of(c, arena.place);
+      add_child(f, rest, left[c], places, 0, static_cast<Index>(places.size()));
+      lowest = std::min(lowest, left[c]);
+    }
+    if (!eliminate(f, rest)) return false;
+    if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
+    left[s] = lowest;
+    top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
+    return true;
+  }
+
+  void subtree(const Unit& unit) {
+    if (!definite) return;
+    check_stop();
+    std::unique_ptr<Arena> arena = take();
+    const BlasCall in_blas;
+    std::size_t top = 0;
+    for (Index k = unit.begin; k < unit.end; ++k)
+      if (!perform(of.sequence_[k], *arena, top)) {
+        definite = false;
+        break;
+      }
+    const Index root = of.sequence_[unit.end - 1];
+    const std::size_t size = of.front(root, values).rest_size();
+    if (definite) {
+      kept[root].reset(new double[size]);
+      std::copy_n(left[root], size, kept[root].get());
+      left[root] = kept[root].get();
+    }
+    give(std::move(arena));
+  }
+
+  // ---- fronts above the subtrees, in tiles
+
+  static constexpr Index tile = 192, strip = 64;
+
+  /// Whether threads are worth waking, and tiles their calls.
+  static bool is_large(const Front& f) {
+    constexpr double flops = 4e6;
+    return double(f.width) * f.height * f.height > flops;
+  }
+  void each(Index count, bool together, const std::function<void(Index)>& body) const {
+    if (together) return team.run(count, body);
+    for (Index i = 0; i < count; ++i) body(i);
+  }
+  template <typename Body>
+  void in_strips(Index columns, bool together, const Body& body) const {
+    each((columns + strip - 1) / strip, together,
+         [&](Index i) { body(i * strip, std::min(columns, (i + 1) * strip)); });
+  }
+
+  /// The columns and rows behind column `from + step` less what columns from .. from + step make of them.
+  void update_tiles(const Front& f, double* rest, Index from, Index step) const {
+    const Index begin = from + step, tiles = (f.height - begin + tile - 1) / tile;
+    const double* made = f.panel + std::int64_t{from} * f.height;
+    const auto update = [&](Index row, Index rows, Index column, Index columns, bool diagonal) {
+      if (columns <= 0) return;
+      const bool own = column < f.width;
+      double* to =
+          own ? f.panel + std::int64_t{column} * f.height : rest + std::int64_t{column - f.width} * f.rest() - f.width;
+      const Index apart = own ? f.height : f.rest();
+      if (diagonal) {
+        subtract_square(columns, step, made + column, f.height, to + column, apart);
+        rows -= column + columns - row;
+        row = column + columns;
+      }
+      if (rows > 0)
+        subtract_product(rows, columns, step, made + row, f.height, made + column, f.height, to + row, apart);
+    };
+    team.run(tiles * (tiles + 1) / 2, [&](Index k) {
+      const BlasCall in_blas;
+      Index j = 0, i = k;  // tile (i, j), i >= j, column after column
+      while (i >= tiles - j) i -= tiles - j, ++j;
+      i += j;
+      const Index row = begin + i * tile, rows = std::min(tile, f.height - row), column = begin + j * tile,
+                  columns = std::min(tile, f.height - column), own = std::clamp<Index>(f.width - column, 0, columns);
+      update(row, rows, column, own, i == j);
+      update(row, rows, column + own, columns - own, i == j);
+    });
+  }
+
+  bool in_tiles(const Front& f, double* rest) const {
+    for (Index from = 0; from < f.width; from += tile) {
+      const Index step = std::min(tile, f.width - from), behind = f.height - from - step;
+      double* diagonal = f.panel + std::int64_t{from} * f.height + from;
+      {
+        const BlasCall in_blas;
+        if (!cholesky(step, diagonal, f.height)) return false;
+      }
+      team.run((behind + tile - 1) / tile, [&](Index i) {
+        const BlasCall in_blas;
+        divide(std::min(tile, behind - i * tile), step, diagonal, f.height, diagonal + step + i * tile, f.height);
+      });
+      update_tiles(f, rest, from, step);
+    }
+    return true;
+  }
+
+  void single(Index s, Arena& arena, std::size_t& top) {
+    if (!definite) return;
+    check_stop();
+    const Front f = of.front(s, values);
+    const bool large = is_large(f);
+    double *rest = arena.stack.get() + top, *lowest = rest;
+    find_places(f, arena.place);
+    in_strips(f.width, large, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
+    in_strips(f.rest(), large, [&](Index from, Index to) {
+      std::fill_n(rest + std::int64_t{from} * f.rest(), std::int64_t{to - from} * f.rest(), 0.0);
+    });
+    for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
+      const std::vector<Index> places = places_of(c, arena.place);
+      in_strips(static_cast<Index>(places.size()), large,
+                [&](Index from, Index to) { add_child(f, rest, left[c], places, from, to); });
+      if (kept[c])
+        kept[c].reset();
+      else
+        lowest = std::min(lowest, left[c]);
+    }
+    if (large) {
+      definite = in_tiles(f, rest);
+    } else {
+      const BlasCall in_blas;
+      definite = eliminate(f, rest);
+    }
+    if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
+    left[s] = lowest;
+    top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
+  }
+
+  bool operator()() {
+    Arena arena(of.columns_, of.top_room_);
+    std::size_t top = 0;
+    if (team.size() > 1) {
+      std::vector<const Unit*> heavy_first;
+      for (const Unit& u : of.units_)
+        if (u.subtree) heavy_first.push_back(&u);
+      std::stable_sort(heavy_first.begin(), heavy_first.end(),
+                       [](const Unit* a, const Unit* b) { return a->work > b->work; });
+      team.run(static_cast<Index>(heavy_first.size()),
+               [&](Index i) { subtree(*heavy_first[static_cast<std::size_t>(i)]); });
+      free.clear();
+    }
+    for (const Unit& u : of.units_)
+      if (!u.subtree)
+        single(of.sequence_[u.begin], arena, top);
+      else if (team.size() == 1)
+        subtree(u);
+    return definite;
+  }
+};
+
+Multifrontal::Front Multifrontal::front(Index s, double* values) const {
+  return {s_.first[s], s_.first[s + 1] - s_.first[s], s_.rows_start[s + 1] - s_.rows_start[s],
+          s_.rows + s_.rows_start[s], values + s_.values_start[s]};
+}
+
+Multifrontal::Multifrontal(const Supernodes& supernodes) : s_(supernodes) {
+  if (s_.count == 0) return;
+  columns_ = s_.first[s_.count];
+  const auto count = static_cast<std::size_t>(s_.count);
+  std::vector<Index> of(static_cast<std::size_t>(columns_));
+  for (Index s = 0; s < s_.count; ++s) std::fill(of.begin() + s_.first[s], of.begin() + s_.first[s + 1], s);
+  parent_.assign(count, none);
+  first_child_.assign(count, none);
+  next_.assign(count, none);
+  for (Index s = s_.count - 1; s >= 0; --s) {
+    const Front f = front(s, nullptr);
+    if (f.rest() == 0) continue;
+    const Index p = parent_[s] = of[static_cast<std::size_t>(f.rows[f.width])];
+    next_[s] = first_child_[p];
+    first_child_[p] = s;
+  }
+  order_depth_first();
+  cut();
+}
+
+// The given order has children before parents, yet not always subtrees together, which the stack needs.
+void Multifrontal::order_depth_first() {
+  sequence_.reserve(static_cast<std::size_t>(s_.count));
+  std::vector<Index> open;
+  for (Index root = 0; root < s_.count; ++root) {
+    if (parent_[root] != none) continue;
+    Index s = root;
+    while (true) {
+      for (; s != none; s = first_child_[s]) open.push_back(s);
+      while (true) {
+        s = open.back();
+        open.pop_back();
+        sequence_.push_back(s);
+        if (open.empty() || next_[s] != none) break;
+      }
+      if (open.empty()) break;
+      s = next_[s];
+    }
+  }
+}
+
+// The stack of a subtree begins anew at its root, that of the fronts above passes them by.
+void Multifrontal::cut() {
+  constexpr double per_front = 2e4, share = 1.0 / 64;  // flops that a front costs besides its own
+  const auto count = static_cast<std::size_t>(s_.count);
+  std::vector<double> work(count, 0);
+  std::vector<Index> size(count, 1);  // fronts of the subtree
+  double whole = 0;
+  for (const Index s : sequence_) {
+    const Front f = front(s, nullptr);
+    double own = per_front;
+    for (Index j = 0; j < f.width; ++j) own += double(f.height - j) * double(f.height - j);
+    whole += own;
+    work[s] += own;
+    if (parent_[s] == none) continue;
+    work[parent_[s]] += work[s];
+    size[parent_[s]] += size[s];
+  }
+  const auto above = [&](Index s) { return work[s] > share * whole; };
+  work_ = whole;
+  std::vector<std::size_t> leaves(count, 0);  // on the stack, by the fronts of a subtree that are done
+  std::size_t top = 0;
+  for (Index k = 0; k < s_.count; ++k) {
+    const Index s = sequence_[k];
+    const bool is_above = above(s);
+    if (is_above)
+      units_.push_back({k, k + 1, false, work[s]});
+    else if (parent_[s] == none || above(parent_[s]))
+      units_.push_back({k + 1 - size[s], k + 1, true, work[s]});
+  }
+  const auto push = [&](Index s, std::size_t& room, bool only_above) {
+    const std::size_t rest = front(s, nullptr).rest_size();
+    room = std::max(room, top + rest);
+    for (Index c = first_child_[s]; c != none; c = next_[c])
+      if (!only_above || above(c)) top -= leaves[c];
+    top += leaves[s] = rest;
+  };
+  for (const Unit& u : units_) {
+    if (!u.subtree) continue;
+    top = 0;
+    for (Index k = u.begin; k < u.end; ++k) push(sequence_[k], subtree_room_, false);
+  }
+  top = 0;
+  for (const Unit& u : units_)
+    if (!u.subtree) push(sequence_[u.begin], top_room_, true);
+}
+
+bool Multifrontal::factorize(const LowerTriangle& K, double* values, int threads) const {
+  constexpr double worth_threads = 3e7;  // flops
+  if (s_.count == 0) return true;
+  Team team(work_ > worth_threads ? threads : 1);
+  return Run(*this, K, values, team)();
+}
+
+}  // namespace kerf
