@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -87,7 +88,7 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
          {"result.json",  "state.vtu",     "map.vtu",     "map.csv",        "validate.csv", "mesh.png",
           "measured.csv", "von_mises.png", "map.png",     "validate.png",   "report.html",  "report.bin",
           "design.png",   "evolution.png", "history.png", "optimality.png", "design.toml",  "design.svg",
-          "design.dxf",   "design.msh",    "design.step", "case.toml",      "bounds.csv"})
+          "design.dxf",   "design.msh",    "design.step", "case.toml",      "bounds.csv",   "bounds.vtp"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }
@@ -127,6 +128,40 @@ std::vector<Elastic> elastics_of(const Case& c, const OptimizeResult& r) {
 }
 
 }  // namespace
+
+void write_bounds_files(const Journal& journal, const BoundsResult& bounds) {
+  write_bounds_csv(journal.file("bounds.csv"), bounds);
+  if (!journal.vtk || bounds.points.empty()) return;
+  struct Quantity {
+    const char* name;
+    Bounded BoundedPoint::*of;
+  };
+  const std::array<Quantity, 5> quantities{{{"s_xx", &BoundedPoint::s_xx},
+                                            {"s_yy", &BoundedPoint::s_yy},
+                                            {"s_xy", &BoundedPoint::s_xy},
+                                            {"von_mises", &BoundedPoint::von_mises},
+                                            {"topological_derivative", &BoundedPoint::derivative}}};
+  const auto n = static_cast<Eigen::Index>(bounds.points.size());
+  std::vector<std::vector<Vec2>> places;
+  for (const BoundedPoint& p : bounds.points) places.push_back({p.at});
+  std::vector<NamedField> fields;
+  for (const Quantity& q : quantities) {
+    Eigen::MatrixXd value(1, n), lower(1, n), upper(1, n), guaranteed(1, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Bounded& b = bounds.points[static_cast<std::size_t>(i)].*q.of;
+      value(0, i) = b.value;
+      lower(0, i) = b.lower;
+      upper(0, i) = b.upper;
+      guaranteed(0, i) = b.guaranteed ? 1 : 0;
+    }
+    const std::string name = q.name;
+    fields.push_back({name, false, std::move(value)});
+    fields.push_back({name + "_lower", false, std::move(lower)});
+    fields.push_back({name + "_upper", false, std::move(upper)});
+    fields.push_back({name + "_guaranteed", false, std::move(guaranteed)});
+  }
+  write_vtp(journal.file("bounds.vtp"), places, fields);
+}
 
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r) {
   const std::vector<Elastic> regions = elastics_of(c, r);

@@ -18,6 +18,9 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
 /// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
 
+/// bounds.csv; bounds.vtp: the points with lower and upper of each quantity.
+void write_bounds_files(const Journal& journal, const BoundsResult& bounds);
+
 /// map.vtu; map.csv at the asked points, or at all corners.
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);

@@ -382,7 +382,7 @@ void bound(const Outcome& out, const BoundsRequest& asked, Journal& journal, Res
   const Body body = body_of(out.c, out.solved.adapted);
   r.bounds = bound_quantities({body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain}, asked,
                               out.solved.adapted, journal.options.threads);
-  write_bounds_csv(journal.file("bounds.csv"), *r.bounds);
+  write_bounds_files(journal, *r.bounds);
   journal.seconds.bounds += journal.lap();
 }
 

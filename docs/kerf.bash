@@ -113,6 +113,7 @@ functional.on
 functional.crack
 functional.tip
 functional.target
+functional.direction
 functional.measured
 functional.p
 functional.ring
@@ -122,6 +123,7 @@ functional.terms[0].on
 functional.terms[0].crack
 functional.terms[0].tip
 functional.terms[0].target
+functional.terms[0].direction
 functional.terms[0].measured
 functional.terms[0].p
 functional.terms[0].ring
@@ -170,6 +172,7 @@ optimize.bound[0].on
 optimize.bound[0].crack
 optimize.bound[0].tip
 optimize.bound[0].target
+optimize.bound[0].direction
 optimize.bound[0].measured
 optimize.bound[0].p
 optimize.bound[0].ring
@@ -179,6 +182,7 @@ optimize.bound[0].terms[0].on
 optimize.bound[0].terms[0].crack
 optimize.bound[0].terms[0].tip
 optimize.bound[0].terms[0].target
+optimize.bound[0].terms[0].direction
 optimize.bound[0].terms[0].measured
 optimize.bound[0].terms[0].p
 optimize.bound[0].terms[0].ring

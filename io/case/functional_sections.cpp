@@ -81,14 +81,14 @@ struct Reader {
     return static_cast<Index>(number);
   }
 
-  std::vector<Term> boundary_terms(const Value& table) const {
+  /// One term per label, made by boundary_tracking or displacement of the pair under `key`.
+  std::vector<Term> boundary_terms(const Value& table, const char* key, decltype(boundary_tracking)& made) const {
     const std::vector<Index> labels = find_labels(need(table, "on"), c.shape);
-    const auto target = formulas(need(table, "target"), definitions);
+    const auto pair = formulas(need(table, key), definitions);
     BoundaryWeight weight;
     if (const auto given = find(table, "weight")) weight = formula(*given, definitions).value;
     std::vector<Term> terms;
-    for (const Index label : labels)
-      terms.push_back(boundary_tracking(label, vector_field(target[0], target[1]), weight));
+    for (const Index label : labels) terms.push_back(made(label, vector_field(pair[0], pair[1]), weight));
     return terms;
   }
 
@@ -162,7 +162,8 @@ struct Reader {
       const BoundaryField field = vector_field(target[0], target[1]);
       return {displacement_tracking([field](const Vec2& x) { return field(x, Vec2::Zero()); }, weight(table))};
     }
-    if (kind == "boundary_tracking") return boundary_terms(table);
+    if (kind == "boundary_tracking") return boundary_terms(table, "target", boundary_tracking);
+    if (kind == "displacement") return boundary_terms(table, "direction", displacement);
     if (kind == "stress_power" || kind == "stress_pnorm") {
       const double p = in_range(need(table, "p"));
       return {kind == "stress_power" ? stress_power(p, weight(table), c.plane_strain)

@@ -24,10 +24,10 @@ constexpr std::array<View, 9> element_names{
 constexpr std::array<View, 1> later_backends{"petsc"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
-constexpr std::array<View, 12> functional_kinds{
-    "energy",         "compliance",   "volume", "displacement_tracking", "boundary_tracking",
-    "stress_power",   "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",
-    "crack_pressure", "sum"};
+constexpr std::array<View, 13> functional_kinds{
+    "energy",       "compliance",   "volume", "displacement_tracking", "boundary_tracking", "displacement",
+    "stress_power", "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",     "crack_pressure",
+    "sum"};
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
 constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
@@ -372,7 +372,7 @@ constexpr Key rows[] = {
      "\"energy\" without the table"},
     {"functional.on",
      Text | Names,
-     {.with = "boundary_tracking|misfit", .required = true},
+     {.with = "boundary_tracking|displacement|misfit", .required = true},
      "A label or a list of labels; of a misfit one label without a support.",
      "\"top\""},
     {"functional.crack",
@@ -390,6 +390,11 @@ constexpr Key rows[] = {
      {.with = "displacement_tracking|boundary_tracking|crack_pressure", .required = true},
      "A displacement, a pair; of crack_pressure a pressure, one value.",
      "[0, \"x\"]"},
+    {"functional.direction",
+     Vector,
+     {.with = "displacement", .required = true},
+     "What the displacement is multiplied with.",
+     "[0, 1]"},
     {"functional.measured",
      Vector | Text,
      {.with = "misfit", .required = true},
@@ -408,7 +413,8 @@ constexpr Key rows[] = {
      "from the crack's length and what is near"},
     {"functional.weight",
      Formula,
-     {.with = "displacement_tracking|boundary_tracking|stress_power|stress_pnorm|crack_opening|crack_pressure"},
+     {.with = "displacement_tracking|boundary_tracking|displacement|stress_power|stress_pnorm|crack_opening|crack_"
+              "pressure"},
      "Factor under the integral.",
      "\"x > 1 ? 1 : 0\"",
      "1"},

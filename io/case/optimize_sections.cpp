@@ -175,7 +175,7 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
     const Value at_most = need(entry, "at_most");
     bound.at_most = number(at_most);
     const std::string& kind = bound.functional.kind;
-    const bool any_sign = kind == "energy" || kind == "crack_opening" || kind == "sum";
+    const bool any_sign = kind == "energy" || kind == "displacement" || kind == "crack_opening" || kind == "sum";
     if (any_sign ? bound.at_most == 0 : !(bound.at_most > 0))
       fail(at_most.node->position, fmt::format("{} must {}: violations are measured relative to it", at_most.name,
                                                any_sign ? "not be 0" : "be positive"));

@@ -112,7 +112,11 @@ extern "C" bool kerf_vtk_write_lines(const KerfVtkData* data, KerfVtkSink sink, 
   try {
     vtkNew<vtkPolyData> lines;
     add_points_and_fields(*data, *lines);
-    lines->SetLines(cells_of(*data));
+    const bool lone = data->points == data->cells;  // a line of one point is drawn as a vertex alone
+    if (lone)
+      lines->SetVerts(cells_of(*data));
+    else
+      lines->SetLines(cells_of(*data));
     return write<vtkXMLPolyDataWriter>(*lines, sink, target);
   } catch (const std::exception&) {
     return false;

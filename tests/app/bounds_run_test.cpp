@@ -85,10 +85,21 @@ TEST(BoundsRun, ContainWhatAFinerSolutionSays) {
   EXPECT_EQ(count, 2 * 3 + 5);
 }
 
-// With an adjoint: the opening of the crack, and the work of loads beside a prescribed displacement.
+TEST(BoundsRun, PointsAreDrawnInParaView) {
+  const TemporaryFolder folder;
+  result_of(folder, pulled + "[bounds]\npoints = [[0.3, 0.5]]\n", {"output.vtk=true"});
+  const std::string text(std::istreambuf_iterator<char>(std::ifstream(folder.path / "out" / "bounds.vtp").rdbuf()), {});
+  for (const char* field : {"s_xx", "s_yy_lower", "s_xy_upper", "von_mises_guaranteed", "topological_derivative_lower"})
+    EXPECT_NE(text.find('"' + std::string(field) + '"'), std::string::npos) << field;
+  result_of(folder, pulled, {});
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "out" / "bounds.vtp")) << "of the run before";
+}
+
+// With an adjoint: the opening of the crack, the work of loads beside a prescribed displacement, a displacement.
 TEST(BoundsRun, ContainTOfFunctionalsWithAnAdjoint) {
   const std::string moved = pulled + "[[boundary]]\non = \"left\"\ndisplacement = [0.1, 0]\n";
-  for (const char* functional : {"crack_opening\"\ncrack = \"c\"\n", "compliance\"\n"}) {
+  for (const char* functional :
+       {"crack_opening\"\ncrack = \"c\"\n", "compliance\"\n", "displacement\"\non = \"top\"\ndirection = [1, 2]\n"}) {
     const TemporaryFolder folder, finer;
     const std::string text = moved + "[functional]\nkind = \"" + functional;
     const nlohmann::json coarse = result_of(folder, text + "[bounds]\npoints = [[0.3, 0.5]]\n", {"solver.degree=2"}),

@@ -138,8 +138,8 @@ TEST_F(MapRun, EveryPerturbationAndFunctionalRuns) {
   }
   for (const char* functional :
        {"kind = \"volume\"", "kind = \"boundary_tracking\"\non = \"top\"\ntarget = [0, 0]",
-        "kind = \"stress_power\"\np = 4", "kind = \"stress_pnorm\"\np = 5",
-        "kind = \"misfit\"\non = \"top\"\nmeasured = [0, \"0.3 * x\"]",
+        "kind = \"displacement\"\non = \"top\"\ndirection = [\"nx\", 1]", "kind = \"stress_power\"\np = 4",
+        "kind = \"stress_pnorm\"\np = 5", "kind = \"misfit\"\non = \"top\"\nmeasured = [0, \"0.3 * x\"]",
         "kind = \"energy_release_rate\"\ncrack = \"c\"\ntip = \"end\"", "kind = \"crack_opening\"\ncrack = \"c\"",
         "kind = \"crack_pressure\"\ncrack = \"c\"\ntarget = 0",
         "kind = \"sum\"\nterms = [{ kind = \"compliance\" }, { kind = \"volume\", factor = 2.0 }]"}) {

@@ -53,6 +53,9 @@ std::vector<Named> terms() {
       {"opening", crack_opening(0, weight)},
       {"pressure", crack_pressure(
                        0, [](const Vec2&) { return 0.1; }, weight)},
+      {"along", displacement(
+                    1, [](const Vec2& x, const Vec2& n) -> Vec2 { return 0.3 * n + Vec2(0.1, x.x()); },
+                    [=](const Vec2& x, const Vec2&) { return weight(x); })},
   };
   return all;
 }
@@ -119,12 +122,12 @@ std::string name_of(const testing::TestParamInfo<Gradient::ParamType>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bdms, Gradient,
-                         testing::Combine(testing::Range(0, 9),
+                         testing::Combine(testing::Range(0, 10),
                                           testing::Values(Load{}, Load{.poisson = 0.49}, Load{.poisson = 0.4999999},
                                                           Load{.poisson = 0.5}, Load{.closed = true})),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Elements, Gradient,
-                         testing::Combine(testing::Range(0, 9),
+                         testing::Combine(testing::Range(0, 10),
                                           testing::Values(Load{.degree = 2}, Load{.degree = 3}, Load{.element = "afw"},
                                                           Load{.element = "peers"}, Load{.element = "bdms-c"},
                                                           Load{.element = "arnold-winther-nc"})),

@@ -57,6 +57,17 @@ Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight)
           }};
 }
 
+Term displacement(Index label, BoundaryField direction, BoundaryWeight weight) {
+  return {.kind = "displacement",
+          .linear = true,
+          .label = label,
+          .on_boundary = [direction = std::move(direction), weight = std::move(weight)](const Vec2& x, const Vec2& n,
+                                                                                        const Vec2& u) {
+            const Vec2 along = (weight ? weight(x, n) : 1) * direction(x, n);
+            return Density{.value = along.dot(u), .by_displacement = along};
+          }};
+}
+
 Term crack_opening(Index crack, ScalarField weight) {
   return {.kind = "crack_opening",
           .linear = true,

@@ -68,12 +68,13 @@ std::optional<Dimension> dimension_of(const Functional& j) {
     std::string_view kind;
     Dimension dimension;
   };
-  const std::array<Known, 11> known{{{"energy", dimension::energy},
+  const std::array<Known, 12> known{{{"energy", dimension::energy},
                                      {"compliance", dimension::energy},
                                      {"misfit", dimension::energy},
                                      {"volume", dimension::area},
                                      {"displacement_tracking", {0, 4}},
                                      {"boundary_tracking", {0, 3}},
+                                     {"displacement", {0, 2}},
                                      {"stress_power", {term.stress_power, 2}},
                                      {"stress_pnorm", {1, term.stress_power > 0 ? 2 / term.stress_power : 0}},
                                      {"energy_release_rate", dimension::release_rate},

@@ -40,6 +40,18 @@ TEST(Functional, OneTermPerLabel) {
   EXPECT_DOUBLE_EQ(j.terms[0].on_boundary({0, 1}, {0, 1}, {1, 0}).value, 1.5);
 }
 
+TEST(Functional, DisplacementAlongADirection) {
+  const Functional j = functional(
+      "[functional]\nkind = 'displacement'\non = ['top', 'right']\ndirection = ['nx', 2]\nweight = 'x + ny'");
+  EXPECT_EQ(j.kind, "displacement");
+  ASSERT_EQ(j.terms.size(), 2u);
+  EXPECT_EQ(j.terms[1].label, 1);
+  EXPECT_TRUE(j.terms[1].linear);
+  const Density d = j.terms[0].on_boundary({3, 1}, {0, 1}, {7, -2});
+  EXPECT_DOUBLE_EQ(d.value, -16);
+  EXPECT_EQ(d.by_displacement, Vec2(0, 8));
+}
+
 TEST(Functional, SumWithFactors) {
   const Functional j = functional(
       "[functional]\nkind = 'sum'\nterms = [{ kind = 'compliance', factor = 0.5 }, { kind = 'volume', factor = -100 "

@@ -118,6 +118,20 @@ TEST(Vtk, PolyDataReadsBack) {
   expect_same(read->GetCellData(), fields[1], 1);
 }
 
+TEST(Vtk, LonePointsAreVertices) {
+  const Folder folder;
+  const std::vector<std::vector<Vec2>> points = {{{0, 0}}, {{1, 0.5}}};
+  const std::vector<NamedField> fields = {{"lower", false, numbers(1, 2, 1)}};
+  write_vtp(folder.path / "points.vtp", points, fields);
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName((folder.path / "points.vtp").c_str());
+  reader->Update();
+  vtkPolyData* read = reader->GetOutput();
+  EXPECT_EQ(read->GetNumberOfVerts(), 2);
+  EXPECT_EQ(read->GetNumberOfLines(), 0);
+  expect_same(read->GetPointData(), fields[0], 1);
+}
+
 TEST(Vtk, KeepsWhatIsNotFinite) {
   const Folder folder;
   const Picture grid = test::grid({0, 0}, {1, 1}, 1, 1, [](const Vec2&) { return 0.0; });
