@@ -50,40 +50,32 @@ void backward(const Rowwise<N, N>& u, Rowwise<N, 1>& x) {
   }
 }
 
-// Elimination of s and (u, r). M alone is singular at nu = 1/2; on the kernel of B it is not, but for a constant
-// pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for every nu < 1/2:
-//   L L' = M + gamma B'B (L' stored),  Y = L^-1 [B' C'],  Z = (chol(Yb'Yb))^-1 Yb'Yc,  K = Yc'Yc - Z'Z.
+// Elimination of s and (u, r), as far as every right-hand side needs it. M alone is singular at nu = 1/2; on the kernel
+// of B it is not, but for a constant pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for
+// every nu < 1/2:
+//   L L' = M + gamma B'B (L' stored),  YB = L^-1 B',  LB LB' = YB'YB.
 template <const Element& E>
-struct Elimination : Space<E> {
+struct Reduction : Space<E> {
   using Space<E>::S, Space<E>::B, Space<E>::X, Space<E>::V;
   Rowwise<S, S> L;
   Rowwise<B, B> LB;
   Rowwise<S, B> YB;
-  Rowwise<S, X> YC;
-  Rowwise<B, X> Z;
   Rowwise<B, 1> given;  // LB^-1 of the right-hand side of the constraints
   Rowwise<S, 1> YT;     // L^-1 of the trace, and LB^-1 YB'YT: with a penalty only
   Rowwise<B, 1> ZT;
   double gamma;
   double density;  // one over the area in xi
 
-  Elimination(const LocalArrays<E, S>& a, const Material& material, const Penalty& penalty) {
+  Reduction(const LocalArrays<E, S>& a, const Material& material, const Penalty& penalty) {
     gamma = 1 / (2 * material.mu);
     density = 1 / a.area;
     factorize(a, penalty);
     YB = a.Bt;
-    YC = a.Ct;
     forward<S, B>(L, YB);
-    forward<S, X>(L, YC);
     set_zero(LB);
-    set_zero(Z);
     for (int i = 0; i < S; ++i)
-      for (int b = 0; b < B; ++b) {
-        add<B>(&LB(b, 0), YB(i, b), &YB(i, 0));
-        add<X>(&Z(b, 0), YB(i, b), &YC(i, 0));
-      }
+      for (int b = 0; b < B; ++b) add<B>(&LB(b, 0), YB(i, b), &YB(i, 0));
     cholesky<B>(LB);
-    forward<B, X>(LB, Z);
     given = a.given;
     forward<B, 1>(LB, given);
     if (penalty.a > 0) {
@@ -94,11 +86,92 @@ struct Elimination : Space<E> {
     }
   }
 
+  // What a load on the stress functions, reduced to (L^-1 stress, low), adds to Condensed::F and Condensed::own; the
+  // body force alone is (0, given): C L^-T (stress + YB LB^-T low).
+  SkeletonVector pull(const LocalArrays<E, S>& a, const Scaled& s, Rowwise<S, 1> stress, Rowwise<B, 1> low) const {
+    backward<B>(LB, low);
+    stress += YB.lazyProduct(low);
+    backward<S>(L, stress);
+    SkeletonVector F = -s.h * a.Ct.transpose().lazyProduct(stress);
+    if constexpr (V > 0) F.template tail<V>() *= s.h;  // rotations do not scale with the triangle
+    return F;
+  }
+  double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
+    return density * (YT.dot(stress) + ZT.dot(low));
+  }
+
+  // Right-hand sides of the dual problem: `stress` <- L^-1 stress, `own` <- LB^-1 own; returned is
+  // LB^-1 (own - YB'stress).
+  Rowwise<B, 1> reduce(Rowwise<S, 1>& stress, Rowwise<B, 1>& own) const {
+    forward<S, 1>(L, stress);
+    forward<B, 1>(LB, own);
+    Rowwise<B, 1> from_stress = YB.transpose().lazyProduct(stress);
+    forward<B, 1>(LB, from_stress);
+    return own - from_stress;
+  }
+
+  // The solution s, (u_xi, r) for a trace m_xi. `low` is LB^-1 of the constraints' right-hand side `right` (less what
+  // the stress load adds to it), `load` L^-1 of a load on the stresses.
+  struct Solution {
+    Rowwise<S, 1> stress;
+    Rowwise<B, 1> inner;
+  };
+  Solution back(const LocalArrays<E, S>& a, const Rowwise<X, 1>& m, const Rowwise<B, 1>& low,
+                const Rowwise<B, 1>& right, const Rowwise<S, 1>* load, const Penalty& penalty) const {
+    // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
+    Rowwise<S, 1> stress = a.Ct.lazyProduct(m);
+    forward<S, 1>(L, stress);
+    Rowwise<B, 1> p = YB.transpose().lazyProduct(stress);
+    forward<B, 1>(LB, p);
+    p = low - p;
+    if (penalty.a > 0) p -= penalty.theta * ZT;
+    backward<B>(LB, p);
+    stress += YB.lazyProduct(p);
+    if (load) stress += *load;
+    if (penalty.a > 0) stress += penalty.theta * YT;
+    backward<S>(L, stress);
+    p = gamma * right - p;
+    return {stress, p};
+  }
+
+ private:
+  void factorize(const LocalArrays<E, S>& a, const Penalty& penalty) {
+    L = a.M;
+    if (penalty.a > 0) L += density * penalty.a * a.trace * a.trace.transpose();
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) {
+        const double factor = gamma * a.Bt(i, b);
+        if (factor != 0)
+          for (int j = i; j < S; ++j) L(i, j) += factor * a.Bt(j, b);
+      }
+    cholesky<S>(L);
+  }
+};
+
+// What the traces see of it:  YC = L^-1 C',  Z = LB^-1 YB'YC,  K = YC'YC - Z'Z. Half of the work.
+template <const Element& E>
+struct Elimination : Reduction<E> {
+  using Reduction<E>::S, Reduction<E>::B, Reduction<E>::X, Reduction<E>::V;
+  using Reduction<E>::L, Reduction<E>::LB, Reduction<E>::YB, Reduction<E>::given, Reduction<E>::YT, Reduction<E>::ZT,
+      Reduction<E>::density;
+  Rowwise<S, X> YC;
+  Rowwise<B, X> Z;
+
+  Elimination(const LocalArrays<E, S>& a, const Material& material, const Penalty& penalty)
+      : Reduction<E>(a, material, penalty) {
+    YC = a.Ct;
+    forward<S, X>(L, YC);
+    set_zero(Z);
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) add<X>(&Z(b, 0), YB(i, b), &YC(i, 0));
+    forward<B, X>(LB, Z);
+  }
+
   // Condensed::F. s_f = L^-T YB LB^-T given, so that C s_f = Z' given.
   SkeletonVector load(const Scaled& s, const ForceMoments& force) const {
     SkeletonVector F = SkeletonVector::Zero(X);
     if (force.size() > 0) F = -s.h * (Z.transpose().lazyProduct(given));
-    if constexpr (V > 0) F.template tail<V>() *= s.h;  // rotations do not scale with the triangle
+    if constexpr (V > 0) F.template tail<V>() *= s.h;
     return F;
   }
 
@@ -123,59 +196,6 @@ struct Elimination : Space<E> {
       result.by_theta = density * (YT.squaredNorm() - ZT.squaredNorm());
     }
     return result;
-  }
-
-  // What a load on the stress functions, reduced to (L^-1 stress, low), adds to Condensed::F and Condensed::own.
-  SkeletonVector pull(const Scaled& s, const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
-    SkeletonVector F = -s.h * (YC.transpose().lazyProduct(stress) + Z.transpose().lazyProduct(low));
-    if constexpr (V > 0) F.template tail<V>() *= s.h;
-    return F;
-  }
-  double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
-    return density * (YT.dot(stress) + ZT.dot(low));
-  }
-
-  // Right-hand sides of the dual problem: `stress` <- L^-1 stress, `own` <- LB^-1 own; returned is
-  // LB^-1 (own - YB'stress).
-  Rowwise<B, 1> reduce(Rowwise<S, 1>& stress, Rowwise<B, 1>& own) const {
-    forward<S, 1>(L, stress);
-    forward<B, 1>(LB, own);
-    Rowwise<B, 1> from_stress = YB.transpose().lazyProduct(stress);
-    forward<B, 1>(LB, from_stress);
-    return own - from_stress;
-  }
-
-  // The solution s, (u_xi, r) for a trace m_xi. `low` is LB^-1 of the constraints' right-hand side `right` (less what
-  // the stress load adds to it), `load` L^-1 of a load on the stresses.
-  struct Solution {
-    Rowwise<S, 1> stress;
-    Rowwise<B, 1> inner;
-  };
-  Solution back(const Rowwise<X, 1>& m, const Rowwise<B, 1>& low, const Rowwise<B, 1>& right, const Rowwise<S, 1>* load,
-                const Penalty& penalty) const {
-    // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
-    Rowwise<B, 1> p = low - Z.lazyProduct(m);
-    if (penalty.a > 0) p -= penalty.theta * ZT;
-    backward<B>(LB, p);
-    Rowwise<S, 1> stress = YC.lazyProduct(m) + YB.lazyProduct(p);
-    if (load) stress += *load;
-    if (penalty.a > 0) stress += penalty.theta * YT;
-    backward<S>(L, stress);
-    p = gamma * right - p;
-    return {stress, p};
-  }
-
- private:
-  void factorize(const LocalArrays<E, S>& a, const Penalty& penalty) {
-    L = a.M;
-    if (penalty.a > 0) L += density * penalty.a * a.trace * a.trace.transpose();
-    for (int i = 0; i < S; ++i)
-      for (int b = 0; b < B; ++b) {
-        const double factor = gamma * a.Bt(i, b);
-        if (factor != 0)
-          for (int j = i; j < S; ++j) L(i, j) += factor * a.Bt(j, b);
-      }
-    cholesky<S>(L);
   }
 };
 

@@ -26,7 +26,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     Rowwise<S, 1> stress;
     Rowwise<B, 1> low;
   };
-  static Strained reduced_eigenstrain(const Elimination<E>& e, const Kernel& k, const Scaled& s,
+  static Strained reduced_eigenstrain(const Reduction<E>& e, const Kernel& k, const Scaled& s,
                                       const ForceMoments& force) {
     Strained load{eigenstrain_load(k, s, force), {}};
     Rowwise<B, 1> nothing;
@@ -38,11 +38,12 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                             const Penalty& penalty) {
     const Scaled s = scale(t);
-    const Elimination<E> e(assemble(k, t, s, material, force), material, penalty);
+    const LocalArrays<E, S> a = assemble(k, t, s, material, force);
+    const Elimination<E> e(a, material, penalty);
     Condensed result = e.condensed(s, force, penalty);
     if (has_eigenstrain(force)) {
       const Strained more = reduced_eigenstrain(e, k, s, force);
-      result.F += e.pull(s, more.stress, more.low);
+      result.F += e.pull(a, s, more.stress, more.low);
       if (penalty.a > 0) result.own += e.mean_trace(more.stress, more.low);
     }
     return result;
@@ -53,14 +54,15 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                                   TraceForces* forces) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, force);
-    const Elimination<E> e(a, material, penalty);
+    const Reduction<E> e(a, material, penalty);
     const bool strained = has_eigenstrain(force);
     const Strained more = strained ? reduced_eigenstrain(e, k, s, force) : Strained{};
-    const auto found = strained ? e.back(scaled(s, m), e.given + more.low, a.given, &more.stress, penalty)
-                                : e.back(scaled(s, m), e.given, a.given, nullptr, penalty);
+    const auto found = strained ? e.back(a, scaled(s, m), e.given + more.low, a.given, &more.stress, penalty)
+                                : e.back(a, scaled(s, m), e.given, a.given, nullptr, penalty);
     if (forces) {
-      forces->given = e.load(s, force);
-      if (strained) forces->given += e.pull(s, more.stress, more.low);
+      forces->given = SkeletonVector::Zero(X);
+      if (force.size() > 0) forces->given = e.pull(a, s, Rowwise<S, 1>::Zero(), e.given);
+      if (strained) forces->given += e.pull(a, s, more.stress, more.low);
       forces->of_trace = s.h * a.Ct.transpose().lazyProduct(found.stress);
       if constexpr (V > 0) forces->of_trace.template tail<V>() *= s.h;
       forces->of_trace += forces->given;
@@ -72,10 +74,10 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                                    const Eigen::MatrixXd& m) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-    const Elimination<E> e(a, material, {});
+    const Reduction<E> e(a, material, {});
     Eigen::MatrixXd all(interior_count(E), m.cols());
     for (Eigen::Index i = 0; i < m.cols(); ++i) {
-      const auto found = e.back(scaled(s, m.col(i)), e.given, a.given, nullptr, {});
+      const auto found = e.back(a, scaled(s, m.col(i)), e.given, a.given, nullptr, {});
       all.col(i) = unpack(k, s, material, found.stress.data(), found.inner.data(), m.col(i));
     }
     return all;
@@ -84,10 +86,11 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                                 const Penalty& penalty) {
     const Scaled s = scale(t);
-    const Elimination<E> e(assemble(k, t, s, material, {}), material, penalty);
+    const LocalArrays<E, S> a = assemble(k, t, s, material, {});
+    const Reduction<E> e(a, material, penalty);
     auto load = acting(k, s, material, J);
     const Rowwise<B, 1> low = e.reduce(load.stress, load.given);
-    DualLoad result{e.pull(s, load.stress, low), 0};
+    DualLoad result{e.pull(a, s, load.stress, low), 0};
     for (int v = 0; v < V; ++v) result.F[X - V + v] += load.at_vertices[v];
     if (penalty.a > 0) result.own = e.mean_trace(load.stress, low);
     return result;
@@ -96,11 +99,12 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   static Eigen::VectorXd interior_dual(const Kernel& k, const Triangle& t, const Material& material,
                                        const Eigen::VectorXd& J, const SkeletonVector& m, const Penalty& penalty) {
     const Scaled s = scale(t);
-    const Elimination<E> e(assemble(k, t, s, material, {}), material, penalty);
+    const LocalArrays<E, S> a = assemble(k, t, s, material, {});
+    const Reduction<E> e(a, material, penalty);
     auto load = acting(k, s, material, J);
     const Rowwise<B, 1> given = load.given;
     load.given = e.reduce(load.stress, load.given);
-    const auto found = e.back(scaled(s, m), load.given, given, &load.stress, penalty);
+    const auto found = e.back(a, scaled(s, m), load.given, given, &load.stress, penalty);
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
   }
 
