@@ -244,6 +244,14 @@ class Builder {
     bool moves;  // with another chain
   };
 
+  /// From one end of a side, x, to the other, in the coordinate of its rail: along the arc, which may be most of a
+  /// circle.
+  double way_along(const Side& side, const Rail& rail, const Vec2& other, const Vec2& x) const {
+    if (!side.arc) return rail.at(other) - rail.at(x);
+    const double way = side.arc->to - side.arc->from;
+    return (x - side.start).norm() <= near_ ? way : -way;
+  }
+
   /// `other`: where the side next to the knot has its other end.
   void slide(const KnotRef& ref, const Side& side, const OtherEnd& other, const Vec2& x) {
     if (listed(how_.solid, side.label) || side.keep) return;
@@ -253,8 +261,8 @@ class Builder {
     if (!on) return;
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
     // At a corner of the frame it may move away from it, along this side.
-    const double away = on->rail.at(other.at) - at;
-    if (std::abs(away) * unit < near_) return;
+    const double there = at + way_along(side, on->rail, other.at, x);
+    if (std::abs(there - at) * unit < near_) return;
     KnotHold& hold = d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
     hold.kind = KnotHold::Kind::Slides;
     const auto known = rails_.find(on->number);
@@ -266,7 +274,6 @@ class Builder {
     }
     hold.lower = on->lower;
     hold.upper = on->upper;
-    const double there = on->rail.at(other.at);
     if (!other.moves) (there < at ? hold.lower : hold.upper) = there;
   }
 
