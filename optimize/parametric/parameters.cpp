@@ -42,9 +42,18 @@ VectorXd packed(const DesignEvaluation& t) {
   return v;
 }
 
+Error broken() {
+  return {Fault::Files, "the checkpoint does not hold what this program writes; start without --resume"};
+}
+
+/// A number of numbers, of which there are `most` at most.
+Eigen::Index count_of(double x, Eigen::Index most) {
+  if (!(x >= 0 && x <= static_cast<double>(most))) throw broken();
+  return static_cast<Eigen::Index>(x);
+}
+
 DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
-  const Error broken(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
-  if (v.size() < head) throw broken;
+  if (v.size() < head || !v.head<3>().allFinite() || !v.segment<3>(5).allFinite()) throw broken();
   DesignEvaluation t;
   t.round = static_cast<int>(v[0]);
   t.base = static_cast<Index>(v[1]);
@@ -54,10 +63,10 @@ DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   t.triangles = static_cast<Index>(v[5]);
   t.holes = static_cast<int>(v[6]);
   t.state_solves = static_cast<int>(v[7]);
-  const auto bounds = static_cast<Eigen::Index>(v[8]), n = static_cast<Eigen::Index>(v[9]),
-             columns = static_cast<Eigen::Index>(v[10]);
+  const Eigen::Index bounds = count_of(v[8], v.size()), n = count_of(v[9], v.size()),
+                     columns = count_of(v[10], v.size());
   const Eigen::Index values = v.size() - head - bounds - n - n * columns;
-  if (bounds < 0 || n < 0 || columns < 0 || values < 1 || (columns > 0 && columns != values)) throw broken;
+  if (values < 1 || (columns > 0 && columns != values)) throw broken();
   t.bounds.assign(v.data() + head, v.data() + head + bounds);
   t.evaluation.x = v.segment(head + bounds, n);
   t.evaluation.values = v.segment(head + bounds + n, values);
@@ -73,9 +82,8 @@ VectorXd packed(const StartTried& t) {
 }
 
 StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
-  const Eigen::Index n = v.size() < 5 ? 0 : static_cast<Eigen::Index>(v[4]);
-  if (n < 1 || v.size() < 5 + n)
-    throw Error(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
+  if (v.size() < 6 || !std::isfinite(v[3])) throw broken();
+  const Eigen::Index n = count_of(v[4], v.size() - 5);
   return {.from = v.segment(5, n),
           .variables = v.tail(v.size() - 5 - n),
           .merit = v[0],
@@ -209,7 +217,8 @@ DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
     const DesignEvaluation& known = done_[next_];
     const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
                       known.evaluation.values.size() == 1 + evaluations_.constraints() &&
-                      (known.evaluation.gradients.cols() > 0) == gradients;
+                      (known.evaluation.gradients.cols() > 0) == gradients &&
+                      (known.bounds.empty() || known.bounds.size() == request_.bounds.size());
     if (!fits)
       throw Error(Fault::Usage, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
                                             "(another version or machine?); start without --resume",
@@ -387,8 +396,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
   }
   write();
   const auto best = std::ranges::find_if(all, [](const StartTried& t) { return t.in_full; });
-  if (best == all.end() || best->variables.size() != given.size())
-    throw Error(Fault::Files, "the checkpoint does not hold what this program writes; start without --resume");
+  if (best == all.end() || best->variables.size() != given.size()) throw broken();
   result_.notes.push_back(
       fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}",
                   all.size(), best - all.begin() + 1, best->merit,

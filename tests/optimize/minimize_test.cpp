@@ -250,6 +250,79 @@ TEST(Minimize, SaysWhatIsWrongWithTheQuestion) {
   EXPECT_NEAR(m.best.values[0], std::sqrt(8.0 / 27), 1e-3);
 }
 
+TEST(Minimize, QuestionsWithoutAnAnswerAreErrors) {
+  const auto fault = [](const Program& p, const VectorXd& start) {
+    try {
+      minimize(p, start, OptimizeMethod::Mma, {});
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string bounds = "every variable needs a finite lower and upper bound, the lower one first";
+  Program p = tutorial();
+  EXPECT_EQ(fault(p, VectorXd::Zero(3)), bounds);
+  p.upper[0] = infinity;
+  EXPECT_EQ(fault(p, starts[0]), bounds);
+  p = tutorial();
+  p.lower[0] = -infinity;
+  EXPECT_EQ(fault(p, starts[0]), bounds);
+  p.lower[0] = 6;
+  EXPECT_EQ(fault(p, starts[0]), bounds);
+  p.lower = VectorXd::Zero(1);
+  EXPECT_EQ(fault(p, starts[0]), bounds);
+  p = tutorial();
+  EXPECT_EQ(fault(p, Vector2d(0, 20)), "the start of variable 2 is 20; it has to lie between 0.001 and 10");
+  // Values that are no numbers, too few of them, slopes that are none, and a start that cannot be evaluated.
+  for (const int wrong : {0, 1, 2}) {
+    p.evaluate = [wrong](const VectorXd& x, bool gradients) {
+      Evaluation e = tutorial().evaluate(x, gradients);
+      if (wrong == 0) e.values[1] = nan;
+      if (wrong == 1) e.values.conservativeResize(2);
+      if (wrong == 2) e.gradients(0, 0) = infinity;
+      return e;
+    };
+    EXPECT_EQ(fault(p, starts[0]), "the functionals are not finite at a design");
+  }
+  p.evaluate = [](const VectorXd& x, bool) { return Evaluation{x, {}, {}, "it is torn"}; };
+  EXPECT_EQ(fault(p, starts[0]), "the start of the design cannot be evaluated: it is torn");
+}
+
+TEST(Minimize, WithoutGradientsViolationsAreMinimizedAndTold) {
+  Program p;
+  p.lower = VectorXd::Zero(1);
+  p.upper = VectorXd::Ones(1);
+  p.constraints = 2;
+  p.gradients = false;
+  p.evaluate = [](const VectorXd& x, bool) {
+    Evaluation e{x, VectorXd(3), Eigen::MatrixXd(1, 0)};
+    e.values << x[0], 0.7 - x[0], x[0] - 0.3;  // least violation 0.2 at 0.5
+    return e;
+  };
+  const Minimum m = minimize(p, VectorXd::Constant(1, 0.9), OptimizeMethod::Cobyla, {.evaluations = 300});
+  EXPECT_FALSE(m.feasible);
+  EXPECT_FALSE(m.converged);
+  EXPECT_NEAR(m.violation, 0.2, 2e-3);
+  EXPECT_TRUE(std::isnan(m.kkt));
+}
+
+TEST(Minimize, NothingToGainIsConverged) {
+  Program p;
+  p.lower = Vector2d(0, 0);
+  p.upper = Vector2d(1, 1);
+  p.evaluate = [](const VectorXd& x, bool) { return Evaluation{x, VectorXd::Zero(1), Eigen::MatrixXd::Zero(2, 1)}; };
+  bool go_on = true;
+  p.see = [&](const Evaluation&, double) { return go_on; };
+  const Minimum m = minimize(p, Vector2d(0.2, 0.3), OptimizeMethod::Mma, {});
+  EXPECT_TRUE(m.converged);
+  EXPECT_EQ(m.kkt, 0);
+  EXPECT_EQ(m.evaluations, 1);
+  go_on = false;  // whoever looks on comes first
+  const Minimum stopped = minimize(p, Vector2d(0.2, 0.3), OptimizeMethod::Mma, {});
+  EXPECT_TRUE(stopped.asked_to_stop);
+  EXPECT_FALSE(stopped.converged);
+}
+
 TEST(NonnegativeLeastSquares, AgreesWithTheOptimalityConditions) {
   for (unsigned seed = 1; seed < 30; ++seed) {
     std::srand(seed);
