@@ -1,8 +1,6 @@
 #include "kerf/optimize.hpp"
 
 #include "kerf/mesher.hpp"
-#include "optimize/level_set/background.hpp"
-#include "optimize/level_set/speed.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "tests/support/folder.hpp"
 
@@ -263,76 +261,6 @@ TEST(LevelSet, StressBoundsAreMet) {
   EXPECT_LT(bounded.history.back().bounds[0], 1.002 * r.bounds[0].at_most) << bounded.stopped;
   EXPECT_EQ(bounded.feasible, bounded.history.back().violation < 1e-3 && bounded.finer.violation < 1e-3)
       << bounded.stopped;
-}
-
-/// A strip under uniform tension: -density = s^2/E = 4.5 on both sides, of half thickness 0.1.
-Problem tie() {
-  Problem p;
-  p.frame.labels = {"side", "left", "right"};
-  p.frame.outline = polygon("outline", {{0, 0.4}, {2, 0.4}, {2, 0.6}, {0, 0.6}}, 0);
-  p.frame.outline.sides[1].label = 2;
-  p.frame.outline.sides[3].label = 1;
-  p.scene.material = plane_stress(2, 0);
-  p.scene.supports = {{.label = 1, .value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
-  p.scene.tractions = {{.label = 2, .value = [](const Vec2&, const Vec2&) -> Vec2 { return {3, 0}; }}};
-  p.sizing.size = 0.1;
-  p.objective = {"compliance", {compliance()}};
-  return p;
-}
-/// A canvas around it, and the distance to its boundary.
-std::pair<BackgroundMesh, Eigen::VectorXd> canvas(const Problem& p) {
-  Shape frame = p.frame;
-  frame.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, 0);
-  frame.outline.sides[1].label = 2;
-  frame.outline.sides[3].label = 1;
-  BackgroundMesh background = background_mesh(triangulate(frame, {.size = 0.04}), {.held = {1, 2}}, {});
-  Eigen::VectorXd phi(background.lumped.size());
-  for (Eigen::Index v = 0; v < phi.size(); ++v)
-    phi[v] = std::abs(background.mesh.points[static_cast<std::size_t>(v)].y() - 0.5) - 0.1;
-  Eigen::VectorXd d = signed_distance(background, phi);
-  return {std::move(background), std::move(d)};
-}
-
-TEST(Speed, IsZeroInATieThatIsStressedToThePrice) {
-  const Problem p = tie();
-  const Evaluated e = evaluate_design(p, {}, p.frame, {});
-  const BoundaryRate rate = boundary_rate(e, analyze_objective(e));
-  EXPECT_NEAR(rate.length.sum(), 4, 1e-12);
-  EXPECT_LT((rate.density.array() + 4.5).abs().maxCoeff(), 1e-8);  // 3^2 / 2
-  const auto [background, d] = canvas(p);
-  const MovingDesign body{background, d, rate, {}};
-  const StepLimits limits{.radius = 1, .smoothing = 0.05};
-  const auto at = [&](double price, double growth) {
-    StepLimits l = limits;
-    l.price = price;
-    l.growth = growth;
-    return constrained_step(body, l, nullptr);
-  };
-  const BoundaryStep still = at(4.5, infinity);
-  EXPECT_LT(still.on_background.cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_NEAR(still.residual, 0, 1e-3);
-  // At a quarter of the price it grows, and J falls by less than the derivative says: 4.5 v / (1 + v / 0.1) per length.
-  const BoundaryStep faster = at(4.5 / 4, infinity);
-  EXPECT_GT(faster.area, 4 * 0.04);
-  EXPECT_LT(faster.objective, -0.5 * 4.5 * faster.area);
-  EXPECT_GT(faster.objective, -0.8 * 4.5 * faster.area);
-  // Where the area may not grow its price is that of the material in place; it costs nothing where there is room.
-  EXPECT_NEAR(at(0, 0).price, 4.5, 0.01);
-  EXPECT_NEAR(at(0, 100).price, 0, 1e-12);
-}
-
-TEST(Speed, MultipliersOfBoundsArePricesOfArea) {
-  // J is the area, and the compliance of a tie may not grow: its multiplier is area per compliance.
-  Problem p = tie();
-  const Evaluated e = evaluate_design(p, {}, p.frame, {});
-  const BoundaryRate compliance = boundary_rate(e, analyze_objective(e));
-  BoundaryRate nothing = compliance;
-  nothing.density.setZero();
-  const auto [background, d] = canvas(p);
-  const BoundaryStep step = constrained_step({background, d, nothing, std::span(&compliance, 1)},
-                                             {.radius = 1, .smoothing = 0.05, .price = 1, .room = {0}}, nullptr);
-  EXPECT_NEAR(step.multiplier[0], 1 / 4.5, 0.01);
-  EXPECT_NEAR(step.bounded[0], 0, 1e-3);
 }
 
 }  // namespace
