@@ -93,6 +93,39 @@ TEST(Identified, NamesPairsAndErrors) {
   EXPECT_NE(in_words(all[2]).find("nothing true"), std::string::npos) << in_words(all[2]);
 }
 
+/// What is no circle is compared by its area and its centroid.
+TEST(Identified, OtherShapesCountAsCircles) {
+  Plate plate;
+  plate.holes = {{{0.3, 0.3}, 0.1}};
+  Synthetic truth = plate.truth();
+  truth.true_shape.holes = {polygon("square", {{0.2, 0.2}, {0.4, 0.2}, {0.4, 0.4}, {0.2, 0.4}}, 2),
+                            polygon("triangle", {{0.6, 0.6}, {0.6, 0.9}, {0.9, 0.6}}, 2)};
+  Design d{{plate.circle("a"), plate.circle("b")}};
+  d.drawn[1].kind = Drawn::Kind::Ellipse;
+  for (auto* v : {&d.drawn[1].lower, &d.drawn[1].upper, &d.drawn[1].start})
+    *v = (Eigen::VectorXd(5) << 0.7, 0.7, 0.1, 0.05, 0.5).finished();
+  Eigen::VectorXd x(8);
+  x << 0.3, 0.3, 0.1, 0.7, 0.7, 0.1, 0.05, 0.5;
+  const std::vector<Identified> all = identified(d, x, plate.frame(), truth);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].truth, "hole 'square'");
+  EXPECT_NEAR(all[0].position_error, 0, 1e-12);
+  EXPECT_NEAR(all[0].size_error, 0.1 - 0.2 / std::sqrt(pi), 1e-12);
+  EXPECT_EQ(all[1].truth, "hole 'triangle'");
+  EXPECT_NEAR(all[1].position_error, 0, 1e-9);
+  EXPECT_NEAR(all[1].size_error, std::sqrt(0.005) - std::sqrt(0.045 / pi), 1e-9);
+  // In plane stress Young's modulus is told by other constants.
+  Problem thin = plate.frame();
+  thin.plane_strain = false;
+  truth.true_shape.holes.clear();
+  truth.true_shape.regions = {circle("r", {0.5, 0.5}, 0.1, none)};
+  truth.true_scene.regions = {plane_stress(7, 0.25)};
+  const Design stiff{{plate.region("s", 1, 10)}};
+  const std::vector<Identified> region = identified(stiff, Eigen::Vector4d(0.5, 0.5, 0.1, 6), thin, truth);
+  EXPECT_NEAR(region[0].exact[3], 7, 1e-12);
+  EXPECT_NEAR(region[0].found[3], 6, 1e-12);
+}
+
 // G of the right tip of a crack whose left part is closed falls by more than 40 % when two holes may take 2.5 % of the
 // plate; so a finer mesh says, too. Distances, area, stiffness and the ring are respected, and so is contact.
 TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {

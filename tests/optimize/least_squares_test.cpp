@@ -169,6 +169,31 @@ TEST(Count, FindsTwoHolesAndNoPhantoms) {
   }
 }
 
+TEST(Count, FindsACrack) {
+  Plate plate;
+  plate.cracks = {{Vec2(0.4, 0.45), Vec2(0.65, 0.55)}};
+  plate.noise = 0.01;
+  plate.size = 0.1;
+  plate.true_size = 0.06;
+  const Problem p = plate.problem();
+  const Count count =
+      count_defects(p, request({{plate.crack("c")}}), readings_of(measure(plate.truth()), plate.truth()), 1);
+  EXPECT_EQ(count.tried[count.chosen].count, 1) << in_words(count);
+  for (const Identified& i : identified(count.tried[1].design, start_of(count.tried[1].design), p, plate.truth()))
+    EXPECT_LT(i.position_error, plate.size) << in_words(i);
+}
+
+TEST(Count, CopiesOneThing) {
+  const Plate plate;
+  const Problem p = plate.frame();
+  EXPECT_THROW(count_defects(p, request({{plate.circle("a"), plate.circle("b")}}), {}, 1), Error);
+  EXPECT_THROW(count_defects(p, request({}), {}, 1), Error);
+  const Design three = copies({{plate.circle("h")}}, 3);
+  ASSERT_EQ(three.drawn.size(), 3u);
+  EXPECT_EQ(three.drawn[2].name, "h_3");
+  EXPECT_EQ(copies({{plate.circle("h")}}, 1).drawn[0].name, "h");
+}
+
 TEST(Count, FindsNothingWhereNothingIs) {
   Plate plate;
   plate.noise = 0.01;
