@@ -197,6 +197,115 @@ TEST(Refuse, LevelSets) {
   expect_wrong(all, r, "optimize.nucleate", "no side of the body is free of loads");
 }
 
+TEST(Refuse, StartsThatLeaveNoBody) {
+  const auto with = [](int columns, double radius) {
+    OptimizeRequest r = level_set();
+    r.level_set.start = StartHoles{.columns = columns, .rows = 1, .radius = radius};
+    return r;
+  };
+  expect_wrong(good(), with(1, 4), "optimize.start", "the holes leave no body to begin with");
+  // Holes in the middle and along bottom and top: in eight columns they take all of the bottom, in nine its corners
+  // stay, but what hangs on them is cut off at half height.
+  expect_wrong(good(), with(8, 0.8), "optimize.start", "the holes take away all that the supports hold");
+  expect_wrong(good(), with(9, 0.5), "optimize.start", "the holes cut the loads off from the supports");
+  EXPECT_EQ(lines(find_wrong(good(), with(9, 0.3))), "");
+  Problem floating = good();  // nothing has to hang on supports
+  floating.scene.supports.clear();
+  floating.objective = {"energy", {energy()}};
+  EXPECT_EQ(lines(find_wrong(floating, with(9, 0.5))), "");
+  // What is frozen stays between.
+  OptimizeRequest held = with(9, 0.5);
+  held.level_set.frozen = {polygon("post", {{-0.3, -1.9}, {0.3, -1.9}, {0.3, 1.9}, {-0.3, 1.9}}, none)};
+  EXPECT_EQ(lines(find_wrong(good(), held)), "");
+}
+
+TEST(Refuse, MoreFrozenThanAllowed) {
+  OptimizeRequest r = level_set();
+  r.level_set.frozen = {polygon("lower", {{-3, -3}, {3, -3}, {3, 0.5}, {-3, 0.5}}, none)};
+  r.volume_at_most = 0.5;
+  expect_wrong(good(), r, "optimize.volume.at_most", "less than the share of the body that is frozen, at least 0.6");
+  r.volume_at_most = 0.65;
+  EXPECT_EQ(lines(find_wrong(good(), r)), "");
+  r.level_set.frozen.push_back(polygon("upper", {{-3, 0.3}, {3, 0.3}, {3, 3}, {-3, 3}}, none));
+  expect_wrong(good(), r, "optimize.frozen", "the regions together cover the whole body");
+}
+
+TEST(Refuse, VolumesThatDecideNothing) {
+  const auto why = [](const Functional& j, const std::function<void(OptimizeRequest&)>& change) {
+    OptimizeRequest r;
+    change(r);
+    return wrong_volume(j, r).value_or("");
+  };
+  const Functional stiff{"compliance", {compliance()}}, light{"volume", {volume()}};
+  const auto nothing = [](OptimizeRequest&) {};
+  EXPECT_EQ(why(stiff, [](OptimizeRequest& r) { r.volume_at_most = 0.5; }), "");
+  EXPECT_EQ(why(stiff, [](OptimizeRequest& r) { r.volume_penalty = 1; }), "");
+  EXPECT_EQ(why(stiff, [](OptimizeRequest& r) { r.method = OptimizeMethod::Mma; }), "");
+  EXPECT_NE(
+      why(stiff, [](OptimizeRequest& r) { r.volume_at_most = 1; }).find("volume.at_most = 1 leaves the full body"),
+      std::string::npos);
+  EXPECT_NE(why(stiff, nothing).find("without volume = { at_most = ... } or { penalty = ... } the full body"),
+            std::string::npos);
+  EXPECT_NE(why(light, nothing).find("the least volume is no body at all"), std::string::npos);
+  EXPECT_EQ(why(light, [](OptimizeRequest& r) { r.bounds.resize(1); }), "");
+  const Functional weak{"sum", {compliance(), volume()}, true};
+  EXPECT_EQ(why(weak, nothing), "");
+  Functional harmful = weak;
+  harmful.terms[1].factor = -1;
+  EXPECT_NE(why(harmful, nothing).find("a level set needs something that says how much material"), std::string::npos);
+  Functional soft = stiff;
+  soft.terms[0].factor = -1;
+  EXPECT_NE(why(soft, nothing).find("a level set needs something that says how much material"), std::string::npos);
+  EXPECT_EQ(why(soft, [](OptimizeRequest& r) { r.volume_at_most = 1; }), "");
+}
+
+TEST(Refuse, LoadCasesOfFunctionalsThatKnowOne) {
+  OptimizeRequest r;
+  const Functional gap{"misfit", {misfit(1, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); })}},
+      tip{"G", {energy_release_rate({0, 0}, {1, 0}, {0.1, 0.2}, {})}}, stiff{"compliance", {compliance()}};
+  EXPECT_FALSE(wrong_load_cases(gap, r));
+  r.load_cases = {{"a", 1, {}, {}}, {"b", 1, {}, {}}};
+  EXPECT_FALSE(wrong_load_cases(stiff, r));
+  EXPECT_FALSE(wrong_load_cases(tip, r));
+  EXPECT_NE(wrong_load_cases(gap, r).value_or("").find("a misfit belongs to one set of loads"), std::string::npos);
+  r.load_cases[1].body = [](const Vec2&) { return Vec2(0, -1); };
+  EXPECT_NE(wrong_load_cases(tip, r).value_or("").find("takes no body forces of load cases"), std::string::npos);
+  r.bounds.resize(1);
+  r.bounds[0].functional = tip;
+  EXPECT_NE(wrong_load_cases(stiff, r).value_or("").find("takes no body forces of load cases"), std::string::npos);
+  r.bounds[0].functional = stiff;
+  EXPECT_FALSE(wrong_load_cases(stiff, r));
+}
+
+/// Mirrors and masks against the body as drawn.
+TEST(Refuse, MirrorsAndMasks) {
+  Shape body = rectangle({-1, -1}, {1, 1});
+  const Mirror upright{{0, 0}, {0, 1}};
+  EXPECT_FALSE(wrong_mirror(body, upright));
+  EXPECT_EQ(wrong_mirror(body, {{0, 0}, {0, 2}}), "the direction of the mirror line must have length 1");
+  body.cracks = {arc_crack("c", {0, 0}, 0.5, 0.2, pi - 0.2)};
+  EXPECT_FALSE(wrong_mirror(body, upright));
+  EXPECT_TRUE(wrong_mirror(body, {{0, 0}, {1, 0}}));
+  body.cracks = {{"c", {Vec2(-0.5, 0.3), Vec2(0, 0.1), Vec2(0.5, 0.3)}, {}}};
+  EXPECT_FALSE(wrong_mirror(body, upright));
+  body.cracks[0].points.pop_back();
+  EXPECT_TRUE(wrong_mirror(body, upright));
+  body.cracks.clear();
+  body.holes = {circle("h", {0.5, 0}, 0.2, 0)};
+  EXPECT_TRUE(wrong_mirror(body, upright));
+  body.regions = {circle("r", {0, -0.5}, 0.1, none)};
+  EXPECT_FALSE(wrong_mirror(rectangle({-1, -1}, {1, 1}), upright));
+  body = rectangle({-1, -1}, {1, 1});
+  EXPECT_FALSE(wrong_mask(body, circle("m", {0.9, 0}, 0.3, none)));  // it may leave the body
+  EXPECT_FALSE(wrong_mask(body, circle("m", {0, 0}, 0.3, none)));
+  EXPECT_EQ(wrong_mask(body, circle("m", {5, 0}, 0.3, none)),
+            "region \"m\" lies outside the body: there is nothing to freeze");
+  EXPECT_EQ(wrong_mask(body, circle("m", {0, 0}, 3, none)),
+            "region \"m\" covers the whole body: nothing is left to design");
+  const std::string torn = wrong_mask(body, polygon("m", {{0, 0}, {0.5, 0.5}, {0.5, 0}, {0, 0.5}}, none)).value_or("");
+  EXPECT_EQ(torn.rfind("region \"m\": its border", 0), 0u) << torn;
+}
+
 TEST(Refuse, DesignsThatCannotMove) {
   OptimizeRequest fixed = by_variables();
   for (Drawn& d : fixed.design.drawn) d.lower = d.upper = d.start;
