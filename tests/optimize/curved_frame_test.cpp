@@ -231,5 +231,21 @@ TEST(CurvesAtCorners, NoStepCoversTheNotch) {
   for (const Vec2& x : flatten(f.shape.outline, 1e-3, 0.02).points) EXPECT_LT(in_notch(x), 0.01 * 0.12);
 }
 
+/// The fitted curve would cut the corner by a few hundredths: it is brought back before anything is solved.
+TEST(CurvesAtCorners, WhatTheFitLeavesOutsideComesBack) {
+  const Problem p = angle_bracket(0.15);
+  Carved carved = beside_the_corner(p);
+  std::vector<Side>& sides = carved.shape.outline.sides;
+  sides[2].start = {2, 0.97};
+  sides[3].start = {1.3, 0.985};
+  sides[4].start = {0.999, 0.999};
+  sides[5].start = {0.985, 1.3};
+  sides[6].start = {0.97, 2};
+  carved.area = area(carved.shape);
+  EXPECT_GT(overhang(curves_of(p, carved, {0, 2}), p.frame, 0.15), 0.003);
+  const FinishedCurves f = finish_curves(p, as_light(p, carved), carved, {.evaluations = 4}, {});
+  for (const Vec2& x : flatten(f.shape.outline, 1e-3, 0.02).points) EXPECT_LT(in_notch(x), 0.01 * 0.15);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -203,3 +203,77 @@ TEST(Curves, WhatCannotBeMovedStaysAsCarved) {
   EXPECT_EQ(f.shape.outline.sides.size(), carved.shape.outline.sides.size());
   EXPECT_EQ(f.state_solves, 0);
 }
+
+TEST(Curves, WhatHasNoDerivativeOrNoBoundaryStaysAsCarved) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  p.frame.cracks = {{"c", {Vec2(1, 1), Vec2(1.4, 1.2)}, {}}};
+  p.scene.laws = {{.friction = 0.3}};
+  Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  EXPECT_EQ(finish_curves(p, stiffest(p, carved), carved, {}, {}).why,
+            "the design stays as carved: cracks with friction have no shape derivative");
+  p.scene.laws[0].friction = 0;
+  carved.shape.outline = p.frame.outline;
+  EXPECT_EQ(finish_curves(p, stiffest(p, carved), carved, {}, {}).why,
+            "the design stays as carved: no boundary of the body is free to move");
+}
+
+TEST(Curves, TheObserverStopsThem) {
+  const Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  for (const int most : {1, 3}) {
+    int shown = 0;
+    const FinishedCurves f =
+        finish_curves(p, stiffest(p, carved), carved, {}, [&](const CurvesIterate&) { return ++shown < most; });
+    EXPECT_EQ(shown, most);
+    EXPECT_EQ(f.why, "stopped as asked");
+    EXPECT_FALSE(f.finer);
+    EXPECT_TRUE(f.rows.back().accepted);
+    EXPECT_EQ(f.J, f.rows.back().J);
+  }
+  const FinishedCurves used = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 1}, {});
+  EXPECT_EQ(used.rows.size(), 1u);
+  EXPECT_EQ(used.why, "all 1 evaluations are used");
+}
+
+// The hole becomes twice as long as high: a stiff disc, what is frozen and a crack lie in its way.
+TEST(Curves, KeepOffWhatMayNotBeTouched) {
+  Problem p = scenes::quarter_plate(2, 0.12);
+  p.frame.regions = {circle("stiff", {0.72, 0.18}, 0.08, none)};
+  p.scene.regions = {plane_stress(5, 0.3)};
+  p.frame.cracks = {arc_crack("c", {0, 0}, 0.7, 0.9, 1.3)};
+  p.scene.laws = {{.kind = CrackLaw::Kind::Open}};
+  p.sizing.crack_tip_size = 0.05;
+  const Carved carved = scenes::quarter_hole(p, 0.5, 10);
+  OptimizeRequest r = stiffest(p, carved);
+  r.level_set.frozen = {circle("frozen", {0.6, 0.45}, 0.1, none)};
+  r.level_set.mirror = Mirror{{0, 0}, {1, 0}};
+  const FinishedCurves f = finish_curves(p, r, carved, {.evaluations = 8}, {});
+  EXPECT_EQ(f.notes.back(), "the curves need not be their own mirror image");
+  EXPECT_LT(f.J, f.rows.front().J);
+  EXPECT_FALSE(find_problem(f.shape));
+  const Polygon body = flatten(f.shape.outline, 1e-3, 0.02);
+  for (std::size_t i = 0; i < body.points.size(); ++i) {
+    if (body.label[i] != 4) continue;
+    const Vec2& x = body.points[i];
+    EXPECT_GT((x - Vec2(0.72, 0.18)).norm(), 0.08 + 0.4 * 0.12) << x.transpose();
+    EXPECT_GT((x - Vec2(0.6, 0.45)).norm(), 0.1) << x.transpose();
+    EXPECT_GT(std::abs(x.norm() - 0.7), 0.4 * 0.12 * (std::abs(std::atan2(x.y(), x.x()) - 1.1) < 0.2)) << x.transpose();
+  }
+}
+
+// Two load cases, a bound on the worse of them.
+TEST(Curves, BoundsHoldInEveryLoadCase) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  OptimizeRequest r;
+  r.load_cases = {{"both", 1, p.scene.tractions, {}}, {"half", 0.5, {p.scene.tractions[0]}, {}}};
+  p.scene.tractions.clear();
+  const Evaluated e = evaluate_design(p, r, carved.shape, {});
+  r.bounds = {{"compliance", p.objective, e.cases.size() == 2 ? 1.02 * e.J : 0}};
+  p.objective = {"volume", {volume()}};
+  const FinishedCurves f = finish_curves(p, r, carved, {.evaluations = 10}, {});
+  EXPECT_TRUE(f.feasible) << f.why;
+  EXPECT_LE(f.bounds[0], r.bounds[0].at_most * (1 + 1e-3));
+  EXPECT_LT(f.area, f.rows.front().area);
+  EXPECT_NEAR(f.J, 1.5 * f.area, 1e-5 * f.J);  // of the mesh: chords
+}
