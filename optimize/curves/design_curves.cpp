@@ -147,9 +147,9 @@ class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
     d_.carved = circular(carved.shape, 1e-3 * how.size);
+    d_.label = carved.design_label;
     drop_short_sides(d_.carved.outline);
     for (Loop& hole : d_.carved.holes) drop_short_sides(hole);
-    d_.label = carved.design_label;
     near_ = same * extent(frame);
     ends_ = crack_ends(carved.shape);
   }

@@ -277,3 +277,62 @@ TEST(Curves, BoundsHoldInEveryLoadCase) {
   EXPECT_LT(f.area, f.rows.front().area);
   EXPECT_NEAR(f.J, 1.5 * f.area, 1e-5 * f.J);  // of the mesh: chords
 }
+
+// Ends of the design stay where a side bears something or is looked at; cracks that end at it are kept in touch.
+TEST(Curves, EndsAndMouthsStay) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  const auto ends = [&](const Problem& q, const OptimizeRequest& r) {
+    int moved = 0;
+    const Shape shape = fit_curves(q, r, carved, {.min_feature = 0.1});
+    for (const Side& side : shape.outline.sides) moved += int((side.start - Vec2(0.5, 0)).norm() < 1e-12);
+    return moved;  // 1: the end on the bottom is where it was
+  };
+  EXPECT_EQ(ends(p, stiffest(p, carved)), 1);
+  Problem looked = p;
+  looked.objective = {"tracking", {boundary_tracking(0, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }, {})}};
+  EXPECT_EQ(ends(looked, stiffest(p, carved)), 1);
+  OptimizeRequest measured = stiffest(p, carved);
+  measured.bounds = {
+      {"gap", {"misfit", {misfit(0, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); })}}, 1}};
+  EXPECT_EQ(ends(p, measured), 1);
+  // A crack that ends at a corner of the polygon, at its first or last point, or between two of them.
+  const std::vector<Side>& sides = carved.shape.outline.sides;
+  const std::vector<Vec2> mouths = {sides[6].start, sides[7].start, 0.5 * (sides[7].start + sides[8].start)};
+  for (const Vec2& mouth : mouths) {
+    Carved cracked = carved;
+    cracked.shape.cracks = {{"c", {mouth, mouth + 0.5 * mouth.normalized()}, {}}};
+    cracked.crack_of = {0};
+    const DesignCurves d = curves_of(p, cracked);
+    int there = 0;
+    for (std::size_t k = 0; k < d.holds[0].size(); ++k)
+      if ((d.chains[0].knots[k].at - mouth).norm() < 1e-9) {
+        ++there;
+        EXPECT_EQ(d.holds[0][k].kind, KnotHold::Kind::Fixed);
+      }
+    EXPECT_EQ(there, 1) << mouth.transpose();
+  }
+}
+
+// What is left of a side beside the end of the design would be a tiny edge: the design goes to the corner.
+TEST(Curves, TinySidesBesideTheDesignGo) {
+  const Problem p = scenes::quarter_plate(2, 0.2);
+  Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  std::vector<Side>& sides = carved.shape.outline.sides;
+  // From (2, 0.02) on the right side: what remains of it below is a tenth of the mesh size.
+  for (std::size_t k = 4; k < sides.size(); ++k) sides[k].label = 0;
+  std::vector<Side> cut{{{0, 0}, 0, std::nullopt}, {{2, 0}, 1, std::nullopt}};
+  for (int k = 0; k < 6; ++k)
+    cut.push_back({Vec2(2 - 0.1 * k * (5 - k) / 4, 0.02 + 0.3 * k), 4, std::nullopt, false, true});
+  cut.push_back({{2, 1.8}, 1, std::nullopt});
+  cut.push_back({{2, 2}, 2, std::nullopt});
+  cut.push_back({{0, 2}, 3, std::nullopt});
+  sides = cut;
+  carved.area = area(carved.shape);
+  const auto first_knot = [&](const std::vector<Index>& solid) {
+    const double h = p.sizing.size;
+    return design_curves(p.frame, carved, {h, 0.2 * h, 2 * h, h, solid}).chains[0].knots.front().at;
+  };
+  EXPECT_LT((first_knot({2}) - Vec2(2, 0)).norm(), 1e-12);
+  EXPECT_LT((first_knot({1, 2}) - Vec2(2, 0.02)).norm(), 1e-12);  // a side that bears something stays
+}
