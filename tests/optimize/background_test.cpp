@@ -88,6 +88,18 @@ TEST(BackgroundMesh, IslandsDoNotCount) {
   Eigen::VectorXd again = phi;
   drop_islands(c, {}, again);
   EXPECT_EQ(phi, again);
+  // Without labels the largest piece stays; with labels that none touches all do.
+  const auto pieces = [&] {
+    return sample(c, [](const Vec2& x) {
+      return std::min((x - Vec2(0.5, 0.5)).norm() - 0.3, (x - Vec2(1.5, 0.5)).norm() - 0.2);
+    });
+  };
+  Eigen::VectorXd two = pieces();
+  drop_islands(c, {}, two);
+  EXPECT_NEAR(negative_area(c.mesh, two), pi * 0.09, 0.01);
+  two = pieces();
+  drop_islands(c, left, two);
+  EXPECT_EQ(two, pieces());
 }
 
 TEST(BackgroundMesh, ExtensionsAreConstantAlongNormals) {

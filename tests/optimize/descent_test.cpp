@@ -179,5 +179,105 @@ TEST(Descent, SaysThatNothingCanMove) {
   for (std::size_t i = 1; i < d.progress().rows.size(); ++i) EXPECT_FALSE(d.progress().rows[i].accepted);
 }
 
+/// The least area of which two load cases bend no more than they may.
+TEST(Descent, BoundsHoldInTheWorstLoadCase) {
+  Problem p = cantilever();
+  OptimizeRequest r = with_a_hole(0.25);
+  r.volume_at_most.reset();
+  r.load_cases = {{"down", 1, p.scene.tractions, {}}, {"up", 1, p.scene.tractions, {}}};
+  r.load_cases[1].tractions[0].value = [](const Vec2&, const Vec2&) -> Vec2 { return {0.5, 9.9}; };
+  p.scene.tractions.clear();
+  FunctionalBound bound;
+  bound.functional = p.objective;
+  p.objective = {"volume", {volume()}};
+  for (const double share : {0.98, 1.2}) {  // violated at the start, and not
+    r.bounds.clear();
+    const double start = [&] {
+      r.bounds = {bound};
+      r.bounds[0].at_most = 1e9;
+      const Ground g = make_ground(p, r);
+      return Descent(g, {.iterations = 1}, given_start(g).phi).design().bounds[0];
+    }();
+    r.bounds[0].at_most = share * start;
+    const Ground g = make_ground(p, r);
+    Descent d(g, {.iterations = 12}, given_start(g).phi);
+    const double area = d.design().area;
+    EXPECT_EQ(d.keeps_bounds(d.design()), share > 1);
+    while (d.advance()) {
+    }
+    EXPECT_TRUE(d.keeps_bounds(d.design())) << d.design().bounds[0] / r.bounds[0].at_most;
+    if (share > 1) {
+      EXPECT_LT(d.design().area, area);
+    }
+  }
+}
+
+/// Velocities of an elastic body move the boundary as others do.
+TEST(Descent, ElasticVelocities) {
+  const Problem p = cantilever();
+  OptimizeRequest r = with_a_hole(0.25);
+  r.level_set.product = LevelSetRequest::Product::Elasticity;
+  const Ground g = make_ground(p, r);
+  ASSERT_TRUE(g.elastic);
+  Descent d(g, {.iterations = 6}, given_start(g).phi);
+  const double before = d.merit();
+  while (d.advance()) {
+  }
+  EXPECT_LT(d.merit(), before);
+  EXPECT_LE(d.design().area, g.target * (1 + 1e-3));
+}
+
+/// Where stress counts, sharp corners that look into the body stay notches: of the frame and of its holes, but not
+/// between loads and supports.
+TEST(MakeGround, CornersStayCutOutWhereStressCounts) {
+  Problem p = cantilever();
+  p.frame.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 0.5}, {1, 0.5}, {1, 1}, {0, 1}}, 0);
+  p.frame.outline.sides[1].label = 1;
+  p.frame.outline.sides[5].label = 2;
+  p.frame.holes = {polygon("square", {{0.3, 0.4}, {0.6, 0.4}, {0.6, 0.7}, {0.3, 0.7}}, 0)};
+  OptimizeRequest r;
+  r.volume_at_most = 0.9;
+  EXPECT_EQ(make_ground(p, r).background.hollow.size(), 0);
+  FunctionalBound bound;
+  bound.functional = {"stress", {stress_pnorm(6, {}, false)}};
+  bound.at_most = 1e6;
+  for (const bool objective : {true, false}) {
+    OptimizeRequest asked = r;
+    Problem q = p;
+    if (objective) {
+      q.objective = bound.functional;
+    } else {
+      asked.bounds = {bound};
+    }
+    const Ground g = make_ground(q, asked);
+    const auto corners = std::ranges::count_if(
+        g.notes, [](const std::string& note) { return note.find("stays cut out") != std::string::npos; });
+    EXPECT_EQ(corners, 1 + 4);
+    EXPECT_NE(g.notes.front().find("the corner at (1, 0.5)"), std::string::npos) << g.notes.front();
+    // Twice the mesh size around each.
+    for (Eigen::Index v = 0; v < g.background.hollow.size(); ++v) {
+      const Vec2& x = g.background.mesh.points[static_cast<std::size_t>(v)];
+      double away = (x - Vec2(1, 0.5)).norm();
+      for (const Side& side : p.frame.holes[0].sides) away = std::min(away, (x - side.start).norm());
+      EXPECT_NEAR(g.background.hollow[v], 2 * g.size - away, 1e-9);
+    }
+  }
+  p.frame.outline.sides[2].label = 1;  // loaded on one side
+  r.bounds = {bound};
+  EXPECT_EQ(make_ground(p, r).notes.front().find("the corner at (1, 0.5)"), std::string::npos);
+}
+
+TEST(MakeGround, LengthsThatAreNotGiven) {
+  Problem p = cantilever();
+  p.sizing.size = 0;
+  OptimizeRequest r;
+  r.volume_at_most = 1;
+  r.level_set.smoothing = 0.3;
+  const Ground g = make_ground(p, r);
+  EXPECT_DOUBLE_EQ(g.mesh_size, std::sqrt(5.0) / 40);
+  EXPECT_FALSE(g.limited);
+  EXPECT_NEAR(g.whole, 2, 1e-9);
+}
+
 }  // namespace
 }  // namespace kerf

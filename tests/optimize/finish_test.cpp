@@ -144,6 +144,17 @@ TEST(Judge, MoreRoomIsWhatTheFinerMeshFindsMore) {
   EXPECT_TRUE(std::isnan(room(zero, 0, 0, -0.01)));
 }
 
+TEST(Judge, ExcessIsRelativeToTheOwnMesh) {
+  FinerDesign finer = kept(1.2);
+  finer.bounds = {1.2, -0.9, 2};
+  finer.intervals = {{nan, nan, nan}, {nan, nan, nan}, {2, 1.9, 2.5, true, ""}};
+  const std::vector<double> excess = excess_of(finer, std::array{1.0, -1.0, 2.0});
+  ASSERT_EQ(excess.size(), 3u);
+  EXPECT_NEAR(excess[0], 0.2, 1e-12);
+  EXPECT_NEAR(excess[1], 0.1, 1e-12);
+  EXPECT_NEAR(excess[2], 0.25, 1e-12);  // of what is proved
+}
+
 TEST(HistoryText, LinesAndParts) {
   EXPECT_EQ(join({"a", "", "b"}), "a; b");
   EXPECT_EQ(join({"", ""}), "");

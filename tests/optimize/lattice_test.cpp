@@ -134,6 +134,21 @@ TEST(Lattice, ABodyMayBeOneCellWide) {
   }
 }
 
+/// Cells on cracks are weak, straight or curved, those on bonded ones are not.
+TEST(Lattice, CracksAreLinesOfWeakCells) {
+  Problem p = strip();
+  p.frame.cracks = {arc_crack("arc", {1, 0}, 0.5, 0.5, 2.5), {"bonded", {Vec2(0.2, 0.8), Vec2(0.5, 0.8)}, {}}};
+  p.scene.laws = {{.kind = CrackLaw::Kind::Open}, {.kind = CrackLaw::Kind::Bonded}};
+  EXPECT_TRUE(has_cracks(p));
+  const Lattice l = make_lattice(p, at_most(0.5), 1200, true), whole = make_lattice(p, at_most(0.5), 1200);
+  for (const double t : {0.6, 1.2, 2.4}) {
+    const Index c = cell_at(l, Vec2(1, 0) + 0.5 * Vec2(std::cos(t), std::sin(t)));
+    EXPECT_NEAR(l.mu[c], 0.01 * whole.mu[c], 1e-12);
+  }
+  EXPECT_EQ(l.mu[cell_at(l, {0.35, 0.8})], whole.mu[cell_at(l, {0.35, 0.8})]);
+  EXPECT_EQ(l.mu[cell_at(l, {1, 0.2})], whole.mu[cell_at(l, {1, 0.2})]);
+}
+
 /// Of (column) + 10 (row) on 4 x 3 cells: bilinear between the centers, constant beyond.
 TEST(Lattice, BetweenCenters) {
   const auto value = [](const Vec2& x) {
@@ -205,6 +220,13 @@ TEST(DensityStage, SaysForWhatItIsNot) {
   OptimizeRequest priced;
   priced.volume_penalty = 1;
   EXPECT_EQ(why(p, priced), "");
+  Problem peaks = p;  // what it does not know: the compliance instead, where the area is bounded
+  peaks.objective = {"stress", {stress_pnorm(4, {}, false)}};
+  EXPECT_EQ(why(peaks, r), "");
+  EXPECT_EQ(why(peaks, {}), "the coarse lattice knows compliance and area, and nothing bounds the area");
+  OptimizeRequest thin = r;
+  thin.level_set.min_feature = 0.05;  // more cells
+  EXPECT_EQ(why(p, thin), "");
 }
 
 /// What bounds say of the area, as far as the lattice knows them.

@@ -315,6 +315,104 @@ TEST(Refuse, DesignsThatCannotMove) {
   EXPECT_EQ(find_wrong(good(), nothing).size(), 1u);
 }
 
+TEST(Refuse, BoxesOutsideTheBody) {
+  const OptimizeRequest good_one = by_variables();
+  const std::array<std::pair<std::size_t, const char*>, 5> all{{{0, "optimize.hole[0].circle.center"},
+                                                                {1, "optimize.hole[1].ellipse.center"},
+                                                                {2, "optimize.hole[2].spline.points"},
+                                                                {3, "optimize.crack[0].path"},
+                                                                {4, "optimize.region[0].circle.center"}}};
+  for (const auto& [k, key] : all) {
+    OptimizeRequest r = good_one;
+    Drawn& d = r.design.drawn[k];
+    const bool points = d.kind == Drawn::Kind::Spline || d.kind == Drawn::Kind::Crack;
+    for (Eigen::Index i = 0; i < (points ? d.start.size() : 2); ++i)
+      for (auto* v : {&d.lower, &d.upper, &d.start}) (*v)[i] += 9;
+    const std::vector<Wrong> wrong = find_wrong(good(), r);
+    ASSERT_EQ(wrong.size(), 1u) << lines(wrong);
+    EXPECT_EQ(wrong[0].key, key) << wrong[0].what;
+  }
+}
+
+TEST(Refuse, LessVolumeThanTheBoxesAllow) {
+  OptimizeRequest r = by_variables();
+  r.volume_at_most = 0.3;
+  expect_wrong(good(), r, "optimize.volume.at_most", "the largest holes that the boxes allow leave");
+  r = by_variables();
+  r.volume_at_most.reset();
+  FunctionalBound area;
+  area.functional = {"volume", {volume()}};
+  area.at_most = 5;  // of 16
+  r.bounds = {area};
+  expect_wrong(good(), r, "optimize.bound[0].at_most", "the largest holes that the boxes allow leave an area of");
+  r.bounds[0].at_most = 15.5;
+  EXPECT_EQ(lines(find_wrong(good(), r)), "");
+  r.bounds[0].functional.terms[0].factor = -1;  // at least so much
+  r.bounds[0].at_most = -1;
+  EXPECT_EQ(lines(find_wrong(good(), r)), "");
+}
+
+TEST(Refuse, TipsThatLeaveTheirRing) {
+  OptimizeRequest r = by_variables();
+  Problem p = good();
+  p.objective = {"G", {energy_release_rate({0.9, 0.1}, {-1, 0.3}, {0.02, 0.05}, p.scene.body)}};
+  const std::string said = lines(find_wrong(p, r));
+  EXPECT_NE(said.find("optimize.crack[0].path: crack 'crack' moves with the design, and the ring of"),
+            std::string::npos)
+      << said;
+  Drawn& crack = r.design.drawn[3];
+  crack.lower.head<2>() = crack.upper.head<2>() = crack.start.head<2>();
+  EXPECT_EQ(lines(find_wrong(p, r)).find("moves with the design, and the ring of"), std::string::npos);
+}
+
+TEST(Refuse, WhatHasNoVariables) {
+  OptimizeRequest r = by_variables(OptimizeMethod::Cobyla);
+  r.design.drawn[4].poisson = 0.5;  // for which the element has to be made
+  Problem p = good();
+  p.element = element("p1");
+  EXPECT_NE(lines(find_wrong(p, r)).find("[[optimize.region]]: "), std::string::npos) << lines(find_wrong(p, r));
+  r.method = OptimizeMethod::LevelSet;
+  EXPECT_FALSE(wrong_design(r));
+}
+
+/// Where things overlap whatever they do no start can be drawn.
+TEST(Refuse, StartsThatNothingMends) {
+  OptimizeRequest r = by_variables();
+  r.design.drawn = {drawn(Drawn::Kind::Circle, "a", Eigen::Vector3d(0.5, 0.8, 0.4), 0.01),
+                    drawn(Drawn::Kind::Circle, "b", Eigen::Vector3d(0.7, 0.8, 0.4), 0.01)};
+  expect_wrong(good(), r, "optimize", "the design cannot be drawn where it starts, and nowhere near");
+}
+
+TEST(Refuse, BodiesAndLoadsOfOtherKinds) {
+  Problem curved = good();
+  curved.sizing.curved = true;
+  expect_wrong(curved, level_set(), "mesh.curved", "an optimization moves straight edges");
+  Problem torn = good();
+  torn.frame.outline = polygon("outline", {{-2, -2}, {2, 2}, {2, -2}, {-2, 2}}, 0);
+  EXPECT_EQ(lines(find_wrong(torn, level_set())), "");  // said by whoever draws it
+  try {
+    refuse_wrong(torn, level_set());
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Geometry) << e.what();
+  }
+  // A load case without a load, by its name.
+  Problem idle = good();
+  idle.scene.body = {};
+  idle.scene.supports[0].value =
+      BoundaryField([](const Vec2&, const Vec2&) { return Vec2(0, 0); }, std::make_shared<Constant>(0));
+  OptimizeRequest r = level_set();
+  r.load_cases = {{"full", 1, idle.scene.tractions, {}}, {"empty", 1, {}, {}}};
+  idle.scene.tractions.clear();
+  expect_wrong(idle, r, "load_case[1]", "[[load_case]] \"empty\": nothing acts on the body");
+  Problem measured = good();
+  measured.objective = {"misfit", {misfit(2, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); })}};
+  r = level_set();
+  r.load_cases = {{"a", 1, {}, {}}};
+  const std::string said = lines(find_wrong(measured, r));
+  EXPECT_NE(said.find("load_case[0]: [[load_case]]: a misfit belongs to one set of loads"), std::string::npos) << said;
+}
+
 /// A given design becomes a function that is negative in it: its area is that of the design.
 TEST(GivenStart, IsTheDesign) {
   Problem p = good();

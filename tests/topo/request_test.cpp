@@ -3,7 +3,11 @@
 
 #include "kerf/analysis.hpp"
 #include "kerf/map.hpp"
+#include "kerf/shape_gradient.hpp"
 #include "tests/topo/validation.hpp"
+#include "topo/analysis.hpp"
+#include "topo/changes.hpp"
+#include "topo/responses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -121,6 +125,133 @@ TEST(FunctionalRequests, BodiesThatTheyDoNotKnow) {
   const ScalarField negative = [](const Vec2&) { return -1.0; };
   EXPECT_NE(said(plate(), {stress_pnorm(4, negative, false)}).find("is negative: its weight must not be"),
             std::string::npos);
+}
+
+TEST(FunctionalRequests, LoadsAndSupportsThatTheyDoNotKnow) {
+  const auto said = [](const Body& b, const Term& term) {
+    const Prepared p = prepared(b);
+    return refusal([&] { analyze({"", {term}}, p.model, p.state); });
+  };
+  // A pressure in a crack, within the ring of a tip of it and away from that of another one.
+  Body pressed = plate();
+  pressed.shape.cracks.push_back({"other", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}, {}});
+  pressed.scene.laws.resize(2);
+  pressed.scene.laws[1].pressure = [](const Vec2&, const Vec2&) { return Vec2(1, 0); };
+  const auto release = [](const Vec2& tip) { return energy_release_rate(tip, {1, 0}, {0.06, 0.2}, {}); };
+  EXPECT_NE(said(pressed, release({0.3, 0.6})).find("does not know the work of a pressure in the crack"),
+            std::string::npos);
+  EXPECT_EQ(said(pressed, release({0.4, 0})), "no refusal");
+  // What sees displacements needs supports, what sees stresses does not.
+  Body floating = plate();
+  floating.scene.supports.clear();
+  floating.scene.tractions = {{0, [](const Vec2&, const Vec2&) { return Vec2(0, -1); }},
+                              {2, [](const Vec2&, const Vec2&) { return Vec2(0, 1); }}};
+  const Prepared f = prepared(floating);
+  for (const Term& term : {displacement_tracking({}, {}), boundary_tracking(2, {}, {})}) {
+    const Functional j{"", {term}};
+    EXPECT_NE(refusal([&] { require_supports(j, f.model); }).find("sees rigid motions"), std::string::npos);
+  }
+  for (const Term& term : {stress_power(2, {}, true), energy()}) {
+    const Functional j{"", {term}};
+    EXPECT_EQ(refusal([&] { require_supports(j, f.model); }), "no refusal");
+  }
+  // A weight beyond all numbers.
+  const Prepared p = prepared(plate());
+  try {
+    analyze({"",
+             {stress_power(
+                 2, [](const Vec2&) { return 1e308; }, true)}},
+            p.model, p.state);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Numerics);
+    EXPECT_STREQ(e.what(), "the functional overflows: scale its weights or factors");
+  }
+}
+
+TEST(FunctionalRequests, ReadingsAreOfTheBoundary) {
+  const auto said = [](const Body& b, const Term& term) {
+    const Prepared p = prepared(b);
+    return refusal([&] { responses(p.model, p.state, std::span(&term, 1)); });
+  };
+  Term reading{.kind = "reading", .linear = true, .label = 2};
+  reading.on_boundary = [](const Vec2&, const Vec2&, const Vec2& u) {
+    return Density{.value = u.y(), .by_displacement = Vec2(0, 1)};
+  };
+  EXPECT_EQ(said(plate(), reading), "no refusal");
+  Body rough = plate();
+  rough.scene.laws[0].friction = 0.3;
+  EXPECT_EQ(said(rough, reading), "topological derivatives need cracks without friction; remove friction and tresca");
+  const std::string words = "readings are integrals of the displacement over a part of the boundary";
+  for (const Term& term : {energy(), compliance(), stress_power(2, {}, true), crack_opening(0, {}), volume()})
+    EXPECT_EQ(said(plate(), term), words) << term.kind;
+  EXPECT_EQ(said(plate(), misfit(2, [](const Vec2&, const Vec2&) { return Vec2(0, 0); })), words);
+  Body floating = plate();
+  floating.scene.supports.clear();
+  floating.scene.tractions.clear();
+  EXPECT_NE(said(floating, reading).find("sees rigid motions"), std::string::npos);
+}
+
+/// The integral of a power of the stress knows what a change does to its own density.
+TEST(FunctionalRequests, StressPowersAroundChanges) {
+  const Term law = stress_power(4, {}, false);
+  const Material m = plane_stress(1, 0.3);
+  FieldPoint at{.x = {0, 0}, .stress = (Mat2() << 1, 0.3, 0.3, 2).finished(), .material = m};
+  using Kind = Perturbation::Kind;
+  EXPECT_NE(refusal([&] { law.local({.kind = Kind::ClampedHole}, at); }).find("around which the stress is singular"),
+            std::string::npos);
+  // Of its own material, and where the weight is zero: nothing.
+  Perturbation same{.kind = Kind::Inclusion, .inclusion = m};
+  EXPECT_EQ(law.local(same, at), 0);
+  same.inclusion = plane_stress(2, 0.3);
+  EXPECT_NE(law.local(same, at), 0);
+  same.inclusion.mu = m.mu;
+  same.inclusion.c = 0.5 * m.c;
+  EXPECT_NE(law.local(same, at), 0);
+  const Term nowhere = stress_power(
+      4, [](const Vec2&) { return 0.0; }, false);
+  EXPECT_EQ(nowhere.local({}, at), 0);
+  // A round ellipse is a hole; its direction does not matter then.
+  const double hole = law.local({}, at);
+  for (const double angle : {0.0, 0.7})
+    EXPECT_NEAR(law.local({.kind = Kind::Ellipse, .aspect = 1, .angle = angle}, at), hole, 1e-6 * std::abs(hole));
+  // A slit along the only stress there is disturbs nothing. (At its tips a fourth power is not integrable.)
+  const Term third = stress_power(3, {}, false);
+  at.stress << 1, 0, 0, 0;
+  EXPECT_NEAR(third.local({.kind = Kind::Crack, .angle = 0}, at), 0, 1e-9);
+  EXPECT_GT(third.local({.kind = Kind::Crack, .angle = pi / 2}, at), 0.1);
+  // One that presses closes, and then stands in nobody's way either.
+  at.stress << 0, 0, 0, -1;
+  EXPECT_NEAR(third.local({.kind = Kind::Crack, .angle = 0}, at), 0, 1e-9);
+  for (const double p : {0.5, 101.0, nan})
+    EXPECT_NE(refusal([&] { stress_power(p, {}, true).local({}, at); }).find("it must lie in [1, 100]"),
+              std::string::npos);
+}
+
+TEST(ShapeDerivatives, EigenstrainsAreRefused) {
+  Body warm = plate();
+  warm.scene.eigenstrain = {
+      {.normal = [](const Vec2&) { return Vec2(1e-3, 1e-3); }, .shear = [](const Vec2&) { return Vec2(0, 0); }}};
+  const Prepared p = prepared(warm);
+  const Functional j{"", {energy()}};
+  const Analysis a = analyze(j, p.model, p.state);
+  EXPECT_NE(refusal([&] { shape_gradient(a, j); }).find("an eigenstrain stays while the material moves"),
+            std::string::npos);
+}
+
+TEST(Changes, WhatCannotBeMade) {
+  Body b = plate();
+  const Functional j{"", {energy()}};
+  const auto said = [&](const Perturbation& p) {
+    const Meshing meshing{b.shape, b.sizing};
+    const std::vector<Scene> scenes{b.scene};
+    const std::vector<SmallChange> changes{{{0.5, 0.5}, 0.05}};
+    return refusal([&] { changes_at({meshing, b.element, scenes, j}, p, changes); });
+  };
+  EXPECT_EQ(said({}), "no refusal");
+  EXPECT_EQ(said({.kind = Perturbation::Kind::Crack, .angle = 0}), "a small crack is no change of a disc");
+  b.element = element("arnold-winther", 1);  // whose corners share unknowns
+  EXPECT_NE(said({}), "no refusal");
 }
 
 TEST(ClampedHoles, BodiesThatTheyDoNotKnow) {

@@ -39,6 +39,20 @@ TEST(Units, AFunctionalAndItsDerivativeHaveTheirs) {
   EXPECT_FALSE(dimension_of({.kind = "sum", .terms = {Term{}}, .sum = true}));
 }
 
+TEST(Units, PowersAndWhatIsNotKnown) {
+  const Units mm{"mm", "MPa"}, gpa{"m", "GPa"};
+  EXPECT_EQ(unit(gpa, dimension::force), "GN/m");
+  EXPECT_EQ(unit(gpa, {0, 3}), "m\u00b3");
+  EXPECT_EQ(unit(gpa, {2, -1.5}), "GPa\u00b2 m^-1.5");
+  EXPECT_EQ(unit_of_plate({}, dimension::force), "");
+  EXPECT_EQ(unit_of_plate(mm, dimension::stress), "MPa mm");
+  EXPECT_EQ(unit_of_plate(mm, dimension::area), "mm\u00b3");
+  EXPECT_FALSE(dimension_of({.kind = "energy", .terms = {}}));
+  EXPECT_FALSE(dimension_of({.kind = "my own", .terms = {Term{}}}));
+  EXPECT_EQ(unit(mm, dimension_of({.kind = "stress_pnorm", .terms = {Term{}}}).value()), "MPa");
+  EXPECT_NE(implausible({"mm", "MPa"}, 5).find("soft plastics or rubber"), std::string::npos);
+}
+
 TEST(Units, AModulusInTheWrongUnitIsNoted) {
   EXPECT_NE(implausible({"mm", "MPa"}, 210).find("steel has 2.1e+05 MPa"), std::string::npos);
   EXPECT_NE(implausible({"m", "Pa"}, 2.1e14).find("diamond"), std::string::npos);
