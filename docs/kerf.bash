@@ -80,11 +80,17 @@ region[0].ellipse.center
 region[0].ellipse.semi_axes
 region[0].ellipse.angle_deg
 region[0].polygon
+region[0].outline
 region[0].young
 region[0].poisson
 region[0].shear
 region[0].angle
 region[0].eigenstrain
+interface[0].name
+interface[0].between
+interface[0].contact
+interface[0].friction
+interface[0].gap
 boundary[0].on
 boundary[0].traction
 boundary[0].pressure
@@ -273,6 +279,7 @@ synthetic.region[0].ellipse.center
 synthetic.region[0].ellipse.semi_axes
 synthetic.region[0].ellipse.angle_deg
 synthetic.region[0].polygon
+synthetic.region[0].outline
 synthetic.region[0].young
 synthetic.region[0].poisson
 synthetic.region[0].shear

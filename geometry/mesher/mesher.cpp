@@ -324,10 +324,11 @@ struct Rough {
   std::vector<std::array<Index, 3>> triangles;
   std::vector<Marked> marked;
   std::vector<std::pair<Index, Vec2>> places;
-  struct Interface {
-    Index a, b, region;  // on the left from a to b
+  struct RegionEdge {
+    Index a, b, region;           // on the left from a to b
+    std::optional<Index> beyond;  // on the right, where that is known
   };
-  std::vector<Interface> interfaces;
+  std::vector<RegionEdge> around_regions;
   std::vector<Followed> followed;
 };
 
@@ -372,10 +373,8 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
     for (std::size_t k = 0; k + 1 < chains[i].size(); ++k) {
       const Index a = chains[i][k]->info().value, b = chains[i][k + 1]->info().value;
-      if (strand.region != none)
-        rough.interfaces.push_back({a, b, strand.region});
-      else
-        rough.marked.push_back({a, b, strand.label, strand.crack});
+      if (strand.region != none || strand.beyond) rough.around_regions.push_back({a, b, strand.region, strand.beyond});
+      if (strand.crack != none || strand.loop != none) rough.marked.push_back({a, b, strand.label, strand.crack});
     }
     if (!strand.arc || (strand.crack == none && !curved)) continue;
     std::vector<double> at{piece.from};  // of the chain's points on the strand
@@ -397,10 +396,10 @@ Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, 
 }
 
 /// The region of every triangle: inwards from the edges around a region as far as the next such edge.
-std::vector<Index> regions(const Mesh& mesh, const std::vector<Rough::Interface>& interfaces) {
-  if (interfaces.empty()) return {};
+std::vector<Index> regions(const Mesh& mesh, const std::vector<Rough::RegionEdge>& around) {
+  if (around.empty()) return {};
   std::map<std::pair<Index, Index>, Index> edge;
-  for (const Rough::Interface& i : interfaces) edge[std::minmax(i.a, i.b)] = none;
+  for (const Rough::RegionEdge& i : around) edge[std::minmax(i.a, i.b)] = none;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
     if (const auto found = edge.find({mesh.edges[e][0], mesh.edges[e][1]}); found != edge.end())
       found->second = Index(e);
@@ -408,9 +407,10 @@ std::vector<Index> regions(const Mesh& mesh, const std::vector<Rough::Interface>
   for (const auto& [ends, e] : edge) cut[std::size_t(e)] = true;
   const std::vector<Index> piece = pieces(mesh, cut);
   std::vector<Index> of_piece(mesh.triangles.size(), none), region;
-  for (const Rough::Interface& i : interfaces) {
+  for (const Rough::RegionEdge& i : around) {
     const auto& sides = mesh.sides[std::size_t(edge[std::minmax(i.a, i.b)])];
     of_piece[std::size_t(piece[std::size_t(sides[i.a < i.b ? 0 : 1])])] = i.region;
+    if (i.beyond) of_piece[std::size_t(piece[std::size_t(sides[i.a < i.b ? 1 : 0])])] = *i.beyond;
   }
   for (const Index p : piece) region.push_back(of_piece[std::size_t(p)]);
   return region;
@@ -464,7 +464,7 @@ Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField&
     Rough rough = mesh_of(names, drawing, pieces, field, min_angle_deg, curved);
     if (!place_on_arcs(rough) && finer < 16) continue;
     Mesh mesh = connect(std::move(rough.points), std::move(rough.triangles), rough.marked);
-    mesh.region = regions(mesh, rough.interfaces);
+    mesh.region = regions(mesh, rough.around_regions);
     Smoothed smoothed = smooth(mesh, min_angle_deg, sweeps);
     mesh = connect(std::move(smoothed.points), std::move(smoothed.triangles), rough.marked, std::move(mesh.region));
     follow(mesh, rough.followed);

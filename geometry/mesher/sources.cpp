@@ -54,12 +54,14 @@ void add_curved(const Drawing& drawing, const Strand& strand, double size, std::
 /// What meets at the corners of a drawing.
 struct AtCorners {
   std::vector<bool> on_loop, junction;  // where two cracks meet
+  std::vector<bool> smooth;             // one goes on where the other ends: parts of an interface
   std::vector<double> shortest;         // chord of the sides there
 };
 
 AtCorners look_at_corners(const Drawing& drawing) {
   const std::size_t n = drawing.corners.size();
-  AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<double>(n, drawing.extent)};
+  AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<bool>(n, false),
+                    std::vector<double>(n, drawing.extent)};
   std::vector<Index> crack(n, none);  // the last one that was seen there
   for (const Strand& s : drawing.strands) {
     const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
@@ -71,6 +73,16 @@ AtCorners look_at_corners(const Drawing& drawing) {
       crack[v] = s.crack;
     }
   }
+  std::vector<int> count(n, 0);
+  std::vector<Vec2> away(n, Vec2::Zero());  // sum of the directions of cracks there
+  for (const Strand& s : drawing.strands) {
+    if (s.crack == none) continue;
+    ++count[std::size_t(s.from)];
+    ++count[std::size_t(s.to)];
+    away[std::size_t(s.from)] += velocity(drawing, s, 0).normalized();
+    away[std::size_t(s.to)] -= velocity(drawing, s, 1).normalized();
+  }
+  for (std::size_t v = 0; v < n; ++v) corners.smooth[v] = count[v] == 2 && away[v].norm() < 5 * degree;
   return corners;
 }
 
@@ -90,6 +102,7 @@ struct Finder {
   const double corner = sizing.size / 25;  // kinks, junctions and reentrant corners are singular too, if less than tips
   const double mild = sizing.size / 10;    // and corners between materials
   std::vector<bool> asked = std::vector<bool>(drawing.corners.size(), false);  // junctions
+  std::vector<bool> closes = std::vector<bool>(crack_length.size(), false);    // cracks without ends
   std::vector<Source> sources = {};
 
   void ask(Index v, double wanted, double reach = 0) {
@@ -116,24 +129,37 @@ struct Finder {
     }
   }
 
+  /// The last strand of a crack that begins with strand i, if it ends where that begins: then neither is an end.
+  std::optional<std::size_t> closing(std::size_t i) {
+    const Index crack = drawing.strands[i].crack;
+    std::size_t last = i;
+    while (last + 1 < drawing.strands.size() && drawing.strands[last + 1].crack == crack) ++last;
+    if (drawing.strands[last].to != drawing.strands[i].from || corners.on_loop[std::size_t(drawing.strands[i].from)])
+      return std::nullopt;
+    closes[std::size_t(crack)] = true;
+    return last;
+  }
+
   void ask_along_crack(std::size_t i) {
     const Strand& strand = drawing.strands[i];
     const double reach = crack_length[std::size_t(strand.crack)] / 4;
     const bool follows = i > 0 && drawing.strands[i - 1].crack == strand.crack;
     const bool last = i + 1 == drawing.strands.size() || drawing.strands[i + 1].crack != strand.crack;
-    const bool kink = follows && std::abs(turn(velocity(drawing, drawing.strands[i - 1], 1),
-                                               velocity(drawing, strand, 0))) > 5 * degree;
+    const std::optional<std::size_t> before = follows ? i - 1 : closing(i);
+    const bool kink = before && std::abs(turn(velocity(drawing, drawing.strands[*before], 1),
+                                              velocity(drawing, strand, 0))) > 5 * degree;
     for (const Index end : {strand.from, strand.to})
-      if (corners.junction[std::size_t(end)] && !corners.on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+      if (corners.junction[std::size_t(end)] && !corners.smooth[std::size_t(end)] &&
+          !corners.on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
         asked[std::size_t(end)] = true;
         ask(end, corner, reach / 2);
       }
     if (kink && !corners.junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
-    if (!follows) ask_at_end(strand.from, reach);
-    if (last) ask_at_end(strand.to, reach);
+    if (!follows && !before) ask_at_end(strand.from, reach);
+    if (last && !closes[std::size_t(strand.crack)]) ask_at_end(strand.to, reach);
     // The two ends of an arc that nearly closes.
     const Vec2 &a = drawing.corners[std::size_t(strand.from)], &b = drawing.corners[std::size_t(strand.to)];
-    if (strand.arc && (b - a).norm() < std::min(sizing.size, length(drawing, strand) / 2))
+    if (strand.arc && strand.from != strand.to && (b - a).norm() < std::min(sizing.size, length(drawing, strand) / 2))
       sources.push_back({a, b, (b - a).norm() / 2});
   }
 
@@ -154,8 +180,9 @@ struct Finder {
     for (std::size_t i = 0; i < drawing.strands.size(); ++i)
       if (drawing.strands[i].region != none) arriving[std::size_t(drawing.strands[i].to)] = Index(i);
     for (const Strand& s : drawing.strands) {
-      if (s.region == none) continue;
+      if (s.region == none || s.crack != none || arriving[std::size_t(s.from)] == none) continue;
       const Strand& before = drawing.strands[std::size_t(arriving[std::size_t(s.from)])];
+      if (before.region != s.region) continue;  // where it shares its sides
       if (std::abs(turn(velocity(drawing, before, 1), velocity(drawing, s, 0))) > corner_turn)
         ask(s.from, mild, corners.shortest[std::size_t(s.from)] / 2);
     }

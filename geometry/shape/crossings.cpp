@@ -70,6 +70,9 @@ std::string words(const Shape& shape, const Strand& s, const Strand& t, const Me
   const char* verb = m.how == How::Crosses ? "crosses" : m.how == How::Touches ? "touches" : "overlaps";
   if (s.crack == none && of_one(s, t))
     return fmt::format("{} {} itself {}; a loop must be simple", name(shape, s), verb, at);
+  if (t.beyond && s.crack != none && !s.beyond)
+    return fmt::format("{} {} {} {}; cracks must end before what separates regions", name(shape, s), verb,
+                       name(shape, t), at);
   if (t.region != none)
     return fmt::format("{} {} {} {}; regions must lie inside the body, apart from everything else in it",
                        name(shape, t), verb, name(shape, s), at);

@@ -1,5 +1,7 @@
 #include "geometry/shape/drawing.hpp"
 
+#include "geometry/interfaces.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -186,11 +188,18 @@ Drawing draw(const Shape& shape) {
   for (std::size_t h = 0; h < shape.holes.size(); ++h) add_loop(drawing, shape.holes[h], Index(h) + 1);
   std::vector<bool> turned(shape.holes.size() + 1, false);
   std::vector<std::array<Index, 2>> ends;
-  for (const Crack& crack : shape.cracks) {
+  const std::vector<bool> along = along_regions(shape);
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    const Crack& crack = shape.cracks[c];
+    if (along[c]) {
+      ends.push_back({none, none});
+      continue;
+    }
     const Index start = end_corner(drawing, turned, crack.points.front());
     ends.push_back({start, end_corner(drawing, turned, crack.points.back())});
   }
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    if (along[c]) continue;
     const std::vector<Vec2>& path = shape.cracks[c].points;
     Index from = ends[c][0];
     for (std::size_t i = 1; i < path.size(); ++i) {
@@ -204,11 +213,13 @@ Drawing draw(const Shape& shape) {
   }
   join_cracks(drawing);
   for (std::size_t r = 0; r < shape.regions.size(); ++r) add_loop(drawing, shape.regions[r], none, Index(r));
+  if (std::ranges::find(along, true) != along.end()) join_regions(drawing, shape, along);
   return drawing;
 }
 
 std::string name(const Shape& shape, const Strand& strand) {
-  if (strand.crack != none) return fmt::format("crack '{}'", shape.cracks[std::size_t(strand.crack)].name);
+  if (strand.crack != none)
+    return fmt::format("{} '{}'", strand.beyond ? "interface" : "crack", shape.cracks[std::size_t(strand.crack)].name);
   if (strand.region != none) return fmt::format("region '{}'", shape.regions[std::size_t(strand.region)].name);
   return strand.loop == 0 ? "the outline" : fmt::format("hole '{}'", shape.holes[std::size_t(strand.loop) - 1].name);
 }

@@ -26,17 +26,29 @@ struct Strand {
   Index region = none;  // or the region
   bool keep = false;    // one edge of the mesh
   bool smooth = false;  // part of a smooth curve
+  // Of a region's side in a shape with interfaces: what lies on its right. Such a strand may be one of a crack, too.
+  std::optional<Index> beyond = {};
 };
 
 struct Drawing {
   std::vector<Vec2> corners;
-  std::vector<Strand> strands;  // loops in order, each closed; cracks, each in the order of its path; regions, closed
+  // Loops in order, each closed; cracks, each in the order of its path; regions, closed, unless some of their sides are
+  // those of loops, of each other or of cracks (join_regions).
+  std::vector<Strand> strands;
   double extent = 0;
 };
 Drawing draw(const Shape& shape);
 
 /// "the outline", "hole 'h'", "crack 'c'", "region 'r'".
 std::string name(const Shape& shape, const Strand& strand);
+
+/// In a shape with cracks along the sides of regions (`along`, per crack; interfaces): sides that regions share with
+/// loops and with each other become one strand, those of interfaces strands of cracks.
+void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along);
+
+/// What is wrong with interfaces and the regions of a shape that has some, in words, or nothing: regions of which each
+/// has something of its own and something in common, interfaces in the same place.
+std::optional<std::string> find_wrong_interface(const Shape& shape, const std::vector<bool>& along);
 
 /// Cuts the strands of cracks where another crack ends, has a kink or crosses them; meeting strands share a corner.
 void join_cracks(Drawing& drawing);

@@ -1,5 +1,6 @@
 // What makes a shape unusable, cheapest checks first.
 
+#include "geometry/interfaces.hpp"
 #include "geometry/shape/drawing.hpp"
 
 #include <fmt/format.h>
@@ -99,17 +100,19 @@ Problem arc_problem(const Arc& arc, const Vec2& start, const Vec2& end, double s
   return {};
 }
 
-Problem crack_arc_problem(const Crack& crack, double size) {
+/// `along` the sides of a region it may be one of an ellipse, and close.
+Problem crack_arc_problem(const Crack& crack, double size, bool along) {
   const Arc& arc = *crack.arc;
   const double radius = arc.axes.col(0).norm();
   if (!(radius > touch_tolerance * size)) return "has an arc without a radius; it must be positive";
   if (!(radius < 1e5 * size)) return fmt::format("has an arc of radius {:.3g}, too flat; draw it straight", radius);
-  if (!((arc.axes.transpose() * arc.axes - radius * radius * Mat2::Identity()).norm() <= 1e-9 * radius * radius))
+  if (!along &&
+      !((arc.axes.transpose() * arc.axes - radius * radius * Mat2::Identity()).norm() <= 1e-9 * radius * radius))
     return "is an arc of no circle";
-  if (!(std::abs(arc.to - arc.from) < 2 * pi))
+  if (along ? !(std::abs(arc.to - arc.from) < 2 * pi + 1e-9) : !(std::abs(arc.to - arc.from) < 2 * pi))
     return "turns by a full circle or more; a closed cut is a hole";
   if (!((at(arc, arc.from) - crack.points.front()).norm() + (at(arc, arc.to) - crack.points.back()).norm() <=
-        touch_tolerance * size))
+        (along ? join_tolerance : touch_tolerance) * size))
     return fmt::format("has an arc from {} to {}, but other end points", text(at(arc, arc.from)),
                        text(at(arc, arc.to)));
   return {};
@@ -131,9 +134,15 @@ Problem lengths(const Shape& shape, double size) {
       }
     }
   }
-  for (const Crack& crack : shape.cracks) {
+  return {};
+}
+
+/// `along`: per crack, whether it is an interface.
+Problem lengths_of_cracks(const Shape& shape, double size, const std::vector<bool>& along) {
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    const Crack& crack = shape.cracks[c];
     if (crack.arc)
-      if (const Problem problem = crack_arc_problem(crack, size))
+      if (const Problem problem = crack_arc_problem(crack, size, along[c]))
         return fmt::format("crack '{}' {}", crack.name, *problem);
     for (std::size_t i = 0; !crack.arc && i + 1 < crack.points.size(); ++i) {
       const double edge = (crack.points[i + 1] - crack.points[i]).norm();
@@ -144,7 +153,7 @@ Problem lengths(const Shape& shape, double size) {
     const double length = path_length(crack);
     if (!(length > 4 * join_tolerance * size))
       return fmt::format("crack '{}' is too short: {:.3g} in a body of extent {:.3g}", crack.name, length, size);
-    if ((crack.points.front() - crack.points.back()).norm() <= join_tolerance * size)
+    if (!along[c] && (crack.points.front() - crack.points.back()).norm() <= join_tolerance * size)
       return fmt::format("crack '{}' touches itself at {}: it starts and ends there; a closed cut is a hole",
                          crack.name, text(crack.points.front()));
   }
@@ -158,6 +167,26 @@ bool contains(const std::vector<std::array<Vec2, 2>>& loop, const std::vector<Ve
   std::ptrdiff_t within = 0;
   for (std::size_t i = 0; i < x.size(); i += step) within += inside(loop, x[i]) ? 1 : -1;
   return within > 0;
+}
+
+/// Of a shape with interfaces: sides of regions that leave the body, whose loops they meet at corners. `loops`: the
+/// outline and holes first.
+Problem beyond_loops(const Shape& shape, const Drawing& drawing,
+                     const std::vector<std::vector<std::array<Vec2, 2>>>& loops) {
+  for (const Strand& strand : drawing.strands) {
+    if (!strand.beyond) continue;
+    std::vector<Vec2> x;
+    for (int i = 1; i < 8; ++i) x.push_back(point(drawing, strand, i / 8.0));
+    const Index region = strand.region == none ? *strand.beyond : strand.region;
+    const std::string& called = shape.regions[std::size_t(region)].name;
+    if (!contains(loops[0], x))
+      return fmt::format("region '{}' leaves the body at {}; let it end on the outline", called, text(x[3]));
+    for (std::size_t h = 1; h <= shape.holes.size(); ++h)
+      if (contains(loops[h], x))
+        return fmt::format("region '{}' reaches into {} at {}; let it end on the hole, or lie around it", called,
+                           name(shape, h), text(x[3]));
+  }
+  return {};
 }
 
 /// Loops and cracks are known not to cross: each lies on one side of every other.
@@ -174,7 +203,7 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
     if (strand.crack != none) {
       on_crack[std::size_t(strand.crack)].push_back((a + b) / 2);
-    } else {
+    } else if (!strand.beyond) {
       const std::size_t l =
           strand.region == none ? std::size_t(strand.loop) : 1 + shape.holes.size() + std::size_t(strand.region);
       loops[l].push_back({a, b});
@@ -189,7 +218,9 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     if ((first.array() < boxes[l].low.array()).any() || (first.array() > boxes[l].high.array()).any()) return false;
     return contains(loops[l], x);
   };
+  if (Problem problem = beyond_loops(shape, drawing, loops)) return problem;
   for (std::size_t h = 1; h < loops.size(); ++h) {
+    if (on_loop[h].empty()) continue;  // a region in a shape with interfaces
     if (!within(on_loop[h], 0))
       return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(on_loop[h].front()));
     for (std::size_t other = 1; other <= shape.holes.size(); ++other)
@@ -197,6 +228,7 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
         return fmt::format("{} lies inside {}; remove it", name(shape, h), name(shape, other));
   }
   for (std::size_t c = 0; c < on_crack.size(); ++c) {
+    if (on_crack[c].empty()) continue;
     const std::string& crack = shape.cracks[c].name;
     if (!within(on_crack[c], 0))
       return fmt::format("crack '{}' lies outside the body, at {}", crack, text(on_crack[c].front()));
@@ -212,6 +244,7 @@ Problem revisited(const Shape& shape, const Drawing& drawing) {
   std::vector<std::vector<Index>> corners(shape.cracks.size());  // in the order of the path
   std::vector<Index> loop_of(drawing.corners.size(), none);
   for (const Strand& strand : drawing.strands) {
+    if (strand.beyond) continue;  // interfaces are as simple as the regions
     if (strand.crack == none) {
       loop_of[std::size_t(strand.from)] = strand.loop;
       continue;
@@ -288,10 +321,14 @@ std::optional<std::string> find_problem(const Shape& shape) {
         "coordinates; move the origin closer",
         size, farthest);
   if (Problem problem = lengths(shape, size)) return problem;
+  const std::vector<bool> along = along_regions(shape);
+  if (Problem problem = lengths_of_cracks(shape, size, along)) return problem;
   const Drawing drawing = draw(shape);
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_crossing(shape, drawing, pieces, gaps, true)) return problem;
+  if (std::ranges::find(along, true) != along.end())
+    if (Problem problem = find_wrong_interface(shape, along)) return problem;
   if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;
   if (Problem problem = wedges(shape, drawing)) return problem;

@@ -1,6 +1,7 @@
 #include "kerf/case_file.hpp"
 
 #include "io/case/fingerprint.hpp"
+#include "io/case/interfaces.hpp"
 #include "io/case/sections.hpp"
 #include "io/document.hpp"
 #include "kerf/element.hpp"
@@ -180,6 +181,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_material(document, c);
   const ReadRegions regions = read_regions(document, file, c);
   const std::vector<Loop>& frozen = regions.frozen;
+  read_interfaces(document, c);
   Definitions definitions = read_definitions(document, c);
   read_eigenstrains(document, regions.tables, definitions, c);
   read_conditions(document, definitions, c);

@@ -173,6 +173,22 @@ void read_gaps(const Value& document, Definitions& definitions, Case& c) {
   }
 }
 
+/// The keys `gap` of [[interface]], each for all cracks that the table made.
+void read_gaps_of_interfaces(const Value& document, Definitions& definitions, Case& c) {
+  const auto place = [&](const Value& entry) {
+    const std::string name = text(need(entry, "name"));
+    return static_cast<std::size_t>(std::ranges::find(c.shape.cracks, name, &Crack::name) - c.shape.cracks.begin());
+  };
+  const std::vector<Value> tables = find_tables(document, "interface");
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const auto field = find(tables[i], "gap");
+    if (!field) continue;
+    const BoundaryField gap = vector_field(formula(*field, definitions, false), nothing());
+    const std::size_t end = i + 1 < tables.size() ? place(tables[i + 1]) : c.shape.cracks.size();
+    for (std::size_t k = place(tables[i]); k < end; ++k) c.scene.laws[k].gap = gap;
+  }
+}
+
 }  // namespace
 
 void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
@@ -204,6 +220,7 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c) {
   if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
   read_pressures(document, definitions, c);
   read_gaps(document, definitions, c);
+  read_gaps_of_interfaces(document, definitions, c);
 }
 
 std::vector<LoadCase> read_load_cases(const Value& document, Definitions& definitions, const Case& c) {

@@ -24,7 +24,7 @@ MeshFileRequest wanted_surfaces(const Value& document) {
   MeshFileRequest request;
   for (const Value& region : find_tables(document, "region")) {
     allow_only(region);
-    if (is_drawn(region, {"circle", "ellipse", "polygon"})) continue;
+    if (is_drawn(region, {"circle", "ellipse", "polygon", "outline"})) continue;
     const std::string name = safe_name(need(region, "name"));
     const bool mask = is_frozen(document, name), strained = find(region, "eigenstrain").has_value(),
                has_material = find(region, "young") || find(region, "poisson") || strained;
@@ -113,7 +113,7 @@ MeshFile read_body_file(const Value& document, const Value& domain, const std::f
   const BodySource source = body_source(document, field, folder);
   MeshFile file = read_body(source, request);
   for (const Value& region : find_tables(document, "region")) {
-    if (is_drawn(region, {"circle", "ellipse", "polygon"})) {
+    if (is_drawn(region, {"circle", "ellipse", "polygon", "outline"})) {
       if (source.keep_mesh)
         fail(
             region.node->position,

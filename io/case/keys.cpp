@@ -226,9 +226,9 @@ constexpr Key rows[] = {
      Tables,
      {.bare = true},
      "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes, cracks or "
-     "each other. They may lie around holes and cracks, and inside one another: the inner one counts. A region without "
-     "a "
-     "form is a physical surface of domain.file, where it may touch anything."},
+     "each other, unless the case has an [[interface]]. They may lie around holes and cracks, and inside one another: "
+     "the inner one counts. A region without a form is a physical surface of domain.file, where it may touch "
+     "anything."},
     {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
     {"region[].circle",
      Table,
@@ -241,6 +241,13 @@ constexpr Key rows[] = {
      "An ellipse.",
      "{ center = [1, 1], semi_axes = [0.2, 0.1] }"},
     {"region[].polygon", Points, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
+    {"region[].outline",
+     Points,
+     {.one_of = true},
+     "Its corners, in order, with arcs between them as in domain.outline.",
+     "[[0, 0], { arc_to = [1, 0], center = [0.5, 0] }]"},
+    {"region[].outline[].arc_to", Pair, {.required = true}, "Where the arc ends.", "[1, 0]"},
+    {"region[].outline[].center", Pair, {.required = true}, "Its center, as in domain.outline.", "[0.5, 0]"},
     {"region[].young",
      Number | Pair,
      {.range = positive},
@@ -256,6 +263,39 @@ constexpr Key rows[] = {
      "the body is made of.",
      "[0.001, 0.001, 0]",
      "none"},
+
+    {"interface[]",
+     Tables,
+     {},
+     "The border between two regions as a crack whose faces touch: a press fit, a ring in a ring, layers. Where there "
+     "is "
+     "one, regions may share sides with one another, with the outline and with holes; borders without an interface "
+     "are bonded. For solve, map and validate."},
+    {"interface[].name",
+     Name,
+     {.required = true},
+     "Names its files and its rows in results, which are those of a crack. "
+     "Where two regions meet along several curves these are name, name_2, ...",
+     "\"fit\""},
+    {"interface[].between",
+     Names,
+     {.required = true},
+     "Two regions, or a region and \"body\", which is what lies outside all regions.",
+     "[\"disc\", \"body\"]"},
+    {"interface[].contact",
+     Boolean,
+     {},
+     "true: faces do not penetrate, and slide up to the friction; false: bonded, with what acts across it in the "
+     "results.",
+     "false",
+     "true"},
+    {"interface[].friction", Number, {.range = not_negative}, "As crack.friction.", "0.3", "0"},
+    {"interface[].gap",
+     Formula,
+     {},
+     "As crack.gap: how far apart the faces are before loading. Negative: a press fit.",
+     "-0.001",
+     "0"},
 
     {"boundary[]", Tables, {}, "What acts on a part of the boundary; labels without a condition are free."},
     {"boundary[].on", Text | Names, {.required = true}, "A label, or a list of labels.", "\"top\""},

@@ -86,7 +86,7 @@ std::vector<Value> frozen_names(const Value& document) {
 }
 
 bool is_drawn(const Value& region) {
-  return find(region, "circle") || find(region, "ellipse") || find(region, "polygon");
+  return find(region, "circle") || find(region, "ellipse") || find(region, "polygon") || find(region, "outline");
 }
 
 bool has_material(const Value& region) {
@@ -216,7 +216,14 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
 
 std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack) {
   if (!crack.arc) return {};
-  return [center = crack.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+  const Mat2& axes = crack.arc->axes;
+  const Mat2 inverse = axes.inverse();
+  if ((axes.transpose() * axes - axes.col(0).squaredNorm() * Mat2::Identity()).norm() <= 1e-9 * axes.squaredNorm())
+    return [center = crack.arc->center](const Vec2& x) { return (x - center).normalized().eval(); };
+  // Of an ellipse: the gradient of |axes^-1 (x - center)|^2.
+  return [center = crack.arc->center, inverse](const Vec2& x) -> Vec2 {
+    return (inverse.transpose() * (inverse * (x - center))).normalized();
+  };
 }
 
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {

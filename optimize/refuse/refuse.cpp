@@ -1,5 +1,6 @@
 #include "optimize/refuse.hpp"
 
+#include "geometry/interfaces.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/refuse/methods.hpp"
 #include "topo/orthotropic.hpp"
@@ -120,6 +121,18 @@ void look_at_gaps(const Problem& p, std::vector<Wrong>& all) {
                                  p.frame.cracks[k].name)});
 }
 
+void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
+  const std::vector<bool> along = along_regions(p.frame);
+  for (std::size_t k = 0; k < along.size(); ++k)
+    if (along[k]) {
+      all.push_back({"interface", fmt::format("[optimize] moves nothing next to interface \"{}\": a shape that cuts it "
+                                              "is not known; leave it out, or take the state, maps and validation of "
+                                              "this body (kerf solve, map, validate)",
+                                              p.frame.cracks[k].name)});
+      return;
+    }
+}
+
 void look_at_eigenstrain(const Problem& p, std::vector<Wrong>& all) {
   for (std::size_t k = 0; k < p.scene.eigenstrain.size(); ++k)
     if (p.scene.eigenstrain[k]) {
@@ -198,6 +211,7 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   look_at_materials(p, all);
   look_at_cracks(p, r, all);
   look_at_gaps(p, all);
+  if (drawable) look_at_interfaces(p, all);
   look_at_eigenstrain(p, all);
   look_at_rigid_motions(p, r, all);
   if (drawable) look_at_loads(p, r, all);

@@ -208,7 +208,7 @@ INSTANTIATE_TEST_SUITE_P(
     Regions, WrongCase,
     testing::Values(
         Wrong{"[[region]]\nname = 'r'\nyoung = 1\npoisson = 0.3",
-              "a.toml:7:1: [[region]] needs one of circle, ellipse, polygon"},
+              "a.toml:7:1: [[region]] needs one of circle, ellipse, polygon, outline"},
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\npoisson = 0.3",
               "a.toml:7:1: missing key \"young\" in [[region]]; add it"},
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = -1\npoisson = 0.3",
@@ -218,7 +218,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[region]]\nname = 'r'\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = 1e-320\npoisson = 0.3",
               "a.toml:7:1: [[region]]: young = 1e-320 is out of range; choose other units"},
         Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
-              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, young, poisson, "
+              "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, outline, young, "
+              "poisson, "
               "shear, angle, eigenstrain"},
         Wrong{"[[region]]\nname = '../r'",
               "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},

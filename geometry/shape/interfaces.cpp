@@ -1,0 +1,446 @@
+// Regions that touch: sides that they share with each other, with the outline and with holes; paths of interfaces.
+
+#include "geometry/interfaces.hpp"
+#include "geometry/shape/drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace kerf {
+
+namespace {
+
+bool whole(const Strand& strand) {
+  return strand.arc && strand.from == strand.to;
+}
+
+/// From its end to its start.
+Strand turned(Strand strand) {
+  std::swap(strand.from, strand.to);
+  if (strand.arc) std::swap(strand.arc->from, strand.arc->to);
+  const Index left = strand.region;
+  if (strand.beyond) strand.region = *strand.beyond;
+  strand.beyond = left;
+  return strand;
+}
+
+struct Cut {
+  double s;
+  Index corner;
+};
+
+/// The strand in pieces between its cuts; a whole circle begins and ends at cuts.
+void append_pieces(const Strand& strand, std::vector<Cut> cuts, std::vector<Strand>& pieces) {
+  std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+  std::vector<Cut> ends = cuts;
+  if (!whole(strand) || cuts.empty()) {
+    ends.insert(ends.begin(), {0, strand.from});
+    ends.push_back({1, strand.to});
+  } else {
+    ends.push_back({1 + cuts.front().s, cuts.front().corner});
+  }
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    Strand piece = strand;
+    piece.from = ends[i].corner;
+    piece.to = ends[i + 1].corner;
+    if (strand.arc) {
+      const double turn = strand.arc->to - strand.arc->from;
+      piece.arc->from = strand.arc->from + ends[i].s * turn;
+      piece.arc->to = strand.arc->from + ends[i + 1].s * turn;
+    }
+    if (piece.from != piece.to || whole(strand)) pieces.push_back(piece);
+  }
+}
+
+/// Shares corners and cuts strands so that sides that coincide do so from corner to corner.
+class Sharing {
+ public:
+  explicit Sharing(Drawing& drawing) : drawing_(drawing), join_(join_tolerance * drawing.extent) {
+    instead_.resize(drawing.corners.size());
+    for (std::size_t v = 0; v < instead_.size(); ++v) instead_[v] = Index(v);
+  }
+
+  void share() {
+    merge_corners();
+    std::vector<std::vector<Cut>> cuts(drawing_.strands.size());
+    for (std::size_t k = 0; k < cuts.size(); ++k)
+      if (drawing_.strands[k].crack == none) cuts[k] = cuts_of(k);
+    std::vector<Strand> pieces;
+    for (std::size_t k = 0; k < cuts.size(); ++k) append_pieces(drawing_.strands[k], std::move(cuts[k]), pieces);
+    drawing_.strands = std::move(pieces);
+  }
+
+ private:
+  /// A region's corner that is another's, or a loop's, becomes that one. The seam of a whole circle is no corner.
+  void merge_corners() {
+    std::vector<Index> earlier;
+    for (Strand& strand : drawing_.strands) {
+      if (strand.crack != none || whole(strand)) continue;
+      for (Index* end : {&strand.from, &strand.to}) {
+        Index& v = instead_[std::size_t(*end)];
+        if (v == *end && strand.region != none && std::ranges::find(earlier, v) == earlier.end())
+          for (const Index other : earlier)
+            if ((at(other) - at(v)).norm() <= join_) {
+              v = other;
+              break;
+            }
+        if (v == *end && std::ranges::find(earlier, v) == earlier.end()) earlier.push_back(v);
+        *end = v;
+      }
+    }
+    corners_ = std::move(earlier);
+    of_region_.assign(drawing_.corners.size(), true);
+    for (const Strand& strand : drawing_.strands)
+      if (strand.region == none) of_region_[std::size_t(strand.from)] = of_region_[std::size_t(strand.to)] = false;
+  }
+
+  /// Corners of others on strand k.
+  std::vector<Cut> cuts_of(std::size_t k) {
+    const Strand& strand = drawing_.strands[k];
+    std::vector<Cut> cuts;
+    Vec2 low = at(strand.from).cwiseMin(at(strand.to)), high = at(strand.from).cwiseMax(at(strand.to));
+    if (strand.arc) {
+      low = strand.arc->center.array() - largest_radius(*strand.arc);
+      high = strand.arc->center.array() + largest_radius(*strand.arc);
+    }
+    for (const Index v : corners_) {
+      const Vec2& x = at(v);
+      if (v == strand.from || v == strand.to) continue;
+      if (strand.region == none && !of_region_[std::size_t(v)]) continue;  // loops are no matter of regions
+      if ((x.array() < low.array() - join_).any() || (x.array() > high.array() + join_).any()) continue;
+      const Foot foot = nearest(drawing_, strand, x);
+      if (!(foot.distance <= join_)) continue;
+      cuts.push_back({foot.s, v});
+      if (of_region_[std::size_t(v)] && foot.distance > 1e-13 * drawing_.extent && moved_.insert(v).second)
+        drawing_.corners[std::size_t(v)] = point(drawing_, strand, foot.s);
+    }
+    return cuts;
+  }
+
+  const Vec2& at(Index corner) const {
+    return drawing_.corners[std::size_t(corner)];
+  }
+
+  Drawing& drawing_;
+  const double join_;
+  std::vector<Index> instead_, corners_;
+  std::vector<bool> of_region_;
+  std::set<Index> moved_;
+};
+
+/// Which regions contain which.
+struct Nesting {
+  std::vector<double> area;
+  std::vector<Index> around;  // the innermost one that contains the region, or none
+  std::optional<std::string> overlap;
+};
+
+/// Points just inside a region, beside the middle of each of its strands.
+std::vector<Vec2> inner_points(const Drawing& drawing, Index region, const std::vector<Vec2>& border) {
+  std::vector<Vec2> points;
+  for (const Strand& strand : drawing.strands) {
+    if (strand.region != region) continue;
+    const Vec2 x = point(drawing, strand, 0.5), along = velocity(drawing, strand, 0.5).normalized();
+    const Vec2 inwards(-along.y(), along.x());
+    for (double step = 0.01 * length(drawing, strand); step > 4 * join_tolerance * drawing.extent; step /= 2)
+      if (const Vec2 inner = x + step * inwards; inside(border, inner)) {
+        points.push_back(inner);
+        break;
+      }
+  }
+  return points;
+}
+
+/// Of strands that end where others touch them.
+Nesting nest(const Drawing& drawing, const Shape& shape) {
+  const std::size_t n = shape.regions.size();
+  Nesting nesting{.area = {}, .around = std::vector<Index>(n, none), .overlap = {}};
+  std::vector<std::vector<Vec2>> border;
+  for (const Loop& region : shape.regions) {
+    nesting.area.push_back(std::abs(signed_area(region)));
+    border.push_back(flatten(region, 1e-6 * drawing.extent, drawing.extent).points);
+  }
+  for (std::size_t r = 0; r < n; ++r) {
+    const std::vector<Vec2> inner = inner_points(drawing, Index(r), border[r]);
+    for (std::size_t other = 0; other < n; ++other) {
+      if (other == r || nesting.area[other] < nesting.area[r]) continue;
+      const auto within = std::ranges::count_if(inner, [&](const Vec2& x) { return inside(border[other], x); });
+      if (within == 0) continue;
+      if (within < std::ssize(inner) || nesting.area[other] == nesting.area[r]) {
+        if (!nesting.overlap)
+          nesting.overlap = fmt::format(
+              "regions '{}' and '{}' overlap; let one contain the other, or let them share "
+              "no more than a border",
+              shape.regions[r].name, shape.regions[other].name);
+        continue;
+      }
+      Index& around = nesting.around[r];
+      if (around == none || nesting.area[other] < nesting.area[std::size_t(around)]) around = Index(other);
+    }
+  }
+  return nesting;
+}
+
+/// Strands between the same corners that are one curve.
+bool coincide(const Drawing& drawing, const Strand& a, const Strand& b) {
+  if (std::minmax(a.from, a.to) != std::minmax(b.from, b.to)) return false;
+  if (a.from == a.to && !(whole(a) && whole(b))) return false;
+  const double join = join_tolerance * drawing.extent;
+  return nearest(drawing, b, point(drawing, a, 0.5)).distance <= 2 * join &&
+         nearest(drawing, a, point(drawing, b, 0.5)).distance <= 2 * join;
+}
+
+/// One strand for all that are one curve; none for what regions share with loops.
+void unite(Drawing& drawing, const Nesting& nesting) {
+  const auto smaller = [&](Index a, Index b) { return nesting.area[std::size_t(a)] < nesting.area[std::size_t(b)]; };
+  std::map<std::pair<Index, Index>, std::vector<std::size_t>> at;
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k)
+    if (drawing.strands[k].crack == none) at[std::minmax(drawing.strands[k].from, drawing.strands[k].to)].push_back(k);
+  std::vector<bool> gone(drawing.strands.size(), false);
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
+    Strand& strand = drawing.strands[k];
+    if (strand.region == none || gone[k]) continue;
+    std::vector<Index> left{strand.region}, right;
+    for (const std::size_t m : at[std::minmax(strand.from, strand.to)]) {
+      const Strand& other = drawing.strands[m];
+      if (m == k || gone[m] || !coincide(drawing, strand, other)) continue;
+      const bool same = velocity(drawing, strand, 0.5).dot(velocity(drawing, other, 0.5)) > 0;
+      if (other.region == none) {
+        gone[k] = gone[k] || same;  // the other way round it lies outside the body, which is refused
+        continue;
+      }
+      (same ? left : right).push_back(other.region);
+      gone[m] = true;
+    }
+    strand.region = std::ranges::min(left, smaller);
+    strand.beyond =
+        right.empty() ? nesting.around[std::size_t(std::ranges::max(left, smaller))] : std::ranges::min(right, smaller);
+  }
+  std::vector<Strand> kept;
+  for (std::size_t k = 0; k < gone.size(); ++k)
+    if (!gone[k]) kept.push_back(drawing.strands[k]);
+  drawing.strands = std::move(kept);
+}
+
+/// The strands between two regions as paths with the first one on their left. Where paths meet each other or a loop
+/// they end.
+std::vector<std::vector<Strand>> paths_between(const Drawing& drawing, Index region, Index other) {
+  std::vector<Strand> strands;
+  std::map<Index, int> leaving, arriving;
+  std::set<Index> on_loop;
+  for (const Strand& strand : drawing.strands) {
+    if (strand.loop != none) on_loop.insert(strand.from);
+    if (!strand.beyond) continue;
+    if (strand.region == region && strand.beyond == other)
+      strands.push_back(strand);
+    else if (strand.region == other && strand.beyond == region)
+      strands.push_back(turned(strand));
+    else
+      continue;
+    ++leaving[strands.back().from];
+    ++arriving[strands.back().to];
+  }
+  const auto passes = [&](Index v) { return leaving[v] == 1 && arriving[v] == 1 && !on_loop.contains(v); };
+  std::vector<bool> used(strands.size(), false);
+  std::vector<std::vector<Strand>> paths;
+  const auto follow = [&](std::size_t k) {
+    std::vector<Strand>& path = paths.emplace_back();
+    while (!used[k]) {
+      used[k] = true;
+      path.push_back(strands[k]);
+      if (!passes(strands[k].to)) return;
+      k = std::size_t(std::ranges::find(strands, strands[k].to, &Strand::from) - strands.begin());
+    }
+  };
+  for (std::size_t k = 0; k < strands.size(); ++k)
+    if (!passes(strands[k].from)) follow(k);
+  for (std::size_t k = 0; k < strands.size(); ++k)
+    if (!used[k]) follow(k);
+  return paths;
+}
+
+bool same_curve(const Arc& a, const Arc& b) {
+  constexpr double rounding = 1e-12;
+  return (a.center - b.center).norm() + (a.axes - b.axes).norm() <= rounding * a.axes.norm() &&
+         (a.to > a.from) == (b.to > b.from);
+}
+
+/// A path as polylines and arcs. A closed one begins where it changes from one to the other, if it does.
+std::vector<Crack> cracks_along(const Drawing& drawing, std::vector<Strand> path) {
+  const auto goes_on = [](const Strand& a, const Strand& b) {
+    return a.arc && b.arc ? same_curve(*a.arc, *b.arc) : !a.arc && !b.arc;
+  };
+  if (path.front().from == path.back().to)
+    for (std::size_t k = 0; k < path.size(); ++k)
+      if (!goes_on(path[(k + path.size() - 1) % path.size()], path[k])) {
+        std::rotate(path.begin(), path.begin() + Index(k), path.end());
+        break;
+      }
+  std::vector<Crack> cracks;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    const Strand& strand = path[k];
+    const Vec2 &from = drawing.corners[std::size_t(strand.from)], &to = drawing.corners[std::size_t(strand.to)];
+    if (k == 0 || !goes_on(path[k - 1], strand)) {
+      cracks.push_back({{}, {from, to}, strand.arc});
+    } else if (strand.arc) {
+      cracks.back().arc->to += strand.arc->to - strand.arc->from;
+      cracks.back().points.back() = to;
+    } else {
+      cracks.back().points.push_back(to);
+    }
+  }
+  return cracks;
+}
+
+/// Where on its path a point lies, in pieces from its start; nothing when it lies further than `join` from it.
+std::optional<double> place_on(const Crack& crack, const Vec2& x, double join) {
+  if (crack.arc) {
+    const Arc& arc = *crack.arc;
+    const double t = parameter(arc, x), turn = arc.to - arc.from;
+    if (!((at(arc, t) - x).norm() <= join)) return std::nullopt;
+    const double s = 0.5 + std::remainder(t - arc.from - turn / 2, 2 * pi) / turn;
+    const double slack = join / smallest_radius(arc) / std::abs(turn);
+    return s >= -slack && s <= 1 + slack ? std::optional(std::clamp(s, 0.0, 1.0)) : std::nullopt;
+  }
+  std::optional<double> place;
+  double least = join;
+  for (std::size_t i = 0; i + 1 < crack.points.size(); ++i) {
+    const Vec2 &a = crack.points[i], &b = crack.points[i + 1];
+    if (const double away = distance(x, a, b); away <= least) {
+      least = away;
+      place = double(i) + foot(x, a, b);
+    }
+  }
+  return place;
+}
+
+/// Direction of the path there.
+Vec2 direction_at(const Crack& crack, double place) {
+  if (crack.arc)
+    return velocity(*crack.arc, crack.arc->from + place * (crack.arc->to - crack.arc->from)) *
+           (crack.arc->to > crack.arc->from ? 1 : -1);
+  const std::size_t i = std::min(std::size_t(place), crack.points.size() - 2);
+  return crack.points[i + 1] - crack.points[i];
+}
+
+/// The sides of regions that lie on the crack, in the order and the direction of its path.
+std::vector<Strand> strands_of(const Drawing& drawing, const Crack& crack) {
+  const double join = 2 * join_tolerance * drawing.extent;
+  std::vector<std::pair<double, Strand>> found;
+  for (const Strand& strand : drawing.strands) {
+    if (!strand.beyond || strand.crack != none) continue;
+    const auto middle = place_on(crack, point(drawing, strand, 0.5), join);
+    if (!middle || !place_on(crack, drawing.corners[std::size_t(strand.from)], join) ||
+        !place_on(crack, drawing.corners[std::size_t(strand.to)], join) ||
+        !place_on(crack, point(drawing, strand, 0.25), join))
+      continue;
+    const bool along = velocity(drawing, strand, 0.5).dot(direction_at(crack, *middle)) > 0;
+    found.emplace_back(*middle, along ? strand : turned(strand));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Strand> strands;
+  for (auto& [place, strand] : found) strands.push_back(std::move(strand));
+  return strands;
+}
+
+/// Of a shape with its regions alone.
+Drawing shared_regions(const Shape& shape, Nesting* nesting = nullptr) {
+  Shape plain = shape;
+  plain.cracks.clear();
+  Drawing drawing = draw(plain);
+  Sharing(drawing).share();
+  const Nesting nested = nest(drawing, shape);
+  if (nesting) *nesting = nested;
+  unite(drawing, nested);
+  return drawing;
+}
+
+}  // namespace
+
+std::vector<bool> along_regions(const Shape& shape) {
+  std::vector<bool> along(shape.cracks.size(), false);
+  if (shape.regions.empty() || shape.cracks.empty()) return along;
+  Shape plain = shape;
+  plain.cracks.clear();
+  const Drawing drawing = draw(plain);
+  const double join = join_tolerance * drawing.extent;
+  const auto far = [&](const Strand& strand, const Vec2& x) {
+    if (!strand.arc) return false;
+    const double r = (x - strand.arc->center).norm();
+    return r > largest_radius(*strand.arc) + join || r < smallest_radius(*strand.arc) - join;
+  };
+  const auto on_region = [&](const Vec2& x) {
+    return std::ranges::any_of(drawing.strands, [&](const Strand& strand) {
+      return strand.region != none && !far(strand, x) && nearest(drawing, strand, x).distance <= join;
+    });
+  };
+  for (std::size_t c = 0; c < along.size(); ++c) {
+    const Crack& crack = shape.cracks[c];
+    std::vector<Vec2> x;
+    if (crack.arc) {
+      x = points_on(*crack.arc, 8);
+    } else {
+      for (std::size_t i = 0; i + 1 < crack.points.size(); ++i)
+        for (const double s : {0.0, 0.3, 0.5, 1.0})
+          x.push_back(crack.points[i] + s * (crack.points[i + 1] - crack.points[i]));
+    }
+    along[c] = !x.empty() && std::ranges::all_of(x, on_region);
+  }
+  if (std::ranges::find(along, true) == along.end()) return along;
+  const Drawing shared = shared_regions(shape);
+  for (std::size_t c = 0; c < along.size(); ++c) {
+    if (!along[c]) continue;
+    double covered = 0;
+    for (const Strand& strand : strands_of(shared, shape.cracks[c])) covered += length(shared, strand);
+    along[c] = std::abs(covered - path_length(shape.cracks[c])) <= 1e-4 * covered;
+  }
+  return along;
+}
+
+void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along) {
+  Sharing(drawing).share();
+  unite(drawing, nest(drawing, shape));
+  std::vector<Strand> cracks;
+  for (std::size_t c = 0; c < along.size(); ++c) {
+    if (!along[c]) continue;
+    for (Strand strand : strands_of(drawing, shape.cracks[c])) {
+      std::erase_if(drawing.strands, [&](const Strand& s) { return s.beyond && coincide(drawing, s, strand); });
+      strand.crack = Index(c);
+      cracks.push_back(strand);
+    }
+  }
+  const auto regions = std::ranges::find_if(drawing.strands, [](const Strand& s) { return s.beyond.has_value(); });
+  drawing.strands.insert(regions, cracks.begin(), cracks.end());
+}
+
+std::optional<std::string> find_wrong_interface(const Shape& shape, const std::vector<bool>& along) {
+  Nesting nesting;
+  const Drawing drawing = shared_regions(shape, &nesting);
+  if (nesting.overlap) return nesting.overlap;
+  std::vector<Strand> taken;
+  for (std::size_t c = 0; c < along.size(); ++c) {
+    if (!along[c]) continue;
+    const Crack& crack = shape.cracks[c];
+    for (const Strand& strand : strands_of(drawing, crack)) {
+      if (std::ranges::any_of(taken, [&](const Strand& s) { return coincide(drawing, s, strand); }))
+        return fmt::format("crack '{}' overlaps another one along a side of a region, at ({:.6g}, {:.6g})", crack.name,
+                           point(drawing, strand, 0.5).x(), point(drawing, strand, 0.5).y());
+      taken.push_back(strand);
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<Crack> seams(const Shape& shape, Index region, Index other) {
+  const Drawing drawing = shared_regions(shape);
+  std::vector<Crack> found;
+  for (std::vector<Strand>& path : paths_between(drawing, region, other))
+    for (Crack& crack : cracks_along(drawing, std::move(path))) found.push_back(std::move(crack));
+  return found;
+}
+
+}  // namespace kerf

@@ -1,0 +1,11 @@
+#pragma once
+// [[interface]]: borders of regions as cracks.
+
+#include "io/case/sections.hpp"
+
+namespace kerf {
+
+/// As cracks after those of the shape, a run of them per table, the first one of the table's name. After the regions.
+void read_interfaces(const Value& document, Case& c);
+
+}  // namespace kerf
