@@ -2,6 +2,7 @@
 #include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
+#include "geometry/interfaces.hpp"
 #include "io/text.hpp"
 #include "solver/resultants.hpp"
 #include "solver/system.hpp"
@@ -140,16 +141,19 @@ std::string on_faces(const char* what, const BoundaryField& of, const std::strin
 
 void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
   const Shape& shape = c.shape;
+  const std::vector<bool> along = c.mesh ? std::vector<bool>(shape.cracks.size(), false) : along_regions(shape);
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
     const Crack& crack = shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
     const CrackLaw& faces = c.scene.laws[k];
-    out.print("crack     {}: {}{}{}, length {:.6g}, {} edges", crack.name, law(faces),
+    out.print("{:<9} {}: {}{}{}, length {:.6g}, {} edges", along[k] ? "interface" : "crack", crack.name, law(faces),
               on_faces("pressure", faces.pressure, unit(c.units, dimension::stress), mesh, edges),
               on_faces("gap", faces.gap, unit(c.units, dimension::length), mesh, edges), path_length(crack),
               edges.size());
     if (edges.empty()) {
       notes.push_back(fmt::format("crack \"{}\" has no edge in the mesh", crack.name));
+    } else if (crack.points.front() == crack.points.back()) {
+      out.print(", closed");
     } else {
       const Index start = mesh.edges[edges.front().edge][edges.front().forward ? 0 : 1];
       const Index end = mesh.edges[edges.back().edge][edges.back().forward ? 1 : 0];

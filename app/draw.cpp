@@ -309,9 +309,29 @@ Picture found_picture(const std::string& title, const Found& found) {
   return p;
 }
 
+namespace {
+
+/// A press fit: what the displacements close is not in the drawing, and drawn large they would open it.
+bool overlaps(const Model& model) {
+  for (std::size_t c = 0; c < model.mesh.cracks.size(); ++c) {
+    const CrackLaw& law = model.scene.laws[c];
+    if (!has_gap(law)) continue;
+    for (const CrackEdge& e : model.mesh.cracks[c]) {
+      const auto& [a, b] = model.mesh.edges[e.edge];
+      if (law.gap(0.5 * (model.mesh.points[a] + model.mesh.points[b]), normal(model.mesh, e.edge))[0] < 0) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 Picture stress_picture(const std::string& title, const Model& model, const PlotData& data) {
-  const double factor = exaggeration(data);
-  Picture p{.title = title, .subtitle = fmt::format("von Mises stress; displacements drawn {:g} times", factor)};
+  const bool overlap = overlaps(model);
+  const double factor = overlap ? 0 : exaggeration(data);
+  Picture p{.title = title,
+            .subtitle = overlap ? "von Mises stress; no displacements, as faces overlap before loading"
+                                : fmt::format("von Mises stress; displacements drawn {:g} times", factor)};
   p.points = data.points;
   for (std::size_t i = 0; i < p.points.size(); ++i)
     p.points[i] += factor * data.values.displacement.col(static_cast<Eigen::Index>(i));

@@ -179,6 +179,13 @@ std::string figure(const char* id, const Finding& finding, const std::vector<std
   return out.add("marks", json_list(marks)).number("deform", deform).number("most", most).done();
 }
 
+/// A press fit: what the displacements close is not in the drawing, and drawn large they would open it.
+bool overlaps(const Result& r) {
+  return std::ranges::any_of(r.cracks, [](const CrackResult& crack) {
+    return std::ranges::any_of(crack.rows, [](const CrackRow& row) { return row.gap < 0; });
+  });
+}
+
 std::string figures(const Result& r, const PageData& data) {
   if (!find_array(data.arrays, "points")) return "[]";
   const std::vector<std::string> of_state{"von_mises", "first", "second", "s_xx", "s_yy",
@@ -189,7 +196,7 @@ std::string figures(const Result& r, const PageData& data) {
         std::vector<std::string> marks = state_marks(r), more = map_marks(r);
         marks.insert(marks.end(), more.begin(), more.end());
         return marks;
-      }(), times, 2 * times)};
+      }(), overlaps(r) ? 0 : times, 2 * times)};
   if (r.map && find_array(data.arrays, "map"))
     all.push_back(figure("map", map_finding(r), {"T", "lower", "upper", "angle"}, map_marks(r), 0, 2 * times));
   return json_list(all);

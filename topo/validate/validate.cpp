@@ -92,6 +92,7 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
       if (scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
       const std::vector<Vec2> points =
           shape.cracks[c].arc ? points_on(*shape.cracks[c].arc, 2) : shape.cracks[c].points;
+      if (points.front() == points.back()) continue;  // closed: no tips
       for (const Vec2& tip : {points.front(), points.back()}) {
         const FieldPoint at{.x = tip, .stress = Vec2(1, -1).asDiagonal(), .material = scene.material};
         if (term.density(at).value > 0)
