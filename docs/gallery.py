@@ -52,6 +52,7 @@ PICTURES = {
     "nucleation": ["map"],
     "orthotropic_plate": ["map"],
     "partly_closed": ["map"],
+    "press_fit": ["von_mises"],
     "sliding_crack": ["von_mises"],
     "stiff_inclusion": ["von_mises"],
     "tracking_map": ["map", "validate"],

@@ -93,7 +93,7 @@ CrackLaw read_interface_law(const Value& table) {
 /// The name itself for a single curve; with numbers for more.
 std::vector<std::string> names_of(const Value& field, std::size_t parts, const Shape& shape) {
   std::vector<std::string> names{new_name(field, shape.cracks)};
-  for (std::size_t k = 2; k <= parts; ++k) names.push_back(fmt::format("{}_{}", names[0], k));
+  for (std::size_t k = 2; k <= parts; ++k) names.push_back(fmt::format("{}.{}", names[0], k));
   for (const std::string& name : names)
     if (std::ranges::find(shape.cracks, name, &Crack::name) != shape.cracks.end()) refuse_taken(field, name);
   return names;

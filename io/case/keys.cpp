@@ -127,7 +127,9 @@ constexpr Key rows[] = {
      Points,
      {.one_of = true},
      "A polyline inside the body. It may end on the outline, on a hole or on another crack (within 1e-6 of the body's "
-     "size: a branch), and cross other cracks at 1 degree or more.",
+     "size: a branch), and cross other cracks at 1 degree or more. Along sides of a region, from corner to corner, it "
+     "is "
+     "an interface.",
      "[[-1, 0], [1, 0]]"},
     {"crack[].arc",
      Table,
@@ -275,7 +277,7 @@ constexpr Key rows[] = {
      Name,
      {.required = true},
      "Names its files and its rows in results, which are those of a crack. "
-     "Where two regions meet along several curves these are name, name_2, ...",
+     "Where two regions meet along several curves, or along lines and arcs in turn, these are name, name.2, ...",
      "\"fit\""},
     {"interface[].between",
      Names,

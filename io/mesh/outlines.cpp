@@ -151,7 +151,8 @@ std::vector<CrackEdge> path_of(const Mesh& mesh, const std::vector<std::pair<Ind
     if (list.size() == 1) ends.push_back(v);
   }
   if (ends.empty()) {
-    why = fmt::format("is closed, through {}; a closed cut is a hole", at(edges_at.begin()->first));
+    why = fmt::format("is closed, through {}; a closed cut is a hole, or in a body that is drawn an [[interface]]",
+                      at(edges_at.begin()->first));
     return {};
   }
   if (ends.size() > 2) {

@@ -62,7 +62,7 @@ between = ["strip", "upper"]
 )");
   ASSERT_EQ(c.shape.cracks.size(), 3u);
   EXPECT_EQ(c.shape.cracks[0].name, "joint");
-  EXPECT_EQ(c.shape.cracks[1].name, "joint_2");
+  EXPECT_EQ(c.shape.cracks[1].name, "joint.2");
   EXPECT_TRUE(has_gap(c.scene.laws[0]) && has_gap(c.scene.laws[1]));
   EXPECT_FALSE(has_gap(c.scene.laws[2]));
 }

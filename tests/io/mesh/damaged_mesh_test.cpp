@@ -204,7 +204,9 @@ std::string cracked_grid(int n, const std::vector<std::pair<int, int>>& crack) {
 
 TEST(DamagedMesh, ClosedCracks) {
   const std::vector<std::pair<int, int>> loop = {{8, 9}, {9, 15}, {15, 14}, {14, 8}};  // around the cell at (1, 1)
-  EXPECT_EQ(complaint(cracked_grid(5, loop)), "a.msh: crack \"c\" is closed, through (1, 1); a closed cut is a hole");
+  EXPECT_EQ(complaint(cracked_grid(5, loop)),
+            "a.msh: crack \"c\" is closed, through (1, 1); a closed cut is a hole, or in a body that is drawn an "
+            "[[interface]]");
   auto with_line = loop;
   with_line.emplace_back(22, 28);
   EXPECT_EQ(complaint(cracked_grid(5, with_line)),
