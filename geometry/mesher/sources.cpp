@@ -73,16 +73,18 @@ AtCorners look_at_corners(const Drawing& drawing) {
       crack[v] = s.crack;
     }
   }
-  std::vector<int> count(n, 0);
-  std::vector<Vec2> away(n, Vec2::Zero());  // sum of the directions of cracks there
-  for (const Strand& s : drawing.strands) {
-    if (s.crack == none) continue;
-    ++count[std::size_t(s.from)];
-    ++count[std::size_t(s.to)];
-    away[std::size_t(s.from)] += velocity(drawing, s, 0).normalized();
-    away[std::size_t(s.to)] -= velocity(drawing, s, 1).normalized();
-  }
-  for (std::size_t v = 0; v < n; ++v) corners.smooth[v] = count[v] == 2 && away[v].norm() < 5 * degree;
+  std::vector<int> count(n, 0), interfaces(n, 0);
+  std::vector<Vec2> away(n, Vec2::Zero());  // sum of their directions
+  for (const Strand& s : drawing.strands)
+    for (const bool start : {true, false}) {
+      const auto v = std::size_t(start ? s.from : s.to);
+      ++count[v];
+      if (s.crack == none || !s.beyond) continue;
+      ++interfaces[v];
+      away[v] += (start ? 1 : -1) * velocity(drawing, s, start ? 0 : 1).normalized();
+    }
+  for (std::size_t v = 0; v < n; ++v)
+    corners.smooth[v] = count[v] == 2 && interfaces[v] == 2 && away[v].norm() < 5 * degree;
   return corners;
 }
 
