@@ -120,6 +120,49 @@ size = 0.8
   EXPECT_NEAR(r["state"]["resultants"]["reactions"][1]["force"][0].get<double>() / 8.8, 0.4 / 0.97, 1e-6);
 }
 
+// Bonded layers between smooth walls: every layer is pressed as it were alone, and the energy is known.
+TEST(InterfaceRun, ReportsWhatActsAcrossABondedOne) {
+  const test::Folder folder;
+  const json r = solved(folder, R"([domain]
+outline = [[0, 0], [2, 0], [2, 1], [0, 1]]
+sides = ["bottom", "wall", "top", "wall"]
+[[region]]
+name = "upper"
+polygon = [[0, 0.4], [2, 0.4], [2, 1], [0, 1]]
+young = 4
+poisson = 0.3
+[[interface]]
+name = "joint"
+between = ["upper", "body"]
+contact = false
+[material]
+young = 1
+poisson = 0.3
+[[boundary]]
+on = "bottom"
+displacement_y = 0
+[[boundary]]
+on = "wall"
+displacement_x = 0
+[[boundary]]
+on = "top"
+traction = [0, -0.1]
+[mesh]
+size = 0.2
+[output]
+vtk = false
+png = false
+html = false
+)");
+  const double modulus = 0.7 / (1.3 * 0.4), exact = -0.5 * 0.01 * (0.8 / modulus + 1.2 / (4 * modulus));
+  EXPECT_NEAR(r["state"]["energy"].get<double>(), exact, 1e-13);
+  EXPECT_LE(r["state"]["energy_bounds"][0].get<double>(), exact);
+  EXPECT_GE(r["state"]["energy_bounds"][1].get<double>(), exact);
+  EXPECT_NEAR(r["cracks"][0]["max_pressure"].get<double>(), 0.1, 1e-12);
+  EXPECT_EQ(r["cracks"][0]["max_opening"].get<double>(), 0);
+  EXPECT_TRUE(r["cracks"][0]["tips"].empty());
+}
+
 TEST(InterfaceRun, IsRefusedByOptimizations) {
   const test::Folder folder;
   try {
