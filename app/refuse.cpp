@@ -7,16 +7,6 @@
 
 namespace kerf {
 
-void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table) {
-  for (std::size_t k = 0; k < scene.laws.size(); ++k)
-    if (has_friction(scene.laws[k]))
-      throw Error(
-          Fault::Usage,
-          fmt::format("the {} needs cracks without friction: crack \"{}\" slides against it, and the state does not "
-                      "minimize the energy; remove friction and tresca, or [{}] (kerf solve)",
-                      job, shape.cracks[k].name, table));
-}
-
 void refuse_optimization(const Case& c) {
   std::vector<std::string> lines;
   for (const Wrong& wrong : find_wrong(problem_of(c), *c.optimize))

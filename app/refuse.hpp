@@ -7,10 +7,6 @@
 
 namespace kerf {
 
-/// A `job` ("map", "validation") that the case asks for in a table: faces that slide against friction do not minimize
-/// an energy, and only the value of a functional is to be had.
-void refuse_friction(const Shape& shape, const Scene& scene, const char* job, const char* table);
-
 /// Everything in a case that [optimize] cannot do and that is known before anything is solved: a line each, with its
 /// place in the file.
 void refuse_optimization(const Case& c);

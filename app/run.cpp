@@ -117,8 +117,6 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
 
 void refuse(const Case& c, const Jobs& jobs) {
   refuse_remeshing(c, jobs);
-  if (jobs.map) refuse_friction(c.shape, c.scene, "map", "map");
-  if (jobs.validate) refuse_friction(c.shape, c.scene, "validation", "validate");
   if (jobs.optimize) refuse_optimization(c);
   if (jobs.map || jobs.validate) refuse_orthotropic(c);
   const Element& e = c.element;

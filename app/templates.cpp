@@ -72,7 +72,7 @@ sides   = ["bottom", "right", "top", "left"]
 name    = "c"
 path    = [[-1, 0], [1, 0.2]]                    # a polyline; or arc = { center, radius, from_deg, to_deg }
 contact = "unilateral"                           # the faces do not penetrate and slide freely; or "open", "bonded"
-# friction = 0.3                                 # Coulomb's coefficient; then values only, no maps
+# friction = 0.3                                 # Coulomb's coefficient; then no optimization
 
 [material]
 young   = 1000

@@ -246,7 +246,8 @@ Faces faces(const Model& m, const Field& s, Index e) {
     const Index normal = skeleton.jump[e] + k, tangential = normal + 1;
     const bool bonded = skeleton.fixed[normal], touching = bonded || s.force[normal] > 0;
     f.touch = f.touch || touching;
-    f.stick = f.stick || (touching && (bonded || (skeleton.frictional[tangential] && s.skeleton[tangential] == 0)));
+    const bool held = skeleton.frictional[tangential] && s.skeleton[tangential] == skeleton.prescribed[tangential];
+    f.stick = f.stick || (touching && (bonded || held));
   }
   return f;
 }

@@ -83,7 +83,7 @@ std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& pres
 // A linear problem on the tangent cone: K x = F on the rows that move, x = jump on those that are held.
 struct Tangent {
   const Condensation& condensed;
-  const std::vector<bool>& held;
+  const TangentCone& cone;
   Loads loads;  // as for a state
   Eigen::VectorXd jump;
   Eigen::VectorXd alone;  // loads.F without what the prescribed values do
@@ -119,7 +119,7 @@ PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, Penal
     Eigen::VectorXd rest = refining->rest(F, loads.prescribed, s);
     s.force = Eigen::VectorXd::Zero(rest.size());
     for (Index i = leading; i < static_cast<Index>(rest.size()); ++i)
-      if (of.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
+      if (of.cone.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
     s.certificate.residual = rest.cwiseAbs().maxCoeff() / scale;
     s.certificate.kkt = std::max(s.certificate.residual, s.penalty_error);
   };
@@ -163,26 +163,36 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
     const Eigen::VectorXd to_go = first ? of.jump : Eigen::VectorXd::Zero(contact_rows).eval();
     s.x += of.condensed.solve_frozen(rest, s.motion, &to_go);
     for (Index i = 0; i < contact_rows; ++i)
-      if (of.held[i]) s.x[leading + i] = of.jump[i];
+      if (of.cone.held[i]) s.x[leading + i] = of.jump[i];
+    if (of.condensed.sliding && of.condensed.sliding->transposed)
+      for (const SlidingPoint& p : of.cone.sliding) s.x[leading + p.normal] -= p.share * s.x[leading + p.tangential];
     ++result.linear_solves;
   };
   const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     Eigen::VectorXd rest = F - multiply(m.inner->system.K, s.x);
     s.force = Eigen::VectorXd::Zero(rows);
     for (Index i = leading; i < rows; ++i)
-      if (of.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
+      if (of.cone.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
+    if (of.condensed.sliding && !of.condensed.sliding->transposed)
+      for (const SlidingPoint& p : of.cone.sliding) {
+        const double force = p.share * s.force[leading + p.normal];
+        s.force[leading + p.tangential] = force;
+        rest[leading + p.tangential] += force;
+      }
     s.certificate.residual = rest.cwiseAbs().maxCoeff() / scale;
     s.certificate.kkt = std::max(s.certificate.residual, s.penalty_error);
   };
   PenaltyIterate start;
-  for (const bool held : of.held) start.motion.push_back(held ? Motion::Held : Motion::Forward);
+  for (const bool held : of.cone.held) start.motion.push_back(held ? Motion::Held : Motion::Forward);
   const int most = m.inner->system.penalty > 0 ? 40 : 4;
   PenaltyIterate best = start;
   if (rows > 0)
     best = iterate(of.condensed, of.loads, start, uniform, {solve, judge, most, enough});
   else if (m.inner->system.penalty > 0)
     best.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  if (rows > 0 && m.inner->skeleton.unseen.empty() && growth(m, best.x, energy_of(of, best)) > most_growth)
+  // Conjugate gradients are for the symmetric problem.
+  if (rows > 0 && !of.condensed.sliding && m.inner->skeleton.unseen.empty() &&
+      growth(m, best.x, energy_of(of, best)) > most_growth)
     best = refine_tangent(of, uniform, std::move(best), refining, result);
   result.residual = best.certificate.kkt;
   result.skeleton = on_skeleton(m, best.x, &of.loads.prescribed);
@@ -221,14 +231,27 @@ Loads dual_loads(const Model& m, const Sensitivity& dJ) {
 }
 
 // A derivative by the force of a held row prescribes minus its value as the dual jump.
-Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const std::vector<bool>& held) {
+// The force of a row that slides is its share of one that is held.
+Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentCone& cone) {
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(m.inner->ordering.contact_rows);
   if (dJ.force.size() == 0) return jump;
+  Eigen::VectorXd by = jump;
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading && held[row - leading])
-      jump[row - leading] = -dJ.force[u];
+    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading) by[row - leading] = dJ.force[u];
+  for (const SlidingPoint& p : cone.sliding) by[p.normal] += p.share * by[p.tangential];
+  for (Eigen::Index i = 0; i < jump.size(); ++i)
+    if (cone.held[static_cast<std::size_t>(i)]) jump[i] = -by[i];
   return jump;
+}
+
+void slide(Condensation& condensed, const TangentCone& cone, bool transposed) {
+  if (!cone.sliding.empty()) condensed.sliding = Sliding{cone.sliding, transposed};
+}
+
+void require_rows(const Model& m, const TangentCone& cone, const char* who) {
+  if (static_cast<Index>(cone.held.size()) != m.inner->ordering.contact_rows)
+    throw std::invalid_argument(std::string(who) + ": one entry per row in contact is needed");
 }
 
 Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
@@ -280,6 +303,11 @@ std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
       for (int k = 0; k < points; ++k, ++point) {
         const Index unknown = m.inner->skeleton.jump[c.edge] + 2 * (c.forward ? k : points - 1 - k);
         if (!m.inner->skeleton.bounded[unknown]) continue;
+        const bool touches = profile[point].status == CrackPoint::Status::Closed;
+        if (m.inner->skeleton.frictional[unknown + 1] &&
+            state.skeleton[unknown + 1] == m.inner->skeleton.prescribed[unknown + 1] &&
+            (touches || m.scene.laws[crack].slip_bound > 0))
+          status[static_cast<std::size_t>(m.inner->ordering.row[unknown + 1] - leading)] = ContactStatus::Closed;
         ContactStatus& s = status[static_cast<std::size_t>(m.inner->ordering.row[unknown] - leading)];
         s = profile[point].status == CrackPoint::Status::Closed ? ContactStatus::Closed
             : profile[point].status == CrackPoint::Status::Open ? ContactStatus::Open
@@ -296,21 +324,69 @@ std::vector<bool> tied(const std::vector<ContactStatus>& status) {
   return held;
 }
 
+TangentCone tangent_cone(const Model& m, const Field& state) {
+  const std::vector<ContactStatus> status = contact_status(m, state);
+  TangentCone cone(tied(status));
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  std::vector<double> jump(status.size(), 0);
+  for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
+    if (const Index row = m.inner->ordering.row[u]; row >= leading)
+      jump[static_cast<std::size_t>(row - leading)] = state.skeleton[u] - m.inner->skeleton.prescribed[u];
+  for (const ContactPoint& p : contact_points(m))
+    if (p.friction > 0 && cone.held[p.normal] && !cone.held[p.tangential])
+      cone.sliding.push_back({p.normal, p.tangential, jump[p.tangential] > 0 ? -p.friction : p.friction});
+  return cone;
+}
+
+Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
+  Undecided found;
+  const CrackLaw& law = m.scene.laws[crack];
+  if (!has_friction(law)) return found;
+  const std::vector<CrackPoint> profile = crack_profile(m, state, crack);
+  double most = 0;
+  for (const CrackPoint& p : profile)
+    most = std::max({most, std::abs(p.sigma_t), law.friction * p.contact_pressure(), law.slip_bound});
+  constexpr double rounding = 1e-8;
+  std::size_t point = 0;
+  const int points = m.inner->skeleton.per_edge / 2;
+  for (const CrackEdge& c : m.mesh.cracks[crack])
+    for (int k = 0; k < points; ++k, ++point) {
+      const CrackPoint& p = profile[point];
+      found.whole += p.length;
+      const Index slip = m.inner->skeleton.jump[c.edge] + 2 * (c.forward ? k : points - 1 - k) + 1;
+      const bool sticks = state.skeleton[slip] == m.inner->skeleton.prescribed[slip],
+                 touches = p.status == CrackPoint::Status::Biactive;
+      const double limit = law.slip_bound + law.friction * std::max(p.contact_pressure(), 0.0);
+      const bool used_up = sticks && limit > 0 && limit - std::abs(p.sigma_t) <= rounding * most;
+      if (!touches && !used_up) continue;
+      if (found.length == 0) {
+        found.at = p.at;
+        found.touches = touches;
+      }
+      found.length += p.length;
+    }
+  return found;
+}
+
 Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields& weights) {
   return weigh(model.inner->kernel, triangle(model, t), x, weights);
 }
 
-TangentField solve_adjoint(const Model& m, const Sensitivity& given, const std::vector<bool>& held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
-    throw std::invalid_argument("solve_adjoint: one entry per row in contact is needed");
+TangentField solve_adjoint(const Model& m, const Sensitivity& given, const TangentCone& cone) {
+  require_rows(m, cone, "solve_adjoint");
   const Sensitivity dJ = balanced(m, given);
-  const Condensation condensed(m);
+  Condensation condensed(m);
+  slide(condensed, cone, true);
   UniformPressure uniform;
   TangentField adjoint;
   Refining refining;
   Loads loads = dual_loads(m, dJ);
+  if (condensed.sliding)  // what held rows are loaded by is nothing, not the rounding of it
+    for (Index i = 0, row = m.inner->ordering.size - m.inner->ordering.contact_rows; i < m.inner->ordering.contact_rows;
+         ++i, ++row)
+      if (cone.held[i]) loads.F[row] = 0;
   const Eigen::VectorXd F = loads.F;
-  const PenaltyIterate solution = solve_tangent({condensed, held, std::move(loads), dual_jumps(m, dJ, held), F},
+  const PenaltyIterate solution = solve_tangent({condensed, cone, std::move(loads), dual_jumps(m, dJ, cone), F},
                                                 uniform, TangentSolver::to_rounding, refining, adjoint);
   const Twofold values = on_skeleton(m, solution, std::vector<double>(m.inner->skeleton.total, 0));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -344,9 +420,9 @@ Field without_motions(const Model& m, Field dual) {
   return dual;
 }
 
-struct TangentSolver::Impl {
+struct ConeSolver::Impl {
   Condensation condensed;
-  std::vector<bool> held;
+  TangentCone cone;
   UniformPressure uniform = {};
   Refining refining = {};
 
@@ -361,7 +437,7 @@ struct TangentSolver::Impl {
     const Model& m = condensed.m;
     const Index triangles = static_cast<Index>(m.mesh.triangles.size());
     const Tangent tangent{condensed,
-                          held,
+                          cone,
                           {.F = on_rows(m, less_prescribed(m, load, prescribed)),
                            .own = Eigen::VectorXd::Zero(m.inner->system.penalty > 0 ? triangles : 0),
                            .prescribed = prescribed},
@@ -401,15 +477,15 @@ struct TangentSolver::Impl {
   }
 };
 
-TangentSolver::TangentSolver(const Model& m, std::vector<bool> held) {
-  if (static_cast<Index>(held.size()) != m.inner->ordering.contact_rows)
-    throw std::invalid_argument("TangentSolver: one entry per row in contact is needed");
-  impl_ = std::make_unique<Impl>(Impl{Condensation(m), std::move(held)});
+ConeSolver::ConeSolver(const Model& m, TangentCone cone) {
+  require_rows(m, cone, "TangentSolver");
+  impl_ = std::make_unique<Impl>(Impl{Condensation(m), std::move(cone)});
+  slide(impl_->condensed, impl_->cone, false);
 }
-TangentSolver::~TangentSolver() = default;
+ConeSolver::~ConeSolver() = default;
 
-TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
-                                  std::span<const Index> only) {
+TangentField ConeSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
+                               std::span<const Index> only) {
   const Model& m = impl_->condensed.m;
   Impl::Traced traced = impl_->trace(load, prescribed, enough);
   for (const Index t : only) impl_->fill(traced, t);
@@ -420,8 +496,8 @@ TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector
   return std::move(traced.field);
 }
 
-std::vector<TangentField> TangentSolver::solve_all(std::size_t count,
-                                                   const std::function<Eigen::VectorXd(std::size_t)>& load) {
+std::vector<TangentField> ConeSolver::solve_all(std::size_t count,
+                                                const std::function<Eigen::VectorXd(std::size_t)>& load) {
   const Model& m = impl_->condensed.m;
   const std::vector<double> at_rest(static_cast<std::size_t>(m.inner->skeleton.total), 0);
   std::vector<TangentField> fields;
@@ -431,7 +507,7 @@ std::vector<TangentField> TangentSolver::solve_all(std::size_t count,
     const std::size_t here = m.inner->system.penalty > 0 ? 1 : std::min(most, count - fields.size());
     std::vector<Impl::Traced> traced;
     for (std::size_t i = 0; i < here; ++i)
-      traced.push_back(impl_->trace(load(fields.size() + i), at_rest, to_rounding));
+      traced.push_back(impl_->trace(load(fields.size() + i), at_rest, TangentSolver::to_rounding));
     parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
       for (Index t = begin; t < end; ++t) here == 1 ? impl_->fill(traced.front(), t) : impl_->fill(traced, t);
     });
@@ -440,9 +516,36 @@ std::vector<TangentField> TangentSolver::solve_all(std::size_t count,
   return fields;
 }
 
+struct TangentSolver::Impl {
+  Impl(const Model& m, std::vector<bool> held) : solver(m, TangentCone(std::move(held))) {}
+  ConeSolver solver;
+};
+
+TangentSolver::TangentSolver(const Model& m, std::vector<bool> held)
+    : impl_(std::make_unique<Impl>(m, std::move(held))) {}
+TangentSolver::~TangentSolver() = default;
+
+TangentField TangentSolver::solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough,
+                                  std::span<const Index> only) {
+  return impl_->solver.solve(load, prescribed, enough, only);
+}
+
+std::vector<TangentField> TangentSolver::solve_all(std::size_t count,
+                                                   const std::function<Eigen::VectorXd(std::size_t)>& load) {
+  return impl_->solver.solve_all(count, load);
+}
+
 TangentField solve_linear(const Model& m, const Eigen::VectorXd& load, const std::vector<double>& prescribed,
                           const std::vector<bool>& held) {
   return TangentSolver(m, held).solve(load, prescribed);
+}
+
+TangentField solve_adjoint(const Model& m, const Sensitivity& dJ, const std::vector<bool>& held) {
+  return solve_adjoint(m, dJ, TangentCone(held));
+}
+
+Sensitivity work_of_slips(const Field& s) {
+  return {.interior = {}, .skeleton = s.force, .force = {}};
 }
 
 }  // namespace kerf

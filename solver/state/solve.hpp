@@ -2,11 +2,9 @@
 // What the two ways to solve for the state share.
 
 #include "solver/system.hpp"
+#include "solver/tangent_cone.hpp"
 
 namespace kerf {
-
-/// The points of all cracks in contact, by their rows counted from the first row in contact.
-std::vector<ContactPoint> contact_points(const Model& m);
 
 /// Takes the rigid motions out that the supports leave free.
 void remove_motions(const Model& m, Field& field);

@@ -3,6 +3,7 @@
 #include "solver/parallel.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -118,6 +119,10 @@ Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::
                                            const Eigen::VectorXd* held) const {
   const Eigen::VectorXd y = m.inner->factor->forward(b);
   if (m.inner->ordering.contact_rows == 0) return m.inner->factor->backward(y);
+  if (sliding) {
+    if (!sliding_rows_) sliding_rows_.emplace(S, motion, *sliding);
+    return complete(y, sliding_rows_->jumps(load(y), held));
+  }
   if (!held) return complete(y, moving_jumps(load(y), motion));
   return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
 }
@@ -205,7 +210,7 @@ void UniformPressure::prepare(const Condensation& condensed, const Loads& loads,
     }
     stiffness.col(k) = sums(m, *this, left);
   }
-  stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
+  if (!condensed.sliding) stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
 }
 
 void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
@@ -226,8 +231,10 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
     rest -= size * (rest.sum() / size.sum());
     scaled += root * root.transpose() / size.sum();
   }
-  const Eigen::VectorXd delta =
-      root.cwiseInverse().cwiseProduct(scaled.ldlt().solve(root.cwiseInverse().cwiseProduct(rest)));
+  const Eigen::VectorXd weighed = root.cwiseInverse().cwiseProduct(rest),
+                        found = condensed.sliding ? Eigen::VectorXd(scaled.partialPivLu().solve(weighed))
+                                                  : Eigen::VectorXd(scaled.ldlt().solve(weighed)),
+                        delta = root.cwiseInverse().cwiseProduct(found);
   if (s.low.size() > 0) {  // a stiff material feels the rounding of x
     Twofold x{std::move(s.x), std::move(s.low)};
     for (Eigen::Index k = 0; k < delta.size(); ++k) add(x, delta[k], response.col(k));

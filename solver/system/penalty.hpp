@@ -2,7 +2,7 @@
 // One linear solve with the factor of the model, and the penalty iteration around it: what the state and its adjoint
 // share.
 
-#include "solver/contact/contact.hpp"
+#include "solver/contact/sliding.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/elementwise.hpp"
 
@@ -60,9 +60,13 @@ struct Condensation {
   /// K x = b with the held rows at 0, or as given, and no change of force on the others.
   Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                const Eigen::VectorXd* held = nullptr) const;
+  /// With it solve_frozen is that of a tangent cone with sliding points: forces of moving rows follow pressures, or for
+  /// the adjoint, transposed, jumps of normal rows those of tangential ones.
+  std::optional<Sliding> sliding = {};
 
  private:
   mutable std::optional<OpenRows> open_rows_ = {};  // of the last call: one thread at a time
+  mutable std::optional<SlidingRows> sliding_rows_ = {};
 };
 
 /// The iterations shrink every error fast but one: a uniform pressure where there is no volume to change, in a body

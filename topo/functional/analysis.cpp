@@ -1,6 +1,7 @@
 #include "kerf/analysis.hpp"
 
 #include "kerf/recover.hpp"
+#include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 
@@ -74,7 +75,7 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
   const Eigen::Index n = static_cast<Eigen::Index>(unknowns.size());
   b->opening.resize(n, n);
   b->slope.resize(n);
-  TangentSolver solver(m, tied(status));
+  TangentSolver solver(m, tied(status));  // without friction
   const auto unit = [&](std::size_t i) -> Eigen::VectorXd {
     return Eigen::VectorXd::Unit(m.inner->skeleton.total, unknowns[i]);
   };
@@ -88,10 +89,34 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
   return b;
 }
 
+// With friction there are no one-sided derivatives: points that are about to change what they do are refused where they
+// have a length.
+void require_friction_decided(const Functional& j, const Model& m, const Field& s) {
+  for (const Term& term : j.terms)
+    if (term.measured)
+      throw Error(Fault::Usage,
+                  "functional \"misfit\" needs cracks without friction for its derivatives: neither of its two states "
+                  "minimizes an energy; remove friction and tresca, or track the displacements (boundary_tracking)");
+  if (s.interior.isZero(0)) return;
+  constexpr double few = 0.01;
+  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
+    const Undecided open = undecided_friction(m, s, static_cast<Index>(c));
+    if (open.length <= few * open.whole) continue;
+    throw Error(
+        Fault::Numerics,
+        fmt::format("with friction, derivatives are known where it is decided what faces do; from ({:.6g}, "
+                    "{:.6g}) on they {}, on {:.3g} of the {:.3g} of the crack. Change the loads or the friction "
+                    "a little, or give the crack contact = \"open\" or \"bonded\"",
+                    open.at.x(), open.at.y(),
+                    open.touches ? "touch without pressure" : "stick with all their friction used up", open.length,
+                    open.whole));
+  }
+}
+
 }  // namespace
 
 bool has_self_adjoint_work(const Model& m) {
-  return m.inner->data.strain.empty() &&
+  return m.inner->data.strain.empty() && !has_frictional_cracks(m.scene) &&
          std::all_of(m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(),
                      [](double v) { return v == 0; });
 }
@@ -118,6 +143,8 @@ bool pressed_within(const Term& term, const Model& m) {
 }  // namespace
 
 void require_no_eigenstrain(const Scene& scene) {
+  if (has_frictional_cracks(scene))
+    throw Error(Fault::Usage, "shape derivatives need cracks without friction; remove friction and tresca");
   if (has_eigenstrain(scene))
     throw Error(Fault::Usage,
                 "shape derivatives: an eigenstrain stays while the material moves, which they do not know; "
@@ -164,10 +191,8 @@ void require_supports(const Functional& j, const Model& model) {
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   require_known_loads(j, model);
-  if (!value_only && std::any_of(model.scene.laws.begin(), model.scene.laws.end(), has_friction))
-    throw Error(Fault::Usage,
-                "topological derivatives need cracks without friction: the state does not minimize the energy; remove "
-                "friction and tresca");
+  const bool friction = has_frictional_cracks(model.scene);
+  if (friction && !value_only) require_friction_decided(j, model, state);
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
                   [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
     a.biactive_length = length_of(model, state);
@@ -199,6 +224,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
     if (value_only || term.measured) continue;
     if (term.energy) {
       a.energy_share += term.factor;
+      if (friction) a.derivative += scaled(term.factor, work_of_slips(state));
     } else if (term.work && self_adjoint_work) {
       a.energy_share -= 2 * term.factor;
     } else {
@@ -208,14 +234,14 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
   }
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;
-  const std::vector<ContactStatus> status = contact_status(model, state);
-  const TangentField adjoint = solve_adjoint(model, a.derivative, tied(status));
+  const TangentField adjoint = solve_adjoint(model, a.derivative, tangent_cone(model, state));
   constexpr double solved = 1e-6;
   if (!(adjoint.residual < solved))
     throw Error(Fault::Numerics, "the adjoint could not be solved for: its residual stays large");
   a.adjoint = adjoint;
   // What a change does to the gaps is bilinear in the state: nothing, where nothing is loaded.
-  if (!state.interior.isZero(0)) a.biactive = biactive_rows(model, status, a.derivative);
+  if (!friction && !state.interior.isZero(0))
+    a.biactive = biactive_rows(model, contact_status(model, state), a.derivative);
   return a;
 }
 

@@ -1,5 +1,6 @@
 #include "topo/map/green.hpp"
 #include "solver/system.hpp"
+#include "solver/tangent_cone.hpp"
 
 #include "topo/map/fields.hpp"
 
@@ -19,7 +20,7 @@ namespace kerf {
 
 namespace {
 
-std::vector<bool> held_rows(const Model& m, const Field& s) {
+TangentCone cone_of(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
   require(m.element, can_clamp_holes);
   require_isotropic(m.scene, "clamped holes");
@@ -39,7 +40,7 @@ std::vector<bool> held_rows(const Model& m, const Field& s) {
   if (open > few * length)
     refuse(
         "cracks with neither gap nor pressure respond to it one-sidedly; give them contact = \"open\" or \"bonded\"");
-  return tied(contact_status(m, s));
+  return tangent_cone(m, s);
 }
 
 // Kelvin's field under a force F, with the opposite sign: what the clamp takes away.
@@ -58,11 +59,22 @@ bool is_energy(const Model& m, const Term& term) {
 
 }  // namespace
 
-bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
-  return !has_series(p) && std::ranges::any_of(j.terms, [&](const Term& t) { return !t.linear && !is_energy(m, t); });
+namespace {
+
+// Then forces of friction change while faces slide, and that work is of second order in the force on the clamp.
+bool has_coulomb(const Scene& scene) {
+  return std::ranges::any_of(scene.laws, [](const CrackLaw& l) { return has_friction(l) && l.friction > 0; });
 }
 
-GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), reply_(m, held_rows(m, s)) {}
+}  // namespace
+
+bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
+  const bool coulomb = has_coulomb(m.scene);
+  return !has_series(p) &&
+         std::ranges::any_of(j.terms, [&](const Term& t) { return is_energy(m, t) ? coulomb : !t.linear; });
+}
+
+GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), reply_(m, cone_of(m, s)) {}
 
 Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
   const Material& material = material_of(model_.mesh, model_.scene, t);
@@ -97,8 +109,14 @@ class Clamped {
     bool any = false;
     for (std::size_t i = 0; i < j.terms.size(); ++i) {
       const Term& term = j.terms[i];
-      if (is_energy(*a.model, term)) continue;
-      if (!term.linear) {
+      if (is_energy(*a.model, term)) {
+        if (!has_frictional_cracks(a.model->scene)) continue;
+        Sensitivity slips = work_of_slips(*a.state);
+        slips.skeleton *= term.factor;
+        linear += slips;
+        any = true;
+        rubs_ = rubs_ || has_coulomb(a.model->scene);
+      } else if (!term.linear) {
         others_.push_back(i);
       } else if (term.work || term.on_crack || term.on_boundary) {
         Sensitivity d = derivative(term, *a.model, *a.state);
@@ -113,12 +131,13 @@ class Clamped {
     if (others_.empty())
       adjoint_ = &*a.adjoint;
     else
-      own_ = solve_adjoint(*a.model, linear, tied(contact_status(*a.model, *a.state)));
+      own_ = solve_adjoint(*a.model, linear, tangent_cone(*a.model, *a.state));
     if (own_) adjoint_ = &*own_;
   }
 
+  /// Whether the fields of Green's tensor are needed.
   bool inserts() const {
-    return !others_.empty();
+    return rubs_ || !others_.empty();
   }
 
   // Tensors of the body and, with a misfit, of the measured one; NaN where they admit no hole of this size.
@@ -136,17 +155,24 @@ class Clamped {
     if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
     for (const Term& term : j_.terms)
       if (term.linear && term.density) value -= pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
-    if (inserts()) value += inserted(x, material, green, F);
-    return value;
+    if (!inserts()) return value;
+    const Field change = change_of(green, F);
+    if (rubs_) value += 0.5 * a_.energy_share * change.force.dot(change.skeleton);
+    return value + inserted(x, material, change, F);
   }
 
  private:
-  // J of u - (G + w) F against J of u, term by term.
-  double inserted(const Vec2& x0, const Material& material, const Green& green, const Vec2& F) const {
+  // Without the part in closed form.
+  static Field change_of(const Green& green, const Vec2& F) {
     Field change;
     change.skeleton = -F[0] * green.field[0].skeleton - F[1] * green.field[1].skeleton;
     change.interior = -F[0] * green.field[0].interior - F[1] * green.field[1].interior;
     change.force = -F[0] * green.field[0].force - F[1] * green.field[1].force;
+    return change;
+  }
+
+  // J of u - (G + w) F against J of u, term by term.
+  double inserted(const Vec2& x0, const Material& material, const Field& change, const Vec2& F) const {
     const Singular kelvins{x0, eps_, [&](const Vec2& x) { return minus_kelvin(material, x - x0, F); }};
     double sum = 0;
     for (const std::size_t i : others_) {
@@ -168,6 +194,7 @@ class Clamped {
   double eps_;
   std::vector<std::size_t> others_;  // terms that u_eps is inserted into
   const Field* adjoint_ = nullptr;   // of the linear terms
+  bool rubs_ = false;                // an energy, with forces of friction that change
   std::optional<Field> own_;
 };
 

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-BodyReply::BodyReply(const Model& m, std::vector<bool> held) : model_(m), solver_(m, std::move(held)) {
+BodyReply::BodyReply(const Model& m, TangentCone cone) : model_(m), solver_(m, std::move(cone)) {
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     const bool boundary = m.mesh.sides[e][0] == none || m.mesh.sides[e][1] == none;
     const bool moves = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;

@@ -2,8 +2,8 @@
 // What a body answers to fields in closed form that are singular at a point of it: the regular field that makes their
 // sum fulfil the body's own conditions [theory: T.28, Q.4].
 
-#include "kerf/adjoint.hpp"
 #include "solver/nucleus.hpp"
+#include "solver/tangent_cone.hpp"
 #include "topo/formulas/second_term.hpp"
 
 #include <span>
@@ -11,11 +11,11 @@
 namespace kerf {
 
 /// w = -G where supports hold the body (component by component), s(w) n = -s(G) n where it is free; on cracks the
-/// contact linearized: `held` rows keep their gap, all others open and slide.
+/// contact linearized.
 class BodyReply {
  public:
   /// The model must outlive it.
-  BodyReply(const Model& model, std::vector<bool> held);
+  BodyReply(const Model& model, TangentCone cone);
 
   /// Per field; `only` and `enough` as for TangentSolver::solve. One material.
   std::vector<TangentField> to(const Vec2& singular, std::span<const Nucleus> fields, std::span<const Index> only,
@@ -23,7 +23,7 @@ class BodyReply {
 
  private:
   const Model& model_;
-  TangentSolver solver_;
+  ConeSolver solver_;
   std::vector<Index> edges_;  // on the boundary, and of cracks whose faces move
 };
 

@@ -2,6 +2,7 @@
 #include "solver/system.hpp"
 
 #include "solver/parallel.hpp"
+#include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/map/fields.hpp"
@@ -11,8 +12,8 @@
 namespace kerf {
 
 Responses responses(const Model& m, const Field& s, std::span<const Term> readings) {
-  if (std::any_of(m.scene.laws.begin(), m.scene.laws.end(), has_friction))
-    throw Error(Fault::Usage, "topological derivatives need cracks without friction; remove friction and tresca");
+  if (has_frictional_cracks(m.scene))
+    throw Error(Fault::Usage, "responses of readings need cracks without friction; remove friction and tresca");
   for (const Term& term : readings)
     if (!term.on_boundary || term.density || term.on_crack || term.measured || term.energy || term.work)
       throw Error(Fault::Usage, "readings are integrals of the displacement over a part of the boundary");

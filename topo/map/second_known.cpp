@@ -2,6 +2,7 @@
 
 #include "kerf/recover.hpp"
 #include "solver/system.hpp"
+#include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
 #include "topo/orthotropic.hpp"
 
@@ -45,6 +46,7 @@ std::string unknown_in(const Model& m) {
     return "the second term is not known in bodies of several materials";
   if (m.scene.body) return "the second term is not known under a body force";
   if (has_eigenstrain(m.scene)) return "the second term is not known with an eigenstrain";
+  if (has_frictional_cracks(m.scene)) return "the second term is not known with friction";
   return {};
 }
 

@@ -84,7 +84,7 @@ Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<con
   constexpr double part = 0.7, accurate = 0.02;
   constexpr int most = 250, batch = 20, least = 60;
   Samples all{&walls};
-  BodyReply body(m, tied(contact_status(m, s)));
+  BodyReply body(m, tangent_cone(m, s));
   std::vector<double> wide(places.size(), infinity), scale(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) scale[i] = 1 / std::sqrt(walls(places[i].x));
   double worst = 0;

@@ -31,11 +31,11 @@ struct SecondOrders::Impl {
 
   // Solvers cost something where there is contact: made when first asked for.
   BodyReply& reply() {
-    if (!own) own.emplace(*a.model, tied(contact_status(*a.model, *a.state)));
+    if (!own) own.emplace(*a.model, tangent_cone(*a.model, *a.state));
     return *own;
   }
   BodyReply& measured_reply() {
-    if (!other) other.emplace(*a.measured_model, tied(contact_status(*a.measured_model, *a.measured)));
+    if (!other) other.emplace(*a.measured_model, tangent_cone(*a.measured_model, *a.measured));
     return *other;
   }
 

@@ -1,6 +1,7 @@
 #include "topo/validate/ball_problem.hpp"
 
 #include "solver/parallel.hpp"
+#include "solver/tangent_cone.hpp"
 #include "topo/validate/ball_fields.hpp"
 
 #include <Eigen/Cholesky>
@@ -43,16 +44,17 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   status = contact_status(m, s);
   jump.resize(trailing);
   force.resize(trailing);
-  std::vector<bool> unilateral(static_cast<std::size_t>(trailing), false);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = o.ordering.row[u];
     if (row < leading) continue;
     jump[row - leading] = s.skeleton[u] - m.inner->skeleton.prescribed[u];
     force[row - leading] = s.force[u];
-    unilateral[static_cast<std::size_t>(row - leading)] = o.skeleton.bounded[u];
   }
-  for (Index row = 0; row < trailing; ++row)  // what slides freely is a row of no law
-    if (unilateral[static_cast<std::size_t>(row)]) points.push_back({.normal = row});
+  points = contact_points(operators());  // what slides freely is a row of no law
+  motion.assign(status.size(), Motion::Held);
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    if (status[i] == ContactStatus::Open)
+      motion[i] = jump[static_cast<Eigen::Index>(i)] < 0 ? Motion::Backward : Motion::Forward;
 }
 
 void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
@@ -74,32 +76,58 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
 
 namespace {
 
+double direction(Motion m) {
+  return static_cast<double>(m);
+}
+
+// Whether rows hold, or slide, other than in the state; rows of no law, and those that were undecided, aside.
+bool same_motions(const BodyOperator& b, const std::vector<Motion>& motion) {
+  const auto same = [&](Index i) {
+    const auto k = static_cast<std::size_t>(i);
+    return b.status[k] == ContactStatus::Biactive || motion[k] == b.motion[k];
+  };
+  return std::ranges::all_of(b.points, [&](const ContactPoint& p) {
+    if (!same(p.normal)) return false;
+    const auto n = static_cast<std::size_t>(p.normal);
+    const bool resists = p.slip_bound > 0 || (p.friction > 0 && b.motion[n] == Motion::Held);
+    return p.tangential == none || !resists || same(p.tangential);
+  });
+}
+
+// What the forces of the moving rows change by, less the share of the pressures' change; and those shares.
+std::vector<SlidingPoint> given_forces(const BodyOperator& b, const std::vector<Motion>& motion,
+                                       Eigen::VectorXd& given) {
+  std::vector<SlidingPoint> sliding;
+  given = -b.force;
+  for (const ContactPoint& p : b.points) {
+    if (p.tangential == none) continue;
+    const double against = -direction(motion[static_cast<std::size_t>(p.tangential)]);
+    const bool closed = motion[static_cast<std::size_t>(p.normal)] == Motion::Held;
+    given[p.tangential] += against * (p.slip_bound + (closed ? p.friction * b.force[p.normal] : 0));
+    if (closed && p.friction > 0 && against != 0) sliding.push_back({p.normal, p.tangential, against * p.friction});
+  }
+  return sliding;
+}
+
 // The contact rows alone, everything else eliminated: S x = r + forces. Which rows hold, then the change itself: rows
-// that close or stay closed have their jump given, the others their force.
+// that close, stick, or stay so have their jump given, the others their force.
 void settle(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& r, BallChange& c) {
-  const Eigen::Index n = S.rows();
-  std::vector<Motion> motion(static_cast<std::size_t>(n));
-  for (Eigen::Index i = 0; i < n; ++i)
-    motion[static_cast<std::size_t>(i)] =
-        b.status[static_cast<std::size_t>(i)] == ContactStatus::Open ? Motion::Forward : Motion::Held;
-  const Contact contact = dual_qp(S, S * b.jump + r - b.force, b.points, motion);
+  const Contact contact = dual_qp(S, S * b.jump + r - b.force, b.points, b.motion);
   if (!contact.converged)
     throw Error(Fault::Numerics, "contact did not settle in the body with a change of finite size");
-  std::vector<Eigen::Index> free, held;
-  Eigen::VectorXd given = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool holds = contact.motion[static_cast<std::size_t>(i)] == Motion::Held;
-    const ContactStatus was = b.status[static_cast<std::size_t>(i)];
-    if (was != ContactStatus::Biactive && holds != (was == ContactStatus::Closed)) c.same = false;
-    (holds ? held : free).push_back(i);
-    if (holds) c.contact[i] = -b.jump[i];
-    given[i] = r[i] - (holds ? 0 : b.force[i]);
+  c.same = same_motions(b, contact.motion);
+  Eigen::VectorXd given, jump = Eigen::VectorXd::Zero(S.rows());
+  const std::vector<SlidingPoint> sliding = given_forces(b, contact.motion, given);
+  std::vector<bool> held(contact.motion.size());
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    held[i] = contact.motion[i] == Motion::Held;
+    if (held[i]) jump[static_cast<Eigen::Index>(i)] = -b.jump[static_cast<Eigen::Index>(i)];
+    if (held[i]) given[static_cast<Eigen::Index>(i)] = 0;
   }
-  if (!free.empty()) {
-    Eigen::VectorXd rest = given(free);
-    if (!held.empty()) rest -= S(free, held) * c.contact(held);
-    c.contact(free) = Eigen::VectorXd(Eigen::MatrixXd(S(free, free)).llt().solve(rest));
-  }
+  if (sliding.empty())
+    c.contact = jump + OpenRows(S, held).jumps(r + given - S * jump);
+  else
+    c.contact = SlidingRows(S, contact.motion, {sliding}).jumps(r + given, &jump);
   c.push = S * c.contact - r;
 }
 

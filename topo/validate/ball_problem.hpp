@@ -52,7 +52,8 @@ struct BodyOperator {
   std::vector<ContactPoint> points;
   Eigen::VectorXd jump, force;  // on the contact rows, of the state
   std::vector<ContactStatus> status;
-  Eigen::MatrixXd S, others;  // S on (ball, contact); others = map from those to the other balls
+  std::vector<Motion> motion;  // of the state
+  Eigen::MatrixXd S, others;   // S on (ball, contact); others = map from those to the other balls
 };
 
 /// What changes in one body.

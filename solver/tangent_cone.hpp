@@ -1,0 +1,61 @@
+#pragma once
+// The contact linearized at a state: what small changes of the loads leave as it is, with friction or without.
+
+#include "kerf/adjoint.hpp"
+#include "solver/contact/sliding.hpp"
+
+#include <utility>
+
+namespace kerf {
+
+/// The points of all cracks in contact, by their rows counted from the first row in contact.
+std::vector<ContactPoint> contact_points(const Model& m);
+
+/// `held` rows keep their jump, the others their force, or their share of a pressure [theory: A.8, A.14].
+struct TangentCone {
+  TangentCone(std::vector<bool> rows, std::vector<SlidingPoint> points = {})
+      : held(std::move(rows)), sliding(std::move(points)) {}
+  std::vector<bool> held;
+  std::vector<SlidingPoint> sliding;
+};
+/// Held: closed rows and those that stick; biactive ones move.
+TangentCone tangent_cone(const Model& model, const Field& state);
+
+/// As on a cone without friction (kerf/adjoint.hpp), but for normal rows under sliding points, which have minus their
+/// share of the dual slip [theory: A.15].
+TangentField solve_adjoint(const Model& model, const Sensitivity& dJ, const TangentCone& cone);
+
+/// TangentSolver on a cone with friction; the model must outlive it.
+class ConeSolver {
+ public:
+  ConeSolver(const Model& model, TangentCone cone);
+  ~ConeSolver();
+  TangentField solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed,
+                     double enough = TangentSolver::to_rounding, std::span<const Index> only = {});
+  std::vector<TangentField> solve_all(std::size_t count, const std::function<Eigen::VectorXd(std::size_t)>& load);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The slope of the potential energy along the jumps of a solution: the forces on the faces, of which only those of
+/// friction meet jumps that change [theory: A.17].
+Sensitivity work_of_slips(const Field& state);
+
+/// Where friction leaves open what faces do next: they touch without pressure, or do not slide and have no friction
+/// left. Of one crack.
+struct Undecided {
+  double length = 0, whole = 0;
+  Vec2 at = Vec2::Zero();  // the first such point
+  bool touches = false;    // without pressure
+};
+Undecided undecided_friction(const Model& model, const Field& state, Index crack);
+
+inline bool has_frictional_cracks(const Scene& scene) {
+  for (const CrackLaw& law : scene.laws)
+    if (has_friction(law)) return true;
+  return false;
+}
+
+}  // namespace kerf
