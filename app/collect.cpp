@@ -3,6 +3,7 @@
 #include "io/validation.hpp"
 #include "kerf/case_file.hpp"
 #include "kerf/fracture.hpp"
+#include "solver/history.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"
 #include "solver/system.hpp"
@@ -48,20 +49,21 @@ StateResult state_result(const Model& model, const State& state, const Indicator
 namespace {
 
 /// Where faces begin or cease to touch, and where faces in contact that resist sliding begin or cease to slide.
-std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& profile, const CrackLaw& law) {
+std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& profile,
+                                                 const std::vector<double>& slip, const CrackLaw& law) {
   double most = 0;
-  for (const CrackPoint& p : profile) most = std::max(most, std::abs(p.jump_t));
+  for (const double s : slip) most = std::max(most, std::abs(s));
   const auto closed = [](const CrackPoint& p) { return p.status == CrackPoint::Status::Closed; };
   // Held rows have no jump; the smooth domain's solver knows it up to rounding.
-  const auto sticks = [most](const CrackPoint& p) { return std::abs(p.jump_t) <= 1e-9 * most; };
+  const auto sticks = [&](std::size_t i) { return std::abs(slip[i]) <= 1e-9 * most; };
   std::vector<CrackResult::Transition> found;
   for (std::size_t i = 1; i < profile.size(); ++i) {
     const CrackPoint &before = profile[i - 1], &here = profile[i];
     const Vec2 at = 0.5 * (before.at + here.at);
     if (closed(before) != closed(here))
       found.push_back({at, closed(before) ? "closed" : "open", closed(here) ? "closed" : "open"});
-    else if (has_friction(law) && closed(here) && sticks(before) != sticks(here))
-      found.push_back({at, sticks(before) ? "stick" : "slip", sticks(here) ? "stick" : "slip"});
+    else if (has_friction(law) && closed(here) && sticks(i - 1) != sticks(i))
+      found.push_back({at, sticks(i - 1) ? "stick" : "slip", sticks(i) ? "stick" : "slip"});
   }
   return found;
 }
@@ -88,7 +90,10 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
     }
     if (has_pressure(model.scene.laws[c])) r.fluid_pressure = most;
     r.has_gap = has_gap(model.scene.laws[c]);
-    r.transitions = transitions(profile, model.scene.laws[c]);
+    if (has_friction(model.scene.laws[c]))
+      r.transitions = transitions(profile, slip_profile(model, state, c), model.scene.laws[c]);
+    else
+      r.transitions = transitions(profile, {}, model.scene.laws[c]);
     if (model.scene.laws[c].kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
     for (const TipIntensity& t : tips)
       if (t.crack == c) {

@@ -4,6 +4,7 @@
 #include "app/bounds.hpp"
 #include "app/draw.hpp"
 #include "app/files.hpp"
+#include "app/history.hpp"
 #include "app/map.hpp"
 #include "app/optimize.hpp"
 #include "app/page_data.hpp"
@@ -116,6 +117,12 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
 }
 
 void refuse(const Case& c, const Jobs& jobs) {
+  if (!c.steps.empty()) {
+    refuse_steps(c);
+    if (jobs.map) refuse_with_steps(c, "a map ([map])");
+    if (jobs.validate) refuse_with_steps(c, "a validation ([validate])");
+    if (jobs.optimize) refuse_with_steps(c, "an optimization ([optimize])");
+  }
   refuse_remeshing(c, jobs);
   if (jobs.optimize) refuse_optimization(c);
   if (jobs.map || jobs.validate) refuse_orthotropic(c);
@@ -168,6 +175,10 @@ void describe_mesh(const Mesh& mesh, Result& r) {
 Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   const Body body = body_of(c);
   Adaptation how = adaptation(c, journal.options.threads);
+  if (!c.steps.empty()) {
+    how.meshed = [&](const Mesh& mesh) { describe_mesh(mesh, r); };
+    return solve_steps(c, how, journal, r.steps);
+  }
   if (!c.adapt) {
     how.meshed = [&](const Mesh& mesh) {
       describe_mesh(mesh, r);

@@ -252,6 +252,8 @@ load_case[0].boundary[0].on
 load_case[0].boundary[0].traction
 load_case[0].boundary[0].pressure
 load_case[0].body.force
+step[0].name
+step[0].substeps
 synthetic.hole[0].name
 synthetic.hole[0].circle.center
 synthetic.hole[0].circle.radius

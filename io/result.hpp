@@ -106,6 +106,24 @@ struct ContactResultSummary {
   double kkt = 0, open_length = 0, closed_length = 0, biactive_length = 0;
 };
 
+/// The end of a step of the history of the loads, or of a part of it.
+struct StepResult {
+  std::string name;
+  int part = 1, parts = 1;
+  std::vector<std::pair<std::string, double>> values;  // of [define], that steps change
+  double energy = 0, strain_energy = 0;
+  double work = 0, dissipation = 0;  // since the beginning: of loads and supports, of friction
+  double imbalance = 0;              // work less strain energy and dissipation; NaN where it is not known
+  double open_length = 0, closed_length = 0, stick_length = 0, slip_length = 0;
+  double kkt = 0;
+  struct Tip {
+    std::string crack;
+    Vec2 at = Vec2::Zero();
+    std::optional<double> K_I, K_II;
+  };
+  std::vector<Tip> tips;
+};
+
 struct FunctionalResult {
   std::string kind;
   double value = 0;
@@ -187,6 +205,7 @@ struct Result {
   std::optional<StateResult> state;
   std::optional<ContactResultSummary> contact;
   std::vector<CrackResult> cracks;
+  std::vector<StepResult> steps;
   std::optional<BoundsResult> bounds;
   std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
@@ -214,6 +233,9 @@ void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack
 /// bounds.csv: quantity,crack,tip,x,y,value,lower,upper,guaranteed,note,on,radius,to_x,to_y; a row per quantity, an
 /// empty cell is not known or not of that quantity. x, y: of a disc its center, of a line where it begins.
 void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds);
+
+/// steps.csv: step (1.5: half of the second), the names that steps change, energies, lengths, and K of every tip.
+void write_steps_csv(const std::filesystem::path& path, const std::vector<StepResult>& steps);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
 /// columns.

@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kerf {
@@ -90,6 +91,14 @@ struct FitRequest {
   int defects_at_most = 0;  // count them, up to so many; 0: as many as are drawn
 };
 
+/// The loads at the end of a step of their history, or of a part of it.
+struct LoadStep {
+  std::string name;
+  int part = 1, parts = 1;
+  std::vector<std::pair<std::string, double>> values;  // of the names that steps change
+  Scene scene;
+};
+
 struct Case {
   std::string name;   // file name without extension
   std::string title;  // the name when the file gives none
@@ -109,7 +118,8 @@ struct Case {
   Backend backend = Backend::Cholmod;
   std::optional<AdaptRequest> adapt;
   Functional functional;
-  MapRequest map_request;  // perturbation, radius and bounds of a map, asked for in the case or not
+  MapRequest map_request;       // perturbation, radius and bounds of a map, asked for in the case or not
+  std::vector<LoadStep> steps;  // the last one has the loads of the scene
   std::optional<MapJob> map;
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;

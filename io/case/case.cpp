@@ -183,6 +183,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   const std::vector<Loop>& frozen = regions.frozen;
   read_interfaces(document, c);
   Definitions definitions = read_definitions(document, c);
+  read_steps(document, regions.tables, definitions, c);
   read_eigenstrains(document, regions.tables, definitions, c);
   read_conditions(document, definitions, c);
   read_functional(document, origin.folder, definitions, c);

@@ -868,6 +868,25 @@ constexpr Key rows[] = {
     {"load_case[].boundary[].pressure", Formula, {}, "Traction -p n.", "0.5"},
     {"load_case[].body", Table, {.like = "body"}, "What acts inside the body.", "{ force = [0, -1] }"},
 
+    {"step[]",
+     Tables,
+     {},
+     "A step of the history of the loads, for friction, which depends on it: slip is remembered from step to step. The "
+     "body is unloaded before the first; [define] says what its names are then. With kerf solve alone."},
+    {"step[].name", Name, {.required = true}, "In messages and tables.", "\"unload\""},
+    {"step[].define",
+     Formulas,
+     {.required = true},
+     "New values of numbers in [define], which loads, pressures in cracks, prescribed displacements and eigenstrains "
+     "use; the others stay what they were.",
+     "{ shear = 0.3 }"},
+    {"step[].substeps",
+     Number,
+     {.range = {1, 1000}},
+     "Parts of the step, with values on the straight line.",
+     "10",
+     "1"},
+
     {"synthetic",
      Table,
      {},

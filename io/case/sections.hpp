@@ -59,6 +59,11 @@ void read_eigenstrains(const Value& document, const std::vector<std::optional<Va
 /// [[boundary]] and [body].
 void read_conditions(const Value& document, Definitions& definitions, Case& c);
 
+/// [[step]]: the scene at the end of every part of a step; leaves the definitions as the last step does. Before the
+/// conditions, which are then those of the last step.
+void read_steps(const Value& document, const std::vector<std::optional<Value>>& regions, Definitions& definitions,
+                Case& c);
+
 /// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
 

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include <map>
+
 namespace kerf {
 
 void append_cell(fmt::memory_buffer& out, double value) {
@@ -103,6 +105,33 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
     for (std::size_t i = 0; i < m.quantities.size(); ++i) row(names[i].name, "", "", at, m.quantities[i], &m);
   }
   write_file(path, {out.data(), out.size()});
+}
+
+void write_steps_csv(const std::filesystem::path& path, const std::vector<StepResult>& steps) {
+  std::vector<std::string> columns{"step"};
+  for (const auto& [name, value] : steps.front().values) columns.push_back(name);
+  for (const char* column : {"energy", "strain_energy", "work", "dissipation", "imbalance", "open_length",
+                             "closed_length", "stick_length", "slip_length"})
+    columns.emplace_back(column);
+  std::map<std::string, int> number;  // of the tips of a crack
+  for (const StepResult::Tip& tip : steps.front().tips) {
+    const int k = ++number[tip.crack];
+    for (const char* of : {"K_I", "K_II"}) columns.push_back(fmt::format("{}_{}_{}", of, tip.crack, k));
+  }
+  std::vector<std::vector<double>> rows;
+  double before = 0;
+  for (const StepResult& s : steps) {
+    std::vector<double> row{before + static_cast<double>(s.part) / s.parts};
+    if (s.part == s.parts) ++before;
+    for (const auto& [name, value] : s.values) row.push_back(value);
+    for (const double value : {s.energy, s.strain_energy, s.work, s.dissipation, s.imbalance, s.open_length,
+                               s.closed_length, s.stick_length, s.slip_length})
+      row.push_back(value);
+    for (const StepResult::Tip& tip : s.tips)
+      for (const auto& K : {tip.K_I, tip.K_II}) row.push_back(K.value_or(nan));
+    rows.push_back(std::move(row));
+  }
+  write_csv(path, columns, rows);
 }
 
 }  // namespace kerf

@@ -172,6 +172,28 @@ Json crack_section(const CrackResult& crack) {
   return out;
 }
 
+Json step_section(const StepResult& step) {
+  Json values = Json::object(), tips = Json::array();
+  for (const auto& [name, value] : step.values) values[name] = number(value);
+  for (const StepResult::Tip& t : step.tips)
+    tips.push_back({{"crack", t.crack}, {"at", place(t.at)}, {"K_I", number(t.K_I)}, {"K_II", number(t.K_II)}});
+  return {{"name", step.name},
+          {"part", step.part},
+          {"parts", step.parts},
+          {"define", std::move(values)},
+          {"energy", number(step.energy)},
+          {"strain_energy", number(step.strain_energy)},
+          {"work", number(step.work)},
+          {"dissipation", number(step.dissipation)},
+          {"imbalance", number(step.imbalance)},
+          {"open_length", number(step.open_length)},
+          {"closed_length", number(step.closed_length)},
+          {"stick_length", number(step.stick_length)},
+          {"slip_length", number(step.slip_length)},
+          {"kkt", number(step.kkt)},
+          {"tips", std::move(tips)}};
+}
+
 Json bounded(const Bounded& b) {
   Json out = {
       {"value", number(b.value)}, {"lower", number(b.lower)}, {"upper", number(b.upper)}, {"guaranteed", b.guaranteed}};
@@ -452,6 +474,7 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.state) out["state"] = state_section(*result.state);
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
+  for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));
   if (result.bounds) out["bounds"] = bounds_section(*result.bounds);
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);

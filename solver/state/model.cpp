@@ -1,6 +1,7 @@
 #include "kerf/model.hpp"
 
 #include "geometry/topology.hpp"
+#include "solver/history.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
 #include "solver/system/lost_definiteness.hpp"
@@ -221,11 +222,17 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
 }
 
-Model with_loads(const Model& m, Scene scene) {
+namespace {
+
+// `before`: the state whose slips go on, or nothing.
+Model reloaded(const Model& m, Scene scene, const Field* before) {
   Stopwatch watch;
   Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads);
   if (made.skeleton.total != m.inner->skeleton.total || made.skeleton.fixed != m.inner->skeleton.fixed)
     throw std::invalid_argument("with_loads: the supports differ");
+  if (before)
+    for (Index u = made.skeleton.base; u < made.skeleton.total; ++u)
+      if (made.skeleton.frictional[u]) made.skeleton.prescribed[u] = before->skeleton[u];
   Ordering ordering = m.inner->ordering;
   System system = assemble_loads(
       {made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false}, m.inner->system);
@@ -234,6 +241,16 @@ Model with_loads(const Model& m, Scene scene) {
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), m.inner->factor, seconds);
+}
+
+}  // namespace
+
+Model with_loads(const Model& m, Scene scene) {
+  return reloaded(m, std::move(scene), nullptr);
+}
+
+Model continued(const Model& m, Scene scene, const Field& before) {
+  return reloaded(m, std::move(scene), &before);
 }
 
 bool certified(const State& state) {
