@@ -223,6 +223,10 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   if (has_functions(*c.document))
     r.state->notes.emplace_back(
         "functions of a program are known at sampled points alone: what is said of errors holds as sampled");
+  if (!r.steps.empty())
+    r.state->notes.push_back(fmt::format(
+        "state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
+        r.steps.back().name));
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);

@@ -31,7 +31,7 @@ struct ChangesMade {
 
 /// Every change made alone, contact free to move, by condensation onto a ball around it [theory: V.2]: one factor for
 /// six changes that keep apart by about four radii. Throws Error(Usage) for what cannot be validated (an element with
-/// unknowns at vertices, a small crack, friction), Error(Geometry | Numerics) where the body cannot be meshed or
+/// unknowns at vertices, a small crack), Error(Geometry | Numerics) where the body cannot be meshed or
 /// solved.
 ChangesMade changes_at(const ChangingBody& body, const Perturbation& p, std::span<const SmallChange> changes);
 

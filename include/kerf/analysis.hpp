@@ -39,7 +39,7 @@ struct Analysis {
   std::shared_ptr<const MapFields> fields = {};  // made anew where missing
 };
 
-/// `value_only`: no adjoint. Throws Error(Usage) for what the element or the scene cannot do (friction),
+/// `value_only`: no adjoint. Throws Error(Usage) for what the element or the scene cannot do,
 /// Error(Numerics) when the measured body cannot be solved.
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only = false);
 

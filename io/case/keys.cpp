@@ -154,7 +154,7 @@ constexpr Key rows[] = {
      Number,
      {.range = not_negative},
      "Coulomb's coefficient: faces slide when the shear reaches friction times the pressure. For loads that grow in "
-     "proportion, and contact = \"unilateral\".",
+     "proportion, or in steps ([[step]]); goes with contact = \"unilateral\".",
      "0.3",
      "0"},
     {"crack[].tresca",

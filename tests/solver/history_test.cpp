@@ -38,6 +38,9 @@ class History {
   const Model& model() const {
     return *model_;
   }
+  const State& state() const {
+    return state_;
+  }
   double imbalance() const {
     return work - strain_energy(*model_, state_) - dissipated;
   }
@@ -181,6 +184,58 @@ TEST(ProportionalSteps, AreOneStep) {
   EXPECT_NEAR(steps.imbalance(), 0, 1e-10 * steps.work);
   EXPECT_NEAR(once.imbalance(), 0, 1e-10 * once.work);
   EXPECT_NEAR(steps.dissipated, once.dissipated, 1e-10 * once.work);
+}
+
+// Partial slip under a constant limit: what unloading by F changes is twice what loading by F/2 does, as its limit is
+// twice that of loading (the rule of Masing). Of any body, on any mesh; a cycle closes.
+TEST(PartialSlip, FollowsMasingsRule) {
+  Shape shape = plate(1);
+  shape.cracks[0].points = {{-0.5, 0}, {0.5, 0}};
+  // In balance by itself, without pressure on the crack: it stays closed under the other one.
+  const auto loaded = [](double load) {
+    Scene s{.material = plane_strain(1, 0.3)};
+    s.tractions = {{0, [load](const Vec2& x, const Vec2& n) {
+                      const double shear = load * (0.2 + 0.3 * x.x()), beside = load * -0.3 * x.y();
+                      return Vec2(shear * n.y(), shear * n.x() + (beside - 1) * n.y());
+                    }}};
+    s.laws = {{.slip_bound = 0.25}};
+    return s;
+  };
+  const Sizing sizing{.size = 0.15};
+  struct Faces {
+    Eigen::VectorXd slip, shear;
+  };
+  const auto faces = [](const History& h) {
+    const std::vector<CrackPoint> profile = h.profile();
+    Faces f{Eigen::VectorXd(profile.size()), Eigen::VectorXd(profile.size())};
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      f.slip[static_cast<Eigen::Index>(i)] = profile[i].jump_t;
+      f.shear[static_cast<Eigen::Index>(i)] = profile[i].sigma_t;
+    }
+    return f;
+  };
+  const auto once = [&](double load) {
+    History h(shape, sizing);
+    h.step(loaded(load));
+    return faces(h);
+  };
+  History h(shape, sizing);
+  h.step(loaded(1));
+  const Faces most = faces(h);
+  const double size = most.slip.cwiseAbs().maxCoeff();
+  ASSERT_GT(size, 0);
+  ASSERT_GT((most.slip.array() == 0).count(), 10);
+  for (const double load : {0.5, 0.0, -1.0}) {
+    h.step(loaded(load));
+    const Faces now = faces(h), half = once(0.5 * (1 - load));
+    EXPECT_LT((now.slip - (most.slip - 2 * half.slip)).cwiseAbs().maxCoeff(), 1e-10 * size) << load;
+    EXPECT_LT((now.shear - (most.shear - 2 * half.shear)).cwiseAbs().maxCoeff(), 1e-10) << load;
+  }
+  EXPECT_GT(slip_lengths(h.model(), h.state()).slip, 0.1);
+  const double before = h.dissipated;
+  for (const double load : {0.3, 1.0}) h.step(loaded(load));
+  EXPECT_LT((faces(h).slip - most.slip).cwiseAbs().maxCoeff(), 1e-10 * size);
+  EXPECT_GT(h.dissipated, before);
 }
 
 // Uniform tractions on a crack in an infinite plate: pressure p, shear q. It slides at f p; unloaded in proportion, it
