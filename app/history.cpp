@@ -75,13 +75,13 @@ Adapted solve_steps(const Case& c, const Adaptation& how, Journal& journal, std:
       throw Error(Fault::Numerics, fmt::format("{} could not be solved: {}", in_words(step), failure(model, state)));
     Solved next{std::move(model), std::move(state)};
     out.push_back(result_of(step, next, now ? &*now : nullptr, out.empty() ? nullptr : &out.back(), c.shape));
+    write_steps_csv(journal.file("steps.csv"), out);  // what is done stays when the next one fails
     now = std::move(next);
     journal.seconds.solve += journal.lap();
   }
   Indicator indicator = error_indicator(now->model, now->state);
   Adapted last{.model = std::move(now->model), .state = std::move(now->state), .indicator = std::move(indicator)};
   last.sizing = c.sizing;
-  write_steps_csv(journal.file("steps.csv"), out);
   return last;
 }
 

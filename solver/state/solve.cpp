@@ -135,6 +135,21 @@ double force_of_rounding(const Model& m) {
   return std::numeric_limits<double>::epsilon() * stiffness * largest;
 }
 
+// What the slip of the steps before [theory: C.28] would take if nothing answered it. Of an unloaded body that is all
+// there is to compare rounding with.
+struct Remembered {
+  double force = 0, energy = 0;
+};
+Remembered remembered(const Model& m) {
+  const Skeleton& skeleton = m.inner->skeleton;
+  Eigen::VectorXd slip = Eigen::VectorXd::Zero(m.inner->ordering.size);
+  for (Index u = skeleton.base; u < skeleton.total; ++u)
+    if (skeleton.frictional[u]) slip[m.inner->ordering.row[u]] = skeleton.prescribed[u];
+  if (slip.isZero(0)) return {};
+  const Eigen::VectorXd force = multiply(m.inner->system.K, slip);
+  return {few_digits * force.cwiseAbs().maxCoeff(), few_digits * slip.dot(force)};
+}
+
 // The state of an iterate, certified triangle by triangle: the residual, contact and friction by the exact forces, and
 // the work [theory: E.20, E.21].
 Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
@@ -151,7 +166,8 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
       work += prescribed[u] * unmet[u];
     }
   const double rounding = force_of_rounding(m);
-  largest = std::max(largest, rounding);
+  const Remembered before = remembered(m);
+  largest = std::max({largest, rounding, before.force});
   certify(condensed, {rest, largest}, s);
   work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
@@ -164,7 +180,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
                moved = rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed),
-               size = std::abs(balance.energy) + balance.noise + stored + moved;
+               size = std::abs(balance.energy) + balance.noise + stored + moved + before.energy;
   s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
   state.certificate = s.certificate;
   state.skeleton = values.high;

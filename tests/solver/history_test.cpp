@@ -238,6 +238,28 @@ TEST(PartialSlip, FollowsMasingsRule) {
   EXPECT_GT(h.dissipated, before);
 }
 
+// Without loads nothing presses the faces: no friction, no stress, no slip.
+TEST(Release, LeavesNothing) {
+  const auto loaded = [](double load) {
+    Scene s{.material = plane_strain(1, 0.3)};
+    s.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+    s.tractions = {{1, [load](const Vec2& x, const Vec2&) { return Vec2(load * (0.1 + 0.3 * x.x()), -load); }}};
+    s.laws = {{.friction = 0.2}};
+    return s;
+  };
+  Shape shape = plate(2);
+  shape.labels = {"outer", "top"};
+  shape.outline.sides[0].label = 0;
+  shape.outline.sides[2].label = 1;
+  shape.labels.push_back("free");
+  shape.outline.sides[1].label = shape.outline.sides[3].label = 2;
+  History h(shape, {.size = 0.4, .mirrored_tips = true});
+  const double size = h.step(loaded(1)).skeleton.cwiseAbs().maxCoeff();
+  h.step(loaded(0.3));
+  EXPECT_GT(h.profile()[h.profile().size() / 2].jump_t * h.profile()[h.profile().size() / 2].jump_t, 0);
+  EXPECT_LT(h.step(loaded(0)).skeleton.cwiseAbs().maxCoeff(), 1e-11 * size);
+}
+
 // Uniform tractions on a crack in an infinite plate: pressure p, shear q. It slides at f p; unloaded in proportion, it
 // sticks down to (q - f p)/(q + f p), keeping K_II, and slides back from there. A plate 16 cracks wide is 0.4 %
 // stiffer.
