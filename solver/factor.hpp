@@ -4,6 +4,7 @@
 #include "solver/system/lu.hpp"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace kerf {
@@ -25,6 +26,8 @@ class Factor {
   /// when memory runs out.
   Factor(const LowerTriangle& lower, Index contact_rows, bool definite = true, Index interface_rows = 0,
          int threads = 1);
+  /// Of a definite matrix whose rows may be eliminated in any order: `sequence[k]` is the k-th. There is no last block.
+  Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads = 1);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;

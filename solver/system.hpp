@@ -4,6 +4,7 @@
 #include "kerf/state.hpp"
 #include "solver/contact/contact.hpp"
 #include "solver/system/assemble.hpp"
+#include "solver/system/held.hpp"
 #include "solver/system/rigid.hpp"
 #include "solver/system/standing.hpp"
 
@@ -14,11 +15,17 @@ struct Inner {
   Skeleton skeleton;
   Ordering ordering;
   System system;
-  std::shared_ptr<const Factor> factor;  // empty when not asked for; shared by models that differ in their loads alone
-  std::vector<RigidMotion> floating;     // rigid motions that the supports leave free; the loads balance on them
-  SceneData data = {};                   // of the scene on the mesh
-  Standing standing = {};                // pieces that contact alone holds
+  // Empty when not asked for, none with large contact; shared by models that differ in their loads alone.
+  std::shared_ptr<const Factor> factor;
+  std::vector<RigidMotion> floating;       // rigid motions that the supports leave free; the loads balance on them
+  SceneData data = {};                     // of the scene on the mesh
+  Standing standing = {};                  // pieces that contact alone holds
+  std::shared_ptr<HeldFactors> held = {};  // instead of `factor` where contact is too large for a dense matrix
+  std::vector<Motion> start = {};          // per row in contact: the set to begin with there, or nothing
 };
+
+/// No dense matrix of contact: a factor per set of held rows.
+bool has_large_contact(const Model& model);
 
 /// The same body under other loads, by the factor of `model`: `scene` has the materials and the laws of cracks that the
 /// model has, and supports on the same labels and components. Throws as `prepare` does.

@@ -25,14 +25,25 @@ struct Model {
   std::shared_ptr<const Inner> inner;  // shared by copies
 };
 
+/// What the faces of cracks in contact do, from a share of a crack's length on: open, sliding to one side or the other.
+struct FaceMotion {
+  double from = 0;  // share of the length of the path, increasing
+  bool open = false;
+  signed char slide = 0;  // sign of the tangential jump
+};
+using ContactGuess = std::vector<std::vector<FaceMotion>>;  // per crack
+
 /// Numbers, assembles and factorizes. Throws Error(Numerics) when the supports leave a rigid motion free on which the
 /// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
 /// `factorize`: for `solve`; solve_saddle_point (solver/saddle_point.hpp) does without.
 /// `interface_edges`: their unknowns come next to last, before the jumps in contact; `plain`: no penalty, however
-/// nearly incompressible the materials are.
+/// nearly incompressible the materials are. With more unknowns in contact than `most_dense` their matrix is not made,
+/// and K is factorized for sets of closed points, that of `contact` first: a guess, which a coarser mesh has.
 struct Preparation {
   bool factorize = true, plain = false;
   std::vector<Index> interface_edges = {};
+  Index most_dense = 3000;
+  ContactGuess contact = {};
 };
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how = {});
 

@@ -39,6 +39,10 @@ struct State : Field {
 };
 State solve(const Model& model, ContactMethod method = ContactMethod::DualQp);
 
+/// What the faces do, for a finer mesh of the same body. Contact ends where pressures that fall like the root of the
+/// distance have fallen to nothing.
+ContactGuess contact_guess(const Model& model, const Field& state);
+
 /// The contact set settled, and kkt and work are at most no_digits.
 bool certified(const State& state);
 /// Says how many digits are left, where kkt or work are above few_digits; else empty.

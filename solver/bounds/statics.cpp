@@ -16,7 +16,9 @@ namespace {
 // What must be added to the contact forces so that the cracks carry no tension anywhere: the Bernstein coefficients of
 // the normal stress on each edge become the unknowns of the same small contact problem, the moments of the opening
 // against the Bernstein polynomials their multipliers.
+// Where contact is large they are the ones there are, as far as they press: any that are not negative will do.
 Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
+  const bool large = has_large_contact(m);
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
   const EdgeRule& trace = m.inner->kernel.trace;
   const Eigen::Index n = trace.w.size();
@@ -32,8 +34,6 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
       force[row - leading] = s.force[u];
       jump[row - leading] = s.skeleton[u];
     }
-  Eigen::MatrixXd S = m.inner->factor->contact_complement();
-  Eigen::VectorXd load = S * (jump + free_jumps) - force;
   std::vector<std::vector<Index>> blocks;
   for (const auto& crack : m.mesh.cracks)
     for (const CrackEdge& c : crack) {
@@ -44,6 +44,14 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
           rows.push_back(row - leading);
       if (!rows.empty()) blocks.push_back(rows);
     }
+  if (large) {
+    Eigen::VectorXd pressure(contact_rows);
+    for (const auto& rows : blocks)
+      pressure(rows) = (change.transpose() * (back.transpose() * force(rows)).cwiseMax(0)).eval();
+    return pressure - force;
+  }
+  Eigen::MatrixXd S = m.inner->factor->contact_complement();
+  Eigen::VectorXd load = S * (jump + free_jumps) - force;
   std::vector<bool> closed(contact_rows, false);
   for (const auto& rows : blocks) {
     S(Eigen::all, rows) = (S(Eigen::all, rows) * back).eval();
@@ -85,12 +93,15 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
               load[m.inner->ordering.row[u]] -= m.inner->kernel.trace.w[g] * force[d];
     }
   }
+  const bool large = has_large_contact(m);
+  std::shared_ptr<const Factor> open = m.inner->factor;
+  if (large) open = m.inner->held->of(m.inner->system.K, std::vector<bool>(contact_rows, false));
   if (contact_rows > 0) {
-    const Eigen::VectorXd jumps = couple.size() > 0 ? Eigen::VectorXd(m.inner->factor->solve(load).tail(contact_rows))
-                                                    : Eigen::VectorXd::Zero(contact_rows);
+    const Eigen::VectorXd jumps = couple.size() > 0 && !large ? Eigen::VectorXd(open->solve(load).tail(contact_rows))
+                                                              : Eigen::VectorXd::Zero(contact_rows);
     load.tail(contact_rows) += pressures_everywhere(m, s, jumps);
   }
-  const Eigen::VectorXd change = m.inner->factor->solve(load);
+  const Eigen::VectorXd change = open->solve(load);
   Eigen::MatrixXd interior_fields = s.interior;
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {

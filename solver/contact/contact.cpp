@@ -272,15 +272,18 @@ Contact active_set(const Eliminated& system, const std::vector<ContactPoint>& po
   const Eigen::Index n = system.rows;
   Search s{system};
   Trial t;
+  const bool guessed = static_cast<Eigen::Index>(guess.size()) == n;
   if (n > 0) {
     t.motion.assign(n, Motion::Held);
+    if (guessed && system.trusts_guess) t.motion = guess;
     t.response = system.solve(t.motion, Eigen::VectorXd::Zero(n));
     ++s.solves;
     s.load = t.response.force.cwiseAbs().maxCoeff();
   }
   t.pressure = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(points.size()));
-  if (s.load == 0) return {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), t.motion, 0, s.solves};
-  t.motion = static_cast<Eigen::Index>(guess.size()) == n ? guess : first_motions(points, t.response.force);
+  if (s.load == 0 && t.response.jump.isZero(0))
+    return {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), t.motion, 0, s.solves};
+  t.motion = guessed ? guess : first_motions(points, t.response.force);
   t.pressure = pressures(points, t.response.force).cwiseMax(0);
   Contact c;
   c.converged = settle(s, points, t);

@@ -47,6 +47,7 @@ struct Eliminated {
   Index rows = 0;
   std::function<Response(const std::vector<Motion>&, const Eigen::VectorXd& force)> solve;
   int most_iterations = 500;
+  bool trusts_guess = false;  // no solution of the bonded crack beside a guess: forces are judged by those of the guess
 };
 
 /// Elimination of the constraint: primal-dual active set, every row on the wrong side changes sides, starting from the

@@ -167,8 +167,43 @@ class Grading {
     Stopwatch watch;
     Mesh mesh = how_.given ? *how_.given : triangulate(shape_, sizing);
     if (told && how_.meshed) how_.meshed(mesh);
-    Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = watch.lap()};
-    Model model = prepare(std::move(mesh), element_, scene_, how_.threads);
+    return on(std::move(mesh), sizing, watch.lap());
+  }
+
+  /// Large contact begins with what the faces do on a mesh four times coarser, where that has a good deal fewer
+  /// unknowns in contact; `known_` is of the last mesh.
+  void look_coarser(const Sizing& wanted, Index rows) {
+    constexpr double coarser = 4;
+    constexpr Index fewer = 2;
+    if (how_.given || how_.saddle_point || known_rows_ * 8 >= rows) return;
+    Sizing sizing = wanted;
+    sizing.size *= coarser;
+    sizing.crack_tip_size *= coarser;
+    if (sizing.size > extent(shape_) / 4) return;
+    Stopwatch watch;
+    Mesh mesh = triangulate(shape_, sizing);
+    if (rows_in_contact(mesh) * fewer <= rows) on(std::move(mesh), sizing, watch.lap());
+  }
+
+  Index rows_in_contact(const Mesh& mesh) const {
+    Index rows = 0;
+    for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
+      if (scene_.laws[c].kind == CrackLaw::Kind::Unilateral)
+        rows += static_cast<Index>(mesh.cracks[c].size()) * points_per_edge(element_) *
+                (has_friction(scene_.laws[c]) ? 2 : 1);
+    return rows;
+  }
+
+  Adapted on(Mesh mesh, const Sizing& sizing, double meshing) {
+    Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
+    Preparation preparation;
+    const Index rows = rows_in_contact(mesh);
+    if (rows > preparation.most_dense) {
+      look_coarser(sizing, rows);
+      preparation.contact = known_;
+    }
+    Stopwatch watch;
+    Model model = prepare(std::move(mesh), element_, scene_, how_.threads, preparation);
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
@@ -176,9 +211,13 @@ class Grading {
     round.solve = watch.lap();
     round.contact = state.seconds.contact;
     rounds.push_back(round);
+    known_ = contact_guess(model, state);
+    known_rows_ = rows;
     return {.model = std::move(model), .state = std::move(state), .sizing = sizing};
   }
 
+  ContactGuess known_;
+  Index known_rows_ = 0;
   const Shape& shape_;
   const Element& element_;
   const Scene& scene_;
@@ -242,10 +281,10 @@ struct Solved {
 };
 
 /// `meshing`: seconds.
-Solved one_round(const Adapting& of, Mesh mesh, double meshing) {
+Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
-  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads);
+  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known});
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
   Stopwatch watch;
@@ -311,11 +350,12 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;
   std::optional<Adapted> last;
+  ContactGuess known;
   double best = infinity;
   int without_gain = 0;
   try {
     while (true) {
-      Solved solved = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap());
+      Solved solved = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap(), known);
       Adapted& now = solved.adapted;
       last.reset();
       watch.lap();
@@ -328,6 +368,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
       now.sizing = sizing;
       if (!now.stopped.empty()) return std::move(now);
       sizing.ends = contact_ends(now.model, now.state);
+      known = contact_guess(now.model, now.state);
       last.emplace(std::move(now));
       mesh = refined(shape, sizing, wanted, last->model, solved.goal);
       drop_factor(last->model);

@@ -7,6 +7,8 @@
 #include "solver/state/solve.hpp"
 #include "solver/system/refine.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -246,7 +248,12 @@ Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentC
 }
 
 void slide(Condensation& condensed, const TangentCone& cone, bool transposed) {
-  if (!cone.sliding.empty()) condensed.sliding = Sliding{cone.sliding, transposed};
+  if (cone.sliding.empty()) return;
+  if (has_large_contact(condensed.m))
+    throw Error(Fault::Numerics, fmt::format("maps with Coulomb friction need the dense matrix of contact, which {} "
+                                             "unknowns are too many for; use a coarser mesh along the cracks",
+                                             condensed.m.inner->ordering.contact_rows));
+  condensed.sliding = Sliding{cone.sliding, transposed};
 }
 
 void require_rows(const Model& m, const TangentCone& cone, const char* who) {

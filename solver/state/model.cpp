@@ -2,6 +2,7 @@
 
 #include "geometry/topology.hpp"
 #include "solver/history.hpp"
+#include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
 #include "solver/system/lost_definiteness.hpp"
@@ -111,7 +112,7 @@ void note_corner_loads(const Mesh& mesh, const Kernel& k, const Scene& scene, co
                     corner.at.x(), corner.at.y(), corner.misfit, k.element.name));
 }
 
-/// The small matrix of contact is dense. Throws Error(Numerics) that names where the many edges are.
+/// Where the small matrix of contact has to be dense. Throws Error(Numerics) that names where the many edges are.
 void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   constexpr Index most = 9000;  // half a minute and two gigabytes
   if (rows <= most) return;
@@ -158,6 +159,12 @@ struct Prepared {
     data = std::move(loaded.data);
   }
 
+  /// Whether contact goes without its dense matrix.
+  bool is_large(Index contact_rows, const Preparation& how) const {
+    return how.factorize && contact_rows > how.most_dense && how.interface_edges.empty() && standing.empty() &&
+           skeleton.unseen.empty() && is_definite(kernel.element);
+  }
+
   Model model(Ordering ordering, System system, std::shared_ptr<const Factor> factor, const ModelSeconds& seconds) && {
     const Element element = kernel.element;
     return {.mesh = std::move(mesh),
@@ -166,9 +173,9 @@ struct Prepared {
             .notes = std::move(notes),
             .threads = threads,
             .seconds = seconds,
-            .inner = std::make_shared<Inner>(Inner{std::move(kernel), std::move(skeleton), std::move(ordering),
-                                                   std::move(system), std::move(factor), std::move(floating),
-                                                   std::move(data), std::move(standing)})};
+            .inner = std::make_shared<Inner>(
+                Inner{std::move(kernel), std::move(skeleton), std::move(ordering), std::move(system), std::move(factor),
+                      std::move(floating), std::move(data), std::move(standing), std::move(held), std::move(start)})};
   }
 
   Mesh mesh;
@@ -180,6 +187,8 @@ struct Prepared {
   std::vector<RigidMotion> floating;
   SceneData data;
   Standing standing;
+  std::shared_ptr<HeldFactors> held;
+  std::vector<Motion> start;
 };
 
 /// With the springs that hold what contact alone holds.
@@ -205,7 +214,8 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   Ordering ordering = order(made.mesh, made.skeleton, how.interface_edges);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
   if (made.mesh.triangles.size() > large) return_freed_memory();
-  check_contact(made.mesh, made.scene, ordering.contact_rows);
+  const bool by_factors = made.is_large(ordering.contact_rows, how);
+  if (!by_factors) check_contact(made.mesh, made.scene, ordering.contact_rows);
   ModelSeconds seconds;
   const double numbering = watch.lap();
   System system =
@@ -213,6 +223,14 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   seconds.assemble = watch.lap() + numbering;
   if (!made.standing.empty())
     hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
+  if (by_factors) {
+    made.held = std::make_shared<HeldFactors>(sequence_within(made.mesh, made.skeleton, ordering),
+                                              ordering.contact_rows, threads);
+    made.start = motions_of(made.mesh, made.skeleton, ordering, made.kernel, how.contact);
+    made.held->of(system.K, held_by(made.start, ordering.contact_rows));
+    seconds.factor = watch.lap();
+    return std::move(made).model(std::move(ordering), std::move(system), nullptr, seconds);
+  }
   auto factor = std::make_shared<const Factor>(
       !how.factorize                  ? Factor(LowerTriangle{}, 0)
       : !made.skeleton.unseen.empty() ? Factor(lifted(system.K, made.skeleton, ordering), ordering.contact_rows)
@@ -240,6 +258,8 @@ Model reloaded(const Model& m, Scene scene, const Field* before) {
     hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
+  made.held = m.inner->held;
+  made.start = m.inner->start;
   return std::move(made).model(std::move(ordering), std::move(system), m.inner->factor, seconds);
 }
 
@@ -265,6 +285,10 @@ std::string lost_digits(const State& state) {
       "rounding: equilibrium and contact hold to {:.1g} of the load, and the work of the loads is twice "
       "the strain energy to {:.1g}; about {:.0f} digits of the results are left",
       c.kkt, c.work, std::max(0.0, std::floor(-std::log10(worst))));
+}
+
+bool has_large_contact(const Model& m) {
+  return m.inner->held != nullptr;
 }
 
 Triangle triangle(const Model& model, Index t) {

@@ -64,6 +64,30 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
   return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
 }
 
+// Where their matrix is too large: a factor per set. Moves s.x on to the solution.
+Contact contact_by_factors(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F,
+                           PenaltyIterate& s) {
+  const Inner& inner = *condensed.m.inner;
+  const Index rows = inner.ordering.contact_rows;
+  if (method == ContactMethod::Uzawa)
+    throw Error(Fault::Usage, fmt::format("\"uzawa\" needs the dense matrix of contact, which {} unknowns are too many "
+                                          "for; use \"dual-qp\"",
+                                          rows));
+  if (s.x.size() == 0) s.x.setZero(inner.ordering.size);
+  const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
+    for (Index i = 0; i < rows; ++i)
+      if (motion[i] == Motion::Held) s.x[s.x.size() - rows + i] = 0;
+    Eigen::VectorXd missing = F - multiply(inner.system.K, s.x);
+    missing.tail(rows) += force;
+    s.x += condensed.solve_frozen(missing, motion);
+    const Eigen::VectorXd rest = multiply(inner.system.K, s.x) - F;
+    return {s.x.tail(rows), rest.tail(rows)};
+  };
+  const std::vector<Motion>& guess = s.motion.empty() ? inner.start : s.motion;
+  return active_set({.rows = rows, .solve = respond, .most_iterations = 200, .trusts_guess = true}, condensed.points,
+                    guess);
+}
+
 Contact contact_on(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& b,
                    const Eigen::VectorXd& y, const std::vector<Motion>& guess) {
   if (const Standing& standing = condensed.m.inner->standing; !standing.empty())
@@ -78,11 +102,25 @@ Contact contact_on(const Condensation& condensed, ContactMethod method, const Ei
   }
 }
 
+void take(const Contact& contact, Stopwatch& watch, PenaltyIterate& s, State& state) {
+  s.motion = contact.motion;
+  state.contact_iterations += contact.iterations;
+  state.converged = contact.converged;
+  state.seconds.contact += watch.lap();
+}
+
 // K x = F + contact forces, from a first guess x (corrected by its residual) or from nothing.
 void solve_contact(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F, PenaltyIterate& s,
                    State& state) {
   const Model& m = condensed.m;
   const Index contact_rows = m.inner->ordering.contact_rows;
+  if (has_large_contact(m)) {
+    Stopwatch watch;
+    const Contact contact = contact_by_factors(condensed, method, F, s);
+    state.linear_solves += contact.solves;
+    take(contact, watch, s, state);
+    return;
+  }
   // The correction solves for x as a whole on the rows in contact: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(contact_rows).setZero();
@@ -94,10 +132,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     Stopwatch watch;
     const Contact contact = contact_on(condensed, method, rest, y, s.motion);
     if (method == ContactMethod::ActiveSet) state.linear_solves += contact.solves;
-    s.motion = contact.motion;
-    state.contact_iterations += contact.iterations;
-    state.converged = contact.converged;
-    state.seconds.contact += watch.lap();
+    take(contact, watch, s, state);
     correction = condensed.complete(y, contact.jump);
     for (Index i = 0; i < contact_rows; ++i)
       if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - contact_rows + i] = 0;
@@ -175,7 +210,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
-  const Eigen::VectorXd half = m.inner->factor->forward(missed);
+  const Eigen::VectorXd half = condensed.half(missed, s.motion);
   // An eigenstrain stores energy without any displacement, too.
   const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
@@ -207,6 +242,13 @@ struct Settling {
     const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
     if (contact_rows == 0) {
       state.linear_solves += refinement.solve(F, prescribed, s);
+      return;
+    }
+    if (has_large_contact(m)) {  // the set stays; the certificate tells
+      Eigen::VectorXd driven = F;
+      for (Index i = 0, row = m.inner->ordering.size - contact_rows; i < contact_rows; ++i, ++row)
+        if (s.motion[i] != Motion::Held) driven[row] += s.force[row];
+      state.linear_solves += refinement.solve(driven, prescribed, s);
       return;
     }
     constexpr int most = 10;

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <numeric>
 #include <optional>
 
 namespace kerf {
@@ -108,7 +109,8 @@ struct Factor::Impl {
   Index size = 0;
   double entries = 0, flops = 0;
   Eigen::MatrixXd contact_factor, interface_factor;
-  std::optional<Lu> lu;  // instead of a Cholesky factor
+  bool permuted = false;  // by the factor, not by whoever made the matrix
+  std::optional<Lu> lu;   // instead of a Cholesky factor
   std::optional<Multifrontal> numeric;
   int threads = 1;
 
@@ -116,14 +118,59 @@ struct Factor::Impl {
     if (factor) cholmod_free_factor(&factor, &session.c);
   }
 
+  void analyze(const LowerTriangle& lower, std::span<const Index> sequence) {
+    cholmod_common& c = session.c;
+    c.supernodal = CHOLMOD_SUPERNODAL;
+    c.nmethods = 1;
+    c.method[0].ordering = sequence.empty() ? CHOLMOD_NATURAL : CHOLMOD_GIVEN;
+    // Fewer zeros in merged supernodes than by default: 4 to 7 % less memory; speed within the noise of the
+    // measurement. Small matrices spend their time on the calls per supernode, not inside: 6600 unknowns of a lattice
+    // take 9.2 ms with the narrow ones, 6.1 by default, 4.7 with wide ones.
+    constexpr std::array<std::size_t, 3> narrow{1, 4, 12}, wide{8, 32, 96};
+    std::copy_n((size < 30000 ? wide : narrow).begin(), 3, c.nrelax);
+    // `dissection` is a postorder already, and last rows must stay where they are.
+    permuted = !sequence.empty();
+    c.postorder = permuted ? 1 : 0;
+    cholmod_sparse a = view(size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
+                            const_cast<double*>(lower.values.data()), -1);
+    factor = cholmod_analyze_p(&a, permuted ? const_cast<Index*>(sequence.data()) : nullptr, nullptr, 0, &c);
+    if (!factor) out_of_memory();
+    entries = c.lnz;
+    flops = c.fl;
+    numeric.emplace(Supernodes{static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
+                               static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
+                               static_cast<const Index*>(factor->s)});
+  }
+
+  /// In the order of the factor.
+  LowerTriangle reordered(const LowerTriangle& lower) const {
+    const auto* order = static_cast<const Index*>(factor->Perm);
+    std::vector<Index> place(static_cast<std::size_t>(size));
+    for (Index k = 0; k < size; ++k) place[static_cast<std::size_t>(order[k])] = k;
+    LowerTriangle r{size, std::vector<Index>(lower.start.size(), 0), std::vector<Index>(lower.rows.size()),
+                    std::vector<double>(lower.values.size())};
+    const auto each = [&](const auto& visit) {
+      for (Index j = 0; j < size; ++j)
+        for (Index p = lower.start[j]; p < lower.start[j + 1]; ++p)
+          visit(p, place[static_cast<std::size_t>(lower.rows[p])], place[static_cast<std::size_t>(j)]);
+    };
+    each([&](Index, Index row, Index column) { ++r.start[std::min(row, column) + 1]; });
+    std::partial_sum(r.start.begin(), r.start.end(), r.start.begin());
+    std::vector<Index> next(r.start.begin(), r.start.end() - 1);
+    each([&](Index p, Index row, Index column) {
+      const Index to = next[std::min(row, column)]++;
+      r.rows[to] = std::max(row, column);
+      r.values[to] = lower.values[p];
+    });
+    return r;
+  }
+
   void factorize(const LowerTriangle& lower) {
     check_stop();
     if (!factor->x && !cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor, &session.c)) out_of_memory();
-    if (!numeric)
-      numeric.emplace(Supernodes{static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
-                                 static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
-                                 static_cast<const Index*>(factor->s)});
-    if (!numeric->factorize(lower, static_cast<double*>(factor->x), threads))
+    auto* values = static_cast<double*>(factor->x);
+    if (!(permuted ? numeric->factorize(reordered(lower), values, threads)
+                   : numeric->factorize(lower, values, threads)))
       throw LostDefiniteness(
           "rounding has eaten the stiffness of the body: it is slender or nearly free to move, triangles are very "
           "flat, or materials differ too much; support it more firmly, or refine the mesh there");
@@ -189,26 +236,21 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
     impl_->lu.emplace(lower);
     return;
   }
-  cholmod_common& c = impl_->session.c;
-  c.supernodal = CHOLMOD_SUPERNODAL;
-  c.nmethods = 1;
-  c.method[0].ordering = CHOLMOD_NATURAL;
-  // Fewer zeros in merged supernodes than by default: 4 to 7 % less memory; speed within the noise of the measurement.
-  // Small matrices spend their time on the calls per supernode, not inside: 6600 unknowns of a lattice take 9.2 ms with
-  // the narrow ones, 6.1 by default, 4.7 with wide ones.
-  constexpr std::array<std::size_t, 3> narrow{1, 4, 12}, wide{8, 32, 96};
-  std::copy_n((impl_->size < 30000 ? wide : narrow).begin(), 3, c.nrelax);
-  c.postorder = 0;  // `dissection` is a postorder already, and the last rows must stay where they are
-  cholmod_sparse a = view(impl_->size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
-                          const_cast<double*>(lower.values.data()), -1);
-  impl_->factor = cholmod_analyze(&a, &c);
-  if (!impl_->factor) out_of_memory();
-  impl_->entries = c.lnz;
-  impl_->flops = c.fl;
+  impl_->analyze(lower, {});
   impl_->factorize(lower);
   if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
   impl_->interface_factor = impl_->last_block(contact_rows + interface_rows);
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
+}
+
+Factor::Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads)
+    : impl_(std::make_unique<Impl>()) {
+  use_one_thread();
+  impl_->size = lower.size;
+  impl_->threads = threads;
+  if (impl_->size == 0) return;
+  impl_->analyze(lower, sequence);
+  impl_->factorize(lower);
 }
 
 void Factor::refactor(const LowerTriangle& lower) {
@@ -216,6 +258,7 @@ void Factor::refactor(const LowerTriangle& lower) {
   if (impl_->size == 0) return;
   const Eigen::Index rows = impl_->interface_factor.rows(), contact = impl_->contact_factor.rows();
   impl_->factorize(lower);
+  if (impl_->permuted) return;
   impl_->interface_factor = impl_->last_block(static_cast<Index>(rows));
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact, contact);
 }
@@ -256,15 +299,19 @@ const Eigen::MatrixXd& Factor::interface_factor() const {
 
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
   if (impl_->lu) return impl_->lu->solve(b);
-  return impl_->size == 0 ? b : impl_->apply(CHOLMOD_L, b);
+  if (impl_->size == 0) return b;
+  return impl_->apply(CHOLMOD_L, impl_->permuted ? impl_->apply(CHOLMOD_P, b) : b);
 }
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
-  return impl_->size == 0 || impl_->lu ? y : impl_->apply(CHOLMOD_Lt, y);
+  if (impl_->size == 0 || impl_->lu) return y;
+  if (impl_->permuted) return impl_->apply(CHOLMOD_Pt, impl_->apply(CHOLMOD_Lt, y));
+  return impl_->apply(CHOLMOD_Lt, y);
 }
 
 Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
   if (impl_->size == 0 || y.cols() == 0) return y;
+  if (impl_->permuted) return impl_->apply(CHOLMOD_Pt, impl_->apply(CHOLMOD_Lt, y));
   return impl_->apply(CHOLMOD_Lt, y);
 }
 

@@ -88,9 +88,39 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Penalt
   return F;
 }
 
-Condensation::Condensation(const Model& model)
-    : m(model), S(model.inner->factor->contact_complement()), points(contact_points(model)) {
+Condensation::Condensation(const Model& model) : m(model), points(contact_points(model)) {
+  if (has_large_contact(m)) return;
+  S = m.inner->factor->contact_complement();
   m.inner->standing.release(S);
+}
+
+namespace {
+
+Eigen::VectorXd without_held(Eigen::VectorXd b, const std::vector<bool>& held) {
+  const Index leading = static_cast<Index>(b.size() - held.size());
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (held[i]) b[leading + static_cast<Index>(i)] = 0;
+  return b;
+}
+
+// With large contact. `given`: of the held rows, 0 on the others.
+Eigen::VectorXd solve_held(const Condensation& condensed, const Eigen::VectorXd& b, const std::vector<Motion>& motion,
+                           const Eigen::VectorXd* given) {
+  const Inner& inner = *condensed.m.inner;
+  const std::vector<bool> held = held_by(motion, inner.ordering.contact_rows);
+  const auto factor = inner.held->of(inner.system.K, held);
+  if (!given || given->isZero(0)) return factor->solve(without_held(b, held));
+  Eigen::VectorXd at = Eigen::VectorXd::Zero(b.size());
+  at.tail(given->size()) = *given;
+  return at + factor->solve(without_held(b - multiply(inner.system.K, at), held));
+}
+
+}  // namespace
+
+Eigen::VectorXd Condensation::half(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
+  if (!has_large_contact(m)) return m.inner->factor->forward(b);
+  const std::vector<bool> held = held_by(motion, m.inner->ordering.contact_rows);
+  return m.inner->held->of(m.inner->system.K, held)->forward(without_held(b, held));
 }
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
@@ -117,6 +147,7 @@ Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::
 
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                            const Eigen::VectorXd* held) const {
+  if (has_large_contact(m)) return solve_held(*this, b, motion, held);
   const Eigen::VectorXd y = m.inner->factor->forward(b);
   if (m.inner->ordering.contact_rows == 0) return m.inner->factor->backward(y);
   if (sliding) {

@@ -11,14 +11,15 @@ namespace {
 // The factor of K with the rows held that s.motion holds.
 class Frozen {
  public:
-  Frozen(const Condensation& condensed, const std::vector<Motion>& motion) : condensed_(condensed) {
+  Frozen(const Condensation& condensed, const std::vector<Motion>& motion) : condensed_(condensed), motion_(motion) {
     for (Index i = 0; i < static_cast<Index>(motion.size()); ++i)
       (motion[i] == Motion::Held ? held_ : moving_).push_back(i);
-    if (!moving_.empty()) block_.compute(condensed.S(moving_, moving_));
+    if (!moving_.empty() && !has_large_contact(condensed.m)) block_.compute(condensed.S(moving_, moving_));
   }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
     const Model& m = condensed_.m;
+    if (has_large_contact(m)) return condensed_.solve_frozen(b, motion_);
     Eigen::VectorXd y = m.inner->factor->forward(b);
     const Index rows = m.inner->ordering.contact_rows;
     if (rows == 0) return m.inner->factor->backward(y);
@@ -38,6 +39,7 @@ class Frozen {
 
  private:
   const Condensation& condensed_;
+  const std::vector<Motion>& motion_;
   std::vector<Index> held_, moving_;
   Eigen::LLT<Eigen::MatrixXd> block_;
 };
