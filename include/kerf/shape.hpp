@@ -32,8 +32,8 @@ struct Loop {  // closed; either orientation, find_problem does not mind
 
 struct Crack {
   std::string name;
-  std::vector<Vec2> points;  // open polyline; of an arc its start and its end
-  std::optional<Arc> arc;    // of a circle; absent: straight edges
+  std::vector<Vec2> points;  // polyline, closed only around a region; of an arc its start and its end
+  std::optional<Arc> arc;    // of a circle, around a region also of an ellipse; absent: straight edges
 };
 
 struct Shape {
@@ -65,9 +65,9 @@ Polygon flatten(const Loop& loop, double chord, double longest);
 /// nothing. Knows: fewer than three sides, zero-length sides, non-finite numbers, a loop that crosses or touches
 /// itself, holes outside the outline, touching it or each other, cracks outside the body or crossing its boundary,
 /// overlapping cracks, cracks that meet at less than a degree, a crack that crosses itself or runs along the boundary.
-/// Regions lie inside the body and touch nothing, neither one another nor holes, cracks and the outline; they may lie
-/// inside one another and around holes and cracks. Cracks may cross, and end on the outline, on a hole or on each
-/// other.
+/// Regions lie inside the body and touch nothing, neither one another nor holes, cracks and the outline, unless a crack
+/// is made of their sides (an interface); they may lie inside one another and around holes and cracks. Cracks may
+/// cross, and end on the outline, on a hole or on each other.
 std::optional<std::string> find_problem(const Shape& shape);
 
 /// Length scale of the shape: the diagonal of its bounding box.
