@@ -69,8 +69,9 @@ between = ["strip", "upper"]
 
 TEST(InterfaceCase, SaysWhatIsWrong) {
   const auto wrong = [](const std::string& rest) { return error(layered + rest); };
-  EXPECT_EQ(wrong("between = [\"uper\", \"body\"]\n"),
-            "a.toml:19:12: entry 1 of between in [[interface]]: there is no [[region]] \"uper\"; did you mean \"upper\"?");
+  EXPECT_EQ(
+      wrong("between = [\"uper\", \"body\"]\n"),
+      "a.toml:19:12: entry 1 of between in [[interface]]: there is no [[region]] \"uper\"; did you mean \"upper\"?");
   EXPECT_NE(wrong("between = [\"upper\"]\n").find("has 1 entries; an interface lies between two regions"),
             std::string::npos);
   EXPECT_NE(wrong("between = [\"upper\", \"upper\"]\n").find("names \"upper\" twice"), std::string::npos);
