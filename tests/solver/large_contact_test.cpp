@@ -4,7 +4,9 @@
 #include "kerf/adjoint.hpp"
 #include "kerf/fracture.hpp"
 #include "kerf/mesher.hpp"
+#include "solver/history.hpp"
 #include "solver/system.hpp"
+#include "solver/tangent_cone.hpp"
 #include "tests/solver/scenes.hpp"
 #include "tests/support/exact_families.hpp"
 
@@ -125,6 +127,30 @@ TEST(LargeContact, GivesTheDenseTangents) {
   EXPECT_LT(b.residual, 1e-12);
 }
 
+// Loaded, then unloaded by half: slip is remembered.
+TEST(LargeContact, GivesTheDenseHistory) {
+  const Shape shape = random_cracks(6, 3, 5);
+  const Mesh mesh = triangulate(shape, {.size = 0.4, .crack_tip_size = 0.1});
+  const Scene scene = pushed(6, {.friction = 0.3});
+  Scene half = scene;
+  for (Traction& t : half.tractions) {
+    const BoundaryField whole = t.value;
+    t.value = [whole](const Vec2& x, const Vec2& n) -> Vec2 { return 0.5 * whole(x, n); };
+  }
+  std::vector<State> last;
+  for (const Index most_dense : {always_dense, Index{0}}) {
+    const Model first = prepare(mesh, element("bdms"), scene, 1, {.most_dense = most_dense});
+    const State loaded = solve(first);
+    last.push_back(solve(continued(first, half, loaded)));
+    EXPECT_TRUE(certified(last.back()));
+    EXPECT_GT((last.back().skeleton - 0.5 * loaded.skeleton).cwiseAbs().maxCoeff(),
+              1e-3 * loaded.skeleton.cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT((last[1].skeleton - last[0].skeleton).cwiseAbs().maxCoeff(),
+            1e-10 * last[0].skeleton.cwiseAbs().maxCoeff());
+  EXPECT_LT((last[1].force - last[0].force).cwiseAbs().maxCoeff(), 1e-10 * last[0].force.cwiseAbs().maxCoeff());
+}
+
 /// Edges of `size` on the first crack, growing away from it.
 Mesh fine_at_crack(const Shape& shape, double size) {
   const Mesh coarse = triangulate(shape, {.size = 0.2});
@@ -167,6 +193,14 @@ TEST(LargeContact, SaysWhatItCannotDo) {
   const Model m = prepare(mesh, element("bdms"), pushed(3, {}), 1, {.most_dense = 0});
   EXPECT_THROW(solve(m, ContactMethod::Uzawa), Error);
   EXPECT_TRUE(certified(solve(m, ContactMethod::ActiveSet)));
+  // Slip whose limit follows the pressure: its tangent needs the dense matrix.
+  const Model rubbing = prepare(mesh, element("bdms"), pushed(3, {.friction = 0.1}), 1, {.most_dense = 0});
+  const State s = solve(rubbing);
+  Sensitivity dJ;
+  dJ.skeleton = s.skeleton;
+  const TangentCone cone = tangent_cone(rubbing, s);
+  ASSERT_FALSE(cone.sliding.empty());
+  EXPECT_THROW(solve_adjoint(rubbing, dJ, cone), Error);
 }
 
 TEST(LargeContact, BoundsContainTheEnergy) {
