@@ -140,8 +140,10 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
                       "contact = \"unilateral\" prevents it",
                       crack.name, crack.penetration));
   if (const std::string note = note_on_friction(model.scene, shape); !note.empty()) s.state.notes.push_back(note);
-  // Pieces that contact alone holds are settled in one way, whatever was asked for.
-  const ContactMethod used = model.inner->standing.empty() ? method : ContactMethod::DualQp;
+  // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
+  const ContactMethod used = has_large_contact(model)        ? ContactMethod::ActiveSet
+                             : model.inner->standing.empty() ? method
+                                                             : ContactMethod::DualQp;
   if (may_touch(model.scene)) s.contact = contact_result(state, used, s.cracks);
   return s;
 }

@@ -49,6 +49,7 @@ class Factor {
   Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
   Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;  // of a definite matrix
 
   double entries() const;  // nonzeros of L
   double flops() const;

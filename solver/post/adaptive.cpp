@@ -170,11 +170,11 @@ class Grading {
     return on(std::move(mesh), sizing, watch.lap());
   }
 
-  /// Large contact begins with what the faces do on a mesh four times coarser, where that has a good deal fewer
-  /// unknowns in contact; `known_` is of the last mesh.
-  void look_coarser(const Sizing& wanted, Index rows) {
+  /// Large contact begins with what the faces do on a mesh four times coarser, where that costs little; `known_` is of
+  /// the last mesh.
+  void look_coarser(const Sizing& wanted, Index rows, Index triangles) {
     constexpr double coarser = 4;
-    constexpr Index fewer = 2;
+    constexpr Index fewer = 5;
     if (how_.given || how_.saddle_point || known_rows_ * 8 >= rows) return;
     Sizing sizing = wanted;
     sizing.size *= coarser;
@@ -182,7 +182,8 @@ class Grading {
     if (sizing.size > extent(shape_) / 4) return;
     Stopwatch watch;
     Mesh mesh = triangulate(shape_, sizing);
-    if (rows_in_contact(mesh) * fewer <= rows) on(std::move(mesh), sizing, watch.lap());
+    const bool cheap = static_cast<Index>(mesh.triangles.size()) * fewer <= triangles;
+    if (cheap && rows_in_contact(mesh) * 2 <= rows) on(std::move(mesh), sizing, watch.lap());
   }
 
   Index rows_in_contact(const Mesh& mesh) const {
@@ -199,7 +200,7 @@ class Grading {
     Preparation preparation;
     const Index rows = rows_in_contact(mesh);
     if (rows > preparation.most_dense) {
-      look_coarser(sizing, rows);
+      look_coarser(sizing, rows, round.triangles);
       preparation.contact = known_;
     }
     Stopwatch watch;

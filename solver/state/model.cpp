@@ -229,6 +229,10 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
     made.start = motions_of(made.mesh, made.skeleton, ordering, made.kernel, how.contact);
     made.held->of(system.K, held_by(made.start, ordering.contact_rows));
     seconds.factor = watch.lap();
+    made.notes.push_back(
+        fmt::format("the cracks in contact have {} unknowns, too many for a dense matrix: contact is "
+                    "solved by factors of the whole system, method \"active-set\"",
+                    ordering.contact_rows));
     return std::move(made).model(std::move(ordering), std::move(system), nullptr, seconds);
   }
   auto factor = std::make_shared<const Factor>(

@@ -64,7 +64,7 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
   return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
 }
 
-// Where their matrix is too large: a factor per set. Moves s.x on to the solution.
+// Where there is no dense matrix of contact: by factors of the whole. Moves s.x on to the solution.
 Contact contact_by_factors(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F,
                            PenaltyIterate& s) {
   const Inner& inner = *condensed.m.inner;
@@ -210,9 +210,8 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
-  const Eigen::VectorXd half = condensed.half(missed, s.motion);
   // An eigenstrain stores energy without any displacement, too.
-  const double error = is_definite(m.element) ? half.squaredNorm() : std::abs(missed.dot(half)),
+  const double error = condensed.energy_of(missed, s.motion),
                stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
                moved = rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed),
                size = std::abs(balance.energy) + balance.noise + stored + moved + before.energy;

@@ -316,7 +316,13 @@ Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
 }
 
 Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
+  if (impl_->permuted) return impl_->apply(CHOLMOD_A, b);
   return backward(forward(b));
+}
+
+Eigen::MatrixXd Factor::solve(const Eigen::MatrixXd& b) const {
+  if (impl_->lu) throw std::invalid_argument("Factor: many right-hand sides need a definite matrix");
+  return impl_->size == 0 || b.cols() == 0 ? b : impl_->apply(CHOLMOD_A, b);
 }
 
 const Eigen::MatrixXd& Factor::contact_factor() const {

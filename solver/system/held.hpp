@@ -5,6 +5,7 @@
 #include "solver/factor.hpp"
 #include "solver/system/ordering.hpp"
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -19,29 +20,45 @@ std::vector<Index> sequence_within(const Mesh& mesh, const Skeleton& s, const Or
 std::vector<bool> held_by(const std::vector<Motion>& motion, Index contact_rows);
 
 /// K with rows in contact held: their rows and columns are those of a diagonal matrix, so that the pattern, and with it
-/// the analysis of the factor, is that of every set.
+/// the analysis of the factor, is that of every set. One thread at a time.
 class HeldFactors {
  public:
   HeldFactors(std::vector<Index> sequence, Index contact_rows, int threads)
       : sequence_(std::move(sequence)), contact_rows_(contact_rows), threads_(threads) {}
 
-  /// The factor for a set, which is made anew, in the same memory where nobody else has it, unless it was the last one.
-  /// Throws as Factor does.
+  /// K x = b on the rows that move, x = 0 on those held: by the last factor, bordered where the set differs from its
+  /// own in a few rows [theory: C.32], else by a new one. Throws as Factor does.
+  Eigen::VectorXd solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b);
+
+  /// The factor for a set, which is made anew, in the memory of the last one, unless that is it.
   std::shared_ptr<const Factor> of(const LowerTriangle& K, const std::vector<bool>& held);
+
   int made() const {
     return made_;
   }
 
  private:
-  std::shared_ptr<Factor> factorize(const LowerTriangle& K);
+  /// A row that is held in the factor and moves, or the other way round.
+  using Column = std::vector<std::pair<Index, double>>;  // of K, without rows held in the factor; or a unit vector
+  std::vector<Index> changes(const std::vector<bool>& held) const;
+  bool worth_bordering(const std::vector<Index>& changed) const;
+  void border(const LowerTriangle& K, const std::vector<Index>& changed);
+  void read_columns(const LowerTriangle& K, const std::vector<Index>& fresh);
+  Eigen::VectorXd multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& x,
+                              const Eigen::VectorXd& b) const;
+  void factorize(const LowerTriangle& K);
 
   std::mutex one_at_a_time_;
   std::vector<Index> sequence_;
   Index contact_rows_;
   int threads_;
   int made_ = 0;
-  std::vector<bool> held_;
+  std::vector<bool> held_;  // in the factor
   std::shared_ptr<Factor> last_;
+  std::map<Index, Column> columns_;  // by row in contact
+  // Of pairs of these rows, first >= second: a column times the solution for the other, less the entry of K where both
+  // are released.
+  std::map<std::pair<Index, Index>, double> products_;
 };
 
 }  // namespace kerf

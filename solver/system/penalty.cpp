@@ -94,34 +94,26 @@ Condensation::Condensation(const Model& model) : m(model), points(contact_points
   m.inner->standing.release(S);
 }
 
-namespace {
-
-Eigen::VectorXd without_held(Eigen::VectorXd b, const std::vector<bool>& held) {
-  const Index leading = static_cast<Index>(b.size() - held.size());
-  for (std::size_t i = 0; i < held.size(); ++i)
-    if (held[i]) b[leading + static_cast<Index>(i)] = 0;
-  return b;
+double Condensation::energy_of(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
+  if (has_large_contact(m)) return std::abs(b.dot(solve_frozen(b, motion)));
+  const Eigen::VectorXd half = m.inner->factor->forward(b);
+  return is_definite(m.element) ? half.squaredNorm() : std::abs(b.dot(half));
 }
 
+namespace {
+
 // With large contact. `given`: of the held rows, 0 on the others.
-Eigen::VectorXd solve_held(const Condensation& condensed, const Eigen::VectorXd& b, const std::vector<Motion>& motion,
+Eigen::VectorXd solve_held(const Model& m, const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                            const Eigen::VectorXd* given) {
-  const Inner& inner = *condensed.m.inner;
-  const std::vector<bool> held = held_by(motion, inner.ordering.contact_rows);
-  const auto factor = inner.held->of(inner.system.K, held);
-  if (!given || given->isZero(0)) return factor->solve(without_held(b, held));
+  const LowerTriangle& K = m.inner->system.K;
+  const std::vector<bool> held = held_by(motion, m.inner->ordering.contact_rows);
+  if (!given || given->isZero(0)) return m.inner->held->solve(K, held, b);
   Eigen::VectorXd at = Eigen::VectorXd::Zero(b.size());
   at.tail(given->size()) = *given;
-  return at + factor->solve(without_held(b - multiply(inner.system.K, at), held));
+  return at + m.inner->held->solve(K, held, b - multiply(K, at));
 }
 
 }  // namespace
-
-Eigen::VectorXd Condensation::half(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
-  if (!has_large_contact(m)) return m.inner->factor->forward(b);
-  const std::vector<bool> held = held_by(motion, m.inner->ordering.contact_rows);
-  return m.inner->held->of(m.inner->system.K, held)->forward(without_held(b, held));
-}
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
   Eigen::VectorXd r = lower(m) * y.tail(m.inner->ordering.contact_rows);
@@ -147,7 +139,7 @@ Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::
 
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                            const Eigen::VectorXd* held) const {
-  if (has_large_contact(m)) return solve_held(*this, b, motion, held);
+  if (has_large_contact(m)) return solve_held(m, b, motion, held);
   const Eigen::VectorXd y = m.inner->factor->forward(b);
   if (m.inner->ordering.contact_rows == 0) return m.inner->factor->backward(y);
   if (sliding) {

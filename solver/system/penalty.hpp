@@ -45,7 +45,7 @@ void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);
 Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const PenaltyIterate& s);
 
 /// The rows in contact condensed: S once for all iterations, and the two halves of a solve around them. With large
-/// contact there is no S, and only `solve_frozen` and `half` solve.
+/// contact there is no S, and only `solve_frozen` and `energy_of` solve.
 struct Condensation {
   explicit Condensation(const Model& model);
   const Model& m;
@@ -64,8 +64,8 @@ struct Condensation {
   /// With it solve_frozen is that of a tangent cone with sliding points: forces of moving rows follow pressures, or for
   /// the adjoint, transposed, jumps of normal rows those of tangential ones.
   std::optional<Sliding> sliding = {};
-  /// The first half of a solve of K x = b with the held rows at 0: its square is b'x.
-  Eigen::VectorXd half(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const;
+  /// b'x for the solution of K x = b; with large contact with the held rows at 0.
+  double energy_of(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const;
 
  private:
   mutable std::optional<OpenRows> open_rows_ = {};  // of the last call: one thread at a time
