@@ -49,7 +49,7 @@ class Factor {
   Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
   Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;  // of a definite matrix
+  Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;  // of a definite matrix, column by column
 
   double entries() const;  // nonzeros of L
   double flops() const;

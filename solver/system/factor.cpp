@@ -320,7 +320,7 @@ Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
   return backward(forward(b));
 }
 
-Eigen::MatrixXd Factor::solve(const Eigen::MatrixXd& b) const {
+Eigen::MatrixXd Factor::solve_all(const Eigen::MatrixXd& b) const {
   if (impl_->lu) throw std::invalid_argument("Factor: many right-hand sides need a definite matrix");
   return impl_->size == 0 || b.cols() == 0 ? b : impl_->apply(CHOLMOD_A, b);
 }

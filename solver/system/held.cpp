@@ -151,7 +151,7 @@ void HeldFactors::border(const LowerTriangle& K, const std::vector<Index>& chang
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(K.size, static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k)
       for (const auto& [row, value] : columns_[fresh[first + k]]) block(row, static_cast<Eigen::Index>(k)) = value;
-    block = last_->solve(block);
+    block = last_->solve_all(block);
     for (std::size_t k = 0; k < count; ++k) {
       const Index i = fresh[first + k];
       for (const auto& [j, column] : columns_) {
