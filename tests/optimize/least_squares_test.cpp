@@ -183,6 +183,26 @@ TEST(Count, FindsACrack) {
     EXPECT_LT(i.position_error, plate.size) << in_words(i);
 }
 
+TEST(LeastSquares, NeedReadings) {
+  const Plate plate;
+  EXPECT_THROW(least_squares(plate.frame(), request({{plate.circle("h")}}), Eigen::Vector3d(0.5, 0.5, 0.08), {}),
+               Error);
+}
+
+/// Where nothing says how large the noise is, it is what remains.
+TEST(Count, EstimatesTheNoise) {
+  Plate plate;
+  plate.size = 0.2;
+  const Problem p = plate.frame();
+  Readings readings{.label = 1, .at = {{0, 0.5}, {1, 0.5}, {0.5, 1}}, .displacement = {{0, 0}, {0, 0}, {0, 0}}};
+  const Count count = count_defects(p, request({{plate.circle("h")}}), readings, 0);
+  ASSERT_EQ(count.tried.size(), 1u);
+  const LeastSquares& fit = count.tried[0].fit;
+  EXPECT_TRUE(fit.estimated);
+  EXPECT_NEAR(fit.noise, std::sqrt(fit.end / 6), 1e-15);
+  EXPECT_NEAR(count.tried[0].criterion, 6 * std::log(fit.end / 6), 1e-12);
+}
+
 TEST(Count, CopiesOneThing) {
   const Plate plate;
   const Problem p = plate.frame();

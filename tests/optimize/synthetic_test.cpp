@@ -152,5 +152,26 @@ TEST(Measure, RefusesUnknownLabels) {
   EXPECT_THROW(measure(s), Error);
 }
 
+TEST(Measure, SensorsLieAsFarApartAsAsked) {
+  Synthetic s = holed();
+  s.spacing = 1e-7;
+  try {
+    measure(s);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "synthetic data: sensors 1e-07 apart are too many; use a larger spacing");
+  }
+  s.spacing = 0;  // that of the mesh
+  s.sizing.size = 0.2;
+  const std::size_t by_mesh = measure(s).at.size();
+  s.spacing = 0.2;
+  EXPECT_EQ(measure(s).at.size(), by_mesh);
+  s.spacing = 100;  // both ends of every side, and nothing between
+  const Measurement ends = measure(s);
+  EXPECT_LT(ends.at.size(), by_mesh);
+  for (std::size_t i = 0; i < ends.at.size(); ++i)
+    EXPECT_LT((ends.field(ends.at[i], Vec2(0, 1)) - ends.displacement[i]).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace kerf
