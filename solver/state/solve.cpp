@@ -84,7 +84,7 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
     return {s.x.tail(rows), rest.tail(rows)};
   };
   const std::vector<Motion>& guess = s.motion.empty() ? inner.start : s.motion;
-  return active_set({.rows = rows, .solve = respond, .most_iterations = 200, .trusts_guess = true}, condensed.points,
+  return active_set({.rows = rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, condensed.points,
                     guess);
 }
 
