@@ -90,7 +90,7 @@ Term volume();
 Term displacement_tracking(VectorField target, ScalarField weight);
 Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight);
 /// The displacement along `direction` on the label: a mean when weighted by one over its length.
-Term displacement(Index label, BoundaryField direction, BoundaryWeight weight);
+Term boundary_displacement(Index label, BoundaryField direction, BoundaryWeight weight);
 Term stress_power(double p, ScalarField weight, bool plane_strain);
 Term stress_pnorm(double p, ScalarField weight, bool plane_strain);
 Term misfit(Index label, BoundaryField measured);

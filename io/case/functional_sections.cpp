@@ -81,7 +81,7 @@ struct Reader {
     return static_cast<Index>(number);
   }
 
-  /// One term per label, made by boundary_tracking or displacement of the pair under `key`.
+  /// One term per label, made by boundary_tracking or boundary_displacement of the pair under `key`.
   std::vector<Term> boundary_terms(const Value& table, const char* key, decltype(boundary_tracking)& made) const {
     const std::vector<Index> labels = find_labels(need(table, "on"), c.shape);
     const auto pair = formulas(need(table, key), definitions);
@@ -163,7 +163,7 @@ struct Reader {
       return {displacement_tracking([field](const Vec2& x) { return field(x, Vec2::Zero()); }, weight(table))};
     }
     if (kind == "boundary_tracking") return boundary_terms(table, "target", boundary_tracking);
-    if (kind == "displacement") return boundary_terms(table, "direction", displacement);
+    if (kind == "displacement") return boundary_terms(table, "direction", boundary_displacement);
     if (kind == "stress_power" || kind == "stress_pnorm") {
       const double p = in_range(need(table, "p"));
       return {kind == "stress_power" ? stress_power(p, weight(table), c.plane_strain)

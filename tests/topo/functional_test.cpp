@@ -53,7 +53,7 @@ std::vector<Named> terms() {
       {"opening", crack_opening(0, weight)},
       {"pressure", crack_pressure(
                        0, [](const Vec2&) { return 0.1; }, weight)},
-      {"along", displacement(
+      {"along", boundary_displacement(
                     1, [](const Vec2& x, const Vec2& n) -> Vec2 { return 0.3 * n + Vec2(0.1, x.x()); },
                     [=](const Vec2& x, const Vec2&) { return weight(x); })},
   };

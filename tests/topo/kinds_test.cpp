@@ -32,7 +32,7 @@ std::vector<Named> terms(const VectorField& body = {}) {
           {"volume", volume()},
           {"displacement_tracking", displacement_tracking({}, {})},
           {"boundary_tracking", boundary_tracking(2, {}, {})},
-          {"displacement", displacement(2, [](const Vec2& x, const Vec2&) { return Vec2(x.x(), 0.5); }, {})},
+          {"displacement", boundary_displacement(2, [](const Vec2& x, const Vec2&) { return Vec2(x.x(), 0.5); }, {})},
           {"stress_power_2", stress_power(2, middle, true)},
           {"stress_power_4", stress_power(4, middle, true)},
           {"stress_pnorm", stress_pnorm(4, middle, true)},

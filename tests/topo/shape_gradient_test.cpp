@@ -91,7 +91,7 @@ std::vector<Named> functionals(const Scenario& s) {
       {"boundary", {boundary_tracking(1, boundary_target, boundary_weight)}},
       {"loaded_boundary", {boundary_tracking(2, boundary_target, boundary_weight)}},
       {"supported_boundary", {boundary_tracking(3, boundary_target, boundary_weight)}},
-      {"along", {displacement(1, boundary_target, boundary_weight)}},
+      {"along", {boundary_displacement(1, boundary_target, boundary_weight)}},
       {"power", {stress_power(4, weight, true)}},
       {"norm", {stress_pnorm(6, weight, true)}},
       {"misfit", {misfit(2, [](const Vec2& x, const Vec2& n) -> Vec2 { return 0.3 * n + Vec2(0.1 * x.x(), 0); })}},

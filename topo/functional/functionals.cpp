@@ -57,7 +57,7 @@ Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight)
           }};
 }
 
-Term displacement(Index label, BoundaryField direction, BoundaryWeight weight) {
+Term boundary_displacement(Index label, BoundaryField direction, BoundaryWeight weight) {
   return {.kind = "displacement",
           .linear = true,
           .label = label,
