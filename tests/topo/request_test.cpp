@@ -182,7 +182,7 @@ TEST(FunctionalRequests, ReadingsAreOfTheBoundary) {
   EXPECT_EQ(said(plate(), reading), "no refusal");
   Body rough = plate();
   rough.scene.laws[0].friction = 0.3;
-  EXPECT_EQ(said(rough, reading), "topological derivatives need cracks without friction; remove friction and tresca");
+  EXPECT_EQ(said(rough, reading), "responses of readings need cracks without friction; remove friction and tresca");
   const std::string words = "readings are integrals of the displacement over a part of the boundary";
   for (const Term& term : {energy(), compliance(), stress_power(2, {}, true), crack_opening(0, {}), volume()})
     EXPECT_EQ(said(plate(), term), words) << term.kind;
