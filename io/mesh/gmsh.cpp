@@ -15,7 +15,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <climits>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -56,6 +58,26 @@ const Module& needed(const std::filesystem::path& path) {
   return module;
 }
 
+constexpr std::array ending{SIGINT, SIGTERM, SIGHUP};
+
+// Of a file that goes when a signal ends kerf at once, as it does before a run has begun. A handler reaches nothing
+// else.
+char doomed[PATH_MAX] = "";
+
+extern "C" void remove_and_end(int signal) {
+  unlink(doomed);
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+void stop_removing() {
+  for (const int signal : ending) {
+    struct sigaction now = {};
+    if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == remove_and_end) std::signal(signal, SIG_DFL);
+  }
+  doomed[0] = '\0';
+}
+
 /// A file of its own in the folder for temporary files, gone with the object.
 class TemporaryMesh {
  public:
@@ -64,12 +86,19 @@ class TemporaryMesh {
     const int file = mkstemps(name_.data(), 4);
     if (file < 0) throw Error(Fault::Files, fmt::format("cannot make a temporary file {}", name_));
     close(file);
+    if (doomed[0] != '\0' || name_.size() >= sizeof doomed) return;
+    std::strcpy(doomed, name_.c_str());
+    for (const int signal : ending) {
+      struct sigaction now = {};
+      if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) std::signal(signal, remove_and_end);
+    }
   }
   TemporaryMesh(const TemporaryMesh&) = delete;
   TemporaryMesh& operator=(const TemporaryMesh&) = delete;
   ~TemporaryMesh() {
     std::error_code ignored;
     std::filesystem::remove(name_, ignored);
+    if (name_ == doomed) stop_removing();
   }
   const std::string& name() const {
     return name_;
@@ -181,9 +210,8 @@ Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work)
   }
   if (child == 0) {
     close(ends[0]);
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
-    std::signal(SIGALRM, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, SIG_DFL);
+    stop_removing();
     alarm(60 * minutes);
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // a script that never ends does not outlive kerf
     const int nowhere = open("/dev/null", O_WRONLY);

@@ -36,8 +36,8 @@ mesher = "gmsh"
 png = false
 )";
   }
-  /// kerf check of a square with these lines of script; true when it went through.
-  bool check(const std::string& script) const {
+  /// kerf check of a square with these lines of script, started by `by`; true when it went through.
+  bool check(const std::string& script, const std::string& by = "") const {
     std::ofstream(folder / "a.geo") << "lc = 0.5;\nPoint(1) = {0, 0, 0, lc}; Point(2) = {1, 0, 0, lc};\n"
                                        "Point(3) = {1, 1, 0, lc}; Point(4) = {0, 1, 0, lc};\n"
                                        "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};\n"
@@ -45,7 +45,8 @@ png = false
                                        "Physical Curve(\"left\") = {4}; Physical Surface(\"body\") = {1};\n"
                                     << script;
     const std::string command = "cd '" + folder.string() + "' && HOME='" + (folder / "home").string() + "' TMPDIR='" +
-                                (folder / "tmp").string() + "' '" KERF_PROGRAM "' check a.toml -o out >out.txt 2>&1";
+                                (folder / "tmp").string() + "' " + by +
+                                " '" KERF_PROGRAM "' check a.toml -o out >out.txt 2>&1";
     return std::system(command.c_str()) == 0;
   }
   void expect_nothing_written(const std::string& script) const {
@@ -56,6 +57,14 @@ png = false
     EXPECT_TRUE(fs::is_empty(folder / "tmp")) << script;
   }
 };
+
+// Ended while gmsh draws, by a signal that nothing answers before a run has begun.
+TEST_F(GeoScript, LeavesNoFileWhenItIsEnded) {
+  for (const char* signal : {"TERM", "INT", "HUP"}) {
+    EXPECT_FALSE(check("For i In {1:1000000000}\n x = i;\nEndFor\n", "timeout -s " + std::string(signal) + " 1"));
+    EXPECT_TRUE(fs::is_empty(folder / "tmp")) << signal;
+  }
+}
 
 TEST_F(GeoScript, DrawsButStartsNoProgramsAndWritesNoFiles) {
   ASSERT_TRUE(check(""));
