@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -193,33 +194,13 @@ struct Multifrontal::Run {
     return true;
   }
 
-  /// What the front leaves is made on top of the stack, then moved down to where that of its children was.
-  bool perform(Index s, Arena& arena, std::size_t& top) {
-    const Front f = of.front(s, values);
-    double *rest = arena.stack.get() + top, *lowest = rest;
-    std::fill_n(rest, f.rest_size(), 0.0);
-    find_places(f, arena.place);
-    add_entries(f, arena.place, 0, f.width);
-    for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
-      const std::vector<Index> places = places_of(c, arena.place);
-      add_child(f, rest, left[c], places, 0, static_cast<Index>(places.size()));
-      lowest = std::min(lowest, left[c]);
-    }
-    if (!eliminate(f, rest)) return false;
-    if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
-    left[s] = lowest;
-    top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
-    return true;
-  }
-
   void subtree(const Unit& unit) {
     if (!definite) return;
     check_stop();
     std::unique_ptr<Arena> arena = take();
-    const BlasCall in_blas;
     std::size_t top = 0;
     for (Index k = unit.begin; k < unit.end; ++k)
-      if (!perform(of.sequence_[k], *arena, top)) {
+      if (!perform(of.sequence_[k], *arena, top, false)) {
         definite = false;
         break;
       }
@@ -271,7 +252,6 @@ struct Multifrontal::Run {
         subtract_product(rows, columns, step, made + row, f.height, made + column, f.height, to + row, apart);
     };
     team.run(tiles * (tiles + 1) / 2, [&](Index k) {
-      const BlasCall in_blas;
       Index j = 0, i = k;  // tile (i, j), i >= j, column after column
       while (i >= tiles - j) i -= tiles - j, ++j;
       i += j;
@@ -286,12 +266,8 @@ struct Multifrontal::Run {
     for (Index from = 0; from < f.width; from += tile) {
       const Index step = std::min(tile, f.width - from), behind = f.height - from - step;
       double* diagonal = f.panel + std::int64_t{from} * f.height + from;
-      {
-        const BlasCall in_blas;
-        if (!cholesky(step, diagonal, f.height)) return false;
-      }
+      if (!cholesky(step, diagonal, f.height)) return false;
       team.run((behind + tile - 1) / tile, [&](Index i) {
-        const BlasCall in_blas;
         divide(std::min(tile, behind - i * tile), step, diagonal, f.height, diagonal + step + i * tile, f.height);
       });
       update_tiles(f, rest, from, step);
@@ -299,38 +275,39 @@ struct Multifrontal::Run {
     return true;
   }
 
-  void single(Index s, Arena& arena, std::size_t& top) {
-    if (!definite) return;
-    check_stop();
+  /// What the front leaves is made on top of the stack, then moved down to where that of its children was.
+  bool perform(Index s, Arena& arena, std::size_t& top, bool together) {
     const Front f = of.front(s, values);
-    const bool large = is_large(f);
     double *rest = arena.stack.get() + top, *lowest = rest;
     find_places(f, arena.place);
-    in_strips(f.width, large, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
-    in_strips(f.rest(), large, [&](Index from, Index to) {
+    in_strips(f.width, together, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
+    in_strips(f.rest(), together, [&](Index from, Index to) {
       std::fill_n(rest + std::int64_t{from} * f.rest(), std::int64_t{to - from} * f.rest(), 0.0);
     });
     for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
       const std::vector<Index> places = places_of(c, arena.place);
-      in_strips(static_cast<Index>(places.size()), large,
+      in_strips(static_cast<Index>(places.size()), together,
                 [&](Index from, Index to) { add_child(f, rest, left[c], places, from, to); });
       if (kept[c])
         kept[c].reset();
       else
         lowest = std::min(lowest, left[c]);
     }
-    if (large) {
-      definite = in_tiles(f, rest);
-    } else {
-      const BlasCall in_blas;
-      definite = eliminate(f, rest);
-    }
+    if (!(together ? in_tiles(f, rest) : eliminate(f, rest))) return false;
     if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
     left[s] = lowest;
     top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
+    return true;
+  }
+
+  void single(Index s, Arena& arena, std::size_t& top) {
+    if (!definite) return;
+    check_stop();
+    definite = perform(s, arena, top, is_large(of.front(s, values)));
   }
 
   bool operator()() {
+    const std::deque<BlasCall> in_blas(static_cast<std::size_t>(team.size()));  // one per thread
     Arena arena(of.columns_, of.top_room_);
     std::size_t top = 0;
     if (team.size() > 1) {
