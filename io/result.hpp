@@ -234,6 +234,8 @@ void write_crack_csv(const std::filesystem::path& path, const CrackResult& crack
 /// empty cell is not known or not of that quantity. x, y: of a disc its center, of a line where it begins.
 void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bounds);
 
+/// Where each step stands in the history: 1.5 is half of the second.
+std::vector<double> places_in_history(const std::vector<StepResult>& steps);
 /// steps.csv: step (1.5: half of the second), the names that steps change, energies, lengths, and K of every tip.
 void write_steps_csv(const std::filesystem::path& path, const std::vector<StepResult>& steps);
 

@@ -107,6 +107,16 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
   write_file(path, {out.data(), out.size()});
 }
 
+std::vector<double> places_in_history(const std::vector<StepResult>& steps) {
+  std::vector<double> out;
+  double before = 0;
+  for (const StepResult& s : steps) {
+    out.push_back(before + static_cast<double>(s.part) / s.parts);
+    if (s.part == s.parts) ++before;
+  }
+  return out;
+}
+
 void write_steps_csv(const std::filesystem::path& path, const std::vector<StepResult>& steps) {
   std::vector<std::string> columns{"step"};
   for (const auto& [name, value] : steps.front().values) columns.push_back(name);
@@ -118,11 +128,10 @@ void write_steps_csv(const std::filesystem::path& path, const std::vector<StepRe
     const int k = ++number[tip.crack];
     for (const char* of : {"K_I", "K_II"}) columns.push_back(fmt::format("{}_{}_{}", of, tip.crack, k));
   }
+  const std::vector<double> places = places_in_history(steps);
   std::vector<std::vector<double>> rows;
-  double before = 0;
   for (const StepResult& s : steps) {
-    std::vector<double> row{before + static_cast<double>(s.part) / s.parts};
-    if (s.part == s.parts) ++before;
+    std::vector<double> row{places[rows.size()]};
     for (const auto& [name, value] : s.values) row.push_back(value);
     for (const double value : {s.energy, s.strain_energy, s.work, s.dissipation, s.imbalance, s.open_length,
                                s.closed_length, s.stick_length, s.slip_length})

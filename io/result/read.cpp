@@ -338,6 +338,25 @@ void read_optimize(const Json& from, Result& r) {
   r.optimize = std::move(o);
 }
 
+StepResult step(const Json& from) {
+  StepResult s{.name = text(from, "name"), .part = from.value("part", 1), .parts = from.value("parts", 1)};
+  if (s.parts < 1) s.parts = 1;
+  for (const auto& [name, value] : from.at("define").items()) s.values.emplace_back(name, number(value));
+  s.energy = number(from, "energy");
+  s.strain_energy = number(from, "strain_energy");
+  s.work = number(from, "work");
+  s.dissipation = number(from, "dissipation");
+  s.imbalance = number(from, "imbalance");
+  s.open_length = number(from, "open_length");
+  s.closed_length = number(from, "closed_length");
+  s.stick_length = number(from, "stick_length");
+  s.slip_length = number(from, "slip_length");
+  s.kkt = number(from, "kkt");
+  for (const Json& t : list(from, "tips"))
+    s.tips.push_back({text(t, "crack"), place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II")});
+  return s;
+}
+
 Seconds seconds(const Json& from) {
   return {number(from, "mesh"),
           number(from, "assemble"),
@@ -374,6 +393,7 @@ Result from_json(const Json& from) {
         number(c, "open_length"), number(c, "closed_length"), number(c, "biactive_length")};
   }
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
+  for (const Json& s : list(from, "steps")) r.steps.push_back(step(s));
   if (from.contains("bounds")) r.bounds = bounds(from["bounds"]);
   if (from.contains("functional")) r.functional = functional(from["functional"]);
   if (from.contains("map")) r.map = map(from["map"]);

@@ -79,6 +79,7 @@ std::string page(const Result& r, const PageData& data) {
   if (drawn && r.state) out += "<h2>Stress</h2>\n" + body_figure("stress", stress_finding(r)) + thinned(r, data);
   if (r.map) out += map_section(r, find_array(data.arrays, "map") ? body_figure("map", map_finding(r)) : std::string());
   out += cracks_section(r);
+  if (!r.steps.empty()) out += steps_section(r);
   if (r.bounds) out += bounds_section(r);
   if (r.validate) out += validation_section(r);
   if (r.optimize) out += optimize_section(r, data);

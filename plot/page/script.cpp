@@ -280,9 +280,11 @@ struct HistoryPart {
   std::vector<std::vector<double>> values;
   std::vector<std::string> names;
   std::vector<double> dashed = {};
+  bool linear = false;  // never a logarithm
 };
 
-std::string history_part(const HistoryPart& part, const std::vector<double>& iteration) {
+/// `of`: what counts along the axis.
+std::string history_part(const HistoryPart& part, const char* of, const std::vector<double>& places) {
   std::vector<std::string> values;
   std::vector<double> all;
   for (const auto& column : part.values) {
@@ -293,8 +295,11 @@ std::string history_part(const HistoryPart& part, const std::vector<double>& ite
     return fmt::format("{} at the start, {} at the end", pretty(v.front()), pretty(v.back()));
   };
   JsonObject out;
-  out.text("id", part.id).text("label", part.label).add("log", wants_logarithm(all) ? "true" : "false");
-  out.add("iteration", json_numbers(iteration)).add("values", json_list(values)).add("names", json_texts(part.names));
+  out.text("id", part.id).text("label", part.label).add("log", !part.linear && wants_logarithm(all) ? "true" : "false");
+  out.text("x", of)
+      .add("places", json_numbers(places))
+      .add("values", json_list(values))
+      .add("names", json_texts(part.names));
   out.add("dashed", json_numbers(part.dashed));
   return out.text("alt", fmt::format("{}: {}.", part.label, ends(part.values.front()))).done();
 }
@@ -338,7 +343,43 @@ std::string history(const Result& r) {
     parts.push_back(std::move(bounds));
   }
   std::vector<std::string> out;
-  for (const HistoryPart& part : parts) out.push_back(history_part(part, iteration));
+  for (const HistoryPart& part : parts) out.push_back(history_part(part, "iteration", iteration));
+  return json_list(out);
+}
+
+std::string steps(const Result& r) {
+  const auto in = [&](const Dimension& of) { return r.units.given() ? " in " + unit(r.units, of) : std::string(); };
+  const auto column = [&](double StepResult::*value) {
+    std::vector<double> out;
+    for (const StepResult& s : r.steps) out.push_back(s.*value);
+    return out;
+  };
+  const std::vector<HistoryPart> energies_and_lengths{
+      {"step-energy",
+       "energy" + in(dimension::energy),
+       {column(&StepResult::strain_energy), column(&StepResult::work), column(&StepResult::dissipation)},
+       {"strain energy", "work of loads and supports", "taken by friction"}},
+      {"step-length",
+       "length" + in(dimension::length),
+       {column(&StepResult::open_length), column(&StepResult::stick_length), column(&StepResult::slip_length)},
+       {"open", "sticks", "slides"}}};
+  std::vector<std::string> out;
+  const std::vector<double> places = places_in_history(r.steps);
+  for (HistoryPart part : energies_and_lengths) {
+    part.linear = true;
+    out.push_back(history_part(part, "step", places));
+  }
+  for (const auto& [id, name, K] : {std::tuple{"step-K_I", "K_I", &StepResult::Tip::K_I},
+                                    std::tuple{"step-K_II", "K_II", &StepResult::Tip::K_II}}) {
+    HistoryPart part{id, name + in(dimension::stress_intensity), {}, {}, {}, true};
+    for (std::size_t k = 0; k < r.steps.front().tips.size(); ++k) {
+      const StepResult::Tip& tip = r.steps.front().tips[k];
+      part.names.push_back(fmt::format("{} of {} at {}", name, tip.crack, place(tip.at)));
+      std::vector<double>& values = part.values.emplace_back();
+      for (const StepResult& s : r.steps) values.push_back(k < s.tips.size() ? (s.tips[k].*K).value_or(nan) : nan);
+    }
+    if (!part.values.empty()) out.push_back(history_part(part, "step", places));
+  }
   return json_list(out);
 }
 
@@ -367,6 +408,7 @@ std::string data_elements(const Result& r, const PageData& data) {
   head.add("cracks", cracks(r));
   if (r.validate) head.add("validation", validation(*r.validate));
   if (r.optimize && r.optimize->history.size() > 1) head.add("history", history(r));
+  if (r.steps.size() > 1) head.add("history", steps(r));
   if (const NamedArray* shots = find_array(data.arrays, "design.shots"); shots && r.optimize)
     head.add("design", design(r, *shots));
   std::string out = "<script type=\"application/json\" id=\"kerf-data\">" + head.done() + "</script>\n";

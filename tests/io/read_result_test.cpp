@@ -90,6 +90,28 @@ Result everything() {
   return r;
 }
 
+/// A history of two steps, the second in two parts.
+Result history() {
+  Result r{.version = "1", .case_name = "steps"};
+  for (int i = 0; i < 3; ++i)
+    r.steps.push_back({.name = i == 0 ? "up" : "down",
+                       .part = i == 2 ? 2 : 1,
+                       .parts = i == 0 ? 1 : 2,
+                       .values = {{"load", 1.0 - i}},
+                       .energy = -1.0 - i,
+                       .strain_energy = 1.0 + i,
+                       .work = 2.0,
+                       .dissipation = 0.5 * i,
+                       .imbalance = i == 1 ? nan : 1e-3,
+                       .open_length = 0.1,
+                       .closed_length = 0.9,
+                       .stick_length = 0.3,
+                       .slip_length = 0.6,
+                       .kkt = 1e-12,
+                       .tips = {{"c", {0, 0.5}, 1.5, {}}}});
+  return r;
+}
+
 void write(const std::filesystem::path& folder, const Result& r) {
   write_json(folder / "result.json", r);
   for (const CrackResult& c : r.cracks) write_crack_csv(folder / ("crack_" + c.name + ".csv"), c);
@@ -97,7 +119,7 @@ void write(const std::filesystem::path& folder, const Result& r) {
 }
 
 TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
-  for (const Result& r : {everything(), test::full_result(), Result{.version = "1", .case_name = "bare"}}) {
+  for (const Result& r : {everything(), history(), test::full_result(), Result{.version = "1", .case_name = "bare"}}) {
     const Folder folder;
     write(folder.path, r);
     const std::filesystem::path again = folder.path / "again";
@@ -122,6 +144,19 @@ TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
   EXPECT_TRUE(read.cracks[0].rows[0].closed);
   EXPECT_FALSE(read.cracks[0].rows[20].closed);
   EXPECT_EQ(unit(read.units, per_area(*read.functional_dimension)), "MPa");
+}
+
+TEST(ReadResult, StepsStandWhereTheyWere) {
+  const Folder folder;
+  write(folder.path, history());
+  const Result read = read_result(folder.path);
+  ASSERT_EQ(read.steps.size(), 3u);
+  EXPECT_EQ(places_in_history(read.steps), (std::vector{1.0, 1.5, 2.0}));
+  EXPECT_EQ(read.steps[2].values[0].first, "load");
+  EXPECT_EQ(read.steps[2].values[0].second, -1);
+  EXPECT_TRUE(std::isnan(read.steps[1].imbalance));
+  EXPECT_EQ(read.steps[1].tips[0].K_I, 1.5);
+  EXPECT_FALSE(read.steps[1].tips[0].K_II);
 }
 
 TEST(ReadResult, WhatIsNoResultIsNamed) {

@@ -57,11 +57,35 @@ TEST(Page, EverySectionOfAFullRun) {
   EXPECT_FALSE(has(html, ">nan<"));
 }
 
+TEST(Page, AHistoryOfLoadsHasCurvesAndATable) {
+  Result r{.case_name = "steps"};
+  for (int i = 0; i < 2; ++i)
+    r.steps.push_back({.name = i == 0 ? "up" : "<down>",
+                       .values = {{"load", 2.0 - i}},
+                       .strain_energy = 7.25 - i,
+                       .work = 8.5 + i,
+                       .dissipation = 0.125 * i,
+                       .open_length = 0.75,
+                       .tips = {{"c", {0, 0.5}, 1.5 + i, {}}}});
+  const std::string html = page(r, {});
+  for (const char* part : {"<h2>Steps</h2>", "id=\"history-step-energy\"", "id=\"history-step-length\"",
+                           "id=\"history-step-K_I\"", "<th scope=\"col\">load</th>", "&lt;down&gt;", "\"places\": [1,2]",
+                           "[7.25,6.25],[8.5,9.5],[0,0.125]", "\"values\": [[1.5,2.5]]", "strain energy"}) {
+    EXPECT_TRUE(has(html, part)) << part;
+  }
+  EXPECT_FALSE(has(html, "<down>"));
+  r.steps.pop_back();
+  const std::string one = page(r, {});
+  EXPECT_TRUE(has(one, "<h2>Steps</h2>"));
+  EXPECT_FALSE(has(one, "history-step"));  // one value is no curve
+}
+
 TEST(Page, OnlyWhatRan) {
   Result r;
   r.case_name = "bare";
   const std::string html = page(r, {});
-  for (const char* part : {"<h2>Mesh", "<h2>State", "<h2>Contact", "<h2>Cracks", "Topological", "Validation"}) {
+  for (const char* part :
+       {"<h2>Mesh", "<h2>State", "<h2>Contact", "<h2>Cracks", "<h2>Steps", "Topological", "Validation"}) {
     EXPECT_FALSE(has(html, part)) << part;
   }
   EXPECT_TRUE(has(html, "<h1>bare</h1>"));

@@ -78,8 +78,8 @@ function validation(data) {
 function history(data) {
   for (const part of data.history || []) {
     const root = document.getElementById(`history-${part.id}`);
-    if (root) curve(root, { x: "iteration", y: part.label, alt: part.alt, logY: part.log, span: part.id === "volume" ? 0.1 : 0,
-                            data: [part.iteration, ...part.values.map((v) => (part.log ? positive(v) : finite(v.map((a) => a ?? NaN))))],
+    if (root) curve(root, { x: part.x, y: part.label, alt: part.alt, logY: part.log, span: part.id === "volume" ? 0.1 : 0,
+                            data: [part.places, ...part.values.map((v) => (part.log ? positive(v) : finite(v.map((a) => a ?? NaN))))],
                             series: part.names.map((label, i) => ({ label, dash: part.dashed.includes(i) ? 1 : 0 })) });
   }
 }
