@@ -3,6 +3,7 @@
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "bench/hard.hpp"
+#include "bench/limit.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/proof.hpp"
@@ -25,7 +26,7 @@ struct Arguments {
   BenchOptions options;
   std::vector<std::string> elements;  // state, map
   double seconds = 300;               // state, map
-  bool large = false;                 // map
+  bool large = false;                 // map, limit
   std::string pages;                  // verify
   bool list = false, quiet = false, force = false;
   std::string log_level;
@@ -44,8 +45,11 @@ const std::vector<Bench>& benches() {
        map_case_names()},
       {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
        hard_case_names()},
-      {"proof", "guaranteed intervals of K, G, stresses and T: width, containment, cost; one without the truth is exit code 4",
+      {"proof",
+       "guaranteed intervals of K, G, stresses and T: width, containment, cost; one without the truth is exit code 4",
        proof_case_names()},
+      {"limit", "each phase's time, the factor against dgemm's speed, memory per triangle, one thread and two",
+       limit_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()},
       {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
@@ -77,7 +81,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       "knob; "
       "verify: the quick half");
   app.add_option("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
-  app.add_flag("--large", arguments.large, "map: a million triangles, too; about 10 GB and a few minutes");
+  app.add_flag("--large", arguments.large, "map, limit: a million triangles, too; about 10 GB and a few minutes");
   app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
   app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
   app.add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
@@ -113,7 +117,8 @@ void check(const Arguments& arguments) {
   for (const Bench& b : benches()) names.push_back(b.name);
   if (arguments.name.empty()) throw Error(Fault::Usage, fmt::format("which bench? {}", suggest("", names)));
   require_known("bench", arguments.name, names);
-  if (arguments.large && arguments.name != "map") throw Error(Fault::Usage, "--large belongs to kerf bench map");
+  if (arguments.large && arguments.name != "map" && arguments.name != "limit")
+    throw Error(Fault::Usage, "--large belongs to kerf bench map and limit");
   if (!arguments.pages.empty() &&
       (arguments.name != "verify" || arguments.options.quick || !arguments.options.cases.empty()))
     throw Error(Fault::Usage, "--write belongs to kerf bench verify, with neither --case nor --quick");
@@ -161,6 +166,8 @@ int perform(int argc, char** argv) {
     finish(bench);
     if (const int outside = count(bench, "outside"))
       throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
+  } else if (arguments->name == "limit") {
+    finish(run_limit_bench(options, arguments->large));
   } else if (arguments->name == "optimize") {
     finish(run_optimize_bench(options));
   } else if (arguments->name == "map") {

@@ -85,6 +85,31 @@ Json second_section(const SecondTermRow& r) {
           {"left_by_second", number(r.left_by_second)}};
 }
 
+Json phase_section(const LimitRow& r, const LimitPhase& p) {
+  return {{"triangles", r.triangles},
+          {"threads", r.threads},
+          {"phase", p.name},
+          {"wall_s", number(p.wall_s)},
+          {"processor_s", number(p.processor_s)}};
+}
+
+Json limit_section(const LimitRow& r) {
+  Json phases = Json::object();
+  for (const LimitPhase& p : r.phases)
+    phases[p.name] = {{"wall_s", number(p.wall_s)}, {"processor_s", number(p.processor_s)}};
+  return {{"triangles", r.triangles},
+          {"threads", r.threads},
+          {"wall_s", number(r.wall())},
+          {"processor_s", number(r.processor())},
+          {"factor_flops", number(r.factor_flops)},
+          {"dgemm_flops_per_s", number(r.dgemm_rate)},
+          {"limit_s", number(r.limit())},
+          {"memory_mb", number(r.memory_mb)},
+          {"bytes_per_triangle", number(r.bytes_per_triangle())},
+          {"certified", r.certified},
+          {"phases", std::move(phases)}};
+}
+
 Json map_section(const MapMeasurement& m) {
   return {{"case", m.problem},
           {"poisson", m.poisson},
@@ -364,6 +389,26 @@ void write_proof_json(const std::filesystem::path& path, const ProofBench& bench
   for (const ProofRow& r : bench.rows) out["rows"].push_back(proof_section(r));
   out["second_terms"] = Json::array();
   for (const SecondTermRow& r : bench.second) out["second_terms"].push_back(second_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench) {
+  std::vector<Json> rows;
+  for (const LimitRow& r : bench.rows)
+    for (const LimitPhase& p : r.phases) rows.push_back(phase_section(r, p));
+  write_file(path, csv(phase_section({}, {""}), rows));
+}
+
+void write_limit_json(const std::filesystem::path& path, const LimitBench& bench) {
+  const auto memory = [](const LimitRow& r) { return r.memory_mb - r.before_mb; };
+  Json out = {
+      {"schema", 1},
+      {"bench", "limit"},
+      {"status", bench.stopped ? "stopped" : "ok"},
+      {"time_grows_like", {number(growth(bench, 1, &LimitRow::wall)), number(growth(bench, 2, &LimitRow::wall))}},
+      {"memory_grows_like", number(growth(bench, 1, memory))},
+      {"rows", Json::array()}};
+  for (const LimitRow& r : bench.rows) out["rows"].push_back(limit_section(r));
   write_file(path, out.dump(2) + "\n");
 }
 

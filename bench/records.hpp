@@ -2,6 +2,7 @@
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
 #include "bench/hard.hpp"
+#include "bench/limit.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/proof.hpp"
@@ -19,6 +20,9 @@ void write_hard_json(const std::filesystem::path& path, const HardBench& bench);
 void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench);
 void write_second_terms_csv(const std::filesystem::path& path, const ProofBench& bench);
 void write_proof_json(const std::filesystem::path& path, const ProofBench& bench);
+/// A row per run and phase.
+void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench);
+void write_limit_json(const std::filesystem::path& path, const LimitBench& bench);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);

@@ -176,7 +176,7 @@ TEST_F(Cli, BenchNamesWhatWasMeant) {
   expect_failure("bench state --case opencrack", 2, "unknown case \"opencrack\"; did you mean \"open-crack\"?");
   expect_failure("bench state --element bdsm", 2, "unknown element \"bdsm\"; did you mean \"bdms\"?");
   expect_failure("bench state --case cantilever", 2, "unknown case \"cantilever\"");
-  expect_failure("bench state --large", 2, "--large belongs to kerf bench map");
+  expect_failure("bench state --large", 2, "--large belongs to kerf bench map and limit");
   expect_failure("bench map --case cook-stress", 2, "unknown case \"cook-stress\"");
   expect_failure("bench map --quick --peers nowhere", 5, "nowhere holds no peer scripts (slit.idp");
   expect_failure("bench state --seconds 0", 2, "--seconds");
