@@ -60,17 +60,6 @@ void use_one_thread() {
   if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
 }
 
-struct Work {  // an array of CHOLMOD's
-  explicit Work(Session& its) : session(its) {}
-  Work(const Work&) = delete;
-  Work& operator=(const Work&) = delete;
-  ~Work() {
-    if (array) cholmod_free_dense(&array, &session.c);
-  }
-  Session& session;
-  cholmod_dense* array = nullptr;
-};
-
 }  // namespace
 
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
@@ -104,7 +93,7 @@ void return_freed_memory() {
 }
 
 struct Factor::Impl {
-  mutable Session session;
+  Session session;
   cholmod_factor* factor = nullptr;
   Index size = 0;
   double entries = 0, flops = 0;
@@ -176,28 +165,37 @@ struct Factor::Impl {
           "flat, or materials differ too much; support it more firmly, or refine the mesh there");
   }
 
+  const double* values() const {
+    return static_cast<const double*>(factor->x);
+  }
+
+  /// In the order of the factor, and back.
   template <typename Dense>
-  Dense apply(int system, const Dense& b) const {
+  Dense permute(const Dense& b, bool back) const {
+    Dense out(b.rows(), b.cols());
+    const auto* order = static_cast<const Index*>(factor->Perm);
+    for (Eigen::Index c = 0; c < b.cols(); ++c)
+      for (Index k = 0; k < size; ++k)
+        if (back)
+          out(order[k], c) = b(k, c);
+        else
+          out(k, c) = b(order[k], c);
+    return out;
+  }
+
+  template <typename Dense>
+  Dense forward(const Dense& b) const {
     check_stop();
-    cholmod_dense in{};
-    in.nrow = in.d = static_cast<std::size_t>(size);
-    in.ncol = static_cast<std::size_t>(b.cols());
-    in.nzmax = in.nrow * in.ncol;
-    in.x = const_cast<double*>(b.data());
-    in.xtype = CHOLMOD_REAL;
-    in.dtype = CHOLMOD_DOUBLE;
-    const BlasCall in_blas;
-    // CHOLMOD 5.12 forgets that it could not have the first of its two work arrays when it can have the second.
-    Work out(session), first(session), second(session);
-    const auto most = factor->maxesize;
-    first.array = cholmod_allocate_dense(in.nrow, in.ncol, in.nrow, CHOLMOD_REAL, &session.c);
-    second.array = cholmod_allocate_dense(std::max<std::size_t>(most, 1), in.ncol, std::max<std::size_t>(most, 1),
-                                          CHOLMOD_REAL, &session.c);
-    if (!first.array || !second.array) out_of_memory();
-    if (!cholmod_solve2(system, factor, &in, nullptr, &out.array, nullptr, &first.array, &second.array, &session.c) ||
-        !out.array)
-      out_of_memory();
-    return Eigen::Map<Dense>(static_cast<double*>(out.array->x), size, b.cols());
+    Dense x = permuted ? permute(b, false) : b;
+    numeric->forward(values(), x, threads);
+    return x;
+  }
+
+  template <typename Dense>
+  Dense backward(Dense x) const {
+    check_stop();
+    numeric->backward(values(), x, threads);
+    return permuted ? permute(x, true) : x;
   }
 
   // The supernodes hold the columns of L as dense blocks; the last one may begin before these columns.
@@ -300,29 +298,26 @@ const Eigen::MatrixXd& Factor::interface_factor() const {
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
   if (impl_->lu) return impl_->lu->solve(b);
   if (impl_->size == 0) return b;
-  return impl_->apply(CHOLMOD_L, impl_->permuted ? impl_->apply(CHOLMOD_P, b) : b);
+  return impl_->forward(b);
 }
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
   if (impl_->size == 0 || impl_->lu) return y;
-  if (impl_->permuted) return impl_->apply(CHOLMOD_Pt, impl_->apply(CHOLMOD_Lt, y));
-  return impl_->apply(CHOLMOD_Lt, y);
+  return impl_->backward(y);
 }
 
 Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
   if (impl_->size == 0 || y.cols() == 0) return y;
-  if (impl_->permuted) return impl_->apply(CHOLMOD_Pt, impl_->apply(CHOLMOD_Lt, y));
-  return impl_->apply(CHOLMOD_Lt, y);
+  return impl_->backward(y);
 }
 
 Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
-  if (impl_->permuted) return impl_->apply(CHOLMOD_A, b);
   return backward(forward(b));
 }
 
 Eigen::MatrixXd Factor::solve_all(const Eigen::MatrixXd& b) const {
   if (impl_->lu) throw std::invalid_argument("Factor: many right-hand sides need a definite matrix");
-  return impl_->size == 0 || b.cols() == 0 ? b : impl_->apply(CHOLMOD_A, b);
+  return impl_->size == 0 || b.cols() == 0 ? b : impl_->backward(impl_->forward(b));
 }
 
 const Eigen::MatrixXd& Factor::contact_factor() const {

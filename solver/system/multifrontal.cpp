@@ -329,11 +329,6 @@ struct Multifrontal::Run {
   }
 };
 
-Multifrontal::Front Multifrontal::front(Index s, double* values) const {
-  return {s_.first[s], s_.first[s + 1] - s_.first[s], s_.rows_start[s + 1] - s_.rows_start[s],
-          s_.rows + s_.rows_start[s], values + s_.values_start[s]};
-}
-
 Multifrontal::Multifrontal(const Supernodes& supernodes) : s_(supernodes) {
   if (s_.count == 0) return;
   columns_ = s_.first[s_.count];
@@ -344,7 +339,8 @@ Multifrontal::Multifrontal(const Supernodes& supernodes) : s_(supernodes) {
   first_child_.assign(count, none);
   next_.assign(count, none);
   for (Index s = s_.count - 1; s >= 0; --s) {
-    const Front f = front(s, nullptr);
+    const Front f = front<double>(s, nullptr);
+    entries_ += std::int64_t{f.width} * f.height;
     if (f.rest() == 0) continue;
     const Index p = parent_[s] = of[static_cast<std::size_t>(f.rows[f.width])];
     next_[s] = first_child_[p];
@@ -383,7 +379,7 @@ void Multifrontal::cut() {
   std::vector<Index> size(count, 1);  // fronts of the subtree
   double whole = 0;
   for (const Index s : sequence_) {
-    const Front f = front(s, nullptr);
+    const Front f = front<double>(s, nullptr);
     double own = per_front;
     for (Index j = 0; j < f.width; ++j) own += double(f.height - j) * double(f.height - j);
     whole += own;
@@ -405,7 +401,7 @@ void Multifrontal::cut() {
       units_.push_back({k + 1 - size[s], k + 1, true, work[s]});
   }
   const auto push = [&](Index s, std::size_t& room, bool only_above) {
-    const std::size_t rest = front(s, nullptr).rest_size();
+    const std::size_t rest = front<double>(s, nullptr).rest_size();
     room = std::max(room, top + rest);
     for (Index c = first_child_[s]; c != none; c = next_[c])
       if (!only_above || above(c)) top -= leaves[c];

@@ -1,7 +1,10 @@
 #pragma once
-// The numeric phase of a sparse Cholesky factorization, on a symbolic analysis that is given [theory: E.28].
+// The numeric phase of a sparse Cholesky factorization, and substitutions, on a symbolic analysis that is given
+// [theory: E.28, E.29].
 
 #include "solver/system/sparse.hpp"
+
+#include <Eigen/Core>
 
 #include <cstdint>
 #include <vector>
@@ -27,11 +30,17 @@ class Multifrontal {
   /// L into `values`. Returns false when a pivot is not positive: `values` are void then. Throws std::bad_alloc.
   bool factorize(const LowerTriangle& K, double* values, int threads) const;
 
+  /// x <- L^-1 x, and x <- L^-T x, of columns of the size of L; cut as the factorization is, with the same bits for any
+  /// number of threads.
+  void forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
+  void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
+
  private:
-  struct Front {
+  template <typename Values>
+  struct FrontOf {
     Index first, width, height;  // columns; all rows
     const Index* rows;
-    double* panel;
+    Values* panel;
     Index rest() const {
       return height - width;
     }
@@ -39,8 +48,11 @@ class Multifrontal {
       return static_cast<std::size_t>(rest()) * static_cast<std::size_t>(rest());
     }
   };
+  using Front = FrontOf<double>;
   struct Arena;
   struct Run;
+  template <typename Dense>
+  struct Substitution;
   /// Fronts sequence_[begin] .. sequence_[end - 1]: a subtree, or one front above them.
   struct Unit {
     Index begin, end;
@@ -48,7 +60,11 @@ class Multifrontal {
     double work;
   };
 
-  Front front(Index s, double* values) const;
+  template <typename Values>
+  FrontOf<Values> front(Index s, Values* values) const {
+    return {s_.first[s], s_.first[s + 1] - s_.first[s], s_.rows_start[s + 1] - s_.rows_start[s],
+            s_.rows + s_.rows_start[s], values + s_.values_start[s]};
+  }
   void order_depth_first();
   void cut();
 
@@ -58,6 +74,7 @@ class Multifrontal {
   std::vector<Unit> units_;
   Index columns_ = 0;
   double work_ = 0;                              // flops, and what a front costs besides
+  std::int64_t entries_ = 0;                     // of the fronts' panels
   std::size_t subtree_room_ = 0, top_room_ = 0;  // doubles on the stacks of what fronts leave
 };
 

@@ -69,6 +69,33 @@ TEST(Multifrontal, SolvesWithTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+// Columns at once, alone, and in halves; the last rows wide, so that the large fronts are, too.
+TEST(Multifrontal, ManyRightHandSidesAreSolvedAsEachIs) {
+  for (const Index last : {5, 400}) {
+    const LowerTriangle K = box(last == 5 ? 20 : 14, last);
+    Eigen::MatrixXd b(K.size, 7);
+    for (Eigen::Index c = 0; c < b.cols(); ++c)
+      b.col(c) = uneven(K.size).array().pow(1 + 0.25 * static_cast<double>(c));
+    const Factor one(K, last), two(K, last, true, 0, 2);
+    const Eigen::MatrixXd x = one.solve_all(b);
+    EXPECT_EQ(two.solve_all(b), x);
+    for (Eigen::Index c = 0; c < b.cols(); ++c) {
+      const double size = b.col(c).cwiseAbs().maxCoeff();
+      EXPECT_LT((multiply(K, x.col(c)) - b.col(c)).cwiseAbs().maxCoeff(), 1e-12 * size) << c;
+      EXPECT_LT((one.solve(b.col(c)) - x.col(c)).cwiseAbs().maxCoeff(), 1e-12 * x.col(c).cwiseAbs().maxCoeff()) << c;
+    }
+    // L^-T is the transpose of L^-1, and K^-1 their product: (L^-1 b)'(L^-1 c) = b'K^-1 c.
+    const Eigen::VectorXd left = one.forward(b.col(0)), right = one.forward(b.col(1));
+    EXPECT_NEAR(left.dot(right), b.col(0).dot(x.col(1)), 1e-12 * std::abs(left.dot(right)));
+    EXPECT_NEAR(one.backward(Eigen::VectorXd(b.col(0))).dot(b.col(1)), b.col(0).dot(right),
+                1e-12 * left.norm() * b.col(0).norm() * b.col(1).norm());
+    EXPECT_LT((one.backward(Eigen::MatrixXd(b)).col(3) - one.backward(Eigen::VectorXd(b.col(3)))).cwiseAbs().maxCoeff(),
+              1e-12 * b.col(3).cwiseAbs().maxCoeff());
+  }
+  const Factor small(box(3, 2), 2);
+  EXPECT_EQ(small.solve_all(Eigen::MatrixXd(29, 0)).cols(), 0);
+}
+
 // Flops of the fronts in tiles are those of the product that the last block stands for.
 TEST(Multifrontal, TheLastBlockIsTheFactorOfWhatIsLeft) {
   const Index last = 250;

@@ -1,0 +1,247 @@
+// Substitutions with the fronts' panels [theory: E.29].
+
+#include "kerf/stop.hpp"
+#include "solver/parallel.hpp"
+#include "solver/system/multifrontal.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+
+namespace kerf {
+
+namespace {
+
+constexpr Index block = 8, tile = 128, strip = 512;
+
+using Panel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+template <typename Dense>
+using Part = Eigen::Map<Dense, 0, Eigen::OuterStride<>>;
+
+/// Rows from .. from + rows of what has `apart` rows.
+template <typename Dense>
+Part<Dense> part(double* of, Index apart, Eigen::Index columns, Index from, Index rows) {
+  return {of + from, rows, columns, Eigen::OuterStride<>(apart)};
+}
+
+/// x <- l^-1 x for the lower triangle l of a panel with `apart` rows. By hand: a sum of Eigen's would begin where the
+/// memory is aligned, and its bits depend on that.
+void divide(const double* l, Index apart, Index n, double* x) {
+  for (Index k = 0; k < n; ++k) {
+    const double* column = l + std::int64_t{k} * apart;
+    const double value = x[k] /= column[k];
+    for (Index i = k + 1; i < n; ++i) x[i] -= column[i] * value;
+  }
+}
+/// x <- l^-T x.
+void divide_transposed(const double* l, Index apart, Index n, double* x) {
+  for (Index k = n - 1; k >= 0; --k) {
+    const double* column = l + std::int64_t{k} * apart;
+    double value = x[k];
+    for (Index i = k + 1; i < n; ++i) value -= column[i] * x[i];
+    x[k] = value / column[k];
+  }
+}
+
+}  // namespace
+
+/// Of columns of vectors, or of one.
+template <typename Dense>
+struct Multifrontal::Substitution {
+  using ConstFront = FrontOf<const double>;
+  const Multifrontal& of;
+  const double* values;
+  double* x;  // of.columns_ x count
+  Eigen::Index count;
+  Team& team;
+
+  struct Room {  // of one thread
+    std::vector<Index> place;
+    std::vector<double> own;  // the rows of a front
+  };
+  std::vector<std::unique_ptr<Room>> free = {};
+  std::mutex mutex = {};
+
+  std::unique_ptr<Room> take() {
+    const std::scoped_lock lock(mutex);
+    if (free.empty()) return std::make_unique<Room>();
+    std::unique_ptr<Room> room = std::move(free.back());
+    free.pop_back();
+    return room;
+  }
+  void give(std::unique_ptr<Room> room) {
+    const std::scoped_lock lock(mutex);
+    free.push_back(std::move(room));
+  }
+
+  double* columns_of(Room& room, const ConstFront& f) const {
+    const std::size_t size = static_cast<std::size_t>(f.height) * static_cast<std::size_t>(count);
+    if (room.own.size() < size) room.own.resize(size);
+    return room.own.data();
+  }
+
+  /// Rows from .. of `w` less what the columns made of them, those of the front behind column `from + step`.
+  void push(const ConstFront& f, double* w, Index from, Index step, Index row, Index rows) const {
+    part<Dense>(w, f.height, count, row, rows).noalias() -=
+        Panel(f.panel + std::int64_t{from} * f.height + row, rows, step, Eigen::OuterStride<>(f.height)) *
+        part<Dense>(w, f.height, count, from, step);
+  }
+  void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
+    for (; from < to; from += block) {
+      const Index step = std::min(block, to - from), behind = from + step;
+      for (Eigen::Index c = 0; c < count; ++c)
+        divide(f.panel + std::int64_t{from} * f.height + from, f.height, step, w + c * f.height + from);
+      if (behind < end) push(f, w, from, step, behind, end - behind);
+    }
+  }
+  void pull(const ConstFront& f, double* w, Index from, Index step, Index behind, Index end) const {
+    if (behind == end) return;
+    part<Dense>(w, f.height, count, from, step).noalias() -=
+        Panel(f.panel + std::int64_t{from} * f.height + behind, end - behind, step, Eigen::OuterStride<>(f.height))
+            .transpose() *
+        part<Dense>(w, f.height, count, behind, end - behind);
+  }
+  void backward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
+    for (Index at = from + (to - from - 1) / block * block; at >= from; at -= block) {
+      const Index step = std::min(block, to - at);
+      pull(f, w, at, step, at + step, end);
+      for (Eigen::Index c = 0; c < count; ++c)
+        divide_transposed(f.panel + std::int64_t{at} * f.height + at, f.height, step, w + c * f.height + at);
+    }
+  }
+
+  bool is_large(const ConstFront& f) const {
+    return std::int64_t{f.width} * f.height > 200000;
+  }
+  /// Of a front above the subtrees by the team: subtrees are the work of one thread each.
+  void each(Index items, bool together, const std::function<void(Index)>& body) const {
+    if (together) return team.run(items, body);
+    for (Index i = 0; i < items; ++i) body(i);
+  }
+
+  void forward_in_front(const ConstFront& f, double* w, bool together) const {
+    if (!is_large(f)) return forward_in_blocks(f, w, 0, f.width, f.height);
+    for (Index from = 0; from < f.width; from += tile) {
+      const Index to = std::min(f.width, from + tile), rows = f.height - to;
+      forward_in_blocks(f, w, from, to, to);
+      each((rows + strip - 1) / strip, together,
+           [&](Index i) { push(f, w, from, to - from, to + i * strip, std::min(strip, rows - i * strip)); });
+    }
+  }
+  void backward_in_front(const ConstFront& f, double* w, bool together) const {
+    if (!is_large(f)) return backward_in_blocks(f, w, 0, f.width, f.height);
+    constexpr Index few = 32;
+    for (Index from = (f.width - 1) / tile * tile; from >= 0; from -= tile) {
+      const Index to = std::min(f.width, from + tile);
+      each((to - from + few - 1) / few, together, [&](Index i) {
+        const Index at = from + i * few;
+        pull(f, w, at, std::min(few, to - at), to, f.height);
+      });
+      backward_in_blocks(f, w, from, to, to);
+    }
+  }
+
+  void load_own(const ConstFront& f, double* w) const {
+    for (Eigen::Index c = 0; c < count; ++c) std::copy_n(x + c * of.columns_ + f.first, f.width, w + c * f.height);
+  }
+  void store_own(const ConstFront& f, const double* w) const {
+    for (Eigen::Index c = 0; c < count; ++c) std::copy_n(w + c * f.height, f.width, x + c * of.columns_ + f.first);
+  }
+
+  /// What the front adds to rows from `limit` on, which others have, too, goes into `outside`.
+  void forward_front(Index s, Room& room, Index limit, double* outside, Index apart, bool together) const {
+    const ConstFront f = of.front(s, values);
+    double* w = columns_of(room, f);
+    load_own(f, w);
+    for (Eigen::Index c = 0; c < count; ++c) std::fill_n(w + c * f.height + f.width, f.rest(), 0.0);
+    forward_in_front(f, w, together);
+    store_own(f, w);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      double *to = x + c * of.columns_, *beyond = outside + c * apart;
+      const double* from = w + c * f.height;
+      Index i = f.width;
+      for (; i < f.height && f.rows[i] < limit; ++i) to[f.rows[i]] += from[i];
+      for (; i < f.height; ++i) beyond[room.place[static_cast<std::size_t>(f.rows[i])]] += from[i];
+    }
+  }
+  void backward_front(Index s, Room& room, bool together) const {
+    const ConstFront f = of.front(s, values);
+    double* w = columns_of(room, f);
+    load_own(f, w);
+    for (Eigen::Index c = 0; c < count; ++c)
+      for (Index i = f.width; i < f.height; ++i) w[c * f.height + i] = x[c * of.columns_ + f.rows[i]];
+    backward_in_front(f, w, together);
+    store_own(f, w);
+  }
+
+  std::vector<const Unit*> subtrees() const {
+    std::vector<const Unit*> all;
+    for (const Unit& u : of.units_)
+      if (u.subtree) all.push_back(&u);
+    return all;
+  }
+
+  void forward() {
+    const std::vector<const Unit*> all = subtrees();
+    std::vector<std::vector<double>> outside(all.size());
+    team.run(static_cast<Index>(all.size()), [&](Index k) {
+      check_stop();
+      const Unit& u = *all[static_cast<std::size_t>(k)];
+      const ConstFront root = of.front(of.sequence_[u.end - 1], values);
+      std::unique_ptr<Room> room = take();
+      room->place.resize(static_cast<std::size_t>(of.columns_));
+      for (Index i = root.width; i < root.height; ++i)
+        room->place[static_cast<std::size_t>(root.rows[i])] = i - root.width;
+      std::vector<double>& beyond = outside[static_cast<std::size_t>(k)];
+      beyond.assign(static_cast<std::size_t>(root.rest()) * static_cast<std::size_t>(count), 0.0);
+      for (Index i = u.begin; i < u.end; ++i)
+        forward_front(of.sequence_[i], *room, root.first + root.width, beyond.data(), root.rest(), false);
+      give(std::move(room));
+    });
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const ConstFront root = of.front(of.sequence_[all[k]->end - 1], values);
+      for (Eigen::Index c = 0; c < count; ++c)
+        for (Index i = 0; i < root.rest(); ++i)
+          x[c * of.columns_ + root.rows[root.width + i]] += outside[k][static_cast<std::size_t>(c * root.rest() + i)];
+    }
+    Room room;
+    for (const Unit& u : of.units_)
+      if (!u.subtree) forward_front(of.sequence_[u.begin], room, of.columns_, nullptr, 0, true);
+  }
+
+  void backward() {
+    Room top;
+    for (auto u = of.units_.rbegin(); u != of.units_.rend(); ++u)
+      if (!u->subtree) backward_front(of.sequence_[u->begin], top, true);
+    const std::vector<const Unit*> all = subtrees();
+    team.run(static_cast<Index>(all.size()), [&](Index k) {
+      check_stop();
+      const Unit& u = *all[static_cast<std::size_t>(k)];
+      std::unique_ptr<Room> room = take();
+      for (Index i = u.end - 1; i >= u.begin; --i) backward_front(of.sequence_[i], *room, false);
+      give(std::move(room));
+    });
+  }
+};
+
+void Multifrontal::forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
+  if (s_.count == 0 || x.cols() == 0) return;
+  constexpr std::int64_t worth_threads = 1000000;
+  Team team(entries_ > worth_threads ? threads : 1);
+  if (x.cols() == 1)
+    Substitution<Eigen::VectorXd>{*this, values, x.data(), 1, team}.forward();
+  else
+    Substitution<Eigen::MatrixXd>{*this, values, x.data(), x.cols(), team}.forward();
+}
+
+void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
+  if (s_.count == 0 || x.cols() == 0) return;
+  constexpr std::int64_t worth_threads = 1000000;
+  Team team(entries_ > worth_threads ? threads : 1);
+  if (x.cols() == 1)
+    Substitution<Eigen::VectorXd>{*this, values, x.data(), 1, team}.backward();
+  else
+    Substitution<Eigen::MatrixXd>{*this, values, x.data(), x.cols(), team}.backward();
+}
+
+}  // namespace kerf
