@@ -690,8 +690,6 @@ FinishedCurves CurvesRun::run() {
 /// Why the curves cannot be moved, or nothing.
 std::optional<std::string> why_not(const Problem& p) {
   if (const auto refused = refusal(p.element, can_optimize)) return *refused;
-  if (std::any_of(p.scene.laws.begin(), p.scene.laws.end(), has_friction))
-    return "cracks with friction have no shape derivative";
   return std::nullopt;
 }
 

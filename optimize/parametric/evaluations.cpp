@@ -58,14 +58,6 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
   return carry(base.extension, base.mesh, base.angles, motion);
 }
 
-std::optional<std::string> why_blind(const Problem& p, const Design& d) {
-  const auto friction = [](const CrackLaw& law) { return has_friction(law); };
-  bool rubs = std::any_of(p.scene.laws.begin(), p.scene.laws.end(), friction);
-  for (const Drawn& one : d.drawn) rubs |= shape_of(one).part == BodyPart::Crack && has_friction(one.law);
-  if (rubs) return "cracks with friction have none";
-  return refusal(p.element, can_optimize);
-}
-
 }  // namespace
 
 struct Evaluations::Impl {
@@ -107,7 +99,7 @@ struct Evaluations::Impl {
     }
     geometric = kerf::constraints(design, p, least_distance(p, r), forbidden_discs(p, r));
     for (const Constraint& c : geometric) names.push_back(c.name);
-    blind = why_blind(p, design);
+    blind = refusal(p.element, can_optimize);
   }
 
   Eigen::Index count() const {

@@ -208,14 +208,15 @@ void look_at_design(const Problem& p, const OptimizeRequest& r, bool drawable, s
   look_at_element(p, r, all);
   const std::size_t before = all.size();
   look_at_tips(p, r, all);
-  const bool moving_tips = all.size() > before;
   for (std::size_t k = 0; k < r.design.drawn.size(); ++k)
     if (r.method != OptimizeMethod::Cobyla && shape_of(r.design.drawn[k]).part == BodyPart::Crack &&
-        has_friction(r.design.drawn[k].law))
-      all.push_back({written(r.design, k).table,
-                     fmt::format("{} has friction, and method = \"{}\" needs derivatives, which cracks with friction "
-                                 "do not have; use method = \"cobyla\"",
-                                 name(r.design.drawn[k]), word(r.method))});
+        has_gap(r.design.drawn[k].law))
+      all.push_back(
+          {written(r.design, k).table,
+           fmt::format("{} has a gap, and method = \"{}\" needs derivatives, which are not known of a gap that "
+                       "stays while the crack moves; use method = \"cobyla\"",
+                       name(r.design.drawn[k]), word(r.method))});
+  const bool moving_tips = all.size() > before;
   if (!look_at_each(p, r, drawable, all)) return;
   look_at_volume(p, r, all);
   if (wants_map(r.design) || moving_tips) return;  // where it begins is not known yet, or does not matter

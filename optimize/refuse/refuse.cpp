@@ -98,27 +98,23 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
                      fmt::format("crack \"{}\" carries a pressure: a level set would cut it away, and the load with "
                                  "it; remove the pressure, or use a method that moves drawn shapes, such as \"mma\"",
                                  p.frame.cracks[k].name)});
-  if (r.method == OptimizeMethod::Cobyla && !wants_map(r.design)) return;
+  const auto measures = [](const Functional& j) {
+    return std::ranges::any_of(j.terms, [](const Term& t) { return t.measured.has_value(); });
+  };
+  const bool misfit = measures(p.objective) ||
+                      std::ranges::any_of(r.bounds, [&](const FunctionalBound& b) { return measures(b.functional); });
+  const bool found = wants_map(r.design);
+  if (!found && (!misfit || r.method == OptimizeMethod::Cobyla)) return;
   for (std::size_t k = 0; k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k) {
     const CrackLaw& law = p.scene.laws[k];
     if (!has_friction(law)) continue;
     all.push_back(
         {fmt::format("crack[{}].{}", k, law.friction > 0 ? "friction" : "tresca"),
-         fmt::format("crack \"{}\" slides against friction, and {} needs cracks without: the state does not "
-                     "minimize an energy; remove friction and tresca{}, or [optimize] (kerf solve)",
-                     p.frame.cracks[k].name, level_set ? "a level set" : fmt::format("method = \"{}\"", word(r.method)),
-                     level_set ? "" : ", or use method = \"cobyla\"")});
+         fmt::format("crack \"{}\" slides against friction, and {} needs cracks without; remove friction and "
+                     "tresca{}",
+                     p.frame.cracks[k].name, found ? "what begins where a map finds it" : "the derivative of a misfit",
+                     found ? ", or say where the design starts" : ", or track the displacements")});
   }
-}
-
-void look_at_gaps(const Problem& p, std::vector<Wrong>& all) {
-  for (std::size_t k = 0; k < p.scene.laws.size(); ++k)
-    if (has_gap(p.scene.laws[k]))
-      all.push_back({fmt::format("crack[{}].gap", k),
-                     fmt::format("[optimize] does not know what the gap of crack \"{}\" does to derivatives by the "
-                                 "shape; leave it out, or take the state, maps and validation of this body (kerf "
-                                 "solve, map, validate)",
-                                 p.frame.cracks[k].name)});
 }
 
 void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
@@ -210,7 +206,6 @@ std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
         {"mesh.curved", "mesh.curved is for solve and map; an optimization moves straight edges: leave it out"});
   look_at_materials(p, all);
   look_at_cracks(p, r, all);
-  look_at_gaps(p, all);
   if (drawable) look_at_interfaces(p, all);
   look_at_eigenstrain(p, all);
   look_at_rigid_motions(p, r, all);

@@ -258,10 +258,6 @@ TEST(Parameters, WhatDoesNotFitIsRefused) {
   Problem q = p;
   q.element = arnold_winther;
   EXPECT_THROW(quietly(q, r), Error);
-  q = p;
-  q.frame.cracks = {{"c", {Vec2(-0.3, 0.6), Vec2(0.3, 0.6)}}};
-  q.scene.laws = {{.friction = 0.3}};
-  EXPECT_THROW(quietly(q, r), Error);
   r.design.drawn[0].start[2] = 0.05;
   EXPECT_THROW(quietly(p, r), Error);
   r = hole({0.95, 0, 0.15}, {-0.3, -0.3, 0.1}, {1, 0.3, 0.3});  // crosses the outline
@@ -310,6 +306,58 @@ TEST(Parameters, SeveralStartsFindTheBetterSide) {
   // The same bits on any number of threads.
   p.threads = 3;
   expect_same(quietly(p, r), best);
+}
+
+/// Pressed from above; the crack slides against friction, where its faces, which a gap keeps apart, meet.
+Problem rubbing(double friction, double gap) {
+  Problem p = plate();
+  p.scene.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+  p.scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.05, -1 - 0.2 * x.x()); }}};
+  p.frame.cracks = {{"c", {Vec2(-0.1, -0.55), Vec2(0.5, 0.05)}}};
+  p.scene.laws = {{.friction = friction}};
+  if (gap != 0)
+    p.scene.laws[0].gap = [gap](const Vec2& x, const Vec2&) { return Vec2(gap * (0.3 - std::abs(x.x() - 0.2)), 0); };
+  return p;
+}
+
+TEST(Parameters, DerivativesHoldBesideCracksThatSlideOrHaveAGap) {
+  for (const auto& [friction, gap] : {std::pair{0.2, 0.0}, {0.0, 0.4}, {0.3, 0.4}, {0.3, -0.2}}) {
+    Problem p = rubbing(friction, gap);
+    OptimizeRequest request = hole({-0.3, 0.35, 0.2}, {-0.7, 0.1, 0.1}, {0, 0.6, 0.3});
+    request.bounds = {{"energy", {"energy", {energy()}}, 1},
+                      {"tracking", {"displacement_tracking", {displacement_tracking({}, {})}}, 1},
+                      {"opening", {"crack_opening", {crack_opening(0, {})}}, 1}};
+    const VectorXd x = start_of(request.design), width = upper_bounds(request.design) - lower_bounds(request.design);
+    Evaluations evaluations(p, request);
+    EXPECT_FALSE(evaluations.blind());
+    evaluations.begin_round();
+    const DesignEvaluation start = evaluations.evaluate(x, true);
+    ASSERT_EQ(start.evaluation.failure, "") << friction << " " << gap;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      const auto at = [&](double t) -> VectorXd {
+        return evaluations.evaluate(x + t * width[i] * VectorXd::Unit(x.size(), i), false).evaluation.values.head(4);
+      };
+      constexpr double step = 1e-4;
+      const VectorXd expected = (at(step) - at(-step)) / (2 * step);
+      for (Eigen::Index k = 0; k < 4; ++k)
+        EXPECT_NEAR(width[i] * start.evaluation.gradients(i, k), expected[k],
+                    2e-5 * start.evaluation.gradients.col(k).cwiseProduct(width).cwiseAbs().maxCoeff())
+            << friction << " " << gap << " variable " << i << " of " << k;
+    }
+  }
+}
+
+// Two methods, one of which knows nothing of derivatives.
+TEST(Parameters, BesideACrackThatSlidesAGradientEndsWhereCobylaDoes) {
+  const Problem p = rubbing(0.3, 0);
+  OptimizeRequest r = hole({-0.3, 0.35, 0.2}, {-0.6, 0.2, 0.2}, {0.1, 0.5, 0.2});
+  const OptimizeResult by_gradient = quietly(p, r);
+  r.method = OptimizeMethod::Cobyla;
+  const OptimizeResult without = quietly(p, r);
+  EXPECT_EQ(by_gradient.ending, Ending::Optimal) << by_gradient.stopped;
+  EXPECT_LT(by_gradient.objective, without.objective * (1 + 1e-3));
+  EXPECT_NEAR(by_gradient.objective, without.objective, 5e-3 * without.objective);
+  EXPECT_LT(by_gradient.objective, 0.995 * by_gradient.history.front().objective);
 }
 
 TEST(Parameters, CobylaDoesWithoutDerivatives) {

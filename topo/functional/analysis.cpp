@@ -143,8 +143,6 @@ bool pressed_within(const Term& term, const Model& m) {
 }  // namespace
 
 void require_no_eigenstrain(const Scene& scene) {
-  if (has_frictional_cracks(scene))
-    throw Error(Fault::Usage, "shape derivatives need cracks without friction; remove friction and tresca");
   if (has_eigenstrain(scene))
     throw Error(Fault::Usage,
                 "shape derivatives: an eigenstrain stays while the material moves, which they do not know; "
