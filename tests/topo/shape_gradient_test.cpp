@@ -180,9 +180,8 @@ TEST_P(ShapeGradient, IsTheDerivativeOfTheWholeProgram) {
   ASSERT_TRUE(certified(state));
   const std::vector<ContactStatus> status = contact_status(model, state);
   // What a gap that belongs to places does when these move, and what the frames of faces that slide do, is not known.
-  const std::vector<Moving> kinds = scenario.gap
-                                        ? std::vector{Moving::Hole, Moving::Free}
-                                        : std::vector{Moving::Hole, Moving::Free, Moving::All};
+  const std::vector<Moving> kinds =
+      scenario.gap ? std::vector{Moving::Hole, Moving::Free} : std::vector{Moving::Hole, Moving::Free, Moving::All};
   std::vector<std::vector<double>> expected;
   for (const Moving what : kinds) expected.push_back(differences_along(scenario, all, field(what), status));
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -299,6 +298,46 @@ TEST(ShapeGradientOf, ACurvedCrack) {
                    expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
       EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6)
           << j.terms[0].kind << closed << fluid;
+    }
+  }
+}
+
+// The upper piece lies in a groove of the lower one, held by contact alone.
+TEST(ShapeGradientOf, APieceThatContactHolds) {
+  Shape shape = rectangle({-1, -1}, {1, 1});
+  shape.labels.push_back("hole");
+  shape.holes = {circle("hole", {-0.3, -0.55}, 0.2, 4), circle("upper", {0.2, 0.5}, 0.2, 4)};
+  shape.cracks = {{"groove", {Vec2(-1, 0.2), Vec2(0, -0.15), Vec2(1, 0.2)}}};
+  const Mesh mesh = triangulate(shape, {.size = 0.25});
+  for (const double friction : {0.0, 0.1}) {
+    Scene scene;
+    scene.material = plane_strain(1, 0.3);
+    scene.laws = {{.friction = friction}};
+    scene.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+    scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.02, -1 - 0.1 * x.x()); }}};
+    const auto model_at = [&](const Points& theta, double t) {
+      Mesh moved = mesh;
+      for (std::size_t i = 0; i < moved.points.size(); ++i)
+        moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
+      return prepare(std::move(moved), element("bdms", 1), scene, 1);
+    };
+    Points theta(2, static_cast<Eigen::Index>(mesh.points.size()));
+    unsigned seed = 11;
+    for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = 0.05 * Vec2(noise(seed), noise(seed));
+    const Model model = model_at(theta, 0);
+    EXPECT_FALSE(model.inner->standing.empty());
+    const State state = solve(model);
+    ASSERT_TRUE(certified(state));
+    for (const Functional& j : {Functional{"", {energy()}}, Functional{"", {compliance()}},
+                                Functional{"", {displacement_tracking({}, {})}}}) {
+      const Analysis a = analyze(j, model, state);
+      const auto value = [&](double t) {
+        const Model m = model_at(theta, t);
+        return analyze(j, m, solve(m), true).value;
+      };
+      const double step = 2e-4,
+                   expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
+      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6) << j.terms[0].kind << friction;
     }
   }
 }
