@@ -45,8 +45,7 @@ int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
     return int(std::clamp(std::ceil(length / longest), 1.0, 1e6));
   }
   const double angle = std::abs(strand.arc->to - strand.arc->from);
-  return int(
-      std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / pi)), 1.0, 1e6));
+  return int(std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / pi)), 1.0, 1e6));
 }
 
 Targets targets_of(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
@@ -108,7 +107,8 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, do
 
 }  // namespace
 
-void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources) {
+void add_gaps(const Shape& shape, const Drawing& drawing, const std::vector<Ligament>& ligaments, double size,
+              double across, std::vector<Source>& sources) {
   const double reach = 2 * size;
   std::vector<int> degree(drawing.corners.size(), 0);
   std::vector<bool> tip(drawing.corners.size(), false);
@@ -153,6 +153,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, double size, double ac
       for (const double sign : {1.0, -1.0}) {
         if (sign < 0 && strand.loop != none) break;  // a side faces the body on its left only
         const Gap gap = nearest(drawing, targets, {x, sign * normal, Index(k)}, reach);
+        if (in_ligament(ligaments, Index(k), gap.strand, from, to)) continue;
         use(x, gap, Index(k));
         width = std::min(width, gap.width);
       }

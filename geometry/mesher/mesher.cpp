@@ -123,7 +123,7 @@ Sizing checked(const Shape& shape, Sizing sizing) {
 
 /// The pieces as constraints of an empty triangulation; vertices carry the number of their point. Points enter in ever
 /// finer subsets of the path, each next to one already there: in path order every new point would see all earlier ones.
-std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Drawing& drawing, const Pieces& pieces) {
+std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Pieces& pieces) {
   std::vector<Vertex> vertex(pieces.points.size());
   const std::size_t end = pieces.pieces.size();
   std::size_t stride = 1;
@@ -146,7 +146,7 @@ std::vector<Vertex> insert_pieces(Triangulation& triangulation, const Drawing& d
   for (const Piece& piece : pieces.pieces)
     triangulation.insert_constraint(vertex[std::size_t(piece.a)], vertex[std::size_t(piece.b)]);
   for (const Piece& piece : pieces.pieces)
-    if (drawing.strands[std::size_t(piece.strand)].keep)
+    if (piece.keep)
       for (const auto& [from, to] : {std::array{piece.a, piece.b}, std::array{piece.b, piece.a}}) {
         std::array<Index, 2>& kept = vertex[std::size_t(from)]->info().kept;
         kept[kept[0] == none ? 0 : 1] = to;
@@ -246,7 +246,7 @@ void refine(Triangulation& triangulation, Criteria criteria, const Shape& shape,
   CGAL::Null_mesh_visitor no_visitor;
   CGAL::Mesh_2::Clusters<Triangulation> clusters(triangulation);
   Edges edges(triangulation, clusters, no_level);
-  edges.keeps = std::ranges::any_of(drawing.strands, &Strand::keep);
+  edges.keeps = std::ranges::any_of(pieces.pieces, &Piece::keep);
   using Faces = CGAL::Mesh_2::Refine_faces<Triangulation, Criteria, Edges>;
   Faces faces(triangulation, criteria, edges);
   const CGAL::Mesh_2::Refine_edges_visitor_from_faces<Faces> visitor(faces, edges, no_visitor);
@@ -335,7 +335,7 @@ struct Rough {
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
               double min_angle_deg, bool curved) {
   Triangulation triangulation;
-  const std::vector<Vertex> vertex = insert_pieces(triangulation, drawing, pieces);
+  const std::vector<Vertex> vertex = insert_pieces(triangulation, pieces);
   Face hint = vertex.front()->face();
   for (const Vec2& x : lattice_points(drawing, pieces, field, std::size_t(max_triangles / 2)))
     hint = triangulation.insert({x.x(), x.y()}, hint)->face();
@@ -442,6 +442,7 @@ SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& siz
                                low.array() - margin, high.array() + margin);
   if (background) add_background(field, *background, 1e-9 * drawing.extent);
   add_kept(field, drawing);
+  field.long_ligaments = sizing.long_ligaments;
   return field;
 }
 

@@ -6,6 +6,7 @@
 #include "geometry/shape/drawing.hpp"
 #include "kerf/mesher.hpp"
 
+#include <array>
 #include <vector>
 
 namespace kerf {
@@ -35,6 +36,7 @@ struct SizeField {
   const Mesh* background = nullptr;
   std::vector<double> at_vertex;  // of the background
   Locator locator;
+  bool long_ligaments = false;
   std::vector<Source> kept;  // edges that are not split, where the rest asks for shorter ones
   Vec2 kept_low = Vec2::Zero(), kept_high = Vec2::Zero();  // what they reach
 };
@@ -62,8 +64,28 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
 /// Per corner whether the body fills more than reentrant_angle around it (corners of loops only).
 std::vector<bool> reentrant_corners(const Drawing& drawing);
 
-/// The narrow gaps alone: between two sides or cracks that face each other across the body nearer than twice the size.
-void add_gaps(const Shape& shape, const Drawing& drawing, double size, double across, std::vector<Source>& sources);
+/// A straight crack along a straight side or crack, many times longer than the two are apart: one layer of triangles
+/// fills it, with edges as long along it as the rest asks for. On the crack's strand from .. to, without the ends of
+/// the gap; what lies straight across on the other strand; the widths at both, positive on the left.
+struct Ligament {
+  Index crack, other;
+  double from, to;
+  double other_from = 0, other_to = 0;
+  std::array<double, 2> width = {};
+};
+std::vector<Ligament> find_ligaments(const Drawing& drawing);
+double width(const Ligament& l, double s);   // at s of the crack's strand
+double facing(const Ligament& l, double s);  // on the other strand
+/// The longest edges there, for a body of that mesh size.
+void add_ligaments(const Drawing& drawing, const std::vector<Ligament>& ligaments, double size,
+                   std::vector<Source>& sources);
+/// Whether from .. to of a strand, where it faces the other, lies in one.
+bool in_ligament(const std::vector<Ligament>& ligaments, Index strand, Index other, double from, double to);
+
+/// The narrow gaps alone, but for the ligaments: between two sides or cracks that face each other across the body
+/// nearer than twice the size.
+void add_gaps(const Shape& shape, const Drawing& drawing, const std::vector<Ligament>& ligaments, double size,
+              double across, std::vector<Source>& sources);
 
 /// Strands split at the target length. Whole circles and ellipses on which no crack ends get the polygon that has their
 /// area, unless edges are to be `curved`: then all points stay on the arcs, pieces of 45 degrees at most. `finer`

@@ -230,7 +230,10 @@ std::vector<Source> find_sources(const Shape& shape, const Drawing& drawing, con
   find.ask_at_regions();
   find.ask_at_reentrant_corners();
   find.ask_at_ends_of_contact();
-  add_gaps(shape, drawing, sizing.size, sizing.across, find.sources);
+  std::vector<Ligament> ligaments;
+  if (sizing.long_ligaments) ligaments = find_ligaments(drawing);
+  add_ligaments(drawing, ligaments, sizing.size, find.sources);
+  add_gaps(shape, drawing, ligaments, sizing.size, sizing.across, find.sources);
   return std::move(find.sources);
 }
 

@@ -15,12 +15,12 @@ namespace {
 constexpr double max_pieces = 4e6;  // per strand
 constexpr double widest = pi / 4;   // piece of an arc that an edge follows
 
-/// Parameters that split a strand into pieces of about the target length: equal steps of the
-/// integral of ds / h.
-std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer,
-                           bool curved) {
-  std::vector<double> s{0}, steps{0};
-  std::vector<std::array<double, 2>> open{{0, 1}};
+/// Parameters that split a strand, or a part of a straight one, into pieces of about the target length: equal steps of
+/// the integral of ds / h.
+std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const SizeField& field, int finer, bool curved,
+                           std::array<double, 2> part = {0, 1}) {
+  std::vector<double> s{part[0]}, steps{0};
+  std::vector<std::array<double, 2>> open{part};
   const double longest = strand.arc ? 1.0 / 8 : 1;
   while (!open.empty()) {
     const auto [from, to] = open.back();
@@ -43,15 +43,64 @@ std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const S
   if (strand.arc && curved)
     count = std::max(count, int(std::ceil(std::abs(strand.arc->to - strand.arc->from) / widest)));
   if (strand.arc) count *= finer;
-  std::vector<double> at{0};
+  std::vector<double> at{part[0]};
   std::size_t k = 1;
   for (int i = 1; i < count; ++i) {
     const double target = steps.back() * i / count;
     while (steps[k] < target) ++k;
     at.push_back(s[k - 1] + (s[k] - s[k - 1]) * (target - steps[k - 1]) / (steps[k] - steps[k - 1]));
   }
-  at.push_back(1);
+  at.push_back(part[1]);
   return at;
+}
+
+/// Stretches of ligaments whose pieces are not shorter than half the width, per strand: the points that divide them,
+/// the same on both sides. Elsewhere, as where contact ends, a ligament is filled as any narrow gap.
+using Stretches = std::vector<std::vector<double>>;
+
+std::vector<Stretches> stretches_of(const Drawing& drawing, const SizeField& field) {
+  std::vector<Stretches> all(drawing.strands.size());
+  if (!field.long_ligaments) return all;
+  for (const Ligament& l : find_ligaments(drawing)) {
+    const Strand& crack = drawing.strands[std::size_t(l.crack)];
+    const std::vector<double> s = spaced(drawing, crack, field, 1, false);
+    const double whole = length(drawing, crack);
+    const auto is_long = [&](std::size_t i) {
+      return s[i] >= l.from && s[i + 1] <= l.to && 2 * whole * (s[i + 1] - s[i]) >= width(l, (s[i] + s[i + 1]) / 2);
+    };
+    for (std::size_t i = 0, end = 0; i + 1 < s.size(); i = std::max(end, i + 1)) {
+      for (end = i; end + 1 < s.size() && is_long(end);) ++end;
+      constexpr std::size_t fewest = 4;
+      if (end < i + fewest) continue;
+      std::vector<double> here(s.begin() + Index(i), s.begin() + Index(end) + 1), there;
+      for (const double at : here) there.push_back(facing(l, at));
+      if (there.front() > there.back()) std::ranges::reverse(there);
+      all[std::size_t(l.crack)].push_back(std::move(here));
+      all[std::size_t(l.other)].push_back(std::move(there));
+    }
+  }
+  for (Stretches& stretches : all) std::ranges::sort(stretches);
+  return all;
+}
+
+/// The points of a strand, and per piece whether it is one edge of the mesh.
+struct Division {
+  std::vector<double> s{0};
+  std::vector<bool> keep;
+};
+
+Division divided(const Drawing& drawing, const Strand& strand, const SizeField& field, const Stretches& stretches) {
+  Division d;
+  const auto add = [&](const std::vector<double>& s, bool keep) {
+    d.s.insert(d.s.end(), s.begin() + 1, s.end());
+    d.keep.insert(d.keep.end(), s.size() - 1, keep);
+  };
+  for (const std::vector<double>& stretch : stretches) {
+    add(spaced(drawing, strand, field, 1, false, {d.s.back(), stretch.front()}), false);
+    add(stretch, true);
+  }
+  add(spaced(drawing, strand, field, 1, false, {d.s.back(), 1}), false);
+  return d;
 }
 
 /// Factors that move the points of a whole ellipse away from its center, so that the polygon through them has its area.
@@ -143,10 +192,18 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, 
   std::vector<bool> mouth(drawing.corners.size(), false);
   for (const Strand& strand : drawing.strands)
     if (strand.crack != none) mouth[std::size_t(strand.from)] = mouth[std::size_t(strand.to)] = true;
+  const std::vector<Stretches> stretches = stretches_of(drawing, field);
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
-    const std::vector<double> s =
-        strand.keep ? std::vector<double>{0, 1} : spaced(drawing, strand, field, finer, curved);
+    Division division;
+    if (strand.keep)
+      division = {{0, 1}, {true}};
+    else if (!stretches[k].empty())
+      division = divided(drawing, strand, field, stretches[k]);
+    else
+      division.s = spaced(drawing, strand, field, finer, curved);
+    const std::vector<double>& s = division.s;
+    division.keep.resize(s.size() - 1, false);
     std::vector<double> factor(s.size() - 1, 1.0);
     if (!curved && strand.arc && strand.from == strand.to && !mouth[std::size_t(strand.from)])
       factor = area_factors(*strand.arc, s);
@@ -161,7 +218,7 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, 
         next = Index(all.points.size());
         all.points.push_back(moved(point(drawing, strand, s[i]), i));
       }
-      all.pieces.push_back({previous, next, Index(k), s[i - 1], s[i]});
+      all.pieces.push_back({previous, next, Index(k), s[i - 1], s[i], division.keep[i - 1]});
       previous = next;
     }
   }

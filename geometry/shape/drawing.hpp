@@ -69,7 +69,8 @@ Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x);
 struct Piece {
   Index a, b;
   Index strand;
-  double from, to;  // the strand's s at a and b
+  double from, to;    // the strand's s at a and b
+  bool keep = false;  // one edge of the mesh
 };
 struct Pieces {
   std::vector<Vec2> points;

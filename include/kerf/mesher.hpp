@@ -16,6 +16,8 @@ struct Sizing {
   bool mirrored_tips = false;   // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
                                 // friction needs [theory: F.8]
   bool curved = false;          // edges along arcs follow them: Mesh::arc
+  bool long_ligaments = false;  // between a straight crack and a straight side or crack close by, one layer of
+                                // triangles up to size / 8 long, however thin: for elements of order 2 [theory: C.35]
   std::vector<Vec2> ends = {};  // points with edges of end_size: where contact ends (solve_graded finds them)
 };
 /// Target edge length at Sizing::ends, for a size that is given (not 0). Adjoints are singular there as states are at

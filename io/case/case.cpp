@@ -192,6 +192,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   check_curved(document, c);
   read_synthetic(document, c);
   read_optimize(document, origin.folder, frozen, definitions, c);
+  c.sizing.long_ligaments = c.element.order >= 2 && !c.optimize;
   check_all_used(definitions);
   read_map(document, c);
   read_probes(document, origin.folder, c);

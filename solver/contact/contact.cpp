@@ -17,6 +17,7 @@ constexpr double rough = 1e-4, exact = 1e-15;
 struct Search {
   const Eliminated& system;
   double load = 0;  // max|r|
+  bool was_elsewhere = false;
   int iterations = 0, solves = 0;
 };
 
@@ -175,10 +176,27 @@ bool spent(const Search& s) {
   return s.iterations >= s.system.most_iterations;
 }
 
+// With Coulomb's limits at the pressures of the trial.
+std::vector<ContactPoint> with_limits(std::vector<ContactPoint> points, const Eigen::VectorXd& pressure) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].slip_bound += points[i].friction * std::max(pressure[i], 0.0);
+    points[i].friction = 0;
+  }
+  return points;
+}
+
 bool exchange(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   constexpr int trust = 10;  // exchanges in a row that need not help
+  constexpr int many = 20;   // sets that cost as much as the way through the inside
   std::size_t fewest = t.motion.size() + 1;
-  for (int patience = trust; patience > 0 && !spent(s);) {
+  const auto may_go_elsewhere = [&] { return s.system.elsewhere && !s.was_elsewhere; };
+  for (int patience = trust; (patience > 0 || may_go_elsewhere()) && !spent(s);) {
+    if (may_go_elsewhere() && (patience == 0 || s.iterations == many)) {
+      t.motion = s.system.elsewhere(with_limits(points, t.pressure));
+      s.was_elsewhere = true;
+      fewest = t.motion.size() + 1;
+      patience = trust;
+    }
     respond(s, points, t, rough);
     std::vector<Change> wrong = wrong_rows(s, points, t);
     if (wrong.empty() && t.defect > exact * s.load) {

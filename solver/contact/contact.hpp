@@ -38,6 +38,12 @@ struct Contact {
 Contact dual_qp(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points,
                 const std::vector<Motion>& guess = {});
 
+/// The set in which a path through the inside of the admissible jumps and forces ends, by Newton's method with
+/// prediction and correction [Mehrotra 1992; theory: C.34]: a factor of S per step, in a number of steps that neither
+/// its condition nor the first set matter to. No friction that follows the pressure.
+std::vector<Motion> interior_set(const Eigen::MatrixXd& S, const Eigen::VectorXd& r,
+                                 const std::vector<ContactPoint>& points);
+
 /// The whole system behind the rows: jumps and forces p = S j - r of all rows (as computed, moving ones too) when the
 /// held rows have jump 0 and the others the force given for them.
 struct Response {
@@ -48,6 +54,8 @@ struct Eliminated {
   std::function<Response(const std::vector<Motion>&, const Eigen::VectorXd& force)> solve;
   int most_iterations = 500;
   bool trusts_guess = false;  // no solution of the bonded crack beside a guess: forces are judged by those of the guess
+  /// Another way to a set, where exchanges take long: for points without Coulomb's friction.
+  std::function<std::vector<Motion>(const std::vector<ContactPoint>&)> elsewhere = {};
 };
 
 /// Elimination of the constraint: primal-dual active set, every row on the wrong side changes sides, starting from the

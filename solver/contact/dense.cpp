@@ -70,9 +70,11 @@ Contact dual_qp(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::v
   const double n = static_cast<double>(r.size());
   MovingBlock block(S, r);
   const Eliminated system{
-      static_cast<Index>(r.size()),
-      [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) { return block.solve(motion, force); },
-      static_cast<int>(std::clamp(most_work / (n * n * n), 100.0, 5000.0))};
+      .rows = static_cast<Index>(r.size()),
+      .solve = [&](const std::vector<Motion>& motion,
+                   const Eigen::VectorXd& force) { return block.solve(motion, force); },
+      .most_iterations = static_cast<int>(std::clamp(most_work / (n * n * n), 100.0, 5000.0)),
+      .elsewhere = [&](const std::vector<ContactPoint>& with_limits) { return interior_set(S, r, with_limits); }};
   return active_set(system, points, guess);
 }
 

@@ -12,7 +12,6 @@
 namespace kerf {
 namespace {
 
-
 Shape square(double half = 2) {
   Shape shape{polygon("outline", {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, 0), {}, {}, {}};
   shape.labels = {"bottom", "right", "top", "left", "hole"};
@@ -276,6 +275,50 @@ TEST(Triangulate, LaysTwoTrianglesAcrossGaps) {
     }
   for (const auto& [a, b] : m.edges)
     EXPECT_FALSE((low[std::size_t(a)] && high[std::size_t(b)]) || (low[std::size_t(b)] && high[std::size_t(a)]));
+}
+
+/// A square with cracks beneath its top, at depths that go from one to the other.
+Shape beneath(double depth_left, double depth_right) {
+  Shape shape = square(0.5);
+  shape.cracks = {{"c", {{-0.25, 0.5 - depth_left}, {0.25, 0.5 - depth_right}}, {}}};
+  return shape;
+}
+
+TEST(Triangulate, LaysLongTrianglesAlongLigaments) {
+  for (const auto& [left, right] : {std::array{1e-2, 1e-2}, {1e-3, 1e-3}, {1e-4, 1e-4}, {1e-5, 1e-5}, {1e-3, 2e-3}}) {
+    const Shape shape = beneath(left, right);
+    const Mesh mesh = triangulate(shape, {.size = 0.05, .long_ligaments = true});
+    double along = 0, longest = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) EXPECT_GT(area(mesh, Index(t)), 0);
+    EXPECT_NEAR(total_area(mesh), 1, 1e-12);
+    for (const CrackEdge& c : mesh.cracks[0]) {
+      along += length(mesh, c.edge);
+      longest = std::max(longest, length(mesh, c.edge));
+    }
+    EXPECT_NEAR(along, path_length(shape.cracks[0].points), 1e-12);
+    EXPECT_LT(longest, 1.5 * 0.05 / 8);
+    // The edges grow from the width by a quarter of the distance: a logarithm of the depth, where they would be its
+    // inverse.
+    EXPECT_LT(mesh.cracks[0].size(), 150 + 60 * std::log10(1e-2 / left) + 120 * std::log10(right / left)) << left;
+  }
+  EXPECT_GT(triangulate(beneath(1e-3, 1e-3), {.size = 0.05}).cracks[0].size(), 900);
+}
+
+TEST(Triangulate, SeesWhatLiesInALigament) {
+  // A crack between, and a ligament that is no longer than a few widths.
+  Shape between = beneath(1e-2, 1e-2);
+  between.cracks.push_back({"d", {{0, 0.493}, {0.02, 0.497}}, {}});
+  const Mesh mesh = triangulate(between, {.size = 0.05, .long_ligaments = true});
+  EXPECT_EQ(mesh.cracks[0].size(), triangulate(between, {.size = 0.05}).cracks[0].size());
+  Shape wide = beneath(0.02, 0.02);
+  EXPECT_EQ(triangulate(wide, {.size = 0.05, .long_ligaments = true}).triangles,
+            triangulate(wide, {.size = 0.05}).triangles);
+  // Two cracks above each other: both sides of the upper one have a ligament, and one of them is meshed long.
+  Shape two = beneath(1e-3, 1e-3);
+  two.cracks.push_back({"d", {{-0.2, 0.497}, {0.2, 0.497}}, {}});
+  const Mesh both = triangulate(two, {.size = 0.05, .long_ligaments = true});
+  EXPECT_NEAR(total_area(both), 1, 1e-12);
+  EXPECT_LT(both.triangles.size(), triangulate(two, {.size = 0.05}).triangles.size());
 }
 
 TEST(Triangulate, IsDeterministic) {

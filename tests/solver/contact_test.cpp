@@ -1,7 +1,8 @@
 #include "solver/contact/contact.hpp"
+#include "solver/contact/law.hpp"
 
-#include "solver/system.hpp"
 #include "kerf/model.hpp"
+#include "solver/system.hpp"
 #include "tests/support/exact.hpp"
 
 #include <fmt/core.h>
@@ -402,6 +403,57 @@ TEST(Contact, TheSolutionIsItsOwnGuess) {
   EXPECT_LE(again.iterations, 2);
   EXPECT_EQ(again.motion, c.motion);
   EXPECT_LT(difference(again, c), 1e-13);
+}
+
+// A beam above a foundation that is pressed and pulled in turn: its matrix has the condition 1e10, and exchanges take
+// many sets. What the set says is optimal: forces press, jumps open.
+TEST(InteriorSet, IsOptimalForABeam) {
+  const Index n = 120;
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(n + 2, n);
+  for (Index i = 0; i < n; ++i) {
+    curvature(i, i) = 1;
+    curvature(i + 1, i) = -2;
+    curvature(i + 2, i) = 1;
+  }
+  const Eigen::MatrixXd S = 1e4 * curvature.transpose() * curvature + 1e-3 * Eigen::MatrixXd::Identity(n, n);
+  const Eigen::VectorXd r =
+      Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return std::sin(0.31 * double(i)) - 0.2; });
+  const std::vector<Motion> set = interior_set(S, r, normal_points(n));
+  std::vector<Index> moving;
+  for (Index i = 0; i < n; ++i)
+    if (set[i] != Motion::Held) moving.push_back(i);
+  ASSERT_FALSE(moving.empty());
+  ASSERT_LT(moving.size(), static_cast<std::size_t>(n));
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(n);
+  const Eigen::VectorXd load = r(moving), moved = S(moving, moving).llt().solve(load);
+  jump(moving) = moved;
+  EXPECT_GE(moved.minCoeff(), 0);
+  const Eigen::VectorXd force = S * jump - r;
+  for (Index i = 0; i < n; ++i) EXPECT_GE(set[i] == Motion::Held ? force[i] : 0.0, 0) << i;
+  const Contact c = dual_qp(S, r, normal_points(n));
+  EXPECT_TRUE(c.converged);
+  EXPECT_EQ(c.motion, set);
+}
+
+TEST(InteriorSet, KnowsSlipBoundsAndFreeRows) {
+  Random random(5);
+  const Index n = 20;
+  const Eigen::MatrixXd S = random.definite(2 * n, 0.1);
+  const Eigen::VectorXd r = random.vector(2 * n);
+  for (const double bound : {0.0, 0.3}) {
+    const std::vector<ContactPoint> points = pairs(n, bound, 0);
+    const std::vector<Motion> set = interior_set(S, r, points);
+    std::vector<Index> moving;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(2 * n), jump = Eigen::VectorXd::Zero(2 * n);
+    for (Index i = 0; i < 2 * n; ++i) {
+      if (set[i] == Motion::Held) continue;
+      moving.push_back(i);
+      if (i >= n) force[i] = -static_cast<double>(set[i]) * bound;
+    }
+    const Eigen::VectorXd load = r(moving) + force(moving), moved = S(moving, moving).llt().solve(load);
+    jump(moving) = moved;
+    EXPECT_LT(optimality(points, jump, S * jump - r, r.cwiseAbs().maxCoeff()), 1e-11) << bound;
+  }
 }
 
 }  // namespace
