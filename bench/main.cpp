@@ -2,6 +2,7 @@
 
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "bench/contact.hpp"
 #include "bench/hard.hpp"
 #include "bench/limit.hpp"
 #include "bench/map.hpp"
@@ -43,6 +44,8 @@ const std::vector<Bench>& benches() {
        bench_case_names()},
       {"map", "time and memory of a map (state, adjoint, evaluation) against its error, and of validations",
        map_case_names()},
+      {"contact", "what contact costs beside open cracks: many unknowns, many cracks, cracks close beneath a side",
+       contact_case_names()},
       {"hard", "digits that hard cases lose: families with a knob, against truth; a regression is exit code 4",
        hard_case_names()},
       {"proof",
@@ -168,6 +171,8 @@ int perform(int argc, char** argv) {
       throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
   } else if (arguments->name == "limit") {
     finish(run_limit_bench(options, arguments->large));
+  } else if (arguments->name == "contact") {
+    finish(run_contact_bench(options));
   } else if (arguments->name == "optimize") {
     finish(run_optimize_bench(options));
   } else if (arguments->name == "map") {

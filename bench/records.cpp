@@ -69,6 +69,23 @@ Json proof_section(const ProofRow& r) {
           {"guaranteed", r.guaranteed}, {"contained", r.contained}, {"cost", number(r.cost)}};
 }
 
+Json contact_section(const ContactRow& r) {
+  return {{"family", r.family},
+          {"knob", r.knob},
+          {"friction", r.friction},
+          {"triangles", r.triangles},
+          {"contact_unknowns", r.unknowns},
+          {"sets", r.sets},
+          {"linear_solves", r.solves},
+          {"linear_s", number(r.linear_s)},
+          {"contact_s", number(r.contact_s)},
+          {"ratio", number(r.ratio())},
+          {"memory_mb", number(r.memory_mb)},
+          {"kkt", number(r.kkt)},
+          {"certified", r.certified},
+          {"refused", r.refused}};
+}
+
 Json second_section(const SecondTermRow& r) {
   return {{"change", r.change},
           {"degree", r.degree},
@@ -364,6 +381,22 @@ void write_hard_csv(const std::filesystem::path& path, const HardBench& bench) {
   std::vector<Json> rows;
   for (const HardRow& r : bench.rows) rows.push_back(hard_section(r));
   write_file(path, csv(hard_section({}), rows));
+}
+
+void write_contact_csv(const std::filesystem::path& path, const ContactBench& bench) {
+  std::vector<Json> rows;
+  for (const ContactRow& r : bench.rows) rows.push_back(contact_section(r));
+  write_file(path, csv(contact_section({}), rows));
+}
+
+void write_contact_json(const std::filesystem::path& path, const ContactBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "contact"},
+              {"status", bench.stopped ? "stopped" : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const ContactRow& r : bench.rows) out["rows"].push_back(contact_section(r));
+  write_file(path, out.dump(2) + "\n");
 }
 
 void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench) {

@@ -1,6 +1,7 @@
 #pragma once
 // Results as JSON and CSV, and the JSON lines of other programs. In this room nlohmann-json lives in records.cpp.
 
+#include "bench/contact.hpp"
 #include "bench/hard.hpp"
 #include "bench/limit.hpp"
 #include "bench/map.hpp"
@@ -15,6 +16,8 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
 void write_map_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_validation_csv(const std::filesystem::path& path, const MapBench& bench);
 void write_map_json(const std::filesystem::path& path, const MapBench& bench);
+void write_contact_csv(const std::filesystem::path& path, const ContactBench& bench);
+void write_contact_json(const std::filesystem::path& path, const ContactBench& bench);
 void write_hard_csv(const std::filesystem::path& path, const HardBench& bench);
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench);
 void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench);

@@ -2,6 +2,7 @@
 // A factorized sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
 
 #include "solver/system/lu.hpp"
+#include "solver/system/multifrontal.hpp"
 
 #include <memory>
 #include <span>
@@ -50,6 +51,14 @@ class Factor {
   Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
   Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;  // of a definite matrix, column by column
+
+  /// L of a definite matrix as it lies in memory, and its order: place k is that of row order[k].
+  struct Columns {
+    Supernodes blocks;
+    const double* values;
+    const Index* order;
+  };
+  Columns columns() const;
 
   double entries() const;  // nonzeros of L
   double flops() const;

@@ -154,7 +154,8 @@ void add_gaps(const Shape& shape, const Drawing& drawing, const std::vector<Liga
         if (sign < 0 && strand.loop != none) break;  // a side faces the body on its left only
         const Gap gap = nearest(drawing, targets, {x, sign * normal, Index(k)}, reach);
         if (in_ligament(ligaments, Index(k), gap.strand, from, to)) continue;
-        use(x, gap, Index(k));
+        const double middle = (from + to) / 2;
+        if (!in_ligament(ligaments, Index(k), gap.strand, middle, middle)) use(x, gap, Index(k));
         width = std::min(width, gap.width);
       }
       if (along.norm() > 1.5 * width) {

@@ -8,6 +8,7 @@
 #include "solver/system.hpp"
 
 #include "solver/saddle_point.hpp"
+#include "solver/state/guess.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
@@ -183,7 +184,20 @@ class Grading {
     Stopwatch watch;
     Mesh mesh = triangulate(shape_, sizing);
     const bool cheap = static_cast<Index>(mesh.triangles.size()) * fewer <= triangles;
-    if (cheap && rows_in_contact(mesh) * 2 <= rows) on(std::move(mesh), sizing, watch.lap());
+    if (cheap && rows_in_contact(mesh) * 2 <= rows)
+      on(std::move(mesh), sizing, watch.lap());
+    else
+      look_at_lone_cracks(wanted);
+  }
+
+  /// Many cracks have no mesh that is much coarser.
+  void look_at_lone_cracks(const Sizing& wanted) {
+    constexpr double coarser = 4;
+    if (!shape_.regions.empty()) return;  // borders in contact hold them together
+    Stopwatch watch;
+    known_ =
+        lone_cracks_guess(shape_, element_, scene_, std::min(coarser * wanted.size, extent(shape_) / 8), how_.threads);
+    rounds.push_back({.solve = watch.lap()});
   }
 
   Index rows_in_contact(const Mesh& mesh) const {

@@ -64,6 +64,32 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
   return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
 }
 
+// K x on the rows in contact.
+class ForcesInContact {
+ public:
+  ForcesInContact(const LowerTriangle& K, Index rows) : first_(K.size - rows), rows_(rows) {
+    for (Index j = 0; j < K.size; ++j)
+      for (Index p = K.start[j]; p < K.start[j + 1]; ++p)
+        if (K.rows[p] >= first_) entries_.push_back({K.rows[p], j, K.values[p]});
+  }
+  Eigen::VectorXd operator()(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(rows_);
+    for (const auto& [i, j, value] : entries_) {
+      force[i - first_] += value * x[j];
+      if (j >= first_ && j != i) force[j - first_] += value * x[i];
+    }
+    return force;
+  }
+
+ private:
+  struct Entry {
+    Index row, column;
+    double value;
+  };
+  Index first_, rows_;
+  std::vector<Entry> entries_;
+};
+
 // Where there is no dense matrix of contact: by factors of the whole. Moves s.x on to the solution.
 Contact contact_by_factors(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F,
                            PenaltyIterate& s) {
@@ -73,15 +99,21 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
     throw Error(Fault::Usage, fmt::format("\"uzawa\" needs the dense matrix of contact, which {} unknowns are too many "
                                           "for; use \"dual-qp\"",
                                           rows));
-  if (s.x.size() == 0) s.x.setZero(inner.ordering.size);
+  const ForcesInContact forces(inner.system.K, rows);
+  const bool begins = s.x.size() == 0;
+  if (begins) s.x.setZero(inner.ordering.size);
+  // From nothing as a whole, later what the rest asks for on top.
   const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
     for (Index i = 0; i < rows; ++i)
       if (motion[i] == Motion::Held) s.x[s.x.size() - rows + i] = 0;
-    Eigen::VectorXd missing = F - multiply(inner.system.K, s.x);
+    Eigen::VectorXd missing = begins ? F : F - multiply(inner.system.K, s.x);
     missing.tail(rows) += force;
-    s.x += condensed.solve_frozen(missing, motion);
-    const Eigen::VectorXd rest = multiply(inner.system.K, s.x) - F;
-    return {s.x.tail(rows), rest.tail(rows)};
+    const Eigen::VectorXd step = condensed.solve_frozen(missing, motion);
+    if (begins)
+      s.x = step;
+    else
+      s.x += step;
+    return {s.x.tail(rows), forces(s.x) - F.tail(rows)};
   };
   const std::vector<Motion>& guess = s.motion.empty() ? inner.start : s.motion;
   return active_set({.rows = rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, condensed.points,

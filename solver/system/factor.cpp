@@ -126,9 +126,13 @@ struct Factor::Impl {
     if (!factor) out_of_memory();
     entries = c.lnz;
     flops = c.fl;
-    numeric.emplace(Supernodes{static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
-                               static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
-                               static_cast<const Index*>(factor->s)});
+    numeric.emplace(supernodes());
+  }
+
+  Supernodes supernodes() const {
+    return {static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
+            static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
+            static_cast<const Index*>(factor->s)};
   }
 
   /// In the order of the factor.
@@ -322,6 +326,12 @@ Eigen::MatrixXd Factor::solve_all(const Eigen::MatrixXd& b) const {
 
 const Eigen::MatrixXd& Factor::contact_factor() const {
   return impl_->contact_factor;
+}
+
+Factor::Columns Factor::columns() const {
+  if (!impl_->factor) throw std::invalid_argument("Factor: columns of a definite matrix only");
+  return {impl_->supernodes(), static_cast<const double*>(impl_->factor->x),
+          static_cast<const Index*>(impl_->factor->Perm)};
 }
 
 double Factor::entries() const {

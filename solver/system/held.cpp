@@ -61,8 +61,11 @@ std::shared_ptr<const Factor> HeldFactors::of(const LowerTriangle& K, const std:
   if (static_cast<Index>(held.size()) != contact_rows_)
     throw std::invalid_argument("HeldFactors: one entry per row in contact is needed");
   if (last_ && held == held_) return last_;
-  columns_.clear();
-  products_.clear();
+  columns_.reset();
+  right_.resize(0);
+  number_.clear();
+  bordered_.clear();
+  small_.resize(0, 0);
   LowerTriangle k = with_held(K, held);
   if (last_.use_count() > 1) last_.reset();
   held_.clear();  // nothing is known if the next line throws
@@ -92,90 +95,81 @@ std::vector<Index> HeldFactors::changes(const std::vector<bool>& held) const {
   return changed;
 }
 
-// A column costs a solve, many at once less.
+// The columns cost a part of a solve each, their small matrix the square of their number.
 bool HeldFactors::worth_bordering(const std::vector<Index>& changed) const {
-  const auto fresh = static_cast<double>(
-      std::count_if(changed.begin(), changed.end(), [&](Index i) { return !columns_.contains(i); }));
-  constexpr double flops_per_entry = 4;
-  constexpr std::size_t most = 200;
-  return columns_.size() < most && fresh * flops_per_entry * last_->entries() < last_->flops();
+  constexpr std::size_t most = 600;
+  const std::size_t fresh = static_cast<std::size_t>(
+      std::ranges::count_if(changed, [&](Index i) { return number_.empty() || number_[i] == none; }));
+  constexpr double flops_per_entry = 0.2;
+  return bordered_.size() + fresh <= most &&
+         static_cast<double>(fresh) * flops_per_entry * last_->entries() < last_->flops();
 }
 
-namespace {
-
-double product(const std::vector<std::pair<Index, double>>& column, const auto& v) {
-  double sum = 0;
-  for (const auto& [row, value] : column) sum += value * v[row];
-  return sum;
-}
-
-std::pair<Index, Index> ordered(Index a, Index b) {
-  return {std::max(a, b), std::min(a, b)};
-}
-
-}  // namespace
-
-void HeldFactors::read_columns(const LowerTriangle& K, const std::vector<Index>& fresh) {
+std::vector<HalfSolved::Column> HeldFactors::read_columns(const LowerTriangle& K, const std::vector<Index>& fresh) {
   const Index leading = K.size - contact_rows_;
+  std::vector<HalfSolved::Column> columns(fresh.size());
   std::vector<bool> released(contact_rows_, false);
-  for (const Index i : fresh) {
+  const Index first = static_cast<Index>(bordered_.size());
+  for (std::size_t k = 0; k < fresh.size(); ++k) {
+    const Index i = fresh[k];
+    number_[i] = first + static_cast<Index>(k);
+    bordered_.push_back(i);
     released[i] = held_[i];
-    columns_[i].clear();
-    if (!held_[i]) columns_[i].emplace_back(leading + i, 1);
+    if (!held_[i]) columns[k].emplace_back(leading + i, 1);
   }
+  const Eigen::Index count = static_cast<Eigen::Index>(bordered_.size());
+  small_.conservativeResize(count, count);
+  small_.rightCols(count - first).setZero();
+  small_.bottomRows(count - first).setZero();
   const auto in = [&](const std::vector<bool>& set, Index row) { return row >= leading && set[row - leading]; };
   for (Index j = 0; j < K.size; ++j)
     for (Index p = K.start[j]; p < K.start[j + 1]; ++p) {
       const Index i = K.rows[p];
       if (!in(released, i) && !in(released, j)) continue;
-      if (in(held_, i) && in(held_, j))
-        products_[{i - leading, j - leading}] = -K.values[p];
-      else if (in(released, i))
-        columns_[i - leading].emplace_back(j, K.values[p]);
-      else
-        columns_[j - leading].emplace_back(i, K.values[p]);
+      if (in(held_, i) && in(held_, j)) {
+        const Index a = number_[i - leading], b = number_[j - leading];
+        if (a != none && b != none) small_(a, b) = small_(b, a) = -K.values[p];
+      } else if (in(released, i)) {
+        columns[number_[i - leading] - first].emplace_back(j, K.values[p]);
+      } else {
+        columns[number_[j - leading] - first].emplace_back(i, K.values[p]);
+      }
     }
+  return columns;
 }
 
 void HeldFactors::border(const LowerTriangle& K, const std::vector<Index>& changed) {
+  if (!columns_) {
+    columns_.emplace(*last_);
+    number_.assign(contact_rows_, none);
+  }
   std::vector<Index> fresh;
   for (const Index i : changed)
-    if (!columns_.contains(i)) fresh.push_back(i);
+    if (number_[i] == none) fresh.push_back(i);
   if (fresh.empty()) return;
-  read_columns(K, fresh);
-  std::map<Index, Index> place;  // of the fresh ones
-  for (const Index i : fresh) place.emplace(i, static_cast<Index>(place.size()));
-  constexpr std::size_t batch = 16;
-  for (std::size_t first = 0; first < fresh.size(); first += batch) {
-    const std::size_t count = std::min(batch, fresh.size() - first);
-    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(K.size, static_cast<Eigen::Index>(count));
-    for (std::size_t k = 0; k < count; ++k)
-      for (const auto& [row, value] : columns_[fresh[first + k]]) block(row, static_cast<Eigen::Index>(k)) = value;
-    block = last_->solve_all(block);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Index i = fresh[first + k];
-      for (const auto& [j, column] : columns_) {
-        const auto at = place.find(j);
-        if (at != place.end() && at->second > place.at(i)) continue;  // every pair once
-        products_[ordered(i, j)] += product(column, block.col(static_cast<Eigen::Index>(k)));
-      }
-    }
-  }
+  const Eigen::Index before = columns_->count(), more = static_cast<Eigen::Index>(fresh.size());
+  const Eigen::MatrixXd products = columns_->add(read_columns(K, fresh));
+  small_.rightCols(more) += products;
+  small_.bottomLeftCorner(more, before) += products.topRows(before).transpose();
 }
 
-// Jumps of released rows, less the forces on rows that are held now.
-Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& x,
+Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& y,
                                          const Eigen::VectorXd& b) const {
   const Index leading = static_cast<Index>(sequence_.size()) - contact_rows_;
-  const Eigen::Index count = static_cast<Eigen::Index>(changed.size());
-  Eigen::MatrixXd small(count, count);
-  Eigen::VectorXd rest(count);
-  for (Eigen::Index p = 0; p < count; ++p) {
-    const Index i = changed[p];
-    rest[p] = product(columns_.at(i), x) - (held_[i] ? b[leading + i] : 0);
-    for (Eigen::Index q = 0; q < count; ++q) small(p, q) = products_.at(ordered(i, changed[q]));
+  std::vector<Index> at;
+  for (const Index i : changed) at.push_back(number_[i]);
+  Eigen::VectorXd rest = columns_->products(y)(at);
+  for (std::size_t k = 0; k < changed.size(); ++k)
+    if (held_[changed[k]]) rest[static_cast<Eigen::Index>(k)] -= b[leading + changed[k]];
+  return small_(at, at).partialPivLu().solve(rest);
+}
+
+const Eigen::VectorXd& HeldFactors::half_solved(Eigen::VectorXd right) {
+  if (right_.size() != right.size() || right_ != right) {
+    y_ = last_->forward(right);
+    right_ = std::move(right);
   }
-  return small.partialPivLu().solve(rest);
+  return y_;
 }
 
 Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b) {
@@ -187,15 +181,17 @@ Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<boo
     of(K, held);
     changed.clear();
   }
-  Eigen::VectorXd right = b;
+  Eigen::VectorXd right = b;  // of rows that are held now alone a multiplier takes what stands there
   for (Index i = 0; i < contact_rows_; ++i)
-    if (held[i] || held_[i]) right[leading + i] = 0;
-  if (changed.empty()) return last_->solve(right);
+    if (held_[i]) right[leading + i] = 0;
+  if (changed.empty()) return last_->backward(half_solved(std::move(right)));
   border(K, changed);
-  const Eigen::VectorXd share = multipliers(changed, last_->solve(right), b);
-  for (std::size_t k = 0; k < changed.size(); ++k)
-    for (const auto& [row, value] : columns_[changed[k]]) right[row] -= share[static_cast<Eigen::Index>(k)] * value;
-  Eigen::VectorXd x = last_->solve(right);
+  Eigen::VectorXd y = half_solved(std::move(right));
+  const Eigen::VectorXd share = multipliers(changed, y, b);
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(columns_->count());
+  for (std::size_t k = 0; k < changed.size(); ++k) shares[number_[changed[k]]] = share[static_cast<Eigen::Index>(k)];
+  columns_->subtract(shares, y);
+  Eigen::VectorXd x = last_->backward(y);
   for (std::size_t k = 0; k < changed.size(); ++k)
     x[leading + changed[k]] = held_[changed[k]] ? share[static_cast<Eigen::Index>(k)] : 0;
   return x;

@@ -3,11 +3,12 @@
 
 #include "solver/contact/contact.hpp"
 #include "solver/factor.hpp"
+#include "solver/system/half_solved.hpp"
 #include "solver/system/ordering.hpp"
 
-#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace kerf {
@@ -38,15 +39,15 @@ class HeldFactors {
   }
 
  private:
-  /// A row that is held in the factor and moves, or the other way round.
-  using Column = std::vector<std::pair<Index, double>>;  // of K, without rows held in the factor; or a unit vector
   std::vector<Index> changes(const std::vector<bool>& held) const;
   bool worth_bordering(const std::vector<Index>& changed) const;
   void border(const LowerTriangle& K, const std::vector<Index>& changed);
-  void read_columns(const LowerTriangle& K, const std::vector<Index>& fresh);
-  Eigen::VectorXd multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& x,
+  std::vector<HalfSolved::Column> read_columns(const LowerTriangle& K, const std::vector<Index>& fresh);
+  /// Jumps of released rows, less the forces on rows that are held now.
+  Eigen::VectorXd multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& y,
                               const Eigen::VectorXd& b) const;
   void factorize(const LowerTriangle& K);
+  const Eigen::VectorXd& half_solved(Eigen::VectorXd right);
 
   std::mutex one_at_a_time_;
   std::vector<Index> sequence_;
@@ -55,10 +56,13 @@ class HeldFactors {
   int made_ = 0;
   std::vector<bool> held_;  // in the factor
   std::shared_ptr<Factor> last_;
-  std::map<Index, Column> columns_;  // by row in contact
-  // Of pairs of these rows, first >= second: a column times the solution for the other, less the entry of K where both
-  // are released.
-  std::map<std::pair<Index, Index>, double> products_;
+  Eigen::VectorXd right_, y_;  // the last right-hand side, and L^-1 P of it: sets that follow each other share it
+  // Of rows that are held in the factor and move, or the other way round: a column of K, without rows held in the
+  // factor, or a unit vector.
+  std::optional<HalfSolved> columns_;
+  std::vector<Index> number_;  // per row in contact that of its column, or none
+  std::vector<Index> bordered_;
+  Eigen::MatrixXd small_;  // products of all columns, less the entries of K where both rows are released
 };
 
 }  // namespace kerf

@@ -1,0 +1,114 @@
+#include "solver/system/half_solved.hpp"
+
+#include <algorithm>
+
+namespace kerf {
+
+HalfSolved::HalfSolved(const Factor& factor) : l_(factor.columns()) {
+  const Supernodes& s = l_.blocks;
+  const auto rows = static_cast<std::size_t>(s.count > 0 ? s.first[s.count] : 0);
+  place_.resize(rows);
+  supernode_of_.resize(rows);
+  for (std::size_t k = 0; k < rows; ++k) place_[static_cast<std::size_t>(l_.order[k])] = static_cast<Index>(k);
+  for (Index n = 0; n < s.count; ++n)
+    std::fill(supernode_of_.begin() + s.first[n], supernode_of_.begin() + s.first[n + 1], n);
+}
+
+Index HalfSolved::parent(Index n) const {
+  const Supernodes& s = l_.blocks;
+  const Index width = s.first[n + 1] - s.first[n], behind = s.rows_start[n] + width;
+  return behind == s.rows_start[n + 1] ? none : supernode_of_[static_cast<std::size_t>(s.rows[behind])];
+}
+
+// Room on the way of each, with the columns themselves in it.
+void HalfSolved::enter(const std::vector<Column>& columns) {
+  const Supernodes& s = l_.blocks;
+  std::map<Index, Eigen::Index> old;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Index number = count_ + static_cast<Index>(k);
+    for (const auto& [row, value] : columns[k])
+      for (Index n = supernode_of_[static_cast<std::size_t>(place_[static_cast<std::size_t>(row)])]; n != none;
+           n = parent(n)) {
+        Block& block = blocks_[n];
+        if (!block.which.empty() && block.which.back() == number) break;
+        block.which.push_back(number);
+      }
+  }
+  for (auto& [n, block] : blocks_) {
+    const Eigen::Index before = block.values.cols(), now = static_cast<Eigen::Index>(block.which.size());
+    if (before == now) continue;
+    block.values.conservativeResize(s.first[n + 1] - s.first[n], now);
+    block.values.rightCols(now - before).setZero();
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (const auto& [row, value] : columns[k]) {
+      const Index at = place_[static_cast<std::size_t>(row)], n = supernode_of_[static_cast<std::size_t>(at)];
+      Block& block = blocks_.at(n);
+      const auto which = std::ranges::lower_bound(block.which, count_ + static_cast<Index>(k));
+      block.values(at - s.first[n], which - block.which.begin()) += value;
+    }
+}
+
+// What the new columns of a supernode leave on the rows behind it.
+void HalfSolved::pass_on(Index n, Eigen::Index first_new) {
+  const Supernodes& s = l_.blocks;
+  const Index width = s.first[n + 1] - s.first[n], height = s.rows_start[n + 1] - s.rows_start[n];
+  const Eigen::Map<const Eigen::MatrixXd> l(l_.values + s.values_start[n], height, width);
+  Block& block = blocks_.at(n);
+  auto here = block.values.rightCols(block.values.cols() - first_new);
+  l.topRows(width).triangularView<Eigen::Lower>().solveInPlace(here);
+  if (height == width) return;
+  const Eigen::MatrixXd left = l.bottomRows(height - width) * here;
+  std::vector<Eigen::Index> to(static_cast<std::size_t>(left.cols()));
+  Index above = none;
+  Block* target = nullptr;
+  for (Index i = 0; i < height - width; ++i) {
+    const Index at = s.rows[s.rows_start[n] + width + i], m = supernode_of_[static_cast<std::size_t>(at)];
+    if (m != above) {
+      above = m;
+      target = &blocks_.at(m);
+      for (std::size_t k = 0; k < to.size(); ++k)
+        to[k] = std::ranges::lower_bound(target->which, block.which[static_cast<std::size_t>(first_new) + k]) -
+                target->which.begin();
+    }
+    for (std::size_t k = 0; k < to.size(); ++k)
+      target->values(at - s.first[m], to[k]) -= left(i, static_cast<Eigen::Index>(k));
+  }
+}
+
+Eigen::MatrixXd HalfSolved::add(const std::vector<Column>& columns) {
+  enter(columns);
+  const Eigen::Index before = count_, more = static_cast<Eigen::Index>(columns.size());
+  count_ += static_cast<Index>(more);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count_, more);
+  for (auto& [n, block] : blocks_) {  // children before parents
+    const Eigen::Index first_new =
+        std::ranges::lower_bound(block.which, static_cast<Index>(before)) - block.which.begin();
+    if (first_new == block.values.cols()) continue;
+    pass_on(n, first_new);
+    const Eigen::MatrixXd here = block.values.transpose() * block.values.rightCols(block.values.cols() - first_new);
+    for (Eigen::Index k = 0; k < here.cols(); ++k)
+      for (Eigen::Index i = 0; i < here.rows(); ++i)
+        products(block.which[static_cast<std::size_t>(i)],
+                 block.which[static_cast<std::size_t>(first_new + k)] - before) += here(i, k);
+  }
+  return products;
+}
+
+Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(count_);
+  for (const auto& [n, block] : blocks_) {
+    const Eigen::VectorXd here = block.values.transpose() * y.segment(l_.blocks.first[n], block.values.rows());
+    for (std::size_t k = 0; k < block.which.size(); ++k) sum[block.which[k]] += here[static_cast<Eigen::Index>(k)];
+  }
+  return sum;
+}
+
+void HalfSolved::subtract(const Eigen::VectorXd& share, Eigen::VectorXd& y) const {
+  for (const auto& [n, block] : blocks_) {
+    const Eigen::VectorXd here = share(block.which);
+    y.segment(l_.blocks.first[n], block.values.rows()).noalias() -= block.values * here;
+  }
+}
+
+}  // namespace kerf
