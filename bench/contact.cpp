@@ -6,6 +6,7 @@
 #include "io/files.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/model.hpp"
+#include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/format.h>
@@ -46,6 +47,7 @@ struct ContactProblem {
   Shape shape;
   Scene scene;
   std::function<Mesh(const Shape&, double coarser)> mesh;
+  double size = 0.5;  // of the edges far from everything
 };
 
 double distance_to(const Crack& crack, const Vec2& x) {
@@ -101,8 +103,9 @@ ContactProblem many_cracks(double count) {
                               return {-0.4 * std::sin(x.y()), -0.3};
                             }}),
                    {}};
-  p.mesh = [](const Shape& shape, double coarser) {
-    return triangulate(shape, {.size = 0.15 * coarser, .crack_tip_size = 0.02 * coarser});
+  p.size = 0.12;
+  p.mesh = [size = p.size](const Shape& shape, double coarser) {
+    return triangulate(shape, {.size = size * coarser, .crack_tip_size = 0.02 * coarser});
   };
   return p;
 }
@@ -157,16 +160,27 @@ Solved solved(Mesh mesh, Scene scene, const CrackLaw& law, const ContactGuess& g
   return {std::move(model), std::move(state)};
 }
 
-/// As solve_graded begins where contact is large: by meshes four times coarser, down to where it is not.
-ContactGuess coarser_guess(const ContactProblem& p, const CrackLaw& law, double coarser, double& meshing) {
-  constexpr Index most_dense = Preparation{}.most_dense;
+bool is_large(const Mesh& mesh, const CrackLaw& law) {
+  Index edges = 0;
+  for (const auto& crack : mesh.cracks) edges += static_cast<Index>(crack.size());
+  return 2 * edges * (law.friction > 0 ? 2 : 1) > Preparation{}.most_dense;
+}
+
+/// As solve_graded begins where contact is large: by meshes four times coarser, down to where it is not; or with cracks
+/// alone, where that is hardly coarser.
+ContactGuess coarser_guess(const ContactProblem& p, const CrackLaw& law, double coarser, Index finer_triangles,
+                           double& meshing) {
   ProcessorWatch watch;
   Mesh mesh = p.mesh(p.shape, coarser);
   meshing += watch.lap();
-  Index edges = 0;
-  for (const auto& crack : mesh.cracks) edges += static_cast<Index>(crack.size());
+  const Index triangles = static_cast<Index>(mesh.triangles.size());
+  if (constexpr Index fewer = 5; triangles * fewer > finer_triangles) {
+    Scene scene = p.scene;
+    scene.laws.assign(p.shape.cracks.size(), law);
+    return lone_cracks_guess(p.shape, element("bdms"), scene, coarser * p.size, 1);
+  }
   ContactGuess guess;
-  if (2 * edges * (law.friction > 0 ? 2 : 1) > most_dense) guess = coarser_guess(p, law, 4 * coarser, meshing);
+  if (is_large(mesh, law)) guess = coarser_guess(p, law, 4 * coarser, triangles, meshing);
   const Solved s = solved(std::move(mesh), p.scene, law, guess);
   return contact_guess(s.model, s.state);
 }
@@ -188,10 +202,7 @@ void measure_contact(const ContactProblem& p, ContactRow& row) {
     watch.lap();
     double meshing = 0;
     ContactGuess guess;
-    Index edges = 0;
-    for (const auto& crack : mesh.cracks) edges += static_cast<Index>(crack.size());
-    if (2 * edges * (row.friction > 0 ? 2 : 1) > Preparation{}.most_dense)
-      guess = coarser_guess(p, touching, 4, meshing);
+    if (is_large(mesh, touching)) guess = coarser_guess(p, touching, 4, row.triangles, meshing);
     const Solved s = solved(mesh, p.scene, touching, guess);
     contact.push_back(watch.lap() - meshing);
     peak = peak_memory_mb();

@@ -5,6 +5,7 @@
 #include "kerf/fracture.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/history.hpp"
+#include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
 #include "tests/solver/scenes.hpp"
@@ -88,6 +89,26 @@ TEST(LargeContact, GivesTheDenseStateOfManyCracks) {
   for (const CrackLaw& law : {CrackLaw{}, CrackLaw{.friction = 0.3}, CrackLaw{.slip_bound = 0.05}})
     expect_the_dense_state(mesh, element("bdms"), pushed(8, law),
                            std::to_string(law.friction) + " " + std::to_string(law.slip_bound));
+}
+
+// Each crack alone under the tensions of the body without cracks: most of the set, at the price of a coarse mesh.
+TEST(LargeContact, BeginsWithLoneCracks) {
+  const Shape shape = random_cracks(8, 3, 7);
+  const Mesh mesh = triangulate(shape, {.size = 0.4, .crack_tip_size = 0.05});
+  const Scene scene = pushed(8, {});
+  const State dense = solve(prepare(mesh, element("bdms"), scene, 1, {.most_dense = always_dense}));
+  const ContactGuess guess = lone_cracks_guess(shape, element("bdms"), scene, 0.5, 1);
+  const Model m = prepare(mesh, element("bdms"), scene, 1, {.most_dense = 0, .contact = guess});
+  const State s = solve(m);
+  EXPECT_TRUE(certified(s));
+  EXPECT_LT((s.force - dense.force).cwiseAbs().maxCoeff(), 1e-10 * dense.force.cwiseAbs().maxCoeff());
+  const Ordering& o = m.inner->ordering;
+  Index wrong = 0;
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (m.inner->skeleton.bounded[u])
+      wrong += (s.force[u] > 0) != (m.inner->start[o.row[u] - (o.size - o.contact_rows)] == Motion::Held);
+  EXPECT_LT(wrong, o.contact_rows / 5);
+  EXPECT_GT(o.contact_rows, 100);
 }
 
 TEST(LargeContact, GivesTheDenseStateOfOtherElementsAndIncompressibleBodies) {
