@@ -6,7 +6,7 @@
 #include "io/files.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/model.hpp"
-#include "solver/state/guess.hpp"
+#include "solver/lone_cracks.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/format.h>

@@ -7,8 +7,8 @@
 
 #include "solver/system.hpp"
 
+#include "solver/lone_cracks.hpp"
 #include "solver/saddle_point.hpp"
-#include "solver/state/guess.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>

@@ -1,6 +1,7 @@
-#include "solver/state/guess.hpp"
+#include "solver/lone_cracks.hpp"
 
 #include "kerf/mesher.hpp"
+#include "kerf/state.hpp"
 
 #include <Eigen/LU>
 

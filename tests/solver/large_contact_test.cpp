@@ -5,7 +5,7 @@
 #include "kerf/fracture.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/history.hpp"
-#include "solver/state/guess.hpp"
+#include "solver/lone_cracks.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
 #include "tests/solver/scenes.hpp"
