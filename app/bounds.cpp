@@ -15,12 +15,12 @@ namespace kerf {
 namespace {
 
 std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s, const QuantityBounds& bounds) {
+  const std::vector<TipIntensity> tips = crack_tips(m, s);
+  const std::vector<TipBounds> of = bounds.all({.tips = tips}).tips;
   std::vector<BoundedTip> out;
-  for (const TipIntensity& tip : crack_tips(m, s)) {
-    const TipBounds b = bounds.tip(tip);
-    out.push_back(
-        {task.body.shape.cracks[static_cast<std::size_t>(tip.crack)].name, tip.at_start, tip.at, b.K_I, b.K_II, b.G});
-  }
+  for (std::size_t i = 0; i < tips.size(); ++i)
+    out.push_back({task.body.shape.cracks[static_cast<std::size_t>(tips[i].crack)].name, tips[i].at_start, tips[i].at,
+                   of[i].K_I, of[i].K_II, of[i].G});
   return out;
 }
 
@@ -30,50 +30,67 @@ const Material& material_at(const Model& m, const Vec2& x) {
 }
 
 std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Vec2>& points, const Model& m,
-                                    const QuantityBounds& bounds) {
+                                    std::vector<StressBounds> stresses) {
   std::vector<BoundedPoint> out;
   if (points.empty()) return out;
   const DerivativeBounds derivative(task.functional, task.perturbation, m);
-  for (const Vec2& x : points) {
-    StressBounds b = bounds.stress(x);
-    out.push_back(
-        {x, b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, x), task.plane_strain, b), derivative.at(x, b)});
+  const std::vector<Bounded> derivatives = derivative.at(points, stresses);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const StressBounds& b = stresses[i];
+    out.push_back({points[i], b.s11, b.s22, b.s12, von_mises_bounds(material_at(m, points[i]), task.plane_strain, b),
+                   derivatives[i]});
   }
   return out;
 }
 
-/// Of the displacement of a label, in x or y.
-Bounded mean_displacement(const Mesh& mesh, const QuantityBounds& bounds, Index label, int component) {
+double length_of(const Mesh& mesh, Index label) {
   double whole = 0;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     if (mesh.label[e] == label) whole += length(mesh, e);
-  if (whole == 0) return {nan, nan, nan, false, "no bounds: the label has no edges"};
-  const Vec2 share = Vec2::Unit(component) / whole;
-  return bounds.work({{label, [share](const Vec2&, const Vec2&) -> Vec2 { return share; }}});
+  return whole;
+}
+
+/// Everything of the body as it is, at once.
+QuantityRequest requested(const BoundsRequest& request, const Mesh& mesh) {
+  QuantityRequest all{.points = request.points, .discs = request.discs, .lines = request.lines};
+  for (const Index label : request.displacements)
+    for (int k = 0; k < 2; ++k) {
+      const double whole = length_of(mesh, label);
+      const Vec2 share = whole > 0 ? Vec2(Vec2::Unit(k) / whole) : Vec2::Zero();  // a mean displacement
+      all.works.push_back({{label, [share](const Vec2&, const Vec2&) -> Vec2 { return share; }}});
+    }
+  for (const Index label : request.reactions)
+    for (int k = 0; k < 2; ++k) all.reactions.push_back({{label}, k});
+  return all;
 }
 
 std::vector<BoundedMean> means_of(const BoundsTask& task, const BoundsRequest& request, const Model& m,
-                                  const QuantityBounds& bounds) {
+                                  const QuantityIntervals& found, const QuantityBounds& bounds) {
   using enum BoundedMean::Of;
   const auto name = [&](Index label) { return task.body.shape.labels[static_cast<std::size_t>(label)]; };
   std::vector<BoundedMean> out;
-  for (const OverDisc& d : request.discs) {
-    const StressBounds s = bounds.mean_stress(d);
+  for (std::size_t i = 0; i < request.discs.size(); ++i) {
+    const OverDisc& d = request.discs[i];
+    const StressBounds& s = found.discs[i];
     const StrainBounds e = strain_bounds(material_at(m, d.center), s);
     out.push_back({Disc, {}, d.center, d.center, d.radius, {s.s11, s.s22, s.s12, e.e11, e.e22, e.e12}});
   }
-  for (const AlongLine& line : request.lines) {
-    const StressBounds s = bounds.mean_stress(line);
-    out.push_back({Line, {}, line.from, line.to, 0, {s.s22, s.s12, s.s11}});
+  for (std::size_t i = 0; i < request.lines.size(); ++i) {
+    const StressBounds& s = found.lines[i];
+    out.push_back({Line, {}, request.lines[i].from, request.lines[i].to, 0, {s.s22, s.s12, s.s11}});
   }
-  for (const Index label : request.displacements)
-    out.push_back(
-        {.of = Displacement,
-         .on = name(label),
-         .quantities = {mean_displacement(m.mesh, bounds, label, 0), mean_displacement(m.mesh, bounds, label, 1)}});
-  for (const Index label : request.reactions)
-    out.push_back(
-        {.of = Reaction, .on = name(label), .quantities = {bounds.reaction({label}, 0), bounds.reaction({label}, 1)}});
+  const Bounded no_edges{nan, nan, nan, false, "no bounds: the label has no edges"};
+  for (std::size_t i = 0; i < request.displacements.size(); ++i) {
+    const Index label = request.displacements[i];
+    const bool any = length_of(m.mesh, label) > 0;
+    out.push_back({.of = Displacement,
+                   .on = name(label),
+                   .quantities = {any ? found.works[2 * i] : no_edges, any ? found.works[2 * i + 1] : no_edges}});
+  }
+  for (std::size_t i = 0; i < request.reactions.size(); ++i)
+    out.push_back({.of = Reaction,
+                   .on = name(request.reactions[i]),
+                   .quantities = {found.reactions[2 * i], found.reactions[2 * i + 1]}});
   if (request.compliance) out.push_back({.of = Loads, .quantities = {bounds.work_of_loads()}});
   return out;
 }
@@ -136,8 +153,7 @@ std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vec
                                           const QuantityBounds& bounds) {
   const std::string polygon = polygon_note(task);
   std::vector<BoundedStress> out;
-  for (const Vec2& x : points) {
-    const StressBounds s = bounds.stress(x);
+  for (const StressBounds& s : bounds.all({.points = points}).points) {
     out.push_back({s.s11, s.s22, s.s12});
     for (Bounded* b : {&out.back().s_xx, &out.back().s_yy, &out.back().s_xy}) qualify(*b, polygon);
   }
@@ -163,10 +179,11 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     for (BoundedTip& t : out.tips)
       for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
   }
-  out.points = points_of(task, request.points, model, bounds);
+  QuantityIntervals found = bounds.all(requested(request, model.mesh));
+  out.points = points_of(task, request.points, model, std::move(found.points));
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
-  out.means = means_of(task, request, model, bounds);
+  out.means = means_of(task, request, model, found, bounds);
   for (BoundedMean& m : out.means)
     for (Bounded& b : m.quantities) qualify(b, polygon);
   return out;

@@ -9,6 +9,10 @@ namespace kerf {
 Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
                               const Points& x, double eigenstrain = 0);
 
+/// The same of fields side by side in a straight triangle of an isotropic material without eigenstrain: from their
+/// evaluate_lanes at the points of the kernel's rule to u* at points x, 2 rows each.
+void recovered_lanes(const Model& model, Index t, const double* fields, const Points& x, double* u);
+
 /// Its transpose: the derivative by the interior coefficients of t of sum_q weights_q . u*(x_q).
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights);
 

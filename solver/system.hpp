@@ -31,6 +31,9 @@ bool has_large_contact(const Model& model);
 /// model has, and supports on the same labels and components. Throws as `prepare` does.
 Model with_loads(const Model& model, Scene scene);
 
+/// The same with the loads alone, for those who solve many at once: K is left empty.
+Model loads_alone(const Model& model, Scene scene);
+
 Triangle triangle(const Model& model, Index t);
 /// Of a triangle with its curved edges.
 double cell_area(const Model& model, Index t);

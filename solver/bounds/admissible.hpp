@@ -4,6 +4,10 @@
 #include "kerf/bounds.hpp"
 #include "solver/bounds/conforming.hpp"
 
+#include <cmath>
+#include <functional>
+#include <memory>
+
 namespace kerf {
 
 /// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
@@ -58,6 +62,33 @@ double moved_by_eigenstrain(const Material& material, const Triangle& t, double 
 /// A body held by nothing, with piecewise constant displacements: the element and the bounds see the means of f.
 bool unseen_couples(const Forces& f);
 
+/// The tractions of both sides of an edge, those given there, and what the fields do on it.
+struct EdgeWork {
+  Index edge;
+  std::array<Tractions, 2> side;  // at its Gauss points
+  const EdgeData* given;          // or null
+  SkeletonVector base, jump;      // values of the multiplier; no jump but at cracks that may open
+  double penetration = 0;
+};
+/// What the equilibrium of the tractions and the sign of those of contact lack, times the displacements, and the work
+/// of pressure on penetration: rounding.
+double imbalance_on(const Model& m, const EdgeWork& at);
+
+/// The interval of an energy from the sums over the triangles.
+struct EnergySums {
+  Share sum;
+  double imbalance = 0;  // of all edges
+  Oscillation oscillation;
+  double mismatch = 0, beyond_arcs = 0;
+  bool couples = false;  // unseen_couples
+};
+EnergyBounds energy_interval(const Model& m, const EnergySums& of);
+
+std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
+                           const std::vector<std::vector<Index>>& edges);
+
+struct References;
+
 /// Everything that the bounds of one energy are made of; with the fields at the points of the rules.
 struct AdmissiblePair {
   const Model& m;
@@ -71,7 +102,10 @@ struct AdmissiblePair {
   double rounding = 0, beyond_arcs = 0;
   EnergyBounds bounds;       // not finite: nothing else is there
   TriangleRule plain, rich;  // rich: of triangles with data on their edges
+  std::shared_ptr<const References> references;
 };
+/// Why there are no bounds of the energy, as far as the data tell; empty: there are.
+std::string unseen_by_bounds(const Model& m);
 /// The model must outlive it. `inside`: the least degree of the polynomials; pairs of states are to have the same.
 AdmissiblePair admissible(const Model& m, const Field& s, int inside);
 /// What `admissible` takes of itself.
@@ -85,5 +119,48 @@ struct CrossEnergy {
   std::string note;
 };
 CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w);
+
+/// Of the lower and the upper bound as quadratic forms, and the sizes of what they are sums of.
+struct Products {
+  double lower = 0, upper = 0, size = 0;
+
+  void add_lower(double term) {
+    lower += term;
+    size += std::abs(term);
+  }
+  void add_upper(double term) {
+    upper += term;
+    size += std::abs(term);
+  }
+  void add(const Products& p) {
+    lower += p.lower;
+    upper += p.upper;
+    size += p.size;
+  }
+};
+/// Of kept stresses and strains in one triangle.
+Products crossed_fields(const Material& material, double area, const TriangleRule& rule, const Share& a,
+                        const Share& b);
+/// Loads on the displacement of a data edge, prescribed values on its tractions.
+struct EdgeSide {
+  const Model& m;
+  const EdgeData& data;
+  const EdgePolynomial& value;  // of the conforming displacement
+  const Tractions& tractions;   // of its triangle
+};
+Products crossed_on_edge(const EdgeSide& u, const EdgeSide& w);
+
+/// One of two states, and the interval of the crossed energy from the sums over the triangles.
+struct CrossSide {
+  const EnergyBounds& bounds;
+  double gap, rounding, mismatch;  // gap: without rounding and what data leave out
+  bool couples;
+};
+/// `oscillation`, `strain`: Oscillation and what of eigenstrains is unseen, at the step k.
+CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& w, const Products& p,
+                           const std::function<Oscillation(double k)>& oscillation,
+                           const std::function<double(double k)>& strain);
+/// For squares q(u + k w) <= (q(u)^1/2 + k q(w)^1/2)^2.
+double together(double u, double w, double k);
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
+#include "solver/bounds/triangle_bounds.hpp"
 #include "solver/parallel.hpp"
 
 #include <fmt/core.h>
@@ -23,13 +24,6 @@ namespace kerf {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr int strain_degree = 4;  // of the polynomials of eigenstrains that have a rest
-
-// What A s : s has beyond that of the isotropic part.
-double orthotropic_work(const Material& m, double s11, double s22, double s12) {
-  const Eigen::Vector3d e = orthotropic_strain(m, s11, s22, s12);
-  return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
-}
 
 // |grad w - its mean rotation| <= K |eps(w)| on a triangle, K^2 = 1 + 2/beta^2 with a lower bound of the inf-sup
 // constant beta of a body that sees the disk of radius r and lies in the one of radius R [Costabel, Dauge 2015]: the
@@ -50,432 +44,26 @@ double local_korn(const Triangle& t) {
   return std::sqrt(1 + 2 / beta_squared);
 }
 
-// Everything that does not depend on the triangle. Stresses, divergences and forces are polynomials of degree n by
-// their values on lattice(n), displacements of degree n + 1 by theirs on lattice(n + 1).
-struct Reference {
-  int n;
-  TriangleRule rule;
-  Points nodes, field_nodes;
-  Eigen::MatrixXd at_rule, field_at_rule;                                  // values
-  std::array<Eigen::MatrixXd, 2> slope, field_slope, field_slope_at_rule;  // derivatives
-  Eigen::MatrixXd raise;                                                   // conforming displacement -> lattice(n + 1)
-  Eigen::MatrixXd force, mean_force;                                       // body force, what the element sees of it
-  RightInverse inverse;
-  Eigen::MatrixXd normal_free;
-  Eigen::MatrixXd to_strains, of_strains;                 // from the rule to lattice(strain_degree), and back
-  std::array<std::array<Eigen::MatrixXd, 2>, 3> at_edge;  // values at the Gauss points, edges backward and forward
-  std::shared_ptr<const CurvedReference> curved;          // where there are curved triangles
-};
-
-Reference reference(const Element& e, int n, const Forces& f) {
-  Reference r;
-  r.n = n;
-  r.rule = split_rule(2 * n);
-  r.nodes = lattice(n);
-  r.field_nodes = lattice(n + 1);
-  r.at_rule = interpolation(n, r.rule.x);
-  r.field_at_rule = interpolation(n + 1, r.rule.x);
-  r.slope = differentiation(n, r.nodes);
-  r.field_slope = differentiation(n + 1, r.nodes);
-  r.field_slope_at_rule = differentiation(n + 1, r.rule.x);
-  r.raise = interpolation(e.trace + 1, r.field_nodes);
-  r.force = interpolation(f.degree, r.nodes);
-  const TriangleRule exact = triangle_rule(f.degree + e.displacement);
-  r.mean_force =
-      interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
-  r.inverse = right_inverse(n, r.rule);
-  r.normal_free = normal_free_right_inverse(n);
-  if (n >= strain_degree) {
-    r.to_strains = projection(strain_degree, r.rule);
-    r.of_strains = interpolation(strain_degree, r.rule.x);
-  }
-  const EdgeRule trace = gauss(points_per_edge(e));
-  for (int side = 0; side < 3; ++side)
-    for (int forward = 0; forward < 2; ++forward) {
-      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
-      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
-      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
-      r.at_edge[side][forward] = interpolation(n, l.bottomRows<2>());
-    }
-  return r;
-}
-
-struct Bounding {
-  const Model& m;
-  const Field& s;
-  const Forces& f;
-  const std::vector<EdgeData>& data;
-  const Conforming& conforming;
-  const Eigen::MatrixXd& statics;
-  bool keep = false;  // the fields
-  EdgeRule carrier = gauss(data_carriers);
-
-  /// The coordinate (1 + l_b - l_a)/2 along a boundary edge and l_a l_b, at a point (l1, l2).
-  struct Along {
-    double s, bump;
-  };
-  Along along(const EdgeData& d, const Vec2& l) const {
-    const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
-    const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
-    const double from = full[(d.side + (forward ? 1 : 2)) % 3], to = full[(d.side + (forward ? 2 : 1)) % 3];
-    return {0.5 * (1 + to - from), from * to};
-  }
-
-  /// Symmetric stress in equilibrium: its complementary energy and the work of the supports.
-  void lower(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
-    const Triangle cell = triangle(m, t), shape = chords_of(cell);
-    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const double det = J.determinant();
-    const Points x = nodes(r, shape);
-    Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, statics.col(t), x).stress;
-    if (f.couple.size() > 0) {
-      const Mat2 c = antisymmetric(f.couple[t]);
-      stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
-    }
-    share.tractions = tractions(r, shape, stress);
-    work_of_supports(share.tractions, edges, share);
-
-    add_loads_unseen(r, t, edges, stress);
-    if (is_curved(cell)) {
-      add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share);
-      return;
-    }
-
-    const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
-    const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
-    const Eigen::Matrix4Xd at = stress * r.at_rule.transpose();
-    const Material& material = material_of(m.mesh, m.scene, t);
-    const double mu = material.mu, c = material.c;
-    const Eigen::Matrix4Xd free = eigenstrain(r, t);
-    double energy = 0, freed = 0;
-    Eigen::Matrix4Xd whole(4, at.cols());
-    for (Eigen::Index i = 0; i < at.cols(); ++i) {
-      const Mat2 gradient =
-          J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
-      const double s11 = at(0, i) + gradient(0, 1), s12 = at(1, i) - gradient(0, 0), s21 = at(2, i) + gradient(1, 1),
-                   s22 = at(3, i) - gradient(1, 0), trace = s11 + s22, difference = s11 - s22;
-      whole.col(i) << s11, s12, s21, s22;
-      energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
-      if (!isotropic(material)) energy += r.rule.w[i] * orthotropic_work(material, s11, s22, 0.5 * (s12 + s21));
-      if (free.cols() > 0) freed += r.rule.w[i] * free.col(i).dot(whole.col(i));
-      share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
-      share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
-    }
-    energy *= 0.5 * area(shape);
-    freed *= area(shape);
-    share.lower -= energy + freed;
-    share.size += energy + std::abs(freed);
-    if ((free.cols() > 0 || keep) && r.n >= strain_degree) share.square = beyond_strains(r, whole);
-    if (free.cols() > 0) {
-      const StrainData& strain = m.inner->data.strain;
-      share.below = area(shape) * (std::sqrt(strain.rest[t] * share.square) + strain.error[t] * share.stress);
-    }
-    if (keep) share.kept_stress = std::move(whole);
-  }
-
-  /// The mean of |p - its projection|^2: the rest of an eigenstrain, also of the other state of a pair, works on no
-  /// polynomial of its degree.
-  static double beyond_strains(const Reference& r, const Eigen::Matrix4Xd& stress) {
-    const Eigen::Matrix4Xd rest = stress - stress * r.to_strains.transpose() * r.of_strains.transpose();
-    return rest.colwise().squaredNorm().dot(r.rule.w);
-  }
-
-  Points nodes(const Reference& r, const Triangle& shape) const {
-    Points x(2, r.nodes.cols());
-    for (Eigen::Index q = 0; q < x.cols(); ++q)
-      x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
-    return x;
-  }
-
-  /// Rows with the rest of the tractions as normal trace and the rest of the body force as divergence.
-  void add_loads_unseen(const Reference& r, Index t, const std::vector<Index>& edges, Eigen::Matrix4Xd& stress) const {
-    const Triangle shape = triangle(m, t);
-    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const double det = J.determinant();
-    const Points x = nodes(r, shape);
-    bool correct = f.nodal.cols() > 0 && !f.balanced;
-    Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
-    for (const Index i : edges) {
-      const EdgeData& d = data[i];
-      if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
-      correct = true;
-      const Vec2& apex = shape.x[d.side];
-      const double l = length(m.mesh, d.edge);
-      for (Eigen::Index q = 0; q < x.cols(); ++q) {
-        const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
-        const Vec2 load =
-            m.inner->skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
-        rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
-      }
-    }
-    if (!correct) return;
-    Points wanted = Points::Zero(2, x.cols());
-    if (f.nodal.cols() > 0) {
-      const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
-      wanted = force * (r.mean_force - r.force).transpose();
-    }
-    for (int row = 0; row < 2; ++row) {
-      const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
-        return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
-               inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
-      };
-      const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
-      const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
-      const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
-      rows.middleRows<2>(2 * row) += own;
-    }
-    stress += rows;
-  }
-
-  /// At the points of the rule; no columns without one.
-  Eigen::Matrix4Xd eigenstrain(const Reference& r, Index t) const {
-    return m.inner->data.strain.empty() ? Eigen::Matrix4Xd() : strain_at(m.inner->data.strain, t, r.rule.x);
-  }
-
-  /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
-  void work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
-    const Eigen::Index points = m.inner->kernel.trace.w.size();
-    for (const Index i : edges) {
-      const EdgeData& d = data[i];
-      const double l = length(m.mesh, d.edge);
-      for (int k = 0; k < 2; ++k) {
-        if (!d.held[k]) continue;
-        for (Eigen::Index g = 0; g < points; ++g) {
-          const Index unknown = d.edge * m.inner->skeleton.per_edge + 2 * static_cast<Index>(g) + k;
-          const double work = l * m.inner->kernel.trace.w[g] * tractions(k, points * d.side + g) *
-                              m.inner->skeleton.prescribed[unknown];
-          share.lower += work;
-          share.size += std::abs(work);
-        }
-        for (int g = 0; g < data_carriers; ++g)
-          share.lower -= l * carrier.w[g] * d.load(k, g) * conforming.value[i](k, g);
-      }
-    }
-  }
-
-  Tractions tractions(const Reference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const {
-    const Eigen::Index points = m.inner->kernel.trace.w.size();
-    Tractions result(2, 3 * points);
-    for (int e = 0; e < 3; ++e) {
-      const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
-      const Vec2 n = Vec2(side.y(), -side.x()).normalized();
-      const Eigen::Matrix4Xd there = stress * r.at_edge[e][shape.forward[e] ? 1 : 0].transpose();
-      for (Eigen::Index g = 0; g < points; ++g)
-        result.col(points * e + g) = shape.frame[e].transpose() * (tensor(there.col(g)) * n);
-    }
-    return result;
-  }
-
-  /// Of the loads on an edge with data, at one of its points and in all.
-  double work_at(Index i, int g) const {
-    return length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
-  }
-  double work_on_edge(Index i) const {
-    double work = 0;
-    for (int g = 0; g < data_carriers; ++g) work += work_at(i, g);
-    return work;
-  }
-
-  /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
-  Eigen::RowVectorXd wanted_divergence(const Reference& r, Index t) const {
-    const Triangle shape = triangle(m, t);
-    const Material& material = material_of(m.mesh, m.scene, t);
-    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), nodes(r, shape)).stress;
-    Eigen::RowVectorXd wanted = 2 * material.c * (stress.row(0) + stress.row(3));
-    if (!isotropic(material))
-      for (Eigen::Index q = 0; q < wanted.size(); ++q)
-        wanted[q] += orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q)))
-                         .head<2>()
-                         .sum();
-    if (!m.inner->data.strain.empty()) {
-      const Eigen::Matrix4Xd at = strain_at(m.inner->data.strain, t, r.nodes);
-      wanted += at.row(0) + at.row(3);
-    }
-    return wanted;
-  }
-
-  /// Energy of the conforming displacement with its divergence moved towards that of the stress.
-  void upper(const Reference& r, Index t, const std::vector<Index>& edges, Share& share) const {
-    const Triangle cell = triangle(m, t), shape = chords_of(cell);
-    const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const Material& material = material_of(m.mesh, m.scene, t);
-    const double mu = material.mu, c = material.c;
-    const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
-    const double det = J.determinant();
-    const Eigen::Map<const Points> nodal(conforming.nodal.col(t).data(), 2, conforming.nodal.rows() / 2);
-    Points v = nodal * r.raise.transpose();
-    share.largest = nodal.cwiseAbs().maxCoeff();
-    const Points low = v;
-    for (const Index i : edges) {
-      const EdgeData& d = data[i];
-      if (!d.held[0] && !d.held[1]) continue;
-      for (Eigen::Index q = 0; q < v.cols(); ++q) {
-        const Along a = along(d, r.field_nodes.col(q));
-        v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
-      }
-    }
-    if (is_curved(cell)) {
-      const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, s.interior.col(t), nodes(r, shape)).stress;
-      share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share);
-      share.upper = share.elastic;
-      share.size += share.elastic;
-      for (const Index i : edges) {
-        const double work = work_on_edge(i);
-        share.upper -= work;
-        share.size += std::abs(work);
-      }
-      return;
-    }
-    const Eigen::Matrix4Xd free = eigenstrain(r, t);
-    Eigen::RowVectorXd wanted = wanted_divergence(r, t);
-    for (int axis = 0; axis < 2; ++axis)
-      for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
-    const Eigen::VectorXd scaled = det * wanted.transpose();
-    const Eigen::VectorXd correction = r.inverse.derivative * scaled;
-    const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
-    // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
-    double e = 0, b = 0, a = 0, size = 0;
-    std::array<double, 2> worst{0, 0};
-    // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
-    double zz = 0, zw = 0, ww = 0;
-    Points zx, zy;
-    Eigen::Matrix4Xd own_strain;
-    Points own_displacement;
-    if (keep) {
-      share.kept_strain.resize(4, r.rule.w.size());
-      own_strain.resize(4, r.rule.w.size());
-    }
-    if (!edges.empty()) {
-      zx = (v - low) * r.field_slope_at_rule[0].transpose();
-      zy = (v - low) * r.field_slope_at_rule[1].transpose();
-    }
-    for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
-      const double w = r.rule.w[q] * area(shape);
-      Mat2 g;
-      g << dx.col(q), dy.col(q);
-      g = (g * inverse).eval();
-      const Eigen::Vector4d d = correction.segment<4>(4 * q);
-      const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
-      const Mat2 whole = g;
-      if (free.cols() > 0) g -= tensor(free.col(q));
-      if (keep) {
-        share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
-        own_strain.col(q) << h(0, 0), h(0, 1), h(1, 0), h(1, 1);
-      }
-      const double volume = g.trace(), own_volume = h.trace();
-      const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
-                   own_shear = h(0, 1) + h(1, 0);
-      if (!isotropic(material)) {
-        const Eigen::Vector3d strain(g(0, 0), g(1, 1), shear), own(h(0, 0), h(1, 1), own_shear);
-        e += w * 0.5 * strain.dot(C * strain);
-        b += w * strain.dot(C * own);
-        a += w * 0.5 * own.dot(C * own);
-      } else {
-        e += w * 0.5 * mu * (difference * difference + shear * shear);
-        b += w * mu * (difference * own_difference + shear * own_shear);
-        a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
-      }
-      if (c > 0 && isotropic(material)) {
-        e += w * volume * volume / (8 * c);
-        b += w * 2 * volume * own_volume / (8 * c);
-        a += w * own_volume * own_volume / (8 * c);
-      }
-      ww += w * h.squaredNorm();
-      if (!edges.empty()) {
-        Mat2 z;
-        z << zx.col(q), zy.col(q);
-        z = (z * inverse).eval();
-        zz += w * z.squaredNorm();
-        zw += w * z.cwiseProduct(h).sum();
-      }
-      worst[0] = std::max(worst[0], std::abs(volume + own_volume));
-      worst[1] = std::max(worst[1], whole.cwiseAbs().maxCoeff());
-    }
-    const double alone = e, with_own = b, own_alone = a;
-    size += e;
-    if (keep) {
-      const Eigen::VectorXd own = r.inverse.value * scaled;
-      own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
-    }
-    if (f.nodal.cols() > 0) {
-      const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
-      const Points at = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
-      const Eigen::VectorXd own = r.inverse.value * scaled;
-      share.force =
-          diameter(shape) / pi * std::sqrt(area(shape) * at.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[t];
-      for (Eigen::Index q = 0; q < at.cols(); ++q) {
-        const double w = r.rule.w[q] * area(shape), work = at.col(q).dot(value.col(q));
-        e -= w * work;
-        size += w * std::abs(work);
-        b -= w * at.col(q).dot(J * own.segment<2>(2 * q)) / det;
-      }
-    }
-    for (const Index i : edges)
-      for (int g = 0; g < data_carriers; ++g) {
-        const double work = work_at(i, g);
-        e -= work;
-        size += std::abs(work);
-      }
-    const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
-    share.upper = e + alpha * (b + alpha * a);
-    share.elastic = alone + alpha * (with_own + alpha * own_alone);
-    if (keep) {
-      share.kept_strain += alpha * own_strain;
-      share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
-    }
-    if (free.cols() > 0) {
-      const StrainData& strain = m.inner->data.strain;
-      share.above = moved_by_eigenstrain(material, shape, strain.rest[t], strain.error[t],
-                                         {share.elastic, worst[1], share.stress, share.force});
-    }
-    const double square = zz + alpha * (2 * zw + alpha * ww);
-    share.rough = std::sqrt(std::max(0.0, square));
-    share.size += size;
-    share.divergence = c == 0 ? worst[0] : 0;
-    share.gradient = worst[1];
-  }
-};
-
-// What the equilibrium of the tractions and the sign of those of contact lack, times the displacements, and the work of
-// pressure on penetration: rounding.
 double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& data, const Conforming& conforming,
                  const std::vector<Share>& shares) {
   const Index points = points_per_edge(m.element);
+  const Skeleton& skeleton = m.inner->skeleton;
   std::vector<Index> place(m.mesh.edges.size(), none);
   for (std::size_t i = data.size(); i-- > 0;) place[data[i].edge] = static_cast<Index>(i);  // of cracks the left side
-  const EdgeRule carrier = gauss(data_carriers);
   double total = 0;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    std::array<Tractions, 2> side;
+    EdgeWork at{e, {}, place[e] == none ? nullptr : &data[place[e]], {}, {}, conforming.penetration[e]};
     for (int k = 0; k < 2; ++k) {
-      side[k] = Tractions::Zero(2, points);
+      at.side[k] = Tractions::Zero(2, points);
       const Index t = m.mesh.sides[e][k];
       if (t == none) continue;
       int i = 0;
       while (m.mesh.edges_of[t][i] != e) ++i;
-      side[k] = shares[t].tractions.middleCols(points * i, points);
+      at.side[k] = shares[t].tractions.middleCols(points * i, points);
     }
-    const CrackLaw::Kind kind = m.mesh.crack[e] == none ? CrackLaw::Kind::Bonded : m.scene.laws[m.mesh.crack[e]].kind;
-    const EdgeData* d = place[e] == none ? nullptr : &data[place[e]];
-    for (Index g = 0; g < points; ++g)
-      for (int k = 0; k < 2; ++k) {
-        if (d && d->held[k]) continue;
-        double given = 0;
-        if (d)
-          for (int q = 0; q < data_carriers; ++q)
-            given += carrier.w[q] / m.inner->kernel.trace.w[g] * trace_basis(m.inner->kernel.trace, carrier.s[q])[g] *
-                     d->load(k, q);
-        const double rest = side[0](k, g) + side[1](k, g) - (kind == CrackLaw::Kind::Bonded ? given : 0);
-        const Index unknown = 2 * g + k;
-        double work = std::abs(rest * s.skeleton[e * m.inner->skeleton.per_edge + unknown]);
-        if (kind != CrackLaw::Kind::Bonded) {
-          const double contact = side[0](k, g) - given,
-                       wrong = k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, contact) : contact;
-          work += std::abs(wrong * s.skeleton[m.inner->skeleton.jump[e] + unknown]);
-          if (k == 0) work += std::abs(contact) * conforming.penetration[e];
-        }
-        total += length(m.mesh, e) * m.inner->kernel.trace.w[g] * work;
-      }
+    at.base = s.skeleton.segment(e * skeleton.per_edge, 2 * points);
+    if (skeleton.jump[e] != none) at.jump = s.skeleton.segment(skeleton.jump[e], 2 * points);
+    total += imbalance_on(m, at);
   }
   return total;
 }
@@ -540,12 +128,15 @@ double rapid(const Model& m, const EdgeData& d, int k, double trace) {
   return std::min(carried, trace * square);
 }
 
+}  // namespace
+
 std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
                            const std::vector<std::vector<Index>>& edges) {
   std::vector<Rest> rests(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Index t = static_cast<Index>(i);
     Rest& r = rests[i];
+    if (f.nodal.cols() == 0 && edges[i].empty()) continue;
     if (f.nodal.cols() > 0) {
       r.body = f.left_out[t];
       r.quadrature = f.moved[t];
@@ -566,6 +157,8 @@ std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, co
   }
   return rests;
 }
+
+namespace {
 
 Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>& shares) {
   Oscillation o;
@@ -607,24 +200,15 @@ std::string unavailable(const Model& m) {
   return {};
 }
 
-struct References {
-  Reference plain, rich;  // rich: boundary data are of higher degree than the fields inside
-};
-References references(const Element& e, int inside, const Forces& f, bool curved) {
-  References both{reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
-  for (Reference* r : {&both.plain, &both.rich})
-    if (curved) r->curved = std::make_shared<const CurvedReference>(curved_reference(r->n, e.stress));
-  return both;
-}
-
-std::vector<Share> bound_triangles(const Bounding& of, const References& to,
-                                   const std::vector<std::vector<Index>>& edges) {
+std::vector<Share> bound_triangles(const Bounding& of, const References& to, const Field& s,
+                                   const Eigen::MatrixXd& statics, const std::vector<std::vector<Index>>& edges) {
   std::vector<Share> shares(edges.size());
   parallel_for(static_cast<Index>(edges.size()), of.m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const Reference& r = edges[t].empty() ? to.plain : to.rich;
-      of.lower(r, t, edges[t], shares[t]);
-      of.upper(r, t, edges[t], shares[t]);
+      const TriangleReference& r = edges[t].empty() ? to.plain : to.rich;
+      const CellFields at{statics.col(t), s.interior.col(t), of.conforming.nodal.col(t)};
+      of.lower(r, t, at, edges[t], shares[t]);
+      of.upper(r, t, at, edges[t], shares[t]);
     }
   });
   return shares;
@@ -650,7 +234,8 @@ EnergyBounds lost(double oscillation, std::string why) {
   return {nan, nan, oscillation, false, std::move(why)};
 }
 
-// Data of which the rules cannot say what they leave out.
+}  // namespace
+
 std::string unseen_by_bounds(const Model& m) {
   for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data)) {
     if (!u.stops_bounds) continue;
@@ -658,8 +243,6 @@ std::string unseen_by_bounds(const Model& m) {
   }
   return {};
 }
-
-}  // namespace
 
 Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
   double mu = shear_moduli(m.scene.material).least;  // |eps|^2 <= energy/mu
@@ -717,13 +300,52 @@ double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
 namespace {
 
 EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
+  return energy_interval(a.m, {.sum = a.sum,
+                               .imbalance = imbalance(a.m, s, a.data, a.conforming, a.shares),
+                               .oscillation = oscillation(a.rests, a.shares),
+                               .mismatch = a.conforming.mismatch,
+                               .beyond_arcs = a.beyond_arcs,
+                               .couples = unseen_couples(a.f)});
+}
+
+}  // namespace
+
+double imbalance_on(const Model& m, const EdgeWork& at) {
+  const Index points = points_per_edge(m.element), crack = m.mesh.crack[at.edge];
+  const EdgeRule& trace = m.inner->kernel.trace;
+  static const EdgeRule carrier = gauss(data_carriers);
+  const CrackLaw::Kind kind = crack == none ? CrackLaw::Kind::Bonded : m.scene.laws[crack].kind;
+  const EdgeData* d = at.given;
+  double total = 0;
+  for (Index g = 0; g < points; ++g)
+    for (int k = 0; k < 2; ++k) {
+      if (d && d->held[k]) continue;
+      double given = 0;
+      if (d)
+        for (int q = 0; q < data_carriers; ++q)
+          given += carrier.w[q] / trace.w[g] * trace_basis(trace, carrier.s[q])[g] * d->load(k, q);
+      const double rest = at.side[0](k, g) + at.side[1](k, g) - (kind == CrackLaw::Kind::Bonded ? given : 0);
+      const Index unknown = 2 * g + k;
+      double work = std::abs(rest * at.base[unknown]);
+      if (kind != CrackLaw::Kind::Bonded) {
+        const double contact = at.side[0](k, g) - given,
+                     wrong = k == 0 && kind == CrackLaw::Kind::Unilateral ? std::max(0.0, contact) : contact;
+        work += std::abs(wrong * at.jump[unknown]);
+        if (k == 0) work += std::abs(contact) * at.penetration;
+      }
+      total += trace.w[g] * work;
+    }
+  return length(m.mesh, at.edge) * total;
+}
+
+EnergyBounds energy_interval(const Model& m, const EnergySums& of) {
   EnergyBounds result;
-  const Share& sum = a.sum;
+  const Share& sum = of.sum;
   result.asymmetry = sum.stress > 0 ? sum.asymmetry / sum.stress : 0;
-  result.imbalance = sum.size > 0 ? imbalance(a.m, s, a.data, a.conforming, a.shares) / sum.size : 0;
+  result.imbalance = sum.size > 0 ? of.imbalance / sum.size : 0;
   const double rounding = (64 * epsilon + 2 * result.imbalance) * sum.size;
   const double gap = std::max(sum.upper - sum.lower, 0.0) + 2 * rounding;
-  const Unseen more = unseen(a.m, oscillation(a.rests, a.shares), a.conforming.mismatch, gap);
+  const Unseen more = unseen(m, of.oscillation, of.mismatch, gap);
   result.oscillation = std::max(more.below, more.above);
   result.lower = sum.lower - rounding - more.below - sum.below;
   result.upper = sum.upper + rounding + more.above + sum.above;
@@ -734,19 +356,21 @@ EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
     return lost(result.oscillation,
                 "no bounds of the energy: no admissible displacement without change of volume was found");
   constexpr double negligible = 0.01;
-  const bool asymptotic = unseen_couples(a.f) && more.below > negligible * gap;
+  const bool asymptotic = of.couples && more.below > negligible * gap;
   result.guaranteed = more.displaced <= negligible * gap && !asymptotic;
   if (!result.guaranteed)
     result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
                               asymptotic ? "body force is" : "prescribed displacements are");
-  if (!a.m.mesh.arc.empty()) {
+  if (!m.mesh.arc.empty()) {
     result.guaranteed = false;
     result.note = fmt::format(
         "the bounds of the energy are estimates: what arcs have beyond the polynomials of the edges is put at {:.1g}",
-        a.beyond_arcs);
+        of.beyond_arcs);
   }
   return result;
 }
+
+namespace {
 
 AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   AdmissiblePair a{.m = m};
@@ -762,8 +386,9 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
   const int degree =
       std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
-  const References to = references(m.element, degree, a.f, !m.mesh.arc.empty());
-  a.shares = bound_triangles({m, s, a.f, a.data, a.conforming, statics, keep}, to, a.edges);
+  a.references = std::make_shared<const References>(references(m.element, degree, a.f, !m.mesh.arc.empty()));
+  const References& to = *a.references;
+  a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, to, s, statics, a.edges);
   a.rests = rests_of(m, a.data, a.f, a.edges);
   a.sum = total(a.shares);
   if (!m.mesh.arc.empty()) {

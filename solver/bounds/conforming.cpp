@@ -441,35 +441,50 @@ Eigen::MatrixXd bernstein(int degree) {
   return values;
 }
 
-// What the supported edges still miss: bubbles that the triangles add, and what even those leave.
-void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>& data, const Points& v,
-                 Conforming& result) {
-  const int degree = m.element.trace + 1;
-  const Fit fit;
-  const Eigen::MatrixXd at_carrier = traces(even(degree), fit.carrier.s);
-  for (const EdgeData& d : data) {
-    const Points here = m.inner->skeleton.frame[d.edge].transpose() *
-                        edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == d.triangle ? 0 : 1);
-    EdgePolynomial value = here * at_carrier, bubble = EdgePolynomial::Zero();
+// What a supported edge still misses: bubbles that the triangle adds, and what even those leave. `here`: what is there,
+// in the frame of the edge.
+class Bubbles {
+ public:
+  explicit Bubbles(const Model& m)
+      : m_(m), degree_(m.element.trace + 1), at_carrier_(traces(even(degree_), fit_.carrier.s)) {}
+
+  void add(const EdgeData& d, const Points& here, Conforming& result) const {
+    EdgePolynomial value = here * at_carrier_, bubble = EdgePolynomial::Zero();
     for (int k = 0; k < 2; ++k) {
       if (!d.held[k]) continue;
-      const Fit::Result f = fit.fit(d.displacement.row(k), here(k, 0), here(k, degree));
-      const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree), 2);
+      const Fit::Result f = fit_.fit(d.displacement.row(k), here(k, 0), here(k, degree_));
+      const double ends = std::pow(d.ends(k, 0) - here(k, 0), 2) + std::pow(d.ends(k, 1) - here(k, degree_), 2);
       // Rapid changes: at most the product of the norms of value and slope, as between L2 and H1.
       const double rapid = d.rest[k] > 0 ? std::sqrt(d.rest[k] * d.rough[k]) : 0;
       const double missed = f.square + ends + rapid, rounding = 64 * std::numeric_limits<double>::epsilon();
       if (missed > rounding * rounding * d.displacement.squaredNorm())
-        result.mismatch += 2 * shear_moduli(material_of(m.mesh, m.scene, d.triangle)).largest * missed;
+        result.mismatch += 2 * shear_moduli(material_of(m_.mesh, m_.scene, d.triangle)).largest * missed;
       for (int g = 0; g < data_carriers; ++g) {
-        const double at = fit.carrier.s[g];
-        const double linear = here(k, 0) * (1 - at) + here(k, degree) * at;
+        const double at = fit_.carrier.s[g];
+        const double linear = here(k, 0) * (1 - at) + here(k, degree_) * at;
         bubble(k, g) = f.p[g] - (value(k, g) - linear) / (at * (1 - at));
         value(k, g) = linear + at * (1 - at) * f.p[g];
       }
     }
-    result.bubble.emplace_back(m.inner->skeleton.frame[d.edge] * bubble);
+    result.bubble.emplace_back(m_.inner->skeleton.frame[d.edge] * bubble);
     result.value.push_back(value);
   }
+
+ private:
+  const Model& m_;
+  int degree_;
+  Fit fit_;
+  Eigen::MatrixXd at_carrier_;
+};
+
+void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>& data, const Points& v,
+                 Conforming& result) {
+  const Bubbles bubbles(m);
+  for (const EdgeData& d : data)
+    bubbles.add(d,
+                m.inner->skeleton.frame[d.edge].transpose() *
+                    edge_values(nodes, v, d.edge, m.mesh.sides[d.edge][0] == d.triangle ? 0 : 1),
+                result);
 }
 
 }  // namespace
@@ -495,6 +510,181 @@ Conforming conforming_displacement(const Model& m, const Field& s, const std::ve
     }
   });
   return result;
+}
+
+Averaging averaging(const Model& m) {
+  const Nodes nodes = make_nodes(m, m.element.trace + 1);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size()), edges = static_cast<Index>(m.mesh.edges.size());
+  Averaging a{nodes.degree, dim(nodes.degree), nodes.count, {}, {}, Eigen::VectorXd(triangles), {}};
+  a.of.reserve(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(a.per_triangle));
+  for (Index t = 0; t < triangles; ++t) {
+    for (const Index node : nodes.of(t)) a.of.push_back(node == none ? a.count++ : node);
+    a.share[t] = area(m.mesh, t) * material_of(m.mesh, m.scene, t).mu;
+  }
+  a.reciprocal.setZero(a.count);
+  for (Index t = 0; t < triangles; ++t)
+    for (int i = 0; i < a.per_triangle; ++i) a.reciprocal[a.of[t * a.per_triangle + i]] += a.share[t];
+  a.reciprocal = a.reciprocal.cwiseInverse().eval();
+  a.on.assign(static_cast<std::size_t>(2 * edges) * static_cast<std::size_t>(a.degree + 1), none);
+  for (Index e = 0; e < edges; ++e)
+    for (int side = 0; side < 2; ++side) {
+      const Index t = m.mesh.sides[e][side];
+      if (t == none || (side == 1 && m.mesh.sides[e][0] != none && nodes.mesh.crack[e] == none)) continue;
+      Index* to = &a.on[static_cast<std::size_t>((2 * e + side) * (a.degree + 1))];
+      for (int i = 1; i < a.degree; ++i) to[i] = nodes.on_edge(e, side, i);
+      to[0] = nodes.corner(t, m.mesh.edges[e][0]);
+      to[a.degree] = nodes.corner(t, m.mesh.edges[e][1]);
+    }
+  return a;
+}
+
+namespace {
+
+using Row = Eigen::Array<double, 1, lanes>;
+
+// The conforming displacements of fields side by side, step by step as of one.
+class LaneAverages {
+ public:
+  LaneAverages(const Averaging& by, const Model& m, const LaneStates& states,
+               std::span<const std::vector<EdgeData>> data, LaneConforming& result)
+      : by_(by), m_(m), states_(states), data_(data), result_(result), v_(result.values) {}
+
+  void operator()() {
+    average();
+    for (int i = 0; i < states_.count; ++i) correct_corners(i);
+    correct_edges();
+    const Bubbles bubbles(m_);
+    result_.of.assign(static_cast<std::size_t>(states_.count), {});
+    for (int i = 0; i < states_.count; ++i) {
+      Conforming& of = result_.of[static_cast<std::size_t>(i)];
+      of.degree = by_.degree;
+      for (const EdgeData& d : data_[static_cast<std::size_t>(i)])
+        bubbles.add(d, along(v_, d.edge, m_.mesh.sides[d.edge][0] == d.triangle ? 0 : 1, i), of);
+    }
+  }
+
+ private:
+  const Index* on(Index e, int side) const {
+    // The right side of an edge that is no crack has the values of the left.
+    const auto at = [&](int k) { return &by_.on[static_cast<std::size_t>((2 * e + k) * (by_.degree + 1))]; };
+    return at(side)[0] == none ? at(0) : at(side);
+  }
+  Eigen::Map<Row> row(Index node, int k) {
+    return Eigen::Map<Row>(v_.at(node) + k * lanes);
+  }
+
+  // One field along an edge, in its frame.
+  Points along(const LaneArray& v, Index e, int side, int lane) const {
+    Points here(2, by_.degree + 1);
+    for (int i = 0; i <= by_.degree; ++i) {
+      const double* at = v.at(on(e, side)[i]) + lane;
+      here.col(i) << at[0], at[lanes];
+    }
+    return m_.inner->skeleton.frame[e].transpose() * here;
+  }
+
+  void average() {
+    v_.resize(by_.count, 2);
+    v_.clear();
+    const int n = by_.per_triangle;
+    for (Index t = 0; t < static_cast<Index>(m_.mesh.triangles.size()); ++t)
+      for (int i = 0; i < n; ++i) {
+        const Index node = by_.of[t * n + i];
+        const double w = by_.share[t] * by_.reciprocal[node], *from = states_.nodal.at(t) + 2 * i * lanes;
+        for (int k = 0; k < 2; ++k) row(node, k) += w * Eigen::Map<const Row>(from + k * lanes);
+      }
+  }
+
+  void correct_corners(int lane) {
+    std::map<Index, std::vector<Held>> held;
+    for (const EdgeData& d : data_[static_cast<std::size_t>(lane)])
+      for (int end = 0; end < 2; ++end)
+        for (int k = 0; k < 2; ++k)
+          if (d.held[k])
+            held[on(d.edge, m_.mesh.sides[d.edge][0] == d.triangle ? 0 : 1)[end == 0 ? 0 : by_.degree]].push_back(
+                {m_.inner->skeleton.frame[d.edge].col(k), d.ends(k, end)});
+    for (const auto& [node, list] : held) {
+      double* at = v_.at(node) + lane;
+      const Vec2 moved = obey({at[0], at[lanes]}, list);
+      at[0] = moved.x(), at[lanes] = moved.y();
+    }
+  }
+
+  void correct_edges() {
+    const EdgeRule rule = even(by_.degree);
+    const Fit fit;
+    std::vector<Index> place(m_.mesh.edges.size(), none);  // of cracks the right side; neither is held
+    const std::vector<EdgeData>& first = data_.front();
+    for (std::size_t i = 0; i < first.size(); ++i) place[first[i].edge] = static_cast<Index>(i);
+    for (Index e = 0; e < static_cast<Index>(m_.mesh.edges.size()); ++e)
+      for (int side = 0; side < 2; ++side) {
+        const Index* nodes = &by_.on[static_cast<std::size_t>((2 * e + side) * (by_.degree + 1))];
+        if (nodes[0] == none) continue;
+        const Mat2& frame = m_.inner->skeleton.frame[e];
+        std::array<Row, 2> rest = missing(rule, nodes, e, side);
+        const Index given = place[e];
+        for (int k = 0; k < 2; ++k) {
+          if (given != none && first[given].held[k])
+            towards(fit, rule, e, side, k, given);
+          else
+            for (int i = 1; i < by_.degree; ++i) {
+              const Row change = 6 * rule.s[i] * (1 - rule.s[i]) * rest[k];
+              row(nodes[i], 0) += frame(0, k) * change;
+              row(nodes[i], 1) += frame(1, k) * change;
+            }
+        }
+      }
+  }
+
+  // What the means along the edge lack of those of the multipliers, in the frame of the edge.
+  std::array<Row, 2> missing(const EdgeRule& rule, const Index* nodes, Index e, int side) {
+    const Skeleton& skeleton = m_.inner->skeleton;
+    const EdgeRule& trace = m_.inner->kernel.trace;
+    const Mat2& frame = skeleton.frame[e];
+    Row x = Row::Zero(), y = Row::Zero();
+    for (int i = 0; i <= by_.degree; ++i) {
+      x += rule.w[i] * row(nodes[i], 0);
+      y += rule.w[i] * row(nodes[i], 1);
+    }
+    std::array<Row, 2> rest;
+    for (int k = 0; k < 2; ++k) {
+      rest[k] = -frame(0, k) * x - frame(1, k) * y;
+      for (Eigen::Index g = 0; g < trace.w.size(); ++g) {
+        const Index local = 2 * static_cast<Index>(g) + k;
+        rest[k] += trace.w[g] * Eigen::Map<const Row>(states_.skeleton.at(e * skeleton.per_edge + local));
+        if (side == 1 && skeleton.jump[e] != none)
+          rest[k] += trace.w[g] * Eigen::Map<const Row>(states_.skeleton.at(skeleton.jump[e] + local));
+      }
+    }
+    return rest;
+  }
+
+  void towards(const Fit& fit, const EdgeRule& rule, Index e, int side, int k, Index given) {
+    const Vec2 way = m_.inner->skeleton.frame[e].col(k);
+    for (int lane = 0; lane < states_.count; ++lane) {
+      const EdgeData& d = data_[static_cast<std::size_t>(lane)][static_cast<std::size_t>(given)];
+      const Eigen::RowVectorXd change = towards_data(fit, rule, along(v_, e, side, lane).row(k), d.displacement.row(k));
+      for (int i = 1; i < by_.degree; ++i) {
+        double* at = v_.at(on(e, side)[i]) + lane;
+        at[0] += change[i] * way.x();
+        at[lanes] += change[i] * way.y();
+      }
+    }
+  }
+
+  const Averaging& by_;
+  const Model& m_;
+  const LaneStates& states_;
+  std::span<const std::vector<EdgeData>> data_;
+  LaneConforming& result_;
+  LaneArray& v_;
+};
+
+}  // namespace
+
+void conforming_lanes(const Averaging& by, const Model& m, const LaneStates& states,
+                      std::span<const std::vector<EdgeData>> data, LaneConforming& result) {
+  LaneAverages(by, m, states, data, result)();
 }
 
 }  // namespace kerf

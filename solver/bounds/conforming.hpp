@@ -1,6 +1,7 @@
 #pragma once
 // A displacement that is continuous, takes the prescribed values, and does not let crack faces penetrate [theory: B.6].
 
+#include "solver/bounds/lane_states.hpp"
 #include "solver/bounds/polynomial_data.hpp"
 
 namespace kerf {
@@ -19,5 +20,24 @@ struct Conforming {
   double mismatch = 0;                 // energy of what polynomials of degree 7 do not see of the prescribed values
 };
 Conforming conforming_displacement(const Model& model, const Field& state, const std::vector<EdgeData>& data);
+
+/// What the averages need of the mesh, for fields side by side on straight triangles without contact.
+struct Averaging {
+  int degree = 0, per_triangle = 0;
+  Index count = 0;             // nodes, those inside triangles behind all others
+  std::vector<Index> of;       // per triangle its nodes at lattice(degree)
+  std::vector<Index> on;       // per edge and side the nodes along it; none where that side has no values of its own
+  Eigen::VectorXd share;       // per triangle its weight
+  Eigen::VectorXd reciprocal;  // per node, of the sum of the weights
+};
+Averaging averaging(const Model& model);
+
+/// As conforming_displacement, `values` per node x and y; of each field in `of` what its data edges have.
+struct LaneConforming {
+  LaneArray values;
+  std::vector<Conforming> of;
+};
+void conforming_lanes(const Averaging& by, const Model& model, const LaneStates& states,
+                      std::span<const std::vector<EdgeData>> data, LaneConforming& result);
 
 }  // namespace kerf

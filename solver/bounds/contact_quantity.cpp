@@ -188,9 +188,10 @@ struct ContactQuantityBounds::Impl {
   }
 
   StressBounds stress(const StressPlace& where) const {
-    return bound_stress(m, where, why, [&](const DualProblem& of, std::vector<Eigen::VectorXd>&) {
-      return try_bound(of.loads, of.known, of.estimate);
-    });
+    const StressDuals of = stress_duals(m, where, why);
+    std::vector<BoundedDual> all;
+    for (const DualProblem& dual : of.duals) all.push_back({try_bound(dual.loads, dual.known, dual.estimate), {}});
+    return stress_of(of, all);
   }
 };
 

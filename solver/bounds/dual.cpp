@@ -359,7 +359,7 @@ StressDual::StressDual(const Model& m, const StressPlace& place)
                              : "no bounds: the point lies outside the body";
     return;
   }
-  disc_.radius = within * clearance(m, disc_.middle);
+  if (!plain_) disc_.radius = within * clearance(m, disc_.middle);
   if (place.reach() > 0) {
     disc_.rough = place.reach();
     disc_.solid = solid_part(place);

@@ -7,6 +7,8 @@
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
 
+#include <span>
+
 namespace kerf {
 
 /// A number and what it may be off by.
@@ -92,9 +94,19 @@ class StressDual {
   std::string why_;
 };
 
-using BoundDual = std::function<Bounded(const DualProblem& dual, std::vector<Eigen::VectorXd>& eta)>;
-/// By intervals of the duals. `why` there are none, if it is known already.
-StressBounds bound_stress(const Model& model, const StressPlace& x, std::string why, const BoundDual& bound);
+/// The interval of a dual; the indicator of its solution, if asked.
+struct BoundedDual {
+  Bounded interval;
+  Eigen::VectorXd eta;
+};
+
+/// The duals of the stress at a place, of which the intervals make its bounds. `why`: there are none.
+struct StressDuals {
+  std::string why;
+  std::vector<DualProblem> duals;
+};
+StressDuals stress_duals(const Model& model, const StressPlace& x, std::string why);
+StressBounds stress_of(const StressDuals& of, std::span<const BoundedDual> bounded);
 
 /// The work of given tractions.
 DualProblem work_dual(const Model& model, const std::vector<Traction>& of);

@@ -5,10 +5,14 @@
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/bounded.hpp"
 #include "solver/bounds/dual.hpp"
+#include "solver/bounds/lane_bounds.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <span>
 
 namespace kerf {
 
@@ -87,6 +91,9 @@ struct QuantityBounds::Impl {
   // Of u, as duals that reach everywhere need it, and as those that are cut off do.
   mutable std::array<std::unique_ptr<const LoadedState>, 2> own{};
 
+  mutable std::unique_ptr<const Averaging> averages{};
+  mutable LaneRoom room{};
+
   /// The degree that fits the data of both.
   int inside(bool cut_off) const {
     return std::max(degree_inside(m, cut_off || m.scene.body, cut_off), m.inner->data.strain.degree);
@@ -98,15 +105,18 @@ struct QuantityBounds::Impl {
     return a->pair;
   }
 
-  /// The indicator of w goes to `eta`.
-  Bounded bound(const DualProblem& of, std::vector<Eigen::VectorXd>& eta) const {
+  BoundedDual bound(const DualProblem& of) const {
     const bool cut_off = static_cast<bool>(of.loads.body);
     const AdmissiblePair& mine = admissible_state(cut_off);
-    if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) return lost(mine.bounds.note);
+    if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) return {lost(mine.bounds.note), {}};
     const Model dual = with_loads(m, of.loads);
     const State w = solve(dual);
-    if (with_indicators) eta.push_back(error_indicator(dual, w).eta);
-    const CrossEnergy cross = cross_energy(mine, admissible(dual, w, inside(cut_off)));
+    Eigen::VectorXd eta;
+    if (with_indicators) eta = error_indicator(dual, w).eta;
+    return {interval(of, cross_energy(mine, admissible(dual, w, inside(cut_off)))), std::move(eta)};
+  }
+
+  static Bounded interval(const DualProblem& of, const CrossEnergy& cross) {
     if (!std::isfinite(cross.half)) return lost(cross.note);
     Bounded b;
     b.value = of.known.value + cross.middle;
@@ -122,20 +132,67 @@ struct QuantityBounds::Impl {
     return b;
   }
 
-  StressBounds stress(const StressPlace& where) const {
-    return bound_stress(m, where, why,
-                        [&](const DualProblem& dual, std::vector<Eigen::VectorXd>& eta) { return bound(dual, eta); });
+  /// What the loads of the dual push that nothing holds is no quantity.
+  template <typename Bounding>
+  static BoundedDual tried(const Bounding& bounding) {
+    try {
+      return bounding();
+    } catch (const Error& error) {
+      return {lost(std::string("no bounds: ") + error.what()), {}};
+    }
   }
 
-  /// What the loads of the dual push that nothing holds is no quantity.
+  /// All of them, in batches of which one pass over the triangles serves every dual.
+  std::vector<BoundedDual> bound_all(const std::vector<DualProblem>& duals) const {
+    std::vector<BoundedDual> all(duals.size());
+    const bool together = duals.size() > 1 && !with_indicators && is_plain_inside(m.scene) && can_solve_together(m);
+    std::vector<Batched> batch;
+    for (std::size_t i = 0; i < duals.size(); ++i)
+      all[i] = tried([&]() -> BoundedDual {
+        if (!together || duals[i].loads.body) return bound(duals[i]);
+        Model loaded = loads_alone(m, duals[i].loads);
+        if (loaded.scene.body) return bound(duals[i]);
+        batch.push_back({i, std::move(loaded)});
+        return {};
+      });
+    for (std::size_t first = 0; first < batch.size(); first += lanes)
+      bound_together(duals, {&batch[first], std::min<std::size_t>(lanes, batch.size() - first)}, all);
+    return all;
+  }
+
   Bounded try_bound(const std::function<DualProblem()>& dual) const {
     if (!why.empty()) return lost(why);
-    try {
-      std::vector<Eigen::VectorXd> eta;
-      return bound(dual(), eta);
-    } catch (const Error& error) {
-      return lost(std::string("no bounds: ") + error.what());
+    return bound_all({dual()}).front().interval;
+  }
+
+ private:
+  /// Nothing acts inside the triangles.
+  static bool is_plain_inside(const Scene& scene) {
+    return !scene.body && !has_eigenstrain(scene);
+  }
+
+  struct Batched {
+    std::size_t place;  // among the duals
+    Model loaded;
+  };
+
+  void bound_together(const std::vector<DualProblem>& duals, std::span<const Batched> batch,
+                      std::vector<BoundedDual>& all) const {
+    const AdmissiblePair& mine = admissible_state(false);
+    if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) {
+      for (const Batched& b : batch) all[b.place].interval = lost(mine.bounds.note);
+      return;
     }
+    std::vector<const Model*> of;
+    for (const Batched& b : batch) of.push_back(&b.loaded);
+    if (!solve_together(m, of, room.states)) {
+      for (const Batched& b : batch) all[b.place] = tried([&] { return bound(duals[b.place]); });
+      return;
+    }
+    if (!averages) averages = std::make_unique<const Averaging>(averaging(m));
+    const std::vector<CrossEnergy> crossed = cross_energies(mine, *averages, of, room);
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      all[batch[i].place].interval = interval(duals[batch[i].place], crossed[i]);
   }
 };
 
@@ -148,19 +205,27 @@ QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicat
 QuantityBounds::~QuantityBounds() = default;
 
 StressBounds QuantityBounds::stress(const Vec2& x) const {
-  return impl_->contact ? impl_->contact->stress(x) : impl_->stress(StressPlace::point(x));
+  return std::move(all({.points = {x}}).points.front());
 }
 
 StressBounds QuantityBounds::mean_stress(const OverDisc& d) const {
-  return impl_->contact ? impl_->contact->mean_stress(d) : impl_->stress(StressPlace::of(d));
+  return std::move(all({.discs = {d}}).discs.front());
 }
 
 StressBounds QuantityBounds::mean_stress(const AlongLine& line) const {
-  return impl_->contact ? impl_->contact->mean_stress(line) : impl_->stress(StressPlace::of(line));
+  return std::move(all({.lines = {line}}).lines.front());
+}
+
+TipBounds QuantityBounds::tip(const TipIntensity& of) const {
+  return std::move(all({.tips = {of}}).tips.front());
 }
 
 Bounded QuantityBounds::work(const std::vector<Traction>& of) const {
-  return impl_->contact ? impl_->contact->work(of) : impl_->try_bound([&] { return work_dual(impl_->m, of); });
+  return std::move(all({.works = {of}}).works.front());
+}
+
+Bounded QuantityBounds::reaction(const std::vector<Index>& labels, int component) const {
+  return std::move(all({.reactions = {{labels, component}}}).reactions.front());
 }
 
 Bounded QuantityBounds::work_of_loads() const {
@@ -170,26 +235,25 @@ Bounded QuantityBounds::work_of_loads() const {
   return impl_->try_bound([&] { return loads_dual(impl_->m); });
 }
 
-Bounded QuantityBounds::reaction(const std::vector<Index>& labels, int component) const {
-  if (impl_->contact) return impl_->contact->reaction(labels, component);
-  if (std::string why = no_reaction(impl_->m, labels, component); !why.empty()) return lost(std::move(why));
-  return impl_->try_bound([&] { return reaction_dual(impl_->m, labels, component); });
-}
-
 Bounded twice_energy(const EnergyBounds& e) {
   return {-e.lower - e.upper, -2 * e.upper, -2 * e.lower, e.guaranteed, e.note};
 }
 
-StressBounds bound_stress(const Model& m, const StressPlace& x, std::string why, const BoundDual& bound) {
+StressDuals stress_duals(const Model& m, const StressPlace& x, std::string why) {
   const StressDual at(m, x);
   if (why.empty()) why = at.why();
-  if (!why.empty()) return {lost(why), lost(why), lost(why), lost(why), lost(why)};
+  if (!why.empty()) return {std::move(why), {}};
+  return {{}, {at(PointStress::Trace), at(PointStress::Difference), at(PointStress::Shear)}};
+}
+
+StressBounds stress_of(const StressDuals& of, std::span<const BoundedDual> bounded) {
+  if (!of.why.empty()) return {lost(of.why), lost(of.why), lost(of.why), lost(of.why), lost(of.why)};
   StressBounds s;
-  s.trace = bound(at(PointStress::Trace), s.eta);
-  s.difference = bound(at(PointStress::Difference), s.eta);
-  s.s12 = bound(at(PointStress::Shear), s.eta);
+  s.trace = bounded[0].interval, s.difference = bounded[1].interval, s.s12 = bounded[2].interval;
   s.s11 = combined(s.trace, 0.5, s.difference, -1);
   s.s22 = combined(s.trace, 0.5, s.difference, 1);
+  for (const BoundedDual& b : bounded)
+    if (b.eta.size() > 0) s.eta.push_back(b.eta);
   return s;
 }
 
@@ -210,41 +274,135 @@ Bounded von_mises_bounds(const Material& m, bool plane_strain, const StressBound
   return b;
 }
 
-TipBounds QuantityBounds::tip(const TipIntensity& of) const {
-  const Model& m = impl_->m;
-  const auto all_lost = [](const std::string& why) { return TipBounds{lost(why), lost(why), lost(why)}; };
-  if (!impl_->why.empty()) return all_lost(impl_->why);
-  if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return all_lost("no bounds: the crack is bonded");
+namespace {
+
+struct TipDuals {
+  std::string why;  // there are none
+  double modulus = 0;
+  std::vector<DualProblem> duals = {};
+};
+
+TipDuals tip_duals(const Model& m, const TipIntensity& of) {
+  if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return {"no bounds: the crack is bonded"};
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == of.crack && t.at_start == of.at_start; });
-  if (found == tips.end()) return all_lost("no bounds: that end of the crack is no tip");
-  if (found->curved) return all_lost("no bounds: the crack is curved");
+  if (found == tips.end()) return {"no bounds: that end of the crack is no tip"};
+  if (found->curved) return {"no bounds: the crack is curved"};
   const Index where = m.mesh.sides[found->edges.front()][0];
   const Material& material = material_of(m.mesh, m.scene, where);
   const bool inside = std::ranges::count_if(tips, [&](const CrackTip&t) { return t.crack == of.crack; }) == 2,
              straight = found->edges.size() == m.mesh.cracks[of.crack].size(),
              plain = is_plain(m.scene) && straight && !has_pressure(m.scene.laws[of.crack]) &&
                      (inside || !behind_mouth(m.mesh, *found));
-  if (const std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return all_lost(why);
-  if (!isotropic(material)) return all_lost("no bounds: the material is orthotropic");
+  if (std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return {std::move(why)};
+  if (!isotropic(material)) return {"no bounds: the material is orthotropic"};
   const CutOffDisc disc{found->at, within * found->room, &*found};
   const double length = inside && plain ? found->vertices.back().norm() : infinity;
-  TipBounds b;
-  const auto bound = [&](int mode) {
+  const auto dual = [&](int mode) {
     const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
-    return impl_->bound(plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc),
-                        b.eta);
+    return plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc);
   };
-  b.K_I = bound(1);
-  b.K_II = bound(2);
+  return {{}, plane_modulus(material), {dual(1), dual(2)}};
+}
+
+TipBounds tip_of(const TipDuals& of, std::span<const BoundedDual> bounded) {
+  if (!of.why.empty()) return {lost(of.why), lost(of.why), lost(of.why)};
+  TipBounds b;
+  b.K_I = bounded[0].interval, b.K_II = bounded[1].interval;
+  for (const BoundedDual& mode : bounded)
+    if (mode.eta.size() > 0) b.eta.push_back(mode.eta);
   const Interval first = squared(b.K_I), second = squared(b.K_II);
-  const double modulus = plane_modulus(material);
   b.G = combined(b.K_I, 1, b.K_II, 1);
-  b.G.lower = (first.low + second.low) / modulus;
-  b.G.upper = (first.high + second.high) / modulus;
+  b.G.lower = (first.low + second.low) / of.modulus;
+  b.G.upper = (first.high + second.high) / of.modulus;
   b.G.value = 0.5 * (b.G.lower + b.G.upper);
   return b;
+}
+
+/// Duals of several quantities in one list, and what is made of the intervals of each.
+class Collection {
+ public:
+  /// `take`: from the intervals of these.
+  void add(std::vector<DualProblem> duals, std::function<void(std::span<const BoundedDual>)> take) {
+    quantities_.push_back({duals_.size(), duals.size(), std::move(take)});
+    std::ranges::move(duals, std::back_inserter(duals_));
+  }
+  template <typename Bound>
+  void bound_by(const Bound& bound) const {
+    const std::vector<BoundedDual> bounded = bound(duals_);
+    for (const Quantity& q : quantities_) q.take(std::span(bounded).subspan(q.first, q.count));
+  }
+
+ private:
+  struct Quantity {
+    std::size_t first, count;
+    std::function<void(std::span<const BoundedDual>)> take;
+  };
+  std::vector<DualProblem> duals_;
+  std::vector<Quantity> quantities_;
+};
+
+/// One by one.
+QuantityIntervals in_contact(const ContactQuantityBounds& bounds, const std::string& no_tips,
+                             const QuantityRequest& request) {
+  QuantityIntervals all;
+  all.tips.assign(request.tips.size(), {lost(no_tips), lost(no_tips), lost(no_tips)});
+  for (const Vec2& x : request.points) all.points.push_back(bounds.stress(x));
+  for (const OverDisc& d : request.discs) all.discs.push_back(bounds.mean_stress(d));
+  for (const AlongLine& line : request.lines) all.lines.push_back(bounds.mean_stress(line));
+  for (const std::vector<Traction>& of : request.works) all.works.push_back(bounds.work(of));
+  for (const QuantityRequest::Reaction& r : request.reactions)
+    all.reactions.push_back(bounds.reaction(r.labels, r.component));
+  return all;
+}
+
+}  // namespace
+
+QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
+  const std::string& why = impl_->why;
+  if (impl_->contact) return in_contact(*impl_->contact, why, request);
+  const Model& m = impl_->m;
+  QuantityIntervals out;
+  Collection collection;
+  const auto stresses = [&](const auto& places, std::vector<StressBounds>& to, const auto& place_of) {
+    to.resize(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      StressDuals of = stress_duals(m, place_of(places[i]), why);
+      std::vector<DualProblem> duals = std::move(of.duals);
+      collection.add(std::move(duals),
+                     [&to, i, of = StressDuals{of.why, {}}](const auto& b) { to[i] = stress_of(of, b); });
+    }
+  };
+  stresses(request.points, out.points, [](const Vec2& x) { return StressPlace::point(x); });
+  stresses(request.discs, out.discs, [](const OverDisc& d) { return StressPlace::of(d); });
+  stresses(request.lines, out.lines, [](const AlongLine& line) { return StressPlace::of(line); });
+  out.tips.resize(request.tips.size());
+  for (std::size_t i = 0; i < request.tips.size(); ++i) {
+    TipDuals of = why.empty() ? tip_duals(m, request.tips[i]) : TipDuals{why};
+    std::vector<DualProblem> duals = std::move(of.duals);
+    collection.add(std::move(duals),
+                   [&out, i, of = TipDuals{of.why, of.modulus}](const auto& b) { out.tips[i] = tip_of(of, b); });
+  }
+  const auto single = [&](std::string none_there, const auto& dual, Bounded& to) {
+    if (!none_there.empty())
+      to = lost(std::move(none_there));
+    else
+      collection.add({dual()}, [&to](const auto& b) { to = b[0].interval; });
+  };
+  out.works.resize(request.works.size());
+  for (std::size_t i = 0; i < request.works.size(); ++i)
+    single(
+        why, [&] { return work_dual(m, request.works[i]); }, out.works[i]);
+  out.reactions.resize(request.reactions.size());
+  for (std::size_t i = 0; i < request.reactions.size(); ++i) {
+    const auto& [labels, component] = request.reactions[i];
+    std::string none_there = no_reaction(m, labels, component);
+    single(
+        none_there.empty() ? why : none_there, [&] { return reaction_dual(m, labels, component); }, out.reactions[i]);
+  }
+  collection.bound_by([&](const std::vector<DualProblem>& duals) { return impl_->bound_all(duals); });
+  return out;
 }
 
 }  // namespace kerf

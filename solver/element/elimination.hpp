@@ -50,6 +50,15 @@ void backward(const Rowwise<N, N>& u, Rowwise<N, 1>& x) {
   }
 }
 
+template <int N, int Columns>
+inline __attribute__((always_inline)) void backward(const Rowwise<N, N>& u, Rowwise<N, Columns>& x) {
+  for (int i = N - 1; i >= 0; --i) {
+    double* row = x.data() + i * Columns;
+    for (int k = i + 1; k < N; ++k) subtract<Columns>(row, u(i, k), x.data() + k * Columns);
+    for (int j = 0; j < Columns; ++j) row[j] *= u(i, i);
+  }
+}
+
 // Elimination of s and (u, r), as far as every right-hand side needs it. M alone is singular at nu = 1/2; on the kernel
 // of B it is not, but for a constant pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for
 // every nu < 1/2:
@@ -132,6 +141,29 @@ struct Reduction : Space<E> {
     backward<S>(L, stress);
     p = gamma * right - p;
     return {stress, p};
+  }
+
+  // The same for the traces of several fields side by side, without loads: s and -p.
+  template <int Columns>
+  struct Solutions {
+    Rowwise<S, Columns> stress;
+    Rowwise<B, Columns> inner;
+  };
+  template <int Columns>
+  void back(const LocalArrays<E, S>& a, const Rowwise<X, Columns>& m, Solutions<Columns>& to) const {
+    set_zero(to.stress);
+    for (int i = 0; i < S; ++i)
+      for (int x = 0; x < X; ++x)
+        if (const double factor = a.Ct(i, x); factor != 0) add<Columns>(&to.stress(i, 0), factor, &m(x, 0));
+    forward<S, Columns>(L, to.stress);
+    set_zero(to.inner);
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) add<Columns>(&to.inner(b, 0), YB(i, b), &to.stress(i, 0));
+    forward<B, Columns>(LB, to.inner);
+    backward<B, Columns>(LB, to.inner);
+    for (int i = 0; i < S; ++i)
+      for (int b = 0; b < B; ++b) subtract<Columns>(&to.stress(i, 0), YB(i, b), &to.inner(b, 0));
+    backward<S, Columns>(L, to.stress);
   }
 
  private:

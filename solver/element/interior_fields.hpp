@@ -146,6 +146,36 @@ struct InteriorFields : Space<E> {
     return f;
   }
 
+  // Of fields side by side in a straight triangle.
+  static void evaluate_lanes(const Triangle& t, const double* c, const Points& x, double* fields) {
+    using Row = Eigen::Array<double, 1, lanes>;
+    const Scaled s = scale(t);
+    const auto at = [&](int i) { return Eigen::Map<const Row>(c + i * lanes); };
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      const Vec2 xi = (x.col(i) - s.center) / s.h;
+      const auto v = monomials_at(xi);
+      double* to = fields + i * lane_fields * lanes;
+      const auto put = [&](int k, const Row& value) { Eigen::Map<Row>(to + k * lanes) = value; };
+      for (int k = 0; k < 4; ++k) {
+        Row sum = v[0] * at(k);
+        for (int m = 1; m < P; ++m) sum += v[m] * at(4 * m + k);
+        if constexpr (W > 0) {
+          const auto curl = curls_at(s, xi, v);
+          for (int b = 0; b < W; ++b) sum += curl(b, k % 2) * at(4 * P + 2 * b + k / 2);
+        }
+        put(k, sum);
+      }
+      for (int k = 0; k < 2; ++k) {
+        Row sum = v[0] * at(F + k);
+        for (int b = 1; b < U / 2; ++b) sum += v[b] * at(F + 2 * b + k);
+        put(4 + k, sum);
+      }
+      Row turn = Row::Zero();
+      for (int r = 0; r < rotation_count(E); ++r) turn += v[r] * at(F + U + r);
+      put(6, turn);
+    }
+  }
+
   static Eigen::VectorXd weigh(const Triangle& t, const Points& x, const Fields& w) {
     const Scaled s = scale(t);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(interior_count(E));

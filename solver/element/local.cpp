@@ -290,6 +290,14 @@ Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& ma
   return all;
 }
 
+void interiors_lanes(const Kernel& k, const Triangle& t, const Material& material, const double* m, double* all) {
+  k.run->interiors_lanes(k, t, material, m, all);
+}
+
+void evaluate_lanes(const Kernel& k, const Triangle& t, const double* interior, const Points& x, double* fields) {
+  k.run->evaluate_lanes(t, interior, x, fields);
+}
+
 LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
   require(k.element, can_stay_uncondensed);
   return k.run->local_system(k, t, material, force);

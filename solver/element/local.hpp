@@ -112,6 +112,13 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
 /// The same for several traces without a body force (columns), one elimination.
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
 
+/// Fields side by side: of a number of rows, row after row, `lanes` values each.
+inline constexpr int lanes = 8, lane_fields = 7;  // s11, s12, s21, s22, u1, u2, r
+/// As `interiors`, straight triangles: traces m and coefficients side by side.
+void interiors_lanes(const Kernel& k, const Triangle& t, const Material& material, const double* m, double* all);
+/// Per point x the lane_fields values of the fields with these coefficients.
+void evaluate_lanes(const Kernel& k, const Triangle& t, const double* interior, const Points& x, double* fields);
+
 /// The dual local problem: the same matrix under right-hand sides -J, J the derivative of a quantity by the interior
 /// coefficients (s, u, r; as long as an interior column).
 struct DualLoad {
@@ -160,6 +167,8 @@ struct Operations {
   Eigen::VectorXd (*interior_dual)(const Kernel&, const Triangle&, const Material&, const Eigen::VectorXd&,
                                    const SkeletonVector&, const Penalty&) = nullptr;
   Eigen::MatrixXd (*interiors)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&) = nullptr;
+  void (*interiors_lanes)(const Kernel&, const Triangle&, const Material&, const double*, double*) = nullptr;
+  void (*evaluate_lanes)(const Triangle&, const double*, const Points&, double*) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

@@ -83,6 +83,27 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return all;
   }
 
+  static void interiors_lanes(const Kernel& k, const Triangle& t, const Material& material, const double* m,
+                              double* all) {
+    const Scaled s = scale(t);
+    if constexpr (Space<E>::IsCut || V > 0 || is_symmetric(E)) {
+      const Eigen::Map<const Eigen::Matrix<double, X, lanes, Eigen::RowMajor>> traces(m);
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, lanes, Eigen::RowMajor>>(all, interior_count(E), lanes) =
+          interiors(k, t, material, traces);
+    } else {
+      const LocalArrays<E, S> a = assemble(k, t, s, material, {});
+      const Reduction<E> e(a, material, {});
+      Rowwise<X, lanes> scaled_m;
+      for (int i = 0; i < X * lanes; ++i) scaled_m.data()[i] = m[i] / s.h;
+      typename Reduction<E>::template Solutions<lanes> found;
+      e.template back<lanes>(a, scaled_m, found);
+      constexpr int F = Space<E>::F, U = Space<E>::U;
+      std::copy_n(found.stress.data(), F * lanes, all);
+      for (int b = 0; b < B; ++b)
+        for (int j = 0; j < lanes; ++j) all[(F + b) * lanes + j] = (b < U ? s.h : 1) * found.inner(b, j);
+    }
+  }
+
   static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                                 const Penalty& penalty) {
     const Scaled s = scale(t);
@@ -131,8 +152,9 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
 template <const Element& E>
 constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
-  return {&Sized::condense,     &Sized::interior,    &Sized::evaluate,      &Sized::stress_at_point, &Sized::weigh,
-          &Sized::local_system, &Sized::interior_of, &Sized::condense_dual, &Sized::interior_dual,   &Sized::interiors};
+  return {&Sized::condense,      &Sized::interior,     &Sized::evaluate,        &Sized::stress_at_point,
+          &Sized::weigh,         &Sized::local_system, &Sized::interior_of,     &Sized::condense_dual,
+          &Sized::interior_dual, &Sized::interiors,    &Sized::interiors_lanes, &Sized::evaluate_lanes};
 }
 
 }  // namespace kerf

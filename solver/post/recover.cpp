@@ -97,6 +97,41 @@ Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& in
   return u;
 }
 
+template <int D>
+void recovered_side_by_side(const Model& model, Index t, const double* fields, const Points& x, double* u) {
+  using Row = Eigen::Array<double, 1, lanes>;
+  using ByLane = Eigen::Matrix<double, Projection<D>::n, 2 * lanes, Eigen::RowMajor>;
+  const Projection<D> p(model, t);
+  const Material& m = material_of(model.mesh, model.scene, t);
+  ByLane load = ByLane::Zero();
+  Row mean[2] = {Row::Zero(), Row::Zero()};
+  for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
+    const auto at = [&](int k) { return Eigen::Map<const Row>(fields + (i * lane_fields + k) * lanes); };
+    const Row pressure = m.c * (at(0) + at(3)), difference = (at(0) - at(3)) / (4 * m.mu);
+    const Row d[4] = {pressure + difference, at(1) / (2 * m.mu) + at(6), at(2) / (2 * m.mu) - at(6),
+                      pressure - difference};
+    const Monomials<D> v = p.at(p.q.col(i));
+    for (int k = 0; k < p.n; ++k)
+      for (int c = 0; c < 2; ++c)
+        Eigen::Map<Row>(&load(k, c * lanes)) +=
+            p.w[i] * v.gradient(0, k) * d[2 * c] + p.w[i] * v.gradient(1, k) * d[2 * c + 1];
+    for (int c = 0; c < 2; ++c) mean[c] += p.rule.w[i] * at(4 + c);
+  }
+  const Eigen::Matrix<double, Projection<D>::n, Projection<D>::n> inverse =
+      p.stiffness.llt().solve(decltype(p.stiffness)(decltype(p.stiffness)::Identity()));
+  ByLane c = ByLane::Zero();
+  for (int i = 0; i < p.n; ++i)
+    for (int k = 0; k < p.n; ++k) c.row(i) += p.h * inverse(i, k) * load.row(k);
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const Eigen::Matrix<double, Projection<D>::n, 1> value = p.at(x.col(i)).value - p.mean;
+    for (int k = 0; k < 2; ++k) {
+      Row sum = mean[k];
+      for (int j = 0; j < p.n; ++j) sum += value[j] * Eigen::Map<const Row>(&c(j, k * lanes));
+      Eigen::Map<Row>(u + (2 * i + k) * lanes) = sum;
+    }
+  }
+}
+
 // The transpose, step by step backwards.
 template <int D>
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
@@ -148,6 +183,17 @@ Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::
       return recovered<3>(model, interior, t, x, eigenstrain);
     default:
       return recovered<4>(model, interior, t, x, eigenstrain);
+  }
+}
+
+void recovered_lanes(const Model& model, Index t, const double* fields, const Points& x, double* u) {
+  switch (model.element.stress) {
+    case 1:
+      return recovered_side_by_side<2>(model, t, fields, x, u);
+    case 2:
+      return recovered_side_by_side<3>(model, t, fields, x, u);
+    default:
+      return recovered_side_by_side<4>(model, t, fields, x, u);
   }
 }
 

@@ -145,7 +145,8 @@ void check_curved(const Mesh& mesh, const Scene& scene) {
 
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
 struct Prepared {
-  Prepared(Mesh of, Kernel by, Scene under, int on)
+  /// `like`: of the same body under other loads, or null.
+  Prepared(Mesh of, Kernel by, Scene under, int on, const Skeleton* like = nullptr)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
     const Bows bows = bows_of(mesh, kernel.element);
     check_curved(mesh, scene);
@@ -154,9 +155,21 @@ struct Prepared {
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
     standing = standing_pieces(mesh, kernel, scene, skeleton);
     if (!standing.in_pieces) floating = check_supports(mesh, kernel, skeleton, loaded, notes);
-    if (!floating.empty())
+    if (!floating.empty() && like && like->total == skeleton.total)
+      skeleton.fixed = with_pins(like->fixed);
+    else if (!floating.empty())
       for (const Index pin : pins(mesh, kernel, skeleton, floating)) skeleton.fixed[pin] = true;
     data = std::move(loaded.data);
+  }
+
+  /// As many more are fixed there as there are motions: the pins, which are those of the supports alone.
+  std::vector<bool> with_pins(const std::vector<bool>& there) const {
+    std::vector<bool> all = skeleton.fixed;
+    std::size_t more = 0;
+    for (std::size_t u = 0; u < all.size(); ++u)
+      if (there[u] && !all[u]) all[u] = true, ++more;
+    if (more != floating.size()) throw std::invalid_argument("with_loads: the supports differ");
+    return all;
   }
 
   /// Whether contact goes without its dense matrix.
@@ -247,17 +260,18 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
 namespace {
 
 // `before`: the state whose slips go on, or nothing.
-Model reloaded(const Model& m, Scene scene, const Field* before) {
+Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matrix = true) {
   Stopwatch watch;
-  Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads);
+  Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads, &m.inner->skeleton);
   if (made.skeleton.total != m.inner->skeleton.total || made.skeleton.fixed != m.inner->skeleton.fixed)
     throw std::invalid_argument("with_loads: the supports differ");
   if (before)
     for (Index u = made.skeleton.base; u < made.skeleton.total; ++u)
       if (made.skeleton.frictional[u]) made.skeleton.prescribed[u] = before->skeleton[u];
   Ordering ordering = m.inner->ordering;
-  System system = assemble_loads(
-      {made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false}, m.inner->system);
+  System system =
+      assemble_loads({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false},
+                     m.inner->system, with_matrix);
   if (!made.standing.empty())
     hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
   ModelSeconds seconds;
@@ -271,6 +285,10 @@ Model reloaded(const Model& m, Scene scene, const Field* before) {
 
 Model with_loads(const Model& m, Scene scene) {
   return reloaded(m, std::move(scene), nullptr);
+}
+
+Model loads_alone(const Model& m, Scene scene) {
+  return reloaded(m, std::move(scene), nullptr, false);
 }
 
 Model continued(const Model& m, Scene scene, const Field& before) {

@@ -209,8 +209,9 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
 
 }  // namespace
 
-System assemble_loads(const Assembly& from, const System& like) {
-  System a{.penalty = like.penalty, .K = like.K, .force = empty_force(from), .traces = like.traces};
+System assemble_loads(const Assembly& from, const System& like, bool with_matrix) {
+  System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces};
+  if (with_matrix) a.K = like.K;
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   const auto add = [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
@@ -219,7 +220,9 @@ System assemble_loads(const Assembly& from, const System& like) {
       scatter_loads(from, t, c, a);
     }
   };
-  const Index triangles = static_cast<Index>(from.mesh.triangles.size());
+  const bool held_at_rest = std::ranges::all_of(from.skeleton.prescribed, [](double u) { return u == 0; });
+  const Index triangles =
+      a.force.cols() == 0 && held_at_rest ? 0 : static_cast<Index>(from.mesh.triangles.size());  // none is loaded
   if (from.skeleton.per_vertex > 0)
     add(0, triangles);  // around a vertex many triangles meet, which are added in their order
   else

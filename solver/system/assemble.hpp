@@ -32,7 +32,7 @@ struct Assembly {
 /// Bits do not depend on the number of threads.
 System assemble(const Assembly& from);
 /// The same where all but the loads is that of a system which is there: triangles without loads are left out.
-System assemble_loads(const Assembly& from, const System& like);
+System assemble_loads(const Assembly& from, const System& like, bool with_matrix = true);
 
 ForceMoments force_of(const System& a, Index t);
 

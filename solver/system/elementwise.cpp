@@ -165,6 +165,40 @@ void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<E
   interior[rotation] -= motion.rotation;
 }
 
+LaneMotions strain_lanes(const Kernel& k, const Triangle& t, double* traces) {
+  const double h = std::sqrt(2 * area(t));
+  Strained s;
+  span_motions(k, t, centroid(t), h, s);
+  const Eigen::Index n = s.span.rows();
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, lanes, Eigen::RowMajor>> rest(traces, n, lanes);
+  LaneMotions all = LaneMotions::Zero();
+  for (int time = 0; time < 2; ++time) {  // the second takes what rounding has left
+    LaneMotions on = LaneMotions::Zero(), share = LaneMotions::Zero();
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (int c = 0; c < 3; ++c) on.row(c) += s.span(i, c) * rest.row(i);
+    for (int c = 0; c < 3; ++c)
+      for (int d = 0; d < 3; ++d) share.row(c) += s.inverse(c, d) * on.row(d);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (int c = 0; c < 3; ++c) rest.row(i) -= s.span(i, c) * share.row(c);
+    all += share;
+  }
+  all.row(2) /= h;
+  return all;
+}
+
+void add_motions(const Element& e, const Triangle& t, const LaneMotions& motions, double* interior) {
+  const int first = stress_count(e), rotation = first + displacement_count(e);
+  const auto row = [&](int i) { return Eigen::Map<Eigen::Matrix<double, 1, lanes>>(interior + i * lanes); };
+  row(first) += motions.row(0);
+  row(first + 1) += motions.row(1);
+  if (e.displacement > 0) {
+    const double h = std::sqrt(2 * area(t));
+    row(first + 3) += h * motions.row(2);
+    row(first + 4) -= h * motions.row(2);
+  }
+  row(rotation) -= motions.row(2);
+}
+
 double penalty_at(const Model& m, Index t) {
   return m.inner->system.penalty / material_of(m.mesh, m.scene, t).mu;
 }

@@ -32,6 +32,13 @@ struct Strained {
 /// `values`: of all skeleton unknowns.
 Strained strained(const Model& m, const Twofold& values, Index t);
 
+/// Of traces side by side, in straight triangles: `traces` (a row per unknown of the triangle) lose their rigid
+/// motions, whose translations and rotation about the centroid are the rows of the result.
+using LaneMotions = Eigen::Matrix<double, 3, lanes, Eigen::RowMajor>;
+LaneMotions strain_lanes(const Kernel& k, const Triangle& t, double* traces);
+/// The interiors (s, u, r) of such motions are added to those of the triangle: no stress.
+void add_motions(const Element& e, const Triangle& t, const LaneMotions& motions, double* interior);
+
 /// The interior (s, u, r) of a motion is added to that of triangle t: no stress.
 void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<Eigen::VectorXd> interior);
 

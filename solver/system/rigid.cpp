@@ -120,9 +120,23 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
 }
 
 Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion) {
-  const Eigen::ArrayXd terms =
-      traction_loads(mesh, k, s, loading.data).head(s.base).array() * trace(mesh, k, s, motion).array();
-  double work = terms.sum(), size = terms.abs().sum();
+  const Eigen::VectorXd loads = traction_loads(mesh, k, s, loading.data);
+  double work = 0, size = 0;
+  const auto add = [&](double term) {
+    work += term;
+    size += std::abs(term);
+  };
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    for (int g = 0; g < s.per_edge / 2; ++g) {
+      const Vec2 load = loads.segment<2>(edge_unknown(s, e) + 2 * g);
+      if (load.isZero(0)) continue;
+      const Vec2 moved = frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.bows, e, k.trace.s[g]).x);
+      for (int c = 0; c < 2; ++c) add(load[c] * moved[c]);
+    }
+  if (s.per_vertex > 0) {
+    const Eigen::VectorXd moved = trace(mesh, k, s, motion);
+    for (Index u = edge_unknown(s, static_cast<Index>(mesh.edges.size())); u < s.base; ++u) add(loads[u] * moved[u]);
+  }
   if (loading.scene.body)
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
       const Triangle shape = triangle(mesh, s, t);

@@ -112,12 +112,29 @@ struct DerivativeBounds::Impl {
     return sum;
   }
 
-  /// The stress of another body; its indicators go to `eta`.
-  static StressBounds stress(const Other& other, const Vec2& x, std::vector<Eigen::VectorXd>& eta) {
-    StressBounds s = other.bounds.stress(x);
-    if (other.indicator.eta.size() > 0) eta.push_back(other.indicator.eta);
-    eta.insert(eta.end(), s.eta.begin(), s.eta.end());
-    return s;
+  /// The stresses of another body; its indicators go to their `eta`.
+  static std::vector<StressBounds> stresses(const Other& other, const std::vector<Vec2>& x,
+                                            std::vector<StressBounds>& own) {
+    std::vector<StressBounds> all = other.bounds.all({.points = x}).points;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      std::vector<Eigen::VectorXd>& eta = own[i].eta;
+      if (other.indicator.eta.size() > 0) eta.push_back(other.indicator.eta);
+      eta.insert(eta.end(), all[i].eta.begin(), all[i].eta.end());
+    }
+    return all;
+  }
+
+  Bounded at(const Vec2& x, Index where, const StressBounds& s, const StressBounds* adjoint,
+             const StressBounds* other) const {
+    if (where == none) return lost(s.s11.note);
+    const std::optional<double> here = local(x);
+    if (!here) return lost("no bounds: the functional weighs the displacement in the hole, which is not bounded");
+    Bounded t = interval(material_of(m.mesh, m.scene, where), s, adjoint, other);
+    if (!std::isfinite(t.upper - t.lower)) return lost(t.note);
+    t.lower += *here;
+    t.upper += *here;
+    t.value = 0.5 * (t.lower + t.upper);
+    return t;
   }
 
   Bounded interval(const Material& material, const StressBounds& state, const StressBounds* adjoint,
@@ -157,22 +174,23 @@ DerivativeBounds::DerivativeBounds(const Functional& j, const Perturbation& p, c
 DerivativeBounds::~DerivativeBounds() = default;
 
 Bounded DerivativeBounds::at(const Vec2& x, StressBounds& s) const {
-  const Impl& of = *impl_;
-  if (!of.why.empty()) return lost(of.why);
-  const Index where = locate(of.m.mesh, {&x, 1}).front();
-  if (where == none) return lost(s.s11.note);
-  const std::optional<double> local = of.local(x);
-  if (!local) return lost("no bounds: the functional weighs the displacement in the hole, which is not bounded");
-  StressBounds adjoint, other;
-  if (of.dual) adjoint = Impl::stress(*of.dual, x, s.eta);
-  if (of.measured) other = Impl::stress(*of.measured, x, s.eta);
-  Bounded t = of.interval(material_of(of.m.mesh, of.m.scene, where), s, of.dual ? &adjoint : nullptr,
-                          of.measured ? &other : nullptr);
-  if (!std::isfinite(t.upper - t.lower)) return lost(t.note);
-  t.lower += *local;
-  t.upper += *local;
-  t.value = 0.5 * (t.lower + t.upper);
+  std::vector<StressBounds> own{std::move(s)};
+  Bounded t = at(std::vector{x}, own).front();
+  s = std::move(own.front());
   return t;
+}
+
+std::vector<Bounded> DerivativeBounds::at(const std::vector<Vec2>& x, std::vector<StressBounds>& s) const {
+  const Impl& of = *impl_;
+  if (!of.why.empty()) return std::vector<Bounded>(x.size(), lost(of.why));
+  std::vector<StressBounds> adjoint, other;
+  if (of.dual) adjoint = Impl::stresses(*of.dual, x, s);
+  if (of.measured) other = Impl::stresses(*of.measured, x, s);
+  const std::vector<Index> where = locate(of.m.mesh, x);
+  std::vector<Bounded> all;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    all.push_back(of.at(x[i], where[i], s[i], of.dual ? &adjoint[i] : nullptr, of.measured ? &other[i] : nullptr));
+  return all;
 }
 
 }  // namespace kerf

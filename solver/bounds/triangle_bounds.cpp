@@ -1,0 +1,382 @@
+#include "solver/bounds/triangle_bounds.hpp"
+
+#include "solver/anisotropic.hpp"
+#include "solver/bounds/statics.hpp"
+#include "solver/system.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// What A s : s has beyond that of the isotropic part.
+double orthotropic_work(const Material& m, double s11, double s22, double s12) {
+  const Eigen::Vector3d e = orthotropic_strain(m, s11, s22, s12);
+  return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
+}
+
+TriangleReference reference(const Element& e, int n, const Forces& f) {
+  TriangleReference r;
+  r.n = n;
+  r.rule = split_rule(2 * n);
+  r.nodes = lattice(n);
+  r.field_nodes = lattice(n + 1);
+  r.at_rule = interpolation(n, r.rule.x);
+  r.field_at_rule = interpolation(n + 1, r.rule.x);
+  r.slope = differentiation(n, r.nodes);
+  r.field_slope = differentiation(n + 1, r.nodes);
+  r.field_slope_at_rule = differentiation(n + 1, r.rule.x);
+  r.raise = interpolation(e.trace + 1, r.field_nodes);
+  r.force = interpolation(f.degree, r.nodes);
+  const TriangleRule exact = triangle_rule(f.degree + e.displacement);
+  r.mean_force =
+      interpolation(e.displacement, r.nodes) * projection(e.displacement, exact) * interpolation(f.degree, exact.x);
+  r.inverse = right_inverse(n, r.rule);
+  r.normal_free = normal_free_right_inverse(n);
+  if (n >= strain_degree) {
+    r.to_strains = projection(strain_degree, r.rule);
+    r.of_strains = interpolation(strain_degree, r.rule.x);
+  }
+  const EdgeRule trace = gauss(points_per_edge(e));
+  for (int side = 0; side < 3; ++side)
+    for (int forward = 0; forward < 2; ++forward) {
+      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
+      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
+      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
+      r.at_edge[side][forward] = interpolation(n, l.bottomRows<2>());
+    }
+  return r;
+}
+
+}  // namespace
+
+References references(const Element& e, int inside, const Forces& f, bool curved) {
+  References both{reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
+  for (TriangleReference* r : {&both.plain, &both.rich})
+    if (curved) r->curved = std::make_shared<const CurvedReference>(curved_reference(r->n, e.stress));
+  return both;
+}
+
+Bounding::Along Bounding::along(const EdgeData& d, const Vec2& l) const {
+  const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
+  const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
+  const double from = full[(d.side + (forward ? 1 : 2)) % 3], to = full[(d.side + (forward ? 2 : 1)) % 3];
+  return {0.5 * (1 + to - from), from * to};
+}
+
+void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
+                     Share& share) const {
+  const Triangle cell = triangle(m, t), shape = chords_of(cell);
+  const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+  const double det = J.determinant();
+  const Points x = nodes(r, shape);
+  Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.statics, x).stress;
+  if (f.couple.size() > 0) {
+    const Mat2 c = antisymmetric(f.couple[t]);
+    stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
+  }
+  share.tractions = tractions(r, shape, stress);
+  work_of_supports(share.tractions, edges, share);
+
+  add_loads_unseen(r, t, edges, stress);
+  if (is_curved(cell)) {
+    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share);
+    return;
+  }
+
+  const Eigen::VectorXd asymmetry = (stress.row(1) - stress.row(2)).transpose();
+  const Eigen::VectorXd q = r.inverse.derivative * (det * asymmetry);
+  const Eigen::Matrix4Xd at_rule = stress * r.at_rule.transpose();
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const double mu = material.mu, c = material.c;
+  const Eigen::Matrix4Xd free = eigenstrain(r, t);
+  double energy = 0, freed = 0;
+  Eigen::Matrix4Xd whole(4, at_rule.cols());
+  for (Eigen::Index i = 0; i < at_rule.cols(); ++i) {
+    const Mat2 gradient = J * (Mat2() << q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]).finished() * inverse / det;
+    const double s11 = at_rule(0, i) + gradient(0, 1), s12 = at_rule(1, i) - gradient(0, 0),
+                 s21 = at_rule(2, i) + gradient(1, 1), s22 = at_rule(3, i) - gradient(1, 0), trace = s11 + s22,
+                 difference = s11 - s22;
+    whole.col(i) << s11, s12, s21, s22;
+    energy += r.rule.w[i] * ((0.5 * difference * difference + s12 * s12 + s21 * s21) / (2 * mu) + c * trace * trace);
+    if (!isotropic(material)) energy += r.rule.w[i] * orthotropic_work(material, s11, s22, 0.5 * (s12 + s21));
+    if (free.cols() > 0) freed += r.rule.w[i] * free.col(i).dot(whole.col(i));
+    share.asymmetry = std::max(share.asymmetry, std::abs(s12 - s21));
+    share.stress = std::max({share.stress, std::abs(s11), std::abs(s12), std::abs(s22)});
+  }
+  energy *= 0.5 * area(shape);
+  freed *= area(shape);
+  share.lower -= energy + freed;
+  share.size += energy + std::abs(freed);
+  if ((free.cols() > 0 || keep) && r.n >= strain_degree) share.square = beyond_strains(r, whole);
+  if (free.cols() > 0) {
+    const StrainData& strain = m.inner->data.strain;
+    share.below = area(shape) * (std::sqrt(strain.rest[t] * share.square) + strain.error[t] * share.stress);
+  }
+  if (keep) share.kept_stress = std::move(whole);
+}
+
+double Bounding::beyond_strains(const TriangleReference& r, const Eigen::Matrix4Xd& stress) {
+  const Eigen::Matrix4Xd rest = stress - stress * r.to_strains.transpose() * r.of_strains.transpose();
+  return rest.colwise().squaredNorm().dot(r.rule.w);
+}
+
+Points Bounding::nodes(const TriangleReference& r, const Triangle& shape) const {
+  Points x(2, r.nodes.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q)
+    x.col(q) = shape.x[0] + r.nodes(0, q) * (shape.x[1] - shape.x[0]) + r.nodes(1, q) * (shape.x[2] - shape.x[0]);
+  return x;
+}
+
+void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::vector<Index>& edges,
+                                Eigen::Matrix4Xd& stress) const {
+  const Triangle shape = triangle(m, t);
+  const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+  const double det = J.determinant();
+  const Points x = nodes(r, shape);
+  bool correct = f.nodal.cols() > 0 && !f.balanced;
+  Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
+  for (const Index i : edges) {
+    const EdgeData& d = data[i];
+    if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
+    correct = true;
+    const Vec2& apex = shape.x[d.side];
+    const double l = length(m.mesh, d.edge);
+    for (Eigen::Index q = 0; q < x.cols(); ++q) {
+      const Vec2 field = (x.col(q) - apex) * l / (2 * area(shape));  // normal component 1 on this edge, 0 elsewhere
+      const Vec2 load =
+          m.inner->skeleton.frame[d.edge] * d.unbalanced * trace_basis(carrier, along(d, r.nodes.col(q)).s);
+      rows.col(q) += (Eigen::Vector4d() << load.x() * field, load.y() * field).finished();
+    }
+  }
+  if (!correct) return;
+  Points wanted = Points::Zero(2, x.cols());
+  if (f.nodal.cols() > 0) {
+    const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+    wanted = force * (r.mean_force - r.force).transpose();
+  }
+  for (int row = 0; row < 2; ++row) {
+    const auto divergence = [&](int axis) -> Eigen::RowVectorXd {
+      return inverse(0, axis) * (rows.row(2 * row + axis) * r.slope[0].transpose()) +
+             inverse(1, axis) * (rows.row(2 * row + axis) * r.slope[1].transpose());
+    };
+    const Eigen::RowVectorXd rest = wanted.row(row) - divergence(0) - divergence(1);
+    const Eigen::VectorXd field = r.normal_free * (det * rest).transpose();
+    const Points own = J / det * Eigen::Map<const Points>(field.data(), 2, x.cols());
+    rows.middleRows<2>(2 * row) += own;
+  }
+  stress += rows;
+}
+
+Eigen::Matrix4Xd Bounding::eigenstrain(const TriangleReference& r, Index t) const {
+  return m.inner->data.strain.empty() ? Eigen::Matrix4Xd() : strain_at(m.inner->data.strain, t, r.rule.x);
+}
+
+void Bounding::work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
+  const Eigen::Index points = m.inner->kernel.trace.w.size();
+  for (const Index i : edges) {
+    const EdgeData& d = data[i];
+    const double l = length(m.mesh, d.edge);
+    for (int k = 0; k < 2; ++k) {
+      if (!d.held[k]) continue;
+      for (Eigen::Index g = 0; g < points; ++g) {
+        const Index unknown = d.edge * m.inner->skeleton.per_edge + 2 * static_cast<Index>(g) + k;
+        const double work =
+            l * m.inner->kernel.trace.w[g] * tractions(k, points * d.side + g) * m.inner->skeleton.prescribed[unknown];
+        share.lower += work;
+        share.size += std::abs(work);
+      }
+      for (int g = 0; g < data_carriers; ++g)
+        share.lower -= l * carrier.w[g] * d.load(k, g) * conforming.value[i](k, g);
+    }
+  }
+}
+
+Tractions Bounding::tractions(const TriangleReference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const {
+  const Eigen::Index points = m.inner->kernel.trace.w.size();
+  Tractions result(2, 3 * points);
+  for (int e = 0; e < 3; ++e) {
+    const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
+    const Vec2 n = Vec2(side.y(), -side.x()).normalized();
+    const Eigen::Matrix4Xd there = stress * r.at_edge[e][shape.forward[e] ? 1 : 0].transpose();
+    for (Eigen::Index g = 0; g < points; ++g)
+      result.col(points * e + g) = shape.frame[e].transpose() * (tensor(there.col(g)) * n);
+  }
+  return result;
+}
+
+double Bounding::work_at(Index i, int g) const {
+  return length(m.mesh, data[i].edge) * carrier.w[g] * data[i].load.col(g).dot(conforming.value[i].col(g));
+}
+
+double Bounding::work_on_edge(Index i) const {
+  double work = 0;
+  for (int g = 0; g < data_carriers; ++g) work += work_at(i, g);
+  return work;
+}
+
+Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const {
+  const Triangle shape = triangle(m, t);
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
+  Eigen::RowVectorXd wanted = 2 * material.c * (stress.row(0) + stress.row(3));
+  if (!isotropic(material))
+    for (Eigen::Index q = 0; q < wanted.size(); ++q)
+      wanted[q] +=
+          orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q))).head<2>().sum();
+  if (!m.inner->data.strain.empty()) {
+    const Eigen::Matrix4Xd free = strain_at(m.inner->data.strain, t, r.nodes);
+    wanted += free.row(0) + free.row(3);
+  }
+  return wanted;
+}
+
+void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
+                     Share& share) const {
+  const Triangle cell = triangle(m, t), shape = chords_of(cell);
+  const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const double mu = material.mu, c = material.c;
+  const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
+  const double det = J.determinant();
+  const Eigen::Map<const Points> nodal(at.nodal.data(), 2, at.nodal.size() / 2);
+  Points v = nodal * r.raise.transpose();
+  share.largest = nodal.cwiseAbs().maxCoeff();
+  const Points low = v;
+  for (const Index i : edges) {
+    const EdgeData& d = data[i];
+    if (!d.held[0] && !d.held[1]) continue;
+    for (Eigen::Index q = 0; q < v.cols(); ++q) {
+      const Along a = along(d, r.field_nodes.col(q));
+      v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
+    }
+  }
+  if (is_curved(cell)) {
+    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
+    share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share);
+    share.upper = share.elastic;
+    share.size += share.elastic;
+    for (const Index i : edges) {
+      const double work = work_on_edge(i);
+      share.upper -= work;
+      share.size += std::abs(work);
+    }
+    return;
+  }
+  const Eigen::Matrix4Xd free = eigenstrain(r, t);
+  Eigen::RowVectorXd wanted = wanted_divergence(r, t, at);
+  for (int axis = 0; axis < 2; ++axis)
+    for (int k = 0; k < 2; ++k) wanted -= inverse(k, axis) * (v.row(axis) * r.field_slope[k].transpose());
+  const Eigen::VectorXd scaled = det * wanted.transpose();
+  const Eigen::VectorXd correction = r.inverse.derivative * scaled;
+  const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
+  // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
+  double e = 0, b = 0, a = 0, size = 0;
+  std::array<double, 2> worst{0, 0};
+  // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
+  double zz = 0, zw = 0, ww = 0;
+  Points zx, zy;
+  Eigen::Matrix4Xd own_strain;
+  Points own_displacement;
+  if (keep) {
+    share.kept_strain.resize(4, r.rule.w.size());
+    own_strain.resize(4, r.rule.w.size());
+  }
+  if (!edges.empty()) {
+    zx = (v - low) * r.field_slope_at_rule[0].transpose();
+    zy = (v - low) * r.field_slope_at_rule[1].transpose();
+  }
+  for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
+    const double w = r.rule.w[q] * area(shape);
+    Mat2 g;
+    g << dx.col(q), dy.col(q);
+    g = (g * inverse).eval();
+    const Eigen::Vector4d d = correction.segment<4>(4 * q);
+    const Mat2 h = J * (Mat2() << d[0], d[1], d[2], d[3]).finished() * inverse / det;
+    const Mat2 whole = g;
+    if (free.cols() > 0) g -= tensor(free.col(q));
+    if (keep) {
+      share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
+      own_strain.col(q) << h(0, 0), h(0, 1), h(1, 0), h(1, 1);
+    }
+    const double volume = g.trace(), own_volume = h.trace();
+    const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
+                 own_shear = h(0, 1) + h(1, 0);
+    if (!isotropic(material)) {
+      const Eigen::Vector3d strain(g(0, 0), g(1, 1), shear), own(h(0, 0), h(1, 1), own_shear);
+      e += w * 0.5 * strain.dot(C * strain);
+      b += w * strain.dot(C * own);
+      a += w * 0.5 * own.dot(C * own);
+    } else {
+      e += w * 0.5 * mu * (difference * difference + shear * shear);
+      b += w * mu * (difference * own_difference + shear * own_shear);
+      a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
+    }
+    if (c > 0 && isotropic(material)) {
+      e += w * volume * volume / (8 * c);
+      b += w * 2 * volume * own_volume / (8 * c);
+      a += w * own_volume * own_volume / (8 * c);
+    }
+    ww += w * h.squaredNorm();
+    if (!edges.empty()) {
+      Mat2 z;
+      z << zx.col(q), zy.col(q);
+      z = (z * inverse).eval();
+      zz += w * z.squaredNorm();
+      zw += w * z.cwiseProduct(h).sum();
+    }
+    worst[0] = std::max(worst[0], std::abs(volume + own_volume));
+    worst[1] = std::max(worst[1], whole.cwiseAbs().maxCoeff());
+  }
+  const double alone = e, with_own = b, own_alone = a;
+  size += e;
+  if (keep) {
+    const Eigen::VectorXd own = r.inverse.value * scaled;
+    own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
+  }
+  if (f.nodal.cols() > 0) {
+    const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+    const Points pull = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
+    const Eigen::VectorXd own = r.inverse.value * scaled;
+    share.force =
+        diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[t];
+    for (Eigen::Index q = 0; q < pull.cols(); ++q) {
+      const double w = r.rule.w[q] * area(shape), work = pull.col(q).dot(value.col(q));
+      e -= w * work;
+      size += w * std::abs(work);
+      b -= w * pull.col(q).dot(J * own.segment<2>(2 * q)) / det;
+    }
+  }
+  for (const Index i : edges)
+    for (int g = 0; g < data_carriers; ++g) {
+      const double work = work_at(i, g);
+      e -= work;
+      size += std::abs(work);
+    }
+  const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
+  share.upper = e + alpha * (b + alpha * a);
+  share.elastic = alone + alpha * (with_own + alpha * own_alone);
+  if (keep) {
+    share.kept_strain += alpha * own_strain;
+    share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
+  }
+  if (free.cols() > 0) {
+    const StrainData& strain = m.inner->data.strain;
+    share.above = moved_by_eigenstrain(material, shape, strain.rest[t], strain.error[t],
+                                       {share.elastic, worst[1], share.stress, share.force});
+  }
+  const double square = zz + alpha * (2 * zw + alpha * ww);
+  share.rough = std::sqrt(std::max(0.0, square));
+  share.size += size;
+  share.divergence = c == 0 ? worst[0] : 0;
+  share.gradient = worst[1];
+}
+
+}  // namespace kerf

@@ -1,0 +1,82 @@
+// Quantities that are bounded together, against the same one by one, which takes another way: with indicators.
+#include "kerf/bounds.hpp"
+
+#include "kerf/fracture.hpp"
+#include "tests/solver/exact_crack.hpp"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+namespace kerf {
+namespace {
+
+exact::ExactField inclined() {
+  return exact::table_field("c03_inclined_open", 0.3);
+}
+
+QuantityRequest many(const CrackProblem& p) {
+  const auto along = [](int k) { return [k](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Unit(k); }; };
+  return {.tips = crack_tips(p.model, p.state),
+          .points = {{0.3, 0.9}, {-1.2, -0.3}},
+          .discs = {{{1.2, -1.1}, 0.3}},
+          .lines = {{{-1.5, 1.0}, {-0.5, 1.4}}},
+          .works = {{{2, along(0)}}, {{2, along(1)}}},
+          .reactions = {{{0}, 0}, {{0}, 1}}};
+}
+
+std::vector<Bounded> listed(const QuantityIntervals& q) {
+  std::vector<Bounded> all;
+  for (const TipBounds& b : q.tips) all.insert(all.end(), {b.K_I, b.K_II, b.G});
+  for (const std::vector<StressBounds>* of : {&q.points, &q.discs, &q.lines})
+    for (const StressBounds& b : *of) all.insert(all.end(), {b.s11, b.s22, b.s12});
+  all.insert(all.end(), q.works.begin(), q.works.end());
+  all.insert(all.end(), q.reactions.begin(), q.reactions.end());
+  return all;
+}
+
+TEST(QuantityBounds, AreTheSameTogetherAndOneByOne) {
+  for (const auto& [name, degree] :
+       {std::pair("bdms", 1), std::pair("bdms", 2), std::pair("bdms", 3), std::pair("afw", 1), std::pair("afw", 2)})
+    for (const std::vector<Index>& held : {std::vector<Index>{0}, std::vector<Index>{}}) {
+      const CrackProblem p = crack_problem(inclined(), 6, degree, held, CrackLaw::Kind::Open, name);
+      const QuantityBounds together(p.model, p.state), alone(p.model, p.state, true);
+      const std::vector<Bounded> all = listed(together.all(many(p))), each = listed(alone.all(many(p)));
+      ASSERT_EQ(all.size(), each.size());
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::string which = fmt::format("{} {} held {} quantity {}", name, degree, held.size(), i);
+        EXPECT_EQ(all[i].guaranteed, each[i].guaranteed) << which << all[i].note << each[i].note;
+        EXPECT_EQ(all[i].note, each[i].note) << which;
+        const double width = each[i].upper - each[i].lower;
+        if (!std::isfinite(width)) continue;  // nothing holds the body: no reaction
+        EXPECT_NEAR(all[i].lower, each[i].lower, 1e-6 * width) << which;
+        EXPECT_NEAR(all[i].upper, each[i].upper, 1e-6 * width) << which;
+      }
+    }
+}
+
+TEST(QuantityBounds, TogetherHaveTheSameBitsForAnyNumberOfThreads) {
+  CrackProblem p = crack_problem(inclined(), 12, 1, {0});
+  const std::vector<Bounded> one = listed(QuantityBounds(p.model, p.state).all(many(p)));
+  p.model.threads = 3;
+  const std::vector<Bounded> three = listed(QuantityBounds(p.model, p.state).all(many(p)));
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].lower, three[i].lower) << i;
+    EXPECT_EQ(one[i].upper, three[i].upper) << i;
+  }
+}
+
+// What one of them lacks does not touch the others.
+TEST(QuantityBounds, StandBesideOnesThatThereAreNot) {
+  const exact::ExactField f = inclined();
+  const CrackProblem p = crack_problem(f, 12, 1, {0});
+  const Vec2 inside(0.3, 0.9), outside(3, 0);
+  const QuantityIntervals q = QuantityBounds(p.model, p.state).all({.points = {outside, inside}});
+  EXPECT_EQ(q.points[0].s11.note, "no bounds: the point lies outside the body");
+  const Mat2 exact = f.stress(inside, exact::side_of(f, inside));
+  EXPECT_LE(q.points[1].s22.lower, exact(1, 1));
+  EXPECT_GE(q.points[1].s22.upper, exact(1, 1));
+  EXPECT_TRUE(q.points[1].s22.guaranteed);
+}
+
+}  // namespace
+}  // namespace kerf
