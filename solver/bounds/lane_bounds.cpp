@@ -101,17 +101,18 @@ class LaneBounding {
     sum_over_triangles();
   }
 
-  CrossEnergy of(int lane) const {
+  std::optional<CrossEnergy> of(int lane) const {
     const auto i = static_cast<std::size_t>(lane);
     const Model& dual = *duals_[i];
-    if (const std::string why = unseen_by_bounds(dual); !why.empty()) return {.note = why};
+    if (const std::string why = unseen_by_bounds(dual); !why.empty()) return CrossEnergy{.note = why};
     const std::vector<Rest> rests = rests_of(dual, data_[i], {}, u_.edges);
     EnergySums sums{.imbalance = imbalance_[i],
                     .oscillation = oscillation(rests, lane, 1, false),
                     .mismatch = conforming_.of[i].mismatch};
     sums.sum.lower = sum_.lower[lane], sums.sum.upper = sum_.upper[lane], sums.sum.size = sum_.size[lane];
     const EnergyBounds bounds = energy_interval(dual, sums);
-    if (!std::isfinite(bounds.upper - bounds.lower)) return {.note = bounds.note};
+    if (!(sums.imbalance <= 0.5 * few_digits * sums.sum.size)) return std::nullopt;
+    if (!std::isfinite(bounds.upper - bounds.lower)) return CrossEnergy{.note = bounds.note};
     const double rounding = (64 * std::numeric_limits<double>::epsilon() + 2 * bounds.imbalance) * sums.sum.size;
     const Products p{sum_.crossed_lower[lane], sum_.crossed_upper[lane], sum_.crossed_size[lane]};
     return cross_interval(
@@ -429,10 +430,10 @@ class LaneBounding {
 
 }  // namespace
 
-std::vector<CrossEnergy> cross_energies(const AdmissiblePair& u, const Averaging& by,
-                                        std::span<const Model* const> duals, LaneRoom& room) {
+std::vector<std::optional<CrossEnergy>> cross_energies(const AdmissiblePair& u, const Averaging& by,
+                                                       std::span<const Model* const> duals, LaneRoom& room) {
   const LaneBounding bounding(u, by, duals, room);
-  std::vector<CrossEnergy> all;
+  std::vector<std::optional<CrossEnergy>> all;
   for (int lane = 0; lane < room.states.count; ++lane) all.push_back(bounding.of(lane));
   return all;
 }

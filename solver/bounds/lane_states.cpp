@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -16,24 +17,36 @@ namespace {
 
 using Row = Eigen::Array<double, 1, lanes>;
 
-/// K x = F for all, corrected by its residual as long as that pays. Returns false where it stays large.
+/// K x = F for all, those with more than rounding left corrected by it as long as that pays. Returns false where it
+/// stays large.
 bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
   constexpr double enough = 1e-12, least = 1e-10;
   constexpr int most = 3;
   x = m.inner->factor->solve_all(F);
+  std::vector<Eigen::Index> left;
+  for (Eigen::Index i = 0; i < F.cols(); ++i)
+    if (!F.col(i).isZero(0)) left.push_back(i);
   double before = infinity;
-  for (int round = 0; round < most; ++round) {
-    Eigen::MatrixXd rest(F.rows(), F.cols());
-    double error = 0;
-    for (Eigen::Index i = 0; i < F.cols(); ++i) {
-      rest.col(i) = F.col(i) - multiply(m.inner->system.K, x.col(i));
-      const double size = F.col(i).cwiseAbs().maxCoeff();
-      if (size > 0) error = std::max(error, rest.col(i).cwiseAbs().maxCoeff() / size);
+  for (int round = 0; round < most && !left.empty(); ++round) {
+    std::vector<Eigen::Index> next;
+    std::vector<Eigen::VectorXd> rests;
+    double worst = 0;
+    for (const Eigen::Index i : left) {
+      Eigen::VectorXd rest = F.col(i) - multiply(m.inner->system.K, x.col(i));
+      const double error = rest.cwiseAbs().maxCoeff() / F.col(i).cwiseAbs().maxCoeff();
+      if (!std::isfinite(error)) return false;
+      if (error <= enough) continue;
+      worst = std::max(worst, error);
+      next.push_back(i);
+      rests.push_back(std::move(rest));
     }
-    if (!(error > enough)) return true;
-    if (!(error < 0.5 * before)) return error < least;
-    before = error;
-    x += m.inner->factor->solve_all(rest);
+    if (!next.empty() && !(worst < 0.5 * before)) return worst < least;
+    before = worst;
+    left = std::move(next);
+    Eigen::MatrixXd all(F.rows(), static_cast<Eigen::Index>(left.size()));
+    for (std::size_t k = 0; k < left.size(); ++k) all.col(static_cast<Eigen::Index>(k)) = rests[k];
+    const Eigen::MatrixXd change = m.inner->factor->solve_all(all);
+    for (std::size_t k = 0; k < left.size(); ++k) x.col(left[k]) += change.col(static_cast<Eigen::Index>(k));
   }
   return true;
 }

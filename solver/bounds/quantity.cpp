@@ -190,9 +190,15 @@ struct QuantityBounds::Impl {
       return;
     }
     if (!averages) averages = std::make_unique<const Averaging>(averaging(m));
-    const std::vector<CrossEnergy> crossed = cross_energies(mine, *averages, of, room);
-    for (std::size_t i = 0; i < batch.size(); ++i)
-      all[batch[i].place].interval = interval(duals[batch[i].place], crossed[i]);
+    const std::vector<std::optional<CrossEnergy>> crossed = cross_energies(mine, *averages, of, room);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const DualProblem& dual = duals[batch[i].place];
+      BoundedDual& to = all[batch[i].place];
+      if (crossed[i])
+        to.interval = interval(dual, *crossed[i]);
+      else
+        to = tried([&] { return bound(dual); });
+    }
   }
 };
 

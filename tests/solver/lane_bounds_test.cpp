@@ -34,24 +34,29 @@ std::vector<Bounded> listed(const QuantityIntervals& q) {
   return all;
 }
 
+void expect_the_same(const char* name, int degree, const std::vector<Index>& held) {
+  const CrackProblem p = crack_problem(inclined(), 4, degree, held, CrackLaw::Kind::Open, name);
+  const QuantityBounds together(p.model, p.state), alone(p.model, p.state, true);
+  const std::vector<Bounded> all = listed(together.all(many(p))), each = listed(alone.all(many(p)));
+  ASSERT_EQ(all.size(), each.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string which = fmt::format("{} {} held {} quantity {}", name, degree, held.size(), i);
+    EXPECT_EQ(all[i].guaranteed, each[i].guaranteed) << which << all[i].note << each[i].note;
+    EXPECT_EQ(all[i].note, each[i].note) << which;
+    const double width = each[i].upper - each[i].lower;
+    if (!std::isfinite(width)) continue;  // nothing holds the body: no reaction
+    EXPECT_NEAR(all[i].lower, each[i].lower, 1e-6 * width) << which;
+    EXPECT_NEAR(all[i].upper, each[i].upper, 1e-6 * width) << which;
+  }
+}
+
+// Where one side alone holds the body, what it bears is known but for rounding.
 TEST(QuantityBounds, AreTheSameTogetherAndOneByOne) {
-  for (const auto& [name, degree] :
-       {std::pair("bdms", 1), std::pair("bdms", 2), std::pair("bdms", 3), std::pair("afw", 1), std::pair("afw", 2)})
-    for (const std::vector<Index>& held : {std::vector<Index>{0}, std::vector<Index>{}}) {
-      const CrackProblem p = crack_problem(inclined(), 6, degree, held, CrackLaw::Kind::Open, name);
-      const QuantityBounds together(p.model, p.state), alone(p.model, p.state, true);
-      const std::vector<Bounded> all = listed(together.all(many(p))), each = listed(alone.all(many(p)));
-      ASSERT_EQ(all.size(), each.size());
-      for (std::size_t i = 0; i < all.size(); ++i) {
-        const std::string which = fmt::format("{} {} held {} quantity {}", name, degree, held.size(), i);
-        EXPECT_EQ(all[i].guaranteed, each[i].guaranteed) << which << all[i].note << each[i].note;
-        EXPECT_EQ(all[i].note, each[i].note) << which;
-        const double width = each[i].upper - each[i].lower;
-        if (!std::isfinite(width)) continue;  // nothing holds the body: no reaction
-        EXPECT_NEAR(all[i].lower, each[i].lower, 1e-6 * width) << which;
-        EXPECT_NEAR(all[i].upper, each[i].upper, 1e-6 * width) << which;
-      }
-    }
+  for (const std::vector<Index>& held : {std::vector<Index>{0}, std::vector<Index>{}, std::vector<Index>{0, 2}})
+    expect_the_same("bdms", 1, held);
+  expect_the_same("bdms", 2, {0});
+  expect_the_same("bdms", 3, {0});
+  expect_the_same("afw", 1, {0});
 }
 
 TEST(QuantityBounds, TogetherHaveTheSameBitsForAnyNumberOfThreads) {
