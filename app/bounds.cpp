@@ -3,6 +3,7 @@
 #include "geometry/curved.hpp"
 #include "kerf/derivative_bounds.hpp"
 #include "solver/open_faces.hpp"
+#include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/core.h>
@@ -43,19 +44,20 @@ std::vector<BoundedPoint> points_of(const BoundsTask& task, const std::vector<Ve
   return out;
 }
 
-double length_of(const Mesh& mesh, Index label) {
+double length_of(const Model& m, Index label) {
+  const Mesh& mesh = m.mesh;
   double whole = 0;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
-    if (mesh.label[e] == label) whole += length(mesh, e);
+    if (mesh.label[e] == label) whole += length_along(m, e);
   return whole;
 }
 
 /// Everything of the body as it is, at once.
-QuantityRequest requested(const BoundsRequest& request, const Mesh& mesh) {
+QuantityRequest requested(const BoundsRequest& request, const Model& m) {
   QuantityRequest all{.points = request.points, .discs = request.discs, .lines = request.lines};
   for (const Index label : request.displacements)
     for (int k = 0; k < 2; ++k) {
-      const double whole = length_of(mesh, label);
+      const double whole = length_of(m, label);
       const Vec2 share = whole > 0 ? Vec2(Vec2::Unit(k) / whole) : Vec2::Zero();  // a mean displacement
       all.works.push_back({{label, [share](const Vec2&, const Vec2&) -> Vec2 { return share; }}});
     }
@@ -82,7 +84,7 @@ std::vector<BoundedMean> means_of(const BoundsTask& task, const BoundsRequest& r
   const Bounded no_edges{nan, nan, nan, false, "no bounds: the label has no edges"};
   for (std::size_t i = 0; i < request.displacements.size(); ++i) {
     const Index label = request.displacements[i];
-    const bool any = length_of(m.mesh, label) > 0;
+    const bool any = length_of(m, label) > 0;
     out.push_back({.of = Displacement,
                    .on = name(label),
                    .quantities = {any ? found.works[2 * i] : no_edges, any ? found.works[2 * i + 1] : no_edges}});
@@ -179,7 +181,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     for (BoundedTip& t : out.tips)
       for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
   }
-  QuantityIntervals found = bounds.all(requested(request, model.mesh));
+  QuantityIntervals found = bounds.all(requested(request, model));
   out.points = points_of(task, request.points, model, std::move(found.points));
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);

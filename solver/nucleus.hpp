@@ -28,4 +28,12 @@ Nucleus line_nucleus(const Material& material, const Vec2& from, const Vec2& to,
 /// to its other tip, or without end (infinity). Its faces carry no traction, and it has no dislocation [Bueckner 1970].
 Nucleus tip_nucleus(const Material& material, const Vec2& tip, const Mat2& frame, double length, int mode);
 
+/// The same for a crack along an arc of a circle, from the end `other` to `tip`; `inside` is a point of it between
+/// them, `frame` that of the tip. It does not fade far away; nothing is singular at the center [theory: B.41].
+struct ArcTip {
+  Vec2 center, tip, other, inside;
+  Mat2 frame;
+};
+Nucleus arc_tip_nucleus(const Material& material, const ArcTip& tip, int mode);
+
 }  // namespace kerf

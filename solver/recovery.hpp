@@ -25,6 +25,9 @@ Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners);
 /// Root mean square of the stress over the body: the scale of "no pressure".
 double mean_stress(const Model& model, const Field& state);
 
+/// Of an edge, along its curve.
+double length_along(const Model& model, Index edge);
+
 /// A s + Gamma(omega) of the mixed solution, which is grad u less the eigenstrain: d1 u1, d2 u1, d1 u2, d2 u2.
 Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& stress, double rotation);
 

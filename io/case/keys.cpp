@@ -341,7 +341,7 @@ constexpr Key rows[] = {
      Boolean,
      {},
      "Edges along arcs, circles and ellipses follow them, and stresses converge at the order of the element there. For "
-     "bdms and afw; solve and map. Of bounds that of the energy alone is known there, and a validation uses chords.",
+     "bdms and afw; solve, map, validate and bounds. Intervals are those of the body then, and estimates.",
      "true",
      "false"},
     {"mesh.mesher",
@@ -558,9 +558,9 @@ constexpr Key rows[] = {
      "Intervals that contain quantities of the exact solution; the result says which are guaranteed, and why others "
      "are "
      "not. One solve by the factor of the state and one pass over the triangles per quantity, where cracks may be in "
-     "contact up to eight contact problems. Elements bdms and afw; no friction. Not of curved sides: there the "
+     "contact up to eight contact problems. Elements bdms and afw; no friction. Where sides are curved the "
      "interval "
-     "is that of the polygon of the mesh."},
+     "is that of the polygon of the mesh, or with mesh.curved that of the body; neither is called guaranteed."},
     {"bounds.tips",
      Boolean,
      {},

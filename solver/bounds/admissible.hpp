@@ -21,11 +21,14 @@ struct Share {  // of one triangle
   double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
   double square = 0;                    // where an eigenstrain has a rest: the mean of |p - its projection onto P4|^2
   double elastic = 0;                   // the energy of v
+  double rules = 0;                     // on curved cells what of `below` and `above` is between two rules
   double force = 0;  // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
   Tractions tractions;
   // If they are kept, at the points of the rule: the stress p, the strain of v less the eigenstrain, and v.
   Eigen::Matrix4Xd kept_stress, kept_strain;
   Points kept_displacement;
+  // The same on a curved cell, where the points are those of its own rule: J times the weights of two rules (rows).
+  Eigen::Matrix2Xd kept_weight;
 };
 
 /// What the polynomials do not see of body force and tractions on a triangle: the factor of |eps(u - v)|, of the
@@ -99,9 +102,11 @@ struct AdmissiblePair {
   std::vector<Share> shares;
   std::vector<Rest> rests;
   Share sum;
-  double rounding = 0, beyond_arcs = 0;
-  EnergyBounds bounds;       // not finite: nothing else is there
-  TriangleRule plain, rich;  // rich: of triangles with data on their edges
+  double rounding = 0;
+  double beyond_arcs = 0;            // estimated, a part of sum.below and sum.above
+  EnergyBounds bounds;               // not finite: nothing else is there
+  TriangleRule plain, rich;          // rich: of triangles with data on their edges
+  Points plain_curved, rich_curved;  // of curved cells
   std::shared_ptr<const References> references;
 };
 /// Why there are no bounds of the energy, as far as the data tell; empty: there are.
@@ -123,6 +128,7 @@ CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w);
 /// Of the lower and the upper bound as quadratic forms, and the sizes of what they are sums of.
 struct Products {
   double lower = 0, upper = 0, size = 0;
+  double rules = 0;  // on curved cells, what of both is between two rules
 
   void add_lower(double term) {
     lower += term;
@@ -136,6 +142,7 @@ struct Products {
     lower += p.lower;
     upper += p.upper;
     size += p.size;
+    rules += p.rules;
   }
 };
 /// Of kept stresses and strains in one triangle.
@@ -155,6 +162,7 @@ struct CrossSide {
   const EnergyBounds& bounds;
   double gap, rounding, mismatch;  // gap: without rounding and what data leave out
   bool couples;
+  double beyond_arcs = 0, rules = 0;  // of curved cells
 };
 /// `oscillation`, `strain`: Oscillation and what of eigenstrains is unseen, at the step k.
 CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& w, const Products& p,

@@ -1,6 +1,7 @@
 #include "kerf/bounds.hpp"
 
 #include "solver/anisotropic.hpp"
+#include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
 #include "solver/bounds/admissible.hpp"
@@ -175,16 +176,30 @@ Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>
 /// What of triangles with curved edges the bounds do not know; null: nothing.
 const char* unavailable_on_arcs(const Model& m) {
   if (m.mesh.arc.empty()) return nullptr;
-  if (m.scene.body) return "no bounds of the energy: a body force in curved triangles (mesh.curved)";
   for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
     if (m.mesh.arc[e] == none) continue;
-    if (m.mesh.crack[e] != none && (m.scene.laws[m.mesh.crack[e]].kind == CrackLaw::Kind::Unilateral ||
-                                    has_pressure(m.scene.laws[m.mesh.crack[e]])))
-      return "no bounds of the energy: contact or pressure on curved faces (mesh.curved)";
+    if (m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind == CrackLaw::Kind::Unilateral)
+      return "no bounds of the energy: contact on curved faces (mesh.curved)";
     if (m.inner->skeleton.bent_at[e] != none && m.mesh.label[e] != none)
       return "no bounds of the energy: a curved side that is held along its normal (mesh.curved)";
   }
   return nullptr;
+}
+
+/// On triangles with curved edges the stress sees no body force: what balances a body that nothing holds is so small
+/// that all of it may be left out. False: it is not.
+bool leave_out_on_arcs(const Model& m, const Field& s, Forces& f) {
+  if (f.nodal.cols() == 0 || m.mesh.arc.empty()) return true;
+  constexpr double small = 1e-3;  // of the stress
+  const double most = small * mean_stress(m, s);
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    const Triangle cell = triangle(m, t);
+    if (!is_curved(cell)) continue;
+    const double h = diameter(cell), largest = f.nodal.col(t).cwiseAbs().maxCoeff() * std::sqrt(2);
+    if (h * largest > most) return false;
+    f.left_out[t] = h / pi * std::sqrt(cell_area(m, t)) * largest;
+  }
+  return true;
 }
 
 std::string unavailable(const Model& m) {
@@ -222,6 +237,7 @@ Share total(const std::vector<Share>& shares) {
     sum.size += share.size;
     sum.below += share.below;
     sum.above += share.above;
+    sum.rules += share.rules;
     sum.asymmetry = std::max(sum.asymmetry, share.asymmetry);
     sum.stress = std::max(sum.stress, share.stress);
     sum.divergence = std::max(sum.divergence, share.divergence);
@@ -380,6 +396,10 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   if (!a.bounds.note.empty()) return a;
   a.data = edge_data(m);
   a.f = forces(m);
+  if (!leave_out_on_arcs(m, s, a.f)) {
+    a.bounds = lost(infinity, "no bounds of the energy: a body force in curved triangles (mesh.curved)");
+    return a;
+  }
   a.conforming = conforming_displacement(m, s, a.data);
   const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple);
   a.edges.resize(m.mesh.triangles.size());
@@ -400,6 +420,10 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   a.rounding = (64 * epsilon + 2 * a.bounds.imbalance) * a.sum.size;
   a.plain = to.plain.rule;
   a.rich = to.rich.rule;
+  if (!m.mesh.arc.empty()) {
+    a.plain_curved = to.plain.curved->rule.x;
+    a.rich_curved = to.rich.curved->rule.x;
+  }
   return a;
 }
 

@@ -16,7 +16,6 @@ namespace kerf {
 namespace {
 
 std::string unavailable(const Model& m) {
-  if (!m.mesh.arc.empty()) return "no bounds: triangles are curved (mesh.curved)";
   for (const CrackLaw& law : m.scene.laws)
     if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
   if (has_eigenstrain(m.scene)) return "no bounds: there is an eigenstrain";

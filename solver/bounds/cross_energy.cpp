@@ -2,8 +2,11 @@
 
 #include "solver/anisotropic.hpp"
 #include "solver/bounds/admissible.hpp"
+#include "solver/bounds/curved.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/parallel.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +74,36 @@ double work_of_force(const AdmissiblePair& of, const AdmissiblePair& on, Index t
   return (at.cwiseProduct(on.shares[t].kept_displacement) * rule.w).sum();
 }
 
+/// f of one times v of the other, at the points l of the rule.
+Eigen::RowVectorXd forced(const AdmissiblePair& of, const AdmissiblePair& on, Index t, const Points& l) {
+  if (of.f.nodal.cols() == 0) return Eigen::RowVectorXd::Zero(l.cols());
+  const Eigen::Map<const Points> nodal(of.f.nodal.col(t).data(), 2, of.f.nodal.rows() / 2);
+  const Points at = nodal * interpolation(of.f.degree, l).transpose();
+  return at.cwiseProduct(on.shares[t].kept_displacement).colwise().sum();
+}
+
+/// On a curved cell, by its two rules: no eigenstrain reaches it.
+Products inside_curved(const AdmissiblePair& u, const AdmissiblePair& w, Index t) {
+  const Share &a = u.shares[t], &b = w.shares[t];
+  const Material& material = material_of(u.m.mesh, u.m.scene, t);
+  const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
+  Vec2 lower = Vec2::Zero(), upper = Vec2::Zero();  // by either rule
+  double size = 0;
+  for (Eigen::Index q = 0; q < a.kept_weight.cols(); ++q) {
+    const double p = -0.5 * compliance_product(material, a.kept_stress.col(q), b.kept_stress.col(q)),
+                 v = 0.5 * stiffness_product(material, C, a.kept_strain.col(q), b.kept_strain.col(q));
+    lower += p * a.kept_weight.col(q);
+    upper += v * a.kept_weight.col(q);
+    size += (std::abs(p) + std::abs(v)) * a.kept_weight(0, q);
+  }
+  const double rules = doubt_of_rules * (std::abs(lower[0] - lower[1]) + std::abs(upper[0] - upper[1]));
+  const Points& l = u.edges[t].empty() ? u.plain_curved : u.rich_curved;
+  const Eigen::RowVectorXd force = forced(u, w, t, l) + forced(w, u, t, l);
+  return {lower[0], upper[0] - 0.5 * force.dot(a.kept_weight.row(0)), size, rules};
+}
+
 Products inside(const AdmissiblePair& u, const AdmissiblePair& w, Index t) {
+  if (u.shares[t].kept_weight.cols() > 0) return inside_curved(u, w, t);
   const TriangleRule& rule = u.edges[t].empty() ? u.plain : u.rich;
   const Share &a = u.shares[t], &b = w.shares[t];
   const double size = area(triangle(u.m, t));
@@ -155,7 +187,13 @@ CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w) {
     if (!std::isfinite(of->bounds.upper - of->bounds.lower)) return {.note = of->bounds.note};
   if (!fit(u, w)) throw std::invalid_argument("cross_energy: the loaded edges or the degrees differ");
   const auto side = [](const AdmissiblePair& a) -> CrossSide {
-    return {a.bounds, std::max(a.sum.upper - a.sum.lower, 0.0), a.rounding, a.conforming.mismatch, unseen_couples(a.f)};
+    return {a.bounds,
+            std::max(a.sum.upper - a.sum.lower, 0.0),
+            a.rounding,
+            a.conforming.mismatch,
+            unseen_couples(a.f),
+            a.beyond_arcs,
+            a.sum.rules};
   };
   return cross_interval(
       u.m, side(u), side(w), products(u, w), [&](double k) { return oscillation(u, w, k); },
@@ -197,7 +235,8 @@ double together(double u, double w, double k) {
 CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& w, const Products& p,
                            const std::function<Oscillation(double k)>& oscillation,
                            const std::function<double(double k)>& strain) {
-  const double own = u.bounds.upper - u.bounds.lower, other = w.bounds.upper - w.bounds.lower;
+  const auto width = [](const CrossSide& a) { return a.bounds.upper - a.bounds.lower - 2 * a.beyond_arcs; };
+  const double own = width(u), other = width(w);
   const double k = best_step(own, other, std::abs(p.lower + p.upper));
   // What rounding moves is measured of each; together it is at most twice that.
   const double rounding = 2 * (u.rounding + k * k * w.rounding), gap = u.gap + k * k * w.gap,
@@ -207,10 +246,16 @@ CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& 
   out.middle = -(p.lower + p.upper);
   out.half = (gap + 2 * rounding + more.below + more.above + strain(k)) / (2 * k) +
              64 * std::numeric_limits<double>::epsilon() * p.size;
+  // On arcs the energy has a form in the state beyond the polynomials of the edges, too.
+  const double arcs = 2 * std::sqrt(u.beyond_arcs * w.beyond_arcs);
+  out.half += p.rules + (u.rules + k * k * w.rules) / (2 * k) + arcs;
   constexpr double negligible = 0.01;
   const bool asymptotic = (u.couples || w.couples) && more.below > negligible * gap;
   out.guaranteed = u.bounds.guaranteed && w.bounds.guaranteed && more.displaced <= negligible * gap && !asymptotic;
-  if (!out.guaranteed)
+  if (!out.guaranteed && !m.mesh.arc.empty())
+    out.note = fmt::format(
+        "the bounds are estimates: what arcs have beyond the polynomials of the edges is put at {:.1g}", arcs);
+  else if (!out.guaranteed)
     out.note = !u.bounds.guaranteed   ? u.bounds.note
                : !w.bounds.guaranteed ? w.bounds.note
                                       : std::string("the bounds are estimates: the data are not resolved by the mesh");

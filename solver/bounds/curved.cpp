@@ -91,8 +91,6 @@ double strain_work(const Material& m, const Eigen::Matrix3d& C, const Mat2& g, c
   return m.mu * (difference * other + shear * other_shear) + volume;
 }
 
-constexpr double doubt = 2;  // of the difference between the rules
-
 }  // namespace
 
 CurvedReference curved_reference(int n, int k) {
@@ -113,6 +111,7 @@ CurvedReference curved_reference(int n, int k) {
   r.at_rule = interpolation(n, r.rule.x);
   r.slope = differentiation(n + 1, r.nodes);
   r.slope_at_rule = differentiation(n + 1, r.rule.x);
+  r.value_at_rule = interpolation(n + 1, r.rule.x);
   r.inverse = right_inverse(degree, r.rule);
   return r;
 }
@@ -120,7 +119,7 @@ CurvedReference curved_reference(int n, int k) {
 // s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
 // neither divergence nor normal trace there.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, Share& share) {
+                              const Eigen::Matrix4Xd& stress, Share& share, bool keep) {
   const Eigen::Matrix4Xd at_nodes = stress * r.at_nodes.transpose(), at_rule = stress * r.at_rule.transpose();
   Eigen::VectorXd asymmetry(r.nodes.cols());
   for (Eigen::Index q = 0; q < asymmetry.size(); ++q) {
@@ -129,6 +128,10 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
   }
   const Corrected by(r, cell, asymmetry);
   double energy = 0, other = 0;
+  if (keep) {
+    share.kept_stress.resize(4, at_rule.cols());
+    share.kept_weight.resize(2, at_rule.cols());
+  }
   for (Eigen::Index q = 0; q < at_rule.cols(); ++q) {
     const Place p(cell, r.rule.x.col(q));
     const Mat2 g = p.gradient(by.at(q), by.slope(q));
@@ -136,6 +139,10 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
     s += (Mat2() << g(0, 1), -g(0, 0), g(1, 1), -g(1, 0)).finished();
     share.asymmetry = std::max(share.asymmetry, std::abs(s(0, 1) - s(1, 0)));
     share.stress = std::max(share.stress, s.cwiseAbs().maxCoeff());
+    if (keep) {
+      share.kept_stress.col(q) << s(0, 0), s(0, 1), s(1, 0), s(1, 1);
+      share.kept_weight.col(q) << area(cell) * p.J * r.rule.w[q], area(cell) * p.J * r.coarse[q];
+    }
     const double work = p.J * stress_work(material, s);
     energy += r.rule.w[q] * work;
     other += r.coarse[q] * work;
@@ -144,11 +151,12 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
   other *= 0.5 * area(cell);
   share.lower -= energy;
   share.size += energy;
-  share.below += doubt * std::abs(energy - other);
+  share.below += doubt_of_rules * std::abs(energy - other);
+  share.rules += doubt_of_rules * std::abs(energy - other);
 }
 
 double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share) {
+                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share, bool keep) {
   const Mat2 inverse = jacobian(cell.x).inverse();
   const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
   const auto slopes = [&](const std::array<Eigen::MatrixXd, 2>& by, Eigen::Index q) -> Mat2 {
@@ -167,6 +175,11 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
   // J(v + alpha w) = e + alpha b + alpha^2 a, by both rules; the least one.
   std::array<double, 2> e{}, b{}, a{};
   double worst = 0;
+  Eigen::Matrix4Xd added_strain;
+  if (keep) {
+    share.kept_strain.resize(4, r.rule.w.size());
+    added_strain.resize(4, r.rule.w.size());
+  }
   for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
     const Place p(cell, r.rule.x.col(q));
     const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse, h = p.gradient(by.at(q), by.slope(q));
@@ -178,38 +191,71 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
       b[i] += w * mixed;
       a[i] += 0.5 * w * added;
     }
+    if (keep) {
+      share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
+      added_strain.col(q) << h(0, 0), h(0, 1), h(1, 0), h(1, 1);
+    }
     worst = std::max(worst, std::abs(g.trace() + h.trace()));
     share.gradient = std::max(share.gradient, g.cwiseAbs().maxCoeff());
   }
   const double alpha = material.c == 0 ? 1 : a[0] > 0 ? -b[0] / (2 * a[0]) : 0;
   const double energy = e[0] + alpha * (b[0] + alpha * a[0]), other = e[1] + alpha * (b[1] + alpha * a[1]);
   share.divergence = material.c == 0 ? worst : 0;
-  share.above += doubt * std::abs(energy - other);
+  share.above += doubt_of_rules * std::abs(energy - other);
+  share.rules += doubt_of_rules * std::abs(energy - other);
+  if (keep) {
+    share.kept_strain += alpha * added_strain;
+    share.kept_displacement = v * r.value_at_rule.transpose();
+  }
   return energy;
 }
 
-double beyond_arcs(const Model& m, const Field& s) {
+namespace {
+
+constexpr double several = 4;
+
+/// visit(point, distance times length, stress of the state on a side, its material) along the arc of an edge.
+template <class Visit>
+void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
   static const EdgeRule rule = gauss(data_points);
-  constexpr double several = 4;
-  double total = 0;
-  for (Index e = 0; e < static_cast<Index>(m.mesh.arc.size()); ++e) {
-    if (m.mesh.arc[e] == none) continue;
-    const Arc& arc = m.mesh.arcs[m.mesh.arc[e]];
-    const Mat2 to_circle = arc.axes.inverse();
-    const double radius = arc.axes.colwise().norm().maxCoeff();
-    for (const Index t : m.mesh.sides[e]) {
-      if (t == none) continue;
-      const Triangle cell = triangle(m, t);
-      const Material& material = material_of(m.mesh, m.scene, t);
-      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
-        const double distance = radius * std::abs((to_circle * (p.x - arc.center)).norm() - 1);
-        const Mat2 stress = tensor(stress_at(m.inner->kernel, cell, s.interior.col(t), p.x));
-        const double strain = stress.norm() * (1 / (2 * material.mu) + 2 * material.c);
-        total += several * p.slope.norm() * rule.w[q] * distance * stress.norm() * strain;
-      }
+  const Arc& arc = m.mesh.arcs[m.mesh.arc[e]];
+  const Mat2 to_circle = arc.axes.inverse();
+  const double radius = arc.axes.colwise().norm().maxCoeff();
+  for (const Index t : m.mesh.sides[e]) {
+    if (t == none) continue;
+    const Triangle cell = triangle(m, t);
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const double distance = radius * std::abs((to_circle * (p.x - arc.center)).norm() - 1);
+      visit(p.x, p.slope.norm() * rule.w[q] * distance,
+            tensor(stress_at(m.inner->kernel, cell, s.interior.col(t), p.x)), material_of(m.mesh, m.scene, t));
     }
   }
+}
+
+double strain_size(const Material& m, const Mat2& stress) {
+  return stress.norm() * (1 / (2 * m.mu) + 2 * m.c);
+}
+
+}  // namespace
+
+double beyond_arcs(const Model& m, const Field& s) {
+  double total = 0;
+  for (Index e = 0; e < static_cast<Index>(m.mesh.arc.size()); ++e)
+    if (m.mesh.arc[e] != none)
+      along_arc(m, s, e, [&](const Vec2&, double area, const Mat2& stress, const Material& material) {
+        total += several * area * stress.norm() * strain_size(material, stress);
+      });
+  return total;
+}
+
+double beyond_crack(const Model& m, const Field& s, Index crack, const Nucleus& G) {
+  double total = 0;
+  for (const CrackEdge& c : m.mesh.cracks[crack])
+    if (!m.mesh.arc.empty() && m.mesh.arc[c.edge] != none)
+      along_arc(m, s, c.edge, [&](const Vec2& x, double area, const Mat2& stress, const Material& material) {
+        total += several * area * G.stress(x).norm() * strain_size(material, stress);
+      });
   return total;
 }
 

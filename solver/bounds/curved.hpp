@@ -3,6 +3,7 @@
 
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/right_inverse.hpp"
+#include "solver/nucleus.hpp"
 
 namespace kerf {
 
@@ -15,20 +16,27 @@ struct CurvedReference {
   Eigen::VectorXd coarse;             // the weights of the other
   Eigen::MatrixXd at_nodes, at_rule;  // from lattice(n)
   std::array<Eigen::MatrixXd, 2> slope, slope_at_rule;  // from lattice(n + 1)
+  Eigen::MatrixXd value_at_rule;
   RightInverse inverse;
 };
 CurvedReference curved_reference(int n, int k);
 
+/// How many times the difference between the two rules stands for the error of the better one.
+inline constexpr double doubt_of_rules = 2;
+
 /// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. Adds minus the complementary
 /// energy of a symmetric one.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, Share& share);
+                              const Eigen::Matrix4Xd& stress, Share& share, bool keep);
 /// The elastic energy of the displacement v (on lattice(n + 1)) with its divergence moved towards that of `stress`.
 double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share);
+                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share, bool keep);
 
 /// What the body has beyond the polynomials that its edges are: the area between an arc and its polynomial times the
 /// density of the work of stress and strain there, several times. An estimate.
 double beyond_arcs(const Model& m, const Field& s);
+/// The same of the works between a state and a singular field that leaves the arc of a crack free, but not the
+/// polynomials.
+double beyond_crack(const Model& m, const Field& s, Index crack, const Nucleus& G);
 
 }  // namespace kerf

@@ -64,6 +64,24 @@ Scene unloaded(const Model& m) {
   return s;
 }
 
+/// How far a curved edge is from its chord, at most.
+double bulge(const Model& m, Index e) {
+  const Bow* bow = bow_at(m.inner->skeleton.bows, e);
+  return bow ? 0.25 * (bow->q[0].norm() + bow->q[1].norm() + bow->q[2].norm()) : 0;
+}
+
+/// To the nearest triangle with curved edges, where a field that is cut off must be 0.
+double clear_of_arcs(const Model& m, const Vec2& x) {
+  double least = infinity;
+  if (m.mesh.arc.empty()) return least;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+    if (is_curved(triangle(m, t)))
+      for (const Index e : m.mesh.edges_of[t])
+        least = std::min(
+            least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]) - bulge(m, e));
+  return std::max(least, 0.0);
+}
+
 /// int t.G over the tractions t of u; the error by halved edges.
 Known work_of_tractions(const Model& m, const Nucleus& G) {
   static const EdgeRule rule = gauss(12);
@@ -71,9 +89,17 @@ Known work_of_tractions(const Model& m, const Nucleus& G) {
   for (const Traction& t : m.scene.tractions)
     for (const Index e : labeled(m.inner->data, t.label)) {
       const EdgeLine line = edge_line(m.mesh, e);
+      const bool bowed = bow_at(m.inner->skeleton.bows, e);
       const auto over = [&](double from, double to) {
         double work = 0;
         for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+          if (bowed) {
+            const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, from + rule.s[q] * (to - from));
+            const double stretch = p.slope.norm() / length(m.mesh, e);
+            work += rule.w[q] * (to - from) * stretch *
+                    t.value(p.x, normal_at(p, line.n) / p.slope.norm()).dot(G.displacement(p.x));
+            continue;
+          }
           const Vec2 x = line.a + (from + rule.s[q] * (to - from)) * (line.b - line.a);
           work += rule.w[q] * (to - from) * t.value(x, line.n).dot(G.displacement(x));
         }
@@ -302,14 +328,19 @@ double clearance(const Model& m, const Vec2& x) {
   double least = infinity;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
     if (ends_material(m, e))
-      least = std::min(least, distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]));
-  return least;
+      least = std::min(least,
+                       distance(x, m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]]) - bulge(m, e));
+  return std::max(least, 0.0);
 }
 
 }  // namespace
 
 bool is_plain(const Scene& s) {
   return s.regions.empty() && !s.body && !has_eigenstrain(s);
+}
+
+double room_of_tip(const Model& m, const CrackTip& tip) {
+  return std::min(tip.room, clear_of_arcs(m, tip.at));
 }
 
 std::string no_disc(const Model& m, Index triangle) {
@@ -359,7 +390,7 @@ StressDual::StressDual(const Model& m, const StressPlace& place)
                              : "no bounds: the point lies outside the body";
     return;
   }
-  if (!plain_) disc_.radius = within * clearance(m, disc_.middle);
+  if (!plain_) disc_.radius = within * std::min(clearance(m, disc_.middle), clear_of_arcs(m, disc_.middle));
   if (place.reach() > 0) {
     disc_.rough = place.reach();
     disc_.solid = solid_part(place);
@@ -373,11 +404,13 @@ std::string StressDual::why_not() const {
   if (place_.reach() > 0) {
     for (Index e = 0; e < static_cast<Index>(m_.mesh.edges.size()); ++e)
       if (ends_material(m_, e) &&
-          gap(place_, m_.mesh.points[m_.mesh.edges[e][0]], m_.mesh.points[m_.mesh.edges[e][1]]) <= place_.radius)
+          gap(place_, m_.mesh.points[m_.mesh.edges[e][0]], m_.mesh.points[m_.mesh.edges[e][1]]) - bulge(m_, e) <=
+              place_.radius)
         return "no bounds: it touches the boundary, a crack or another material";
   }
   if (plain_) return {};
   if (std::string why = no_disc(m_, where_); !why.empty()) return why;
+  if (!(disc_.radius > 0)) return "no bounds: the singular field has no room to fade beside a curved triangle";
   constexpr double least = 0.8;  // of the radius in which the field may fade
   return disc_.solid <= least * disc_.radius
              ? std::string()

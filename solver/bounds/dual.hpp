@@ -66,6 +66,8 @@ inline constexpr double within = 0.95;
 
 /// Whether G may reach through the whole body: one material, no body force, no eigenstrain.
 bool is_plain(const Scene& scene);
+/// For a disc about a tip: clear of triangles with curved edges, too.
+double room_of_tip(const Model& model, const CrackTip& tip);
 /// Why G cannot be cut off in the material of that triangle; empty: it can.
 std::string no_disc(const Model& model, Index triangle);
 

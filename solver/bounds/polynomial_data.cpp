@@ -82,6 +82,23 @@ void note_open(EdgeData& d, const EdgeValues& given) {
 // Data of an edge at gauss(data_points).
 using Sampled = Eigen::Matrix<double, 2, data_points>;
 
+// A pressure and a shear on a face whose normal turns, per length of the chord and in its frame. What a product with
+// the normal leaves out is at most the longest normal times the rest.
+void along_bow(const Model& m, const EdgeValues& given, EdgeData& d, Sampled& at) {
+  const EdgeRule sample = gauss(data_points);
+  const double l = length(m.mesh, d.edge);
+  double longest = 1;
+  for (int q = 0; q < data_points; ++q) {
+    const Vec2 slope = on_edge(m.mesh, m.inner->skeleton.bows, d.edge, sample.s[q]).slope / l, n(slope.y(), -slope.x());
+    at.col(q) =
+        m.inner->skeleton.frame[d.edge].transpose() * (given.at(0, q) * n + given.at(1, q) * Vec2(-n.y(), n.x()));
+    longest = std::max(longest, n.norm());
+  }
+  d.unseen.setConstant(longest * given.rest.cwiseSqrt().sum());
+  d.primitive = d.unseen;
+  d.moved.setConstant(longest * given.error.sum());
+}
+
 // Both sides of the cracks whose faces are loaded, and what acts on them, in the frame of the edge.
 void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Sampled>& load) {
   for (const LoadedCrack& c : m.inner->data.pressures)
@@ -97,8 +114,10 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
         d.primitive = given.primitive.cwiseSqrt();
         d.moved = given.error;
         note_open(d, given);
+        Sampled at = given.at;
+        if (bow_at(m.inner->skeleton.bows, d.edge)) along_bow(m, given, d, at);
         data.push_back(d);
-        load.emplace_back((side == 0 ? -1 : 1) * given.at);
+        load.emplace_back((side == 0 ? -1 : 1) * at);
       }
 }
 

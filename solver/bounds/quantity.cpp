@@ -4,6 +4,7 @@
 #include "geometry/plane.hpp"
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/bounded.hpp"
+#include "solver/bounds/curved.hpp"
 #include "solver/bounds/dual.hpp"
 #include "solver/bounds/lane_bounds.hpp"
 
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <span>
 
 namespace kerf {
@@ -59,7 +61,6 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 }
 
 std::string unavailable(const Model& m) {
-  if (!m.mesh.arc.empty()) return "no bounds: triangles are curved (mesh.curved)";
   if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";
@@ -96,7 +97,9 @@ struct QuantityBounds::Impl {
 
   /// The degree that fits the data of both.
   int inside(bool cut_off) const {
-    return std::max(degree_inside(m, cut_off || m.scene.body, cut_off), m.inner->data.strain.degree);
+    // Nothing holds it: loads that are sampled on arcs are balanced by a body force.
+    const bool balanced = !m.inner->floating.empty() && !m.mesh.arc.empty();
+    return std::max(degree_inside(m, cut_off || m.scene.body || balanced, cut_off), m.inner->data.strain.degree);
   }
 
   const AdmissiblePair& admissible_state(bool cut_off) const {
@@ -145,7 +148,8 @@ struct QuantityBounds::Impl {
   /// All of them, in batches of which one pass over the triangles serves every dual.
   std::vector<BoundedDual> bound_all(const std::vector<DualProblem>& duals) const {
     std::vector<BoundedDual> all(duals.size());
-    const bool together = duals.size() > 1 && !with_indicators && is_plain_inside(m.scene) && can_solve_together(m);
+    const bool together =
+        duals.size() > 1 && !with_indicators && is_plain_inside(m.scene) && m.mesh.arc.empty() && can_solve_together(m);
     std::vector<Batched> batch;
     for (std::size_t i = 0; i < duals.size(); ++i)
       all[i] = tried([&]() -> BoundedDual {
@@ -201,6 +205,39 @@ struct QuantityBounds::Impl {
     }
   }
 };
+
+namespace {
+
+/// A tip of a crack that is one arc of a circle from tip to tip, its edges those of the arc; nothing for others.
+std::optional<ArcTip> arc_of_tip(const Mesh& mesh, const CrackTip& tip, const std::vector<CrackTip>& tips) {
+  const auto other =
+      std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == tip.crack && t.at_start != tip.at_start; });
+  const std::vector<CrackEdge>& edges = mesh.cracks[tip.crack];
+  if (other == tips.end() || mesh.arc.empty() || edges.size() < 2) return std::nullopt;
+  const auto arc = [&](const CrackEdge& e) {
+    return mesh.arc[e.edge] == none ? nullptr : &mesh.arcs[mesh.arc[e.edge]];
+  };
+  const Arc* first = arc(edges.front());
+  if (!first) return std::nullopt;
+  constexpr double rounding = 1e-9;
+  const Mat2& axes = first->axes;
+  const double radius = axes.col(0).norm();
+  const bool round = std::abs(axes.col(0).dot(axes.col(1))) < rounding * radius * radius &&
+                     std::abs(axes.col(1).norm() - radius) < rounding * radius;
+  const bool alike = std::ranges::all_of(edges, [&](const CrackEdge& e) {
+    const Arc* own = arc(e);
+    return own && (own->center - first->center).norm() < rounding * radius &&
+           (own->axes - axes).norm() < rounding * radius;
+  });
+  if (!round || !alike) return std::nullopt;
+  const auto& [a, b] = mesh.edges[edges[edges.size() / 2].edge];
+  const Vec2& x = mesh.points[a];
+  const Vec2 inside =
+      (x - tip.at).norm() > rounding * radius && (x - other->at).norm() > rounding * radius ? x : mesh.points[b];
+  return ArcTip{first->center, tip.at, other->at, inside, tip.frame};
+}
+
+}  // namespace
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
     : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, unavailable(m), {}})) {
@@ -288,13 +325,29 @@ struct TipDuals {
   std::vector<DualProblem> duals = {};
 };
 
-TipDuals tip_duals(const Model& m, const TipIntensity& of) {
+TipDuals arc_tip_duals(const Model& m, const State& u, const ArcTip& tip, Index crack) {
+  if (!isotropic(m.scene.material)) return {"no bounds: the material is orthotropic"};
+  const auto dual = [&](int mode) {
+    const Nucleus G = arc_tip_nucleus(m.scene.material, tip, mode);
+    DualProblem problem = global_dual(m, G, StressPlace::point(tip.tip), crack);
+    problem.known.error += beyond_crack(m, u, crack, G);
+    return problem;
+  };
+  return {{}, plane_modulus(m.scene.material), {dual(1), dual(2)}};
+}
+
+TipDuals tip_duals(const Model& m, const State& u, const TipIntensity& of) {
   if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return {"no bounds: the crack is bonded"};
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == of.crack && t.at_start == of.at_start; });
   if (found == tips.end()) return {"no bounds: that end of the crack is no tip"};
-  if (found->curved) return {"no bounds: the crack is curved"};
+  if (found->curved) {
+    const std::optional<ArcTip> arc = is_plain(m.scene) ? arc_of_tip(m.mesh, *found, tips) : std::nullopt;
+    if (!arc || has_pressure(m.scene.laws[of.crack]))
+      return {"no bounds: the crack is curved, and no free arc of a circle on a mesh that follows it"};
+    return arc_tip_duals(m, u, *arc, of.crack);
+  }
   const Index where = m.mesh.sides[found->edges.front()][0];
   const Material& material = material_of(m.mesh, m.scene, where);
   const bool inside = std::ranges::count_if(tips, [&](const CrackTip&t) { return t.crack == of.crack; }) == 2,
@@ -303,7 +356,9 @@ TipDuals tip_duals(const Model& m, const TipIntensity& of) {
                      (inside || !behind_mouth(m.mesh, *found));
   if (std::string why = plain ? std::string() : no_disc(m, where); !why.empty()) return {std::move(why)};
   if (!isotropic(material)) return {"no bounds: the material is orthotropic"};
-  const CutOffDisc disc{found->at, within * found->room, &*found};
+  const double room = room_of_tip(m, *found);
+  if (!(plain || room > 0)) return {"no bounds: a curved triangle is at the tip"};
+  const CutOffDisc disc{found->at, within * room, &*found};
   const double length = inside && plain ? found->vertices.back().norm() : infinity;
   const auto dual = [&](int mode) {
     const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
@@ -385,7 +440,7 @@ QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
   stresses(request.lines, out.lines, [](const AlongLine& line) { return StressPlace::of(line); });
   out.tips.resize(request.tips.size());
   for (std::size_t i = 0; i < request.tips.size(); ++i) {
-    TipDuals of = why.empty() ? tip_duals(m, request.tips[i]) : TipDuals{why};
+    TipDuals of = why.empty() ? tip_duals(m, impl_->u, request.tips[i]) : TipDuals{why};
     std::vector<DualProblem> duals = std::move(of.duals);
     collection.add(std::move(duals),
                    [&out, i, of = TipDuals{of.why, of.modulus}](const auto& b) { out.tips[i] = tip_of(of, b); });

@@ -2,6 +2,7 @@
 
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/bounded.hpp"
+#include "solver/bounds/curved.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,21 +40,43 @@ double work(const Material& material, const Mat2& s) {
   return (s.squaredNorm() - 0.5 * trace * trace) / (2 * material.mu) + material.c * trace * trace;
 }
 
+/// The share of a curved cell, by its two rules.
+struct OnCurved {
+  double integral, rules, apart;
+};
+OnCurved on_curved(const Material& material, const Share& share, const SquaredVonMises& square) {
+  Vec2 sum = Vec2::Zero(), difference = Vec2::Zero();
+  for (Eigen::Index q = 0; q < share.kept_weight.cols(); ++q) {
+    const Mat2 p = symmetric(share.kept_stress.col(q)), m = 0.5 * (p + stress_of(material, share.kept_strain.col(q)));
+    sum += square(material, m) * share.kept_weight.col(q);
+    difference += 4 * work(material, p - m) * share.kept_weight.col(q);
+  }
+  return {sum[0], doubt_of_rules * std::abs(sum[0] - sum[1]),
+          std::max(difference[0] - doubt_of_rules * std::abs(difference[0] - difference[1]), 0.0)};
+}
+
 }  // namespace
 
 Bounded squared_stress_bounds(const Model& model, const Field& state, const SquaredVonMises& square) {
   if (const std::string why = unavailable(model.scene); !why.empty()) return lost(why);
-  if (!model.mesh.arc.empty()) return lost("no bound: triangles are curved (mesh.curved)");
   if (!model.inner->data.strain.empty()) return lost("no bound: the body has an eigenstrain");
   const AdmissiblePair pair = admissible(model, state, 0);
   if (!std::isfinite(pair.bounds.upper - pair.bounds.lower)) return lost(pair.bounds.note);
-  double integral = 0, apart = 0, stiffest = 0;  // apart: the square of |p - C eps(v)|
+  double integral = 0, apart = 0, stiffest = 0;  // apart: the square of |p - C eps(v)|, at least
+  double rules = 0;                              // what of the integral is between two rules
   for (std::size_t i = 0; i < pair.shares.size(); ++i) {
     const auto t = static_cast<Index>(i);
     const Share& share = pair.shares[i];
     const TriangleRule& rule = pair.edges[i].empty() ? pair.plain : pair.rich;
     const Material& material = material_of(model.mesh, model.scene, t);
     stiffest = std::max(stiffest, material.mu);
+    if (share.kept_weight.cols() > 0) {
+      const OnCurved c = on_curved(material, share, square);
+      integral += c.integral;
+      rules += c.rules;
+      apart += c.apart;
+      continue;
+    }
     double sum = 0, difference = 0;
     for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
       const Mat2 p = symmetric(share.kept_stress.col(q)), m = 0.5 * (p + stress_of(material, share.kept_strain.col(q)));
@@ -66,7 +89,7 @@ Bounded squared_stress_bounds(const Model& model, const Field& state, const Squa
   const double gap = std::max(pair.sum.upper - pair.sum.lower, 0.0),
                rest = std::max(pair.bounds.upper - pair.bounds.lower - gap, 0.0);
   const double away = std::sqrt(2 * rest) + std::sqrt(std::max(gap - 0.25 * apart, 0.0) + rest);
-  const double norm = std::sqrt(integral), off = std::sqrt(3 * stiffest) * away;
+  const double norm = std::sqrt(integral), off = std::sqrt(3 * stiffest) * away + std::sqrt(integral + rules) - norm;
   Bounded b;
   b.value = integral;
   b.lower = std::pow(std::max(norm - off, 0.0), 2);

@@ -87,7 +87,7 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
 
   add_loads_unseen(r, t, edges, stress);
   if (is_curved(cell)) {
-    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share);
+    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share, keep);
     return;
   }
 
@@ -158,7 +158,7 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
   }
   if (!correct) return;
   Points wanted = Points::Zero(2, x.cols());
-  if (f.nodal.cols() > 0) {
+  if (f.nodal.cols() > 0 && !is_curved(shape)) {
     const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
     wanted = force * (r.mean_force - r.force).transpose();
   }
@@ -222,6 +222,16 @@ double Bounding::work_on_edge(Index i) const {
   return work;
 }
 
+double Bounding::work_of_force(const CurvedReference& r, Index t, const Triangle& cell, const Points& v) const {
+  if (f.nodal.cols() == 0) return 0;
+  const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+  const Points at = force * interpolation(f.degree, r.rule.x).transpose(), moved = v * r.value_at_rule.transpose();
+  double work = 0;
+  for (Eigen::Index q = 0; q < r.rule.w.size(); ++q)
+    work += area(cell) * r.rule.w[q] * cell_map(cell, r.rule.x.col(q)).J * at.col(q).dot(moved.col(q));
+  return work;
+}
+
 Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const {
   const Triangle shape = triangle(m, t);
   const Material& material = material_of(m.mesh, m.scene, t);
@@ -260,8 +270,8 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   }
   if (is_curved(cell)) {
     const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
-    share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share);
-    share.upper = share.elastic;
+    share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share, keep);
+    share.upper = share.elastic - work_of_force(*r.curved, t, cell, v);
     share.size += share.elastic;
     for (const Index i : edges) {
       const double work = work_on_edge(i);

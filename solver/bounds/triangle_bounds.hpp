@@ -70,6 +70,8 @@ struct Bounding {
   /// Of the loads on an edge with data, at one of its points and in all.
   double work_at(Index i, int g) const;
   double work_on_edge(Index i) const;
+  /// Of the body force in a curved cell.
+  double work_of_force(const CurvedReference& r, Index t, const Triangle& cell, const Points& v) const;
   /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
   Eigen::RowVectorXd wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const;
   /// Energy of the conforming displacement with its divergence moved towards that of the stress.

@@ -324,6 +324,8 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
   return gap || law != CrackLaw::Kind::Unilateral ? CrackPoint::Status::Open : CrackPoint::Status::Biactive;
 }
 
+}  // namespace
+
 double length_along(const Model& model, Index edge) {
   const Bows& bows = model.inner->skeleton.bows;
   if (!bow_at(bows, edge)) return length(model.mesh, edge);
@@ -333,8 +335,6 @@ double length_along(const Model& model, Index edge) {
     sum += rule.w[q] * on_edge(model.mesh, bows, edge, rule.s[q]).slope.norm();
   return sum;
 }
-
-}  // namespace
 
 std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack) {
   const CrackLaw::Kind law = model.scene.laws[crack].kind;
