@@ -42,7 +42,8 @@ std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const Index edge = static_cast<Index>(e);
     const Vec2 direction = tangent(mesh, edge);
-    const bool marked = mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none;
+    const bool follows = !mesh.arc.empty() && mesh.arc[e] != none;
+    const bool marked = !follows && (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none);
     for (const Index v : mesh.edges[e]) {
       size[v] += length(mesh, edge);
       count[v] += 1;
