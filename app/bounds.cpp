@@ -132,8 +132,8 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
 
 }  // namespace
 
-std::string in_words(const GoalRequest& goal, const Shape& shape) {
-  const char* of = arcs_of(shape).empty() ? "" : ", of the polygon of the mesh";
+std::string in_words(const GoalRequest& goal, const Shape& shape, bool curved) {
+  const char* of = curved || arcs_of(shape).empty() ? "" : ", of the polygon of the mesh";
   if (goal.crack != none)
     return fmt::format("{} at the {} of crack \"{}\"{}", goal.quantity, goal.at_start ? "start" : "end",
                        shape.cracks[static_cast<std::size_t>(goal.crack)].name, of);
@@ -143,7 +143,7 @@ std::string in_words(const GoalRequest& goal, const Shape& shape) {
 
 Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const Model& m, const State& s,
                          const Indicator& own) {
-  const std::string what = in_words(goal, task.body.shape);
+  const std::string what = in_words(goal, task.body.shape, task.body.sizing.curved);
   const GoalBound bound = bound_goal(task, goal, m, s);
   const Bounded& b = bound.interval;
   if (!std::isfinite(b.lower) || !std::isfinite(b.upper))

@@ -14,8 +14,8 @@ struct BoundsTask {
   bool plane_strain;
 };
 
-/// The quantity of mesh.adapt in words: "K_I at the end of crack \"c\"".
-std::string in_words(const GoalRequest& goal, const Shape& shape);
+/// The quantity of mesh.adapt in words: "K_I at the end of crack \"c\"". `curved`: mesh.curved.
+std::string in_words(const GoalRequest& goal, const Shape& shape, bool curved);
 
 /// Relative half width of the interval of that quantity, and where a finer mesh narrows it. `own`: of the state. Throws
 /// Error(Usage) where there is none.

@@ -194,7 +194,7 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
   r.adapt = adapt_result(adapted);
-  if (c.adapt->of) r.adapt->of = in_words(*c.adapt->of, c.shape);
+  if (c.adapt->of) r.adapt->of = in_words(*c.adapt->of, c.shape, c.sizing.curved);
   return adapted;
 }
 
@@ -251,8 +251,6 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   Analysis analysis = evaluate(c.functional, solved.adapted, with_map);
   r.functional = functional_result(c.functional, analysis);
   note(notes_on(c.functional, analysis, c.shape, r.cracks));
-  if (c.validate && c.sizing.curved)
-    note({"the validation is of the body with chords along its curved sides: it cuts balls out of straight triangles"});
   if (!with_map) {
     journal.seconds.solve += journal.lap();
     return analysis;

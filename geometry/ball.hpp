@@ -37,7 +37,10 @@ struct BallMesh {
 /// that worse than 20 degrees, the shells are triangulated freely.
 /// Throws std::invalid_argument unless the radii decrease, lie apart by more than 0.3 of an edge, and the largest
 /// ellipse by as much inside the ball; and where aspect < 1.
-BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect = 1, double angle = 0);
+/// `curved`: the contours follow their circles or ellipses (Mesh::arc), the area that they enclose is that of these;
+/// not where the shells are triangulated freely.
+BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect = 1, double angle = 0,
+                   bool curved = false);
 
 /// The ball with a straight slit, crack 0, from center - half_length (cos angle, sin angle) to the opposite point, in
 /// n / 2 edges. Elliptic coordinates center + half_length cosh(xi + i eta), so that edges shorten towards the tips like

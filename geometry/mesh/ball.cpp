@@ -145,9 +145,28 @@ Oval between(const Oval& a, const Oval& b, double part) {
           a.lag + smooth_step(part) * (b.lag - a.lag)};
 }
 
+/// The contours inside the ball are what they stand for.
+void follow(const Ovals& ovals, const std::vector<Ring>& contours, BallMesh& ball) {
+  ball.mesh.arc.assign(ball.mesh.edges.size(), none);
+  for (std::size_t k = 1; k < contours.size(); ++k) {
+    const Oval& oval = ovals.contour[k];
+    const double c = std::cos(oval.angle), s = std::sin(oval.angle), step = 2 * pi / double(contours[k].vertex.size());
+    Mat2 axes;
+    axes << c * oval.along, -s * oval.across, s * oval.along, c * oval.across;
+    for (std::size_t i = 0; i < contours[k].vertex.size(); ++i) {
+      const Index e = ball.contour[k][i];
+      const double t = 2 * pi * (contours[k].turn(i) - oval.lag);
+      const bool forward = ball.mesh.edges[std::size_t(e)][0] == contours[k][i];
+      ball.mesh.arc[std::size_t(e)] = Index(ball.mesh.arcs.size());
+      ball.mesh.arcs.push_back({ovals.center, axes, forward ? t : t + step, forward ? t + step : t});
+    }
+    ball.enclosed_area[k] = pi * oval.along * oval.across;
+  }
+}
+
 /// Rings of `n` vertices from contour to contour, of ever fewer from the last one to the center; nothing when ellipses
 /// are too long for them.
-std::optional<BallMesh> rings(const Ovals& ovals, const std::vector<Vec2>& boundary) {
+std::optional<BallMesh> rings(const Ovals& ovals, const std::vector<Vec2>& boundary, bool curved) {
   const std::size_t n = boundary.size();
   const double step = 2 * pi / double(n);
   const bool round = ovals.contour.back().along == ovals.contour.back().across;
@@ -187,7 +206,9 @@ std::optional<BallMesh> rings(const Ovals& ovals, const std::vector<Vec2>& bound
   all.points.push_back(ovals.center);
   for (std::size_t i = 0; i < last.vertex.size(); ++i) all.add(middle, last[i], last[i + 1], core);
   if (!round && least_angle(all) < worst_angle) return {};
-  return finish(std::move(all), contours, {});
+  BallMesh ball = finish(std::move(all), contours, {});
+  if (curved) follow(ovals, contours, ball);
+  return ball;
 }
 
 /// The same contours with what lies between them left to the mesher.
@@ -247,14 +268,14 @@ Loop ball_hole(std::string name, const Ball& ball, Index label) {
   return loop;
 }
 
-BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle) {
+BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle, bool curved) {
   check(ball);
   require(std::isfinite(aspect) && aspect >= 1 && std::isfinite(angle),
           fmt::format("ellipses of aspect {:g}; it must be at least 1", aspect));
   const int n = ball.n;
   const double step = 2 * pi / n;
   if (aspect == 1) angle = 0;
-  const double along = std::sqrt(aspect * step / std::sin(step)), lag = std::round(angle / step) / n;
+  const double along = std::sqrt(aspect * (curved ? 1 : step / std::sin(step))), lag = std::round(angle / step) / n;
   Ovals ovals{ball.center, {{ball.radius, ball.radius, angle, angle / (2 * pi)}}};
   double outer = ball.radius;
   for (std::size_t k = 0; k < radii.size(); ++k) {
@@ -267,8 +288,9 @@ BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double as
     outer = radii[k];
   }
   const std::vector<Vec2> boundary = ball_boundary(ball);
-  std::optional<BallMesh> mesh = rings(ovals, boundary);
-  return mesh ? std::move(*mesh) : shells(ovals, boundary);
+  std::optional<BallMesh> mesh = rings(ovals, boundary, curved);
+  if (mesh) return std::move(*mesh);
+  return curved ? ball_mesh(ball, radii, aspect, angle) : shells(ovals, boundary);
 }
 
 BallMesh slit_mesh(const Ball& ball, double half_length, double angle) {

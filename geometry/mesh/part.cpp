@@ -32,6 +32,14 @@ std::map<Ends, Index> by_ends(const Mesh& mesh) {
   return edge;
 }
 
+/// Edge e of a mesh bows out as edge `of` of another, which goes the same way.
+void carry_arc(const Mesh& from, Index of, Mesh& to, Index e) {
+  if (from.arc.empty() || from.arc[of] == none) return;
+  to.arc.resize(to.edges.size(), none);
+  to.arc[e] = static_cast<Index>(to.arcs.size());
+  to.arcs.push_back(from.arcs[from.arc[of]]);
+}
+
 Ends ends(Index a, Index b) {
   return {std::min(a, b), std::max(a, b)};
 }
@@ -156,6 +164,7 @@ Part part(const Mesh& whole, const std::vector<bool>& use) {
   p.edge.resize(p.mesh.edges.size());
   for (std::size_t t = 0; t < p.triangle.size(); ++t)
     for (int i = 0; i < 3; ++i) p.edge[p.mesh.edges_of[t][i]] = whole.edges_of[p.triangle[t]][i];
+  for (std::size_t e = 0; e < p.edge.size(); ++e) carry_arc(whole, p.edge[e], p.mesh, static_cast<Index>(e));
   return p;
 }
 
@@ -171,8 +180,15 @@ Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
   filled.mesh = connect(std::move(filler.points), std::move(filler.triangles), marked, std::move(filler.region));
   if (filled.mesh.cracks.size() < outside.cracks.size()) filled.mesh.cracks.resize(outside.cracks.size());
   const std::map<Ends, Index> edge_of = by_ends(filled.mesh);
-  for (std::size_t b = 0; b < balls.size(); ++b)
+  for (std::size_t e = 0; e < outside.arc.size(); ++e)
+    if (const auto found = edge_of.find({outside.edges[e][0], outside.edges[e][1]}); found != edge_of.end())
+      carry_arc(outside, static_cast<Index>(e), filled.mesh, found->second);
+  for (std::size_t b = 0; b < balls.size(); ++b) {
     filled.contour.push_back(contours_in(edge_of, balls[b], filler.number[b]));
+    for (std::size_t k = 1; k < balls[b].contour.size(); ++k)
+      for (std::size_t i = 0; i < balls[b].contour[k].size(); ++i)
+        carry_arc(balls[b].mesh, balls[b].contour[k][i], filled.mesh, filled.contour[b][k][i]);
+  }
   return filled;
 }
 

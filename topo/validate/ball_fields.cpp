@@ -30,10 +30,8 @@ Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const 
   Eigen::MatrixXd rigid(values.size(), 3);
   Eigen::Index row = 0;
   for (const Index e : edges) {
-    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
     for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g, row += 2) {
-      const Vec2 d = a + m.inner->kernel.trace.s[g] * side - center;
+      const Vec2 d = on_edge(m.mesh, m.inner->skeleton.bows, e, m.inner->kernel.trace.s[g]).x - center;
       const Mat2 frame = frame_at(m.inner->skeleton, e, static_cast<int>(g)).transpose();
       rigid.block<2, 2>(row, 0) = frame;
       rigid.block<2, 1>(row, 2) = frame * Vec2(-d.y(), d.x());
@@ -52,13 +50,12 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
     const Index e = edges[i];
     const auto& [left, right] = m.mesh.sides[e];
     const Index t = left != none && inside[left] ? left : right;
-    const Vec2 n = (t == left ? 1 : -1) * normal(m.mesh, e);
+    const Vec2 outward = (t == left ? 1 : -1) * normal(m.mesh, e);
     const Triangle shape = triangle(m, t);
-    const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
-    const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const Vec2 traction = tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), a + rule.s[q] * side)) * n *
-                            (side.norm() * rule.w[q]);
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const Vec2 traction =
+          rule.w[q] * tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), p.x)) * normal_at(p, outward);
       const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, rule.s[q]);
       for (Eigen::Index g = 0; g < basis.size(); ++g)
         f.segment<2>(static_cast<Eigen::Index>(i) * per + 2 * g) +=
@@ -70,11 +67,13 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
 
 double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const Material& material) {
   const Triangle shape = triangle(m, t);
-  const Points x = rule_points(m.inner->kernel.rule, shape);
+  const TriangleRule& rule = stress_rule(m.inner->kernel, shape);
+  const Points x = rule_points(rule, shape);
+  const Eigen::VectorXd w = rule_weights(rule, shape);
   double sum = 0;
   for (Eigen::Index q = 0; q < x.cols(); ++q) {
     const Mat2 s = tensor(stress_at(m.inner->kernel, shape, interior.col(t), x.col(q)));
-    sum += 0.5 * m.inner->kernel.rule.w[q] * s.cwiseProduct(strain(material, s)).sum();
+    sum += 0.5 * w[q] * s.cwiseProduct(strain(material, s)).sum();
   }
   if (m.inner->system.force.cols() > 0) {
     const int first = stress_count(m.element), count = displacement_count(m.element);

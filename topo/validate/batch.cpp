@@ -21,8 +21,8 @@ State solved(const Model& m) {
 Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn) {
   Batch b;
   for (const Site& s : sites)
-    b.balls.push_back(
-        ball_mesh({s.at, s.ball, sides}, s.radii, drawn.aspect, drawn.angle.empty() ? 0 : drawn.angle[s.number]));
+    b.balls.push_back(ball_mesh({s.at, s.ball, sides}, s.radii, drawn.aspect,
+                                drawn.angle.empty() ? 0 : drawn.angle[s.number], meshing.sizing.curved));
   b.filled = fill(triangulate(with_balls(meshing.shape, sites, sides), meshing.sizing), b.balls);
   b.how.interface_edges = interface_edges(b.filled);
   return b;

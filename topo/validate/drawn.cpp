@@ -71,7 +71,8 @@ class Drawer {
     std::vector<BallMesh> balls;
     for (const Change& c : changes_) {
       sites.push_back(around(c));
-      balls.push_back(ball_mesh({c.site.at, sites.back().ball, sides}, {c.radius}, aspect(sketch_.p), c.angle));
+      balls.push_back(ball_mesh({c.site.at, sites.back().ball, sides}, {c.radius}, aspect(sketch_.p), c.angle,
+                                sketch_.sizing.curved));
     }
     const Filled filled = fill(outside(sites, sides), balls);
     const Model model = prepared(filled.mesh, sketch_.own.scene);

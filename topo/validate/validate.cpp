@@ -33,12 +33,6 @@ double plateau_of(const Element& e, const Perturbation& p) {
   return round * aspect(p);
 }
 
-// The balls that are taken out are of straight triangles: so is the body around them.
-Sizing with_chords(Sizing sizing) {
-  sizing.curved = false;
-  return sizing;
-}
-
 ValidationRequest checked(ValidationRequest r, double size) {
   std::sort(r.radii.begin(), r.radii.end(), std::greater<>());
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
@@ -115,7 +109,7 @@ class Validating {
         scene_(scene),
         j_(j),
         r_(checked(request, extent(meshing.shape))),
-        own_(solve_graded(meshing.shape, with_chords(meshing.sizing), e, scene, {.threads = request.threads})),
+        own_(solve_graded(meshing.shape, meshing.sizing, e, scene, {.threads = request.threads})),
         sizing_(own_.sizing),
         analysis_(analyze(j, own_.model, own_.state)) {
     require_expansion(scene, j, r_.perturbation);
