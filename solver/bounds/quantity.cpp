@@ -325,7 +325,7 @@ struct TipDuals {
   std::vector<DualProblem> duals = {};
 };
 
-TipDuals arc_tip_duals(const Model& m, const State& u, const ArcTip& tip, Index crack) {
+TipDuals arc_tip_duals(const Model& m, const Field& u, const ArcTip& tip, Index crack) {
   if (!isotropic(m.scene.material)) return {"no bounds: the material is orthotropic"};
   const auto dual = [&](int mode) {
     const Nucleus G = arc_tip_nucleus(m.scene.material, tip, mode);
@@ -336,7 +336,7 @@ TipDuals arc_tip_duals(const Model& m, const State& u, const ArcTip& tip, Index 
   return {{}, plane_modulus(m.scene.material), {dual(1), dual(2)}};
 }
 
-TipDuals tip_duals(const Model& m, const State& u, const TipIntensity& of) {
+TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return {"no bounds: the crack is bonded"};
   const std::vector<CrackTip> tips = find_tips(m.mesh);
   const auto found =
