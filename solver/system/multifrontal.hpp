@@ -51,7 +51,6 @@ class Multifrontal {
   using Front = FrontOf<double>;
   struct Arena;
   struct Run;
-  template <typename Dense>
   struct Substitution;
   /// Fronts sequence_[begin] .. sequence_[end - 1]: a subtree, or one front above them.
   struct Unit {

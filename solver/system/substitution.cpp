@@ -14,18 +14,57 @@ namespace {
 
 constexpr Index block = 8, tile = 128, strip = 512;
 
-using Panel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-template <typename Dense>
-using Part = Eigen::Map<Dense, 0, Eigen::OuterStride<>>;
+// By hand: sums of Eigen's begin where the memory is aligned, and their bits depend on that.
 
-/// Rows from .. from + rows of what has `apart` rows.
-template <typename Dense>
-Part<Dense> part(double* of, Index apart, Eigen::Index columns, Index from, Index rows) {
-  return {of + from, rows, columns, Eigen::OuterStride<>(apart)};
+/// y -= p a for the columns of p (rows x step, `apart` from each other).
+void push(const double* p, Index apart, Index rows, Index step, const double* a, double* __restrict y) {
+  const auto column = [=](Index k) { return p + std::int64_t{k} * apart; };
+  Index k = 0;
+  for (; k + 4 <= step; k += 4) {
+    const double *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
+    const double a0 = a[k], a1 = a[k + 1], a2 = a[k + 2], a3 = a[k + 3];
+    for (Index i = 0; i < rows; ++i) y[i] -= p0[i] * a0 + p1[i] * a1 + p2[i] * a2 + p3[i] * a3;
+  }
+  for (; k < step; ++k) {
+    const double *p0 = column(k), a0 = a[k];
+    for (Index i = 0; i < rows; ++i) y[i] -= p0[i] * a0;
+  }
 }
 
-/// x <- l^-1 x for the lower triangle l of a panel with `apart` rows. By hand: a sum of Eigen's would begin where the
-/// memory is aligned, and its bits depend on that.
+/// a -= p' y, four columns together, each in four sums.
+void pull(const double* p, Index apart, Index rows, Index step, const double* y, double* a) {
+  using Four = Eigen::Array4d;
+  const auto four = [](const double* at) { return Eigen::Map<const Four>(at); };
+  const auto column = [=](Index k) { return p + std::int64_t{k} * apart; };
+  const auto whole = [](const Four& sum) { return (sum[0] + sum[2]) + (sum[1] + sum[3]); };
+  Index k = 0;
+  for (; k + 4 <= step; k += 4) {
+    const double *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
+    Four s0 = Four::Zero(), s1 = s0, s2 = s0, s3 = s0;
+    Index i = 0;
+    for (; i + 4 <= rows; i += 4) {
+      const Four at = four(y + i);
+      s0 += four(p0 + i) * at;
+      s1 += four(p1 + i) * at;
+      s2 += four(p2 + i) * at;
+      s3 += four(p3 + i) * at;
+    }
+    Four sums(whole(s0), whole(s1), whole(s2), whole(s3));
+    for (; i < rows; ++i) sums += Four(p0[i], p1[i], p2[i], p3[i]) * y[i];
+    for (Index j = 0; j < 4; ++j) a[k + j] -= sums[j];
+  }
+  for (; k < step; ++k) {
+    const double* p0 = column(k);
+    Four s0 = Four::Zero();
+    Index i = 0;
+    for (; i + 4 <= rows; i += 4) s0 += four(p0 + i) * four(y + i);
+    double sum = whole(s0);
+    for (; i < rows; ++i) sum += p0[i] * y[i];
+    a[k] -= sum;
+  }
+}
+
+/// x <- l^-1 x for the lower triangle l of a panel with `apart` rows.
 void divide(const double* l, Index apart, Index n, double* x) {
   for (Index k = 0; k < n; ++k) {
     const double* column = l + std::int64_t{k} * apart;
@@ -45,8 +84,6 @@ void divide_transposed(const double* l, Index apart, Index n, double* x) {
 
 }  // namespace
 
-/// Of columns of vectors, or of one.
-template <typename Dense>
 struct Multifrontal::Substitution {
   using ConstFront = FrontOf<const double>;
   const Multifrontal& of;
@@ -80,31 +117,30 @@ struct Multifrontal::Substitution {
     return room.own.data();
   }
 
-  /// Rows from .. of `w` less what the columns made of them, those of the front behind column `from + step`.
-  void push(const ConstFront& f, double* w, Index from, Index step, Index row, Index rows) const {
-    part<Dense>(w, f.height, count, row, rows).noalias() -=
-        Panel(f.panel + std::int64_t{from} * f.height + row, rows, step, Eigen::OuterStride<>(f.height)) *
-        part<Dense>(w, f.height, count, from, step);
+  /// Rows row .. of `w` less what columns from .. make of them.
+  void push_from(const ConstFront& f, double* w, Index from, Index step, Index row, Index rows) const {
+    const double* p = f.panel + std::int64_t{from} * f.height + row;
+    for (Eigen::Index c = 0; c < count; ++c)
+      push(p, f.height, rows, step, w + c * f.height + from, w + c * f.height + row);
   }
   void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (; from < to; from += block) {
       const Index step = std::min(block, to - from), behind = from + step;
       for (Eigen::Index c = 0; c < count; ++c)
         divide(f.panel + std::int64_t{from} * f.height + from, f.height, step, w + c * f.height + from);
-      if (behind < end) push(f, w, from, step, behind, end - behind);
+      if (behind < end) push_from(f, w, from, step, behind, end - behind);
     }
   }
-  void pull(const ConstFront& f, double* w, Index from, Index step, Index behind, Index end) const {
-    if (behind == end) return;
-    part<Dense>(w, f.height, count, from, step).noalias() -=
-        Panel(f.panel + std::int64_t{from} * f.height + behind, end - behind, step, Eigen::OuterStride<>(f.height))
-            .transpose() *
-        part<Dense>(w, f.height, count, behind, end - behind);
+  /// Rows from .. of `w` less what those behind .. end, seen through their columns, make of them.
+  void pull_from(const ConstFront& f, double* w, Index from, Index step, Index behind, Index end) const {
+    const double* p = f.panel + std::int64_t{from} * f.height + behind;
+    for (Eigen::Index c = 0; c < count; ++c)
+      pull(p, f.height, end - behind, step, w + c * f.height + behind, w + c * f.height + from);
   }
   void backward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (Index at = from + (to - from - 1) / block * block; at >= from; at -= block) {
       const Index step = std::min(block, to - at);
-      pull(f, w, at, step, at + step, end);
+      pull_from(f, w, at, step, at + step, end);
       for (Eigen::Index c = 0; c < count; ++c)
         divide_transposed(f.panel + std::int64_t{at} * f.height + at, f.height, step, w + c * f.height + at);
     }
@@ -125,7 +161,7 @@ struct Multifrontal::Substitution {
       const Index to = std::min(f.width, from + tile), rows = f.height - to;
       forward_in_blocks(f, w, from, to, to);
       each((rows + strip - 1) / strip, together,
-           [&](Index i) { push(f, w, from, to - from, to + i * strip, std::min(strip, rows - i * strip)); });
+           [&](Index i) { push_from(f, w, from, to - from, to + i * strip, std::min(strip, rows - i * strip)); });
     }
   }
   void backward_in_front(const ConstFront& f, double* w, bool together) const {
@@ -135,7 +171,7 @@ struct Multifrontal::Substitution {
       const Index to = std::min(f.width, from + tile);
       each((to - from + few - 1) / few, together, [&](Index i) {
         const Index at = from + i * few;
-        pull(f, w, at, std::min(few, to - at), to, f.height);
+        pull_from(f, w, at, std::min(few, to - at), to, f.height);
       });
       backward_in_blocks(f, w, from, to, to);
     }
@@ -228,20 +264,14 @@ void Multifrontal::forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, 
   if (s_.count == 0 || x.cols() == 0) return;
   constexpr std::int64_t worth_threads = 1000000;
   Team team(entries_ > worth_threads ? threads : 1);
-  if (x.cols() == 1)
-    Substitution<Eigen::VectorXd>{*this, values, x.data(), 1, team}.forward();
-  else
-    Substitution<Eigen::MatrixXd>{*this, values, x.data(), x.cols(), team}.forward();
+  Substitution{*this, values, x.data(), x.cols(), team}.forward();
 }
 
 void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
   if (s_.count == 0 || x.cols() == 0) return;
   constexpr std::int64_t worth_threads = 1000000;
   Team team(entries_ > worth_threads ? threads : 1);
-  if (x.cols() == 1)
-    Substitution<Eigen::VectorXd>{*this, values, x.data(), 1, team}.backward();
-  else
-    Substitution<Eigen::MatrixXd>{*this, values, x.data(), x.cols(), team}.backward();
+  Substitution{*this, values, x.data(), x.cols(), team}.backward();
 }
 
 }  // namespace kerf
