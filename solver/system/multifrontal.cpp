@@ -3,6 +3,7 @@
 #include "kerf/stop.hpp"
 #include "solver/parallel.hpp"
 #include "solver/system/blas.hpp"
+#include "solver/system/spares.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -10,7 +11,6 @@
 #include <cstring>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <numeric>
 
 extern "C" {
@@ -122,24 +122,11 @@ struct Multifrontal::Run {
   Team& team;
   std::vector<double*> left = {};                    // per front what it leaves: lower, rest x rest
   std::vector<std::unique_ptr<double[]>> kept = {};  // of roots of subtrees
-  std::vector<std::unique_ptr<Arena>> free = {};
-  std::mutex mutex = {};
+  Spares<Arena> free = {};
   std::atomic<bool> definite = true;
 
   Run(const Multifrontal& m, const LowerTriangle& k, double* v, Team& t)
       : of(m), K(k), values(v), team(t), left(static_cast<std::size_t>(m.s_.count), nullptr), kept(left.size()) {}
-
-  std::unique_ptr<Arena> take() {
-    const std::scoped_lock lock(mutex);
-    if (free.empty()) return std::make_unique<Arena>(of.columns_, of.subtree_room_);
-    std::unique_ptr<Arena> arena = std::move(free.back());
-    free.pop_back();
-    return arena;
-  }
-  void give(std::unique_ptr<Arena> arena) {
-    const std::scoped_lock lock(mutex);
-    free.push_back(std::move(arena));
-  }
 
   static void find_places(const Front& f, std::vector<Index>& place) {
     for (Index i = 0; i < f.height; ++i) place[static_cast<std::size_t>(f.rows[i])] = i;
@@ -197,7 +184,7 @@ struct Multifrontal::Run {
   void subtree(const Unit& unit) {
     if (!definite) return;
     check_stop();
-    std::unique_ptr<Arena> arena = take();
+    std::unique_ptr<Arena> arena = free.take([&] { return std::make_unique<Arena>(of.columns_, of.subtree_room_); });
     std::size_t top = 0;
     for (Index k = unit.begin; k < unit.end; ++k)
       if (!perform(of.sequence_[k], *arena, top, false)) {
@@ -211,7 +198,7 @@ struct Multifrontal::Run {
       std::copy_n(left[root], size, kept[root].get());
       left[root] = kept[root].get();
     }
-    give(std::move(arena));
+    free.give(std::move(arena));
   }
 
   // ---- fronts above the subtrees, in tiles

@@ -3,10 +3,10 @@
 #include "kerf/stop.hpp"
 #include "solver/parallel.hpp"
 #include "solver/system/multifrontal.hpp"
+#include "solver/system/spares.hpp"
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 
 namespace kerf {
 
@@ -96,20 +96,7 @@ struct Multifrontal::Substitution {
     std::vector<Index> place;
     std::vector<double> own;  // the rows of a front
   };
-  std::vector<std::unique_ptr<Room>> free = {};
-  std::mutex mutex = {};
-
-  std::unique_ptr<Room> take() {
-    const std::scoped_lock lock(mutex);
-    if (free.empty()) return std::make_unique<Room>();
-    std::unique_ptr<Room> room = std::move(free.back());
-    free.pop_back();
-    return room;
-  }
-  void give(std::unique_ptr<Room> room) {
-    const std::scoped_lock lock(mutex);
-    free.push_back(std::move(room));
-  }
+  Spares<Room> free = {};
 
   double* columns_of(Room& room, const ConstFront& f) const {
     const std::size_t size = static_cast<std::size_t>(f.height) * static_cast<std::size_t>(count);
@@ -224,7 +211,7 @@ struct Multifrontal::Substitution {
       check_stop();
       const Unit& u = *all[static_cast<std::size_t>(k)];
       const ConstFront root = of.front(of.sequence_[u.end - 1], values);
-      std::unique_ptr<Room> room = take();
+      std::unique_ptr<Room> room = free.take([] { return std::make_unique<Room>(); });
       room->place.resize(static_cast<std::size_t>(of.columns_));
       for (Index i = root.width; i < root.height; ++i)
         room->place[static_cast<std::size_t>(root.rows[i])] = i - root.width;
@@ -232,7 +219,7 @@ struct Multifrontal::Substitution {
       beyond.assign(static_cast<std::size_t>(root.rest()) * static_cast<std::size_t>(count), 0.0);
       for (Index i = u.begin; i < u.end; ++i)
         forward_front(of.sequence_[i], *room, root.first + root.width, beyond.data(), root.rest(), false);
-      give(std::move(room));
+      free.give(std::move(room));
     });
     for (std::size_t k = 0; k < all.size(); ++k) {
       const ConstFront root = of.front(of.sequence_[all[k]->end - 1], values);
@@ -253,9 +240,9 @@ struct Multifrontal::Substitution {
     team.run(static_cast<Index>(all.size()), [&](Index k) {
       check_stop();
       const Unit& u = *all[static_cast<std::size_t>(k)];
-      std::unique_ptr<Room> room = take();
+      std::unique_ptr<Room> room = free.take([] { return std::make_unique<Room>(); });
       for (Index i = u.end - 1; i >= u.begin; --i) backward_front(of.sequence_[i], *room, false);
-      give(std::move(room));
+      free.give(std::move(room));
     });
   }
 };
