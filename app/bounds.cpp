@@ -10,14 +10,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 
 namespace {
 
-std::vector<BoundedTip> tips_of(const BoundsTask& task, const Model& m, const State& s, const QuantityBounds& bounds) {
-  const std::vector<TipIntensity> tips = crack_tips(m, s);
-  const std::vector<TipBounds> of = bounds.all({.tips = tips}).tips;
+std::vector<BoundedTip> tips_of(const BoundsTask& task, const std::vector<TipIntensity>& tips,
+                                const std::vector<TipBounds>& of) {
   std::vector<BoundedTip> out;
   for (std::size_t i = 0; i < tips.size(); ++i)
     out.push_back({task.body.shape.cracks[static_cast<std::size_t>(tips[i].crack)].name, tips[i].at_start, tips[i].at,
@@ -169,19 +169,18 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
   const std::string polygon = polygon_note(task);
   const QuantityBounds bounds(model, state);
   BoundsResult out;
+  QuantityRequest wanted = requested(request, model);
+  std::vector<TipIntensity> tips;
+  std::optional<Opened> free;  // what has the tips
   if (request.tips && !model.mesh.cracks.empty()) {
-    std::string why = polygon;
-    if (open_everywhere(model, state)) {
-      const Opened free = opened(model, threads);
-      out.tips = tips_of(task, free.model, free.state, QuantityBounds(free.model, free.state));
-      why = of_opened;
-    } else {
-      out.tips = tips_of(task, model, state, bounds);
-    }
-    for (BoundedTip& t : out.tips)
-      for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, why);
+    if (open_everywhere(model, state)) free.emplace(opened(model, threads));
+    tips = free ? crack_tips(free->model, free->state) : crack_tips(model, state);
+    if (!free) wanted.tips = tips;
   }
-  QuantityIntervals found = bounds.all(requested(request, model));
+  QuantityIntervals found = bounds.all(wanted);
+  out.tips = tips_of(task, tips, free ? QuantityBounds(free->model, free->state).all({.tips = tips}).tips : found.tips);
+  for (BoundedTip& t : out.tips)
+    for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, free ? of_opened : polygon);
   out.points = points_of(task, request.points, model, std::move(found.points));
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
