@@ -358,17 +358,18 @@ std::string steps(const Result& r) {
       {"step-energy",
        "energy" + in(dimension::energy),
        {column(&StepResult::strain_energy), column(&StepResult::work), column(&StepResult::dissipation)},
-       {"strain energy", "work of loads and supports", "taken by friction"}},
+       {"strain energy", "work of loads and supports", "taken by friction"},
+       {},
+       true},
       {"step-length",
        "length" + in(dimension::length),
        {column(&StepResult::open_length), column(&StepResult::stick_length), column(&StepResult::slip_length)},
-       {"open", "sticks", "slides"}}};
+       {"open", "sticks", "slides"},
+       {},
+       true}};
   std::vector<std::string> out;
   const std::vector<double> places = places_in_history(r.steps);
-  for (HistoryPart part : energies_and_lengths) {
-    part.linear = true;
-    out.push_back(history_part(part, "step", places));
-  }
+  for (const HistoryPart& part : energies_and_lengths) out.push_back(history_part(part, "step", places));
   for (const auto& [id, name, K] : {std::tuple{"step-K_I", "K_I", &StepResult::Tip::K_I},
                                     std::tuple{"step-K_II", "K_II", &StepResult::Tip::K_II}}) {
     HistoryPart part{id, name + in(dimension::stress_intensity), {}, {}, {}, true};

@@ -205,6 +205,32 @@ std::string name_of(const testing::TestParamInfo<Scenario>& info) {
   return info.param.name;
 }
 
+/// A body whose points go along a random field, the program run anew for each of them.
+struct MovingBody {
+  const Mesh& mesh;
+  const Scene& scene;
+  Points theta;
+
+  MovingBody(const Mesh& on, const Scene& under, double size, unsigned seed)
+      : mesh(on), scene(under), theta(2, static_cast<Eigen::Index>(on.points.size())) {
+    for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = size * Vec2(noise(seed), noise(seed));
+  }
+  Model at(double t) const {
+    Mesh moved = mesh;
+    for (std::size_t i = 0; i < moved.points.size(); ++i)
+      moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
+    return prepare(std::move(moved), element("bdms", 1), scene, 1);
+  }
+  /// dJ/dt at 0 by central differences of fourth order.
+  double slope(const Functional& j, double step) const {
+    const auto value = [&](double t) {
+      const Model m = at(t);
+      return analyze(j, m, solve(m), true).value;
+    };
+    return (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
+  }
+};
+
 // Loads in equilibrium hold the body: what they lose of it on moved edges is balanced by a body force.
 TEST(ShapeGradientOf, AFloatingBody) {
   Shape shape = rectangle({-1, -1}, {1, 1});
@@ -217,28 +243,15 @@ TEST(ShapeGradientOf, AFloatingBody) {
   for (Index label = 0; label < 4; ++label)
     scene.tractions.push_back(
         {label, [=](const Vec2& x, const Vec2& n) -> Vec2 { return (1 + 0.3 * x.squaredNorm()) * (stress * n); }});
-  const auto model_at = [&](const Points& theta, double t) {
-    Mesh moved = mesh;
-    for (std::size_t i = 0; i < moved.points.size(); ++i)
-      moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
-    return prepare(std::move(moved), element("bdms", 1), scene, 1);
-  };
-  Points theta(2, static_cast<Eigen::Index>(mesh.points.size()));
-  unsigned seed = 3;
-  for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = 0.05 * Vec2(noise(seed), noise(seed));
+  const MovingBody body(mesh, scene, 0.05, 3);
   for (const Functional& j :
        {Functional{"", {energy()}}, Functional{"", {compliance()}}, Functional{"", {stress_pnorm(4, {}, false)}}}) {
-    const Model model = model_at(theta, 0);
+    const Model model = body.at(0);
     EXPECT_FALSE(model.inner->floating.empty());
     const State state = solve(model);
     const Analysis a = analyze(j, model, state);
-    const auto value = [&](double t) {
-      const Model m = model_at(theta, t);
-      return analyze(j, m, solve(m), true).value;
-    };
-    const double step = 2e-3,
-                 expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
-    EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-7) << j.terms[0].kind;
+    const double expected = body.slope(j, 2e-3);
+    EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(body.theta).sum() / expected, 1, 1e-7) << j.terms[0].kind;
   }
 }
 
@@ -276,27 +289,14 @@ TEST(ShapeGradientOf, ACurvedCrack) {
     });
     scene.laws[0].normal = [center](const Vec2& x) { return Vec2((x - center).normalized()); };
     if (fluid) scene.laws[0].pressure = [](const Vec2& x, const Vec2&) { return Vec2(0.2 + 0.1 * x.x() * x.y(), 0); };
-    const auto model_at = [&](const Points& theta, double t) {
-      Mesh moved = mesh;
-      for (std::size_t i = 0; i < moved.points.size(); ++i)
-        moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
-      return prepare(std::move(moved), element("bdms", 1), scene, 1);
-    };
-    Points theta(2, static_cast<Eigen::Index>(mesh.points.size()));
-    unsigned seed = 5;
-    for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = 0.1 * Vec2(noise(seed), noise(seed));
+    const MovingBody body(mesh, scene, 0.1, 5);
     for (const Functional& j : {Functional{"", {energy()}}, Functional{"", {boundary_tracking(2, {}, {})}},
                                 Functional{"", {closed ? crack_pressure(0, {}, {}) : crack_opening(0, {})}}}) {
-      const Model model = model_at(theta, 0);
+      const Model model = body.at(0);
       const State state = solve(model);
       const Analysis a = analyze(j, model, state);
-      const auto value = [&](double t) {
-        const Model m = model_at(theta, t);
-        return analyze(j, m, solve(m), true).value;
-      };
-      const double step = 1e-3,
-                   expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
-      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6)
+      const double expected = body.slope(j, 1e-3);
+      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(body.theta).sum() / expected, 1, 1e-6)
           << j.terms[0].kind << closed << fluid;
     }
   }
@@ -315,29 +315,17 @@ TEST(ShapeGradientOf, APieceThatContactHolds) {
     scene.laws = {{.friction = friction}};
     scene.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
     scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.02, -1 - 0.1 * x.x()); }}};
-    const auto model_at = [&](const Points& theta, double t) {
-      Mesh moved = mesh;
-      for (std::size_t i = 0; i < moved.points.size(); ++i)
-        moved.points[i] += t * theta.col(static_cast<Eigen::Index>(i));
-      return prepare(std::move(moved), element("bdms", 1), scene, 1);
-    };
-    Points theta(2, static_cast<Eigen::Index>(mesh.points.size()));
-    unsigned seed = 11;
-    for (Eigen::Index v = 0; v < theta.cols(); ++v) theta.col(v) = 0.05 * Vec2(noise(seed), noise(seed));
-    const Model model = model_at(theta, 0);
+    const MovingBody body(mesh, scene, 0.05, 11);
+    const Model model = body.at(0);
     EXPECT_FALSE(model.inner->standing.empty());
     const State state = solve(model);
     ASSERT_TRUE(certified(state));
     for (const Functional& j : {Functional{"", {energy()}}, Functional{"", {compliance()}},
                                 Functional{"", {displacement_tracking({}, {})}}}) {
       const Analysis a = analyze(j, model, state);
-      const auto value = [&](double t) {
-        const Model m = model_at(theta, t);
-        return analyze(j, m, solve(m), true).value;
-      };
-      const double step = 2e-4,
-                   expected = (8 * (value(step) - value(-step)) - (value(2 * step) - value(-2 * step))) / (12 * step);
-      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(theta).sum() / expected, 1, 1e-6) << j.terms[0].kind << friction;
+      const double expected = body.slope(j, 2e-4);
+      EXPECT_NEAR(shape_gradient(a, j).cwiseProduct(body.theta).sum() / expected, 1, 1e-6)
+          << j.terms[0].kind << friction;
     }
   }
 }
