@@ -87,7 +87,10 @@ inline Interval operator/(const Interval& a, const Interval& b) {
     return whole_line;
   }
   if (is(a, 0)) return a;
-  const double ll = a.low / b.low, lh = a.low / b.high, hl = a.high / b.low, hh = a.high / b.high;
+  // Of two infinite ends the quotient may be any number between 0 and what the other end of b gives.
+  const auto quotient = [](double p, double q) { return std::isinf(q) ? 0.0 : p / q; };
+  const double ll = quotient(a.low, b.low), lh = quotient(a.low, b.high), hl = quotient(a.high, b.low),
+               hh = quotient(a.high, b.high);
   return widened(std::min(std::min(ll, lh), std::min(hl, hh)), std::max(std::max(ll, lh), std::max(hl, hh)));
 }
 
