@@ -49,6 +49,10 @@ class Factor {
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
   Eigen::VectorXd backward(const Eigen::VectorXd& y) const;
   Eigen::MatrixXd backward(const Eigen::MatrixXd& y) const;  // column by column, at less than their price
+  /// The second half on some rows of a definite matrix, at the price of the fronts that `fronts_above` marks for them;
+  /// what stands on the others has no meaning.
+  Eigen::VectorXd backward(const Eigen::VectorXd& y, const std::vector<bool>& fronts) const;
+  std::vector<bool> fronts_above(const std::vector<Index>& rows) const;
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
   Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;  // of a definite matrix, column by column
 

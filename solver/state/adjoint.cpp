@@ -189,7 +189,8 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
   const int most = m.inner->system.penalty > 0 ? 40 : 4;
   PenaltyIterate best = start;
   if (rows > 0)
-    best = iterate(of.condensed, of.loads, start, uniform, {solve, judge, most, enough});
+    best = iterate(of.condensed, of.loads, start, uniform,
+                   {solve, judge, most, enough, [&](const PenaltyIterate& s) { return rounding_of(m, s.x, scale); }});
   else if (m.inner->system.penalty > 0)
     best.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
   // Conjugate gradients are for the symmetric problem.

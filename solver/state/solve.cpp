@@ -102,22 +102,34 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
   const ForcesInContact forces(inner.system.K, rows);
   const bool begins = s.x.size() == 0;
   if (begins) s.x.setZero(inner.ordering.size);
-  // From nothing as a whole, later what the rest asks for on top.
+  // From nothing, where a set is judged by rows in contact and those beside them, and the last is solved as a whole;
+  // later what the rest asks for on top.
+  std::vector<Motion> last;
+  Eigen::VectorXd given;
   const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
+    const auto answer = [&]() -> Response { return {s.x.tail(rows), forces(s.x) - F.tail(rows)}; };
+    if (begins && !last.empty() && held_by(motion, rows) == held_by(last, rows) && force == given) return answer();
+    last = motion;
+    given = force;
     for (Index i = 0; i < rows; ++i)
       if (motion[i] == Motion::Held) s.x[s.x.size() - rows + i] = 0;
     Eigen::VectorXd missing = begins ? F : F - multiply(inner.system.K, s.x);
     missing.tail(rows) += force;
-    const Eigen::VectorXd step = condensed.solve_frozen(missing, motion);
     if (begins)
-      s.x = step;
+      s.x = condensed.solve_at_contact(missing, motion);
     else
-      s.x += step;
-    return {s.x.tail(rows), forces(s.x) - F.tail(rows)};
+      s.x += condensed.solve_frozen(missing, motion);
+    return answer();
   };
-  const std::vector<Motion>& guess = s.motion.empty() ? inner.start : s.motion;
-  return active_set({.rows = rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, condensed.points,
-                    guess);
+  const std::vector<Motion> guess = s.motion.empty() ? inner.start : s.motion;
+  Contact contact = active_set({.rows = rows, .solve = respond, .most_iterations = 500, .trusts_guess = true},
+                               condensed.points, guess);
+  if (begins && !last.empty()) {
+    Eigen::VectorXd missing = F;
+    missing.tail(rows) += given;
+    s.x = condensed.solve_frozen(missing, last);
+  }
+  return contact;
 }
 
 Contact contact_on(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& b,
@@ -436,7 +448,8 @@ State solve(const Model& m, ContactMethod method) {
     certify(condensed, {rest, size_of_load(m)}, s);
   };
   const bool penalized = m.inner->system.penalty > 0;
-  const PenaltySteps steps{solve, assembled, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12};
+  const auto rounding = [&](const PenaltyIterate& s) { return rounding_of(m, s.x, size_of_load(m)); };
+  const PenaltySteps steps{solve, assembled, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12, rounding};
   const double before = state.seconds.contact;
   PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);
   Drive drive = judge(condensed, solution, state);

@@ -315,6 +315,25 @@ Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
   return impl_->backward(y);
 }
 
+Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y, const std::vector<bool>& fronts) const {
+  if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
+  check_stop();
+  Eigen::VectorXd x = y;
+  impl_->numeric->backward(impl_->values(), x, impl_->threads, fronts);
+  return impl_->permuted ? impl_->permute(x, true) : x;
+}
+
+std::vector<bool> Factor::fronts_above(const std::vector<Index>& rows) const {
+  if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
+  const auto* order = static_cast<const Index*>(impl_->factor->Perm);
+  std::vector<bool> asked(static_cast<std::size_t>(impl_->size), false);
+  for (const Index row : rows) asked[static_cast<std::size_t>(row)] = true;
+  std::vector<Index> columns;
+  for (Index k = 0; k < impl_->size; ++k)
+    if (asked[static_cast<std::size_t>(order[k])]) columns.push_back(k);
+  return impl_->numeric->fronts_above(columns);
+}
+
 Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
   return backward(forward(b));
 }

@@ -122,20 +122,27 @@ std::vector<HalfSolved::Column> HeldFactors::read_columns(const LowerTriangle& K
   small_.rightCols(count - first).setZero();
   small_.bottomRows(count - first).setZero();
   const auto in = [&](const std::vector<bool>& set, Index row) { return row >= leading && set[row - leading]; };
-  for (Index j = 0; j < K.size; ++j)
-    for (Index p = K.start[j]; p < K.start[j + 1]; ++p) {
-      const Index i = K.rows[p];
-      if (!in(released, i) && !in(released, j)) continue;
-      if (in(held_, i) && in(held_, j)) {
-        const Index a = number_[i - leading], b = number_[j - leading];
-        if (a != none && b != none) small_(a, b) = small_(b, a) = -K.values[p];
-      } else if (in(released, i)) {
-        columns[number_[i - leading] - first].emplace_back(j, K.values[p]);
-      } else {
-        columns[number_[j - leading] - first].emplace_back(i, K.values[p]);
-      }
+  for (const auto& [i, j, at] : couplings(K)) {
+    if (!in(released, i) && !in(released, j)) continue;
+    if (in(held_, i) && in(held_, j)) {
+      const Index a = number_[i - leading], b = number_[j - leading];
+      if (a != none && b != none) small_(a, b) = small_(b, a) = -K.values[at];
+    } else if (in(released, i)) {
+      columns[number_[i - leading] - first].emplace_back(j, K.values[at]);
+    } else {
+      columns[number_[j - leading] - first].emplace_back(i, K.values[at]);
     }
+  }
   return columns;
+}
+
+const std::vector<HeldFactors::Coupling>& HeldFactors::couplings(const LowerTriangle& K) {
+  if (!couplings_.empty()) return couplings_;
+  const Index leading = K.size - contact_rows_;
+  for (Index j = 0; j < K.size; ++j)
+    for (Index p = K.start[j]; p < K.start[j + 1]; ++p)
+      if (K.rows[p] >= leading) couplings_.push_back({K.rows[p], j, p});
+  return couplings_;
 }
 
 void HeldFactors::border(const LowerTriangle& K, const std::vector<Index>& changed) {
@@ -172,7 +179,18 @@ const Eigen::VectorXd& HeldFactors::half_solved(Eigen::VectorXd right) {
   return y_;
 }
 
-Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b) {
+Eigen::VectorXd HeldFactors::backward(const LowerTriangle& K, const Eigen::VectorXd& y, On on) {
+  if (on == On::All) return last_->backward(y);
+  if (fronts_.empty()) {
+    std::vector<Index> rows;
+    for (const Coupling& c : couplings(K)) rows.insert(rows.end(), {c.row, c.column});
+    fronts_ = last_->fronts_above(rows);
+  }
+  return last_->backward(y, fronts_);
+}
+
+Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b,
+                                   On on) {
   const std::scoped_lock lock(one_at_a_time_);
   const Index leading = K.size - contact_rows_;
   std::vector<Index> changed;
@@ -184,14 +202,14 @@ Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<boo
   Eigen::VectorXd right = b;  // of rows that are held now alone a multiplier takes what stands there
   for (Index i = 0; i < contact_rows_; ++i)
     if (held_[i]) right[leading + i] = 0;
-  if (changed.empty()) return last_->backward(half_solved(std::move(right)));
+  if (changed.empty()) return backward(K, half_solved(std::move(right)), on);
   border(K, changed);
   Eigen::VectorXd y = half_solved(std::move(right));
   const Eigen::VectorXd share = multipliers(changed, y, b);
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(columns_->count());
   for (std::size_t k = 0; k < changed.size(); ++k) shares[number_[changed[k]]] = share[static_cast<Eigen::Index>(k)];
   columns_->subtract(shares, y);
-  Eigen::VectorXd x = last_->backward(y);
+  Eigen::VectorXd x = backward(K, y, on);
   for (std::size_t k = 0; k < changed.size(); ++k)
     x[leading + changed[k]] = held_[changed[k]] ? share[static_cast<Eigen::Index>(k)] : 0;
   return x;

@@ -27,9 +27,13 @@ class HeldFactors {
   HeldFactors(std::vector<Index> sequence, Index contact_rows, int threads)
       : sequence_(std::move(sequence)), contact_rows_(contact_rows), threads_(threads) {}
 
+  /// Where a solution is wanted: everywhere, or on the rows in contact and those that K couples with them (what stands
+  /// elsewhere has no meaning then).
+  enum class On { All, Contact };
   /// K x = b on the rows that move, x = 0 on those held: by the last factor, bordered where the set differs from its
   /// own in a few rows [theory: C.32], else by a new one. Throws as Factor does.
-  Eigen::VectorXd solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b);
+  Eigen::VectorXd solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b,
+                        On on = On::All);
 
   /// The factor for a set, which is made anew, in the memory of the last one, unless that is it.
   std::shared_ptr<const Factor> of(const LowerTriangle& K, const std::vector<bool>& held);
@@ -39,6 +43,9 @@ class HeldFactors {
   }
 
  private:
+  struct Coupling {  // an entry of K on a row in contact
+    Index row, column, at;
+  };
   std::vector<Index> changes(const std::vector<bool>& held) const;
   bool worth_bordering(const std::vector<Index>& changed) const;
   void border(const LowerTriangle& K, const std::vector<Index>& changed);
@@ -48,6 +55,8 @@ class HeldFactors {
                               const Eigen::VectorXd& b) const;
   void factorize(const LowerTriangle& K);
   const Eigen::VectorXd& half_solved(Eigen::VectorXd right);
+  const std::vector<Coupling>& couplings(const LowerTriangle& K);
+  Eigen::VectorXd backward(const LowerTriangle& K, const Eigen::VectorXd& y, On on);
 
   std::mutex one_at_a_time_;
   std::vector<Index> sequence_;
@@ -56,6 +65,8 @@ class HeldFactors {
   int made_ = 0;
   std::vector<bool> held_;  // in the factor
   std::shared_ptr<Factor> last_;
+  std::vector<Coupling> couplings_;
+  std::vector<bool> fronts_;   // that On::Contact goes through
   Eigen::VectorXd right_, y_;  // the last right-hand side, and L^-1 P of it: sets that follow each other share it
   // Of rows that are held in the factor and move, or the other way round: a column of K, without rows held in the
   // factor, or a unit vector.

@@ -34,6 +34,11 @@ class Multifrontal {
   /// number of threads.
   void forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
   void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
+  /// On the columns of the marked fronts alone, the others stay as they are.
+  void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
+                const std::vector<bool>& marked) const;
+  /// Marks the fronts that have these columns, and all above them: what a substitution backwards needs for them.
+  std::vector<bool> fronts_above(const std::vector<Index>& columns) const;
 
  private:
   template <typename Values>

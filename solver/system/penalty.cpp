@@ -150,6 +150,11 @@ Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::
   return complete(y, *held + moving_jumps(load(y) - S * *held, motion));
 }
 
+Eigen::VectorXd Condensation::solve_at_contact(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
+  return m.inner->held->solve(m.inner->system.K, held_by(motion, m.inner->ordering.contact_rows), b,
+                              HeldFactors::On::Contact);
+}
+
 namespace {
 
 // Connected triangles of one material; all triangles are one piece where there is but one material. No more than a
@@ -271,6 +276,10 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
   if (level_open) without_level(m, loads, s);
 }
 
+double rounding_of(const Model& m, const Eigen::VectorXd& x, double load) {
+  return std::numeric_limits<double>::epsilon() * multiply_sizes(m.inner->system.K, x).maxCoeff() / load;
+}
+
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
                        const PenaltySteps& steps) {
   const Model& m = condensed.m;
@@ -301,6 +310,7 @@ PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, Penalt
     const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
     without_gain = slow ? without_gain + 1 : 0;
     if (error <= steps.enough || without_gain == patience) break;
+    if (!penalized && steps.rounding && error <= settled && error <= steps.rounding(next)) break;
   }
   return best;
 }

@@ -61,6 +61,8 @@ struct Condensation {
   /// K x = b with the held rows at 0, or as given, and no change of force on the others.
   Eigen::VectorXd solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                const Eigen::VectorXd* held = nullptr) const;
+  /// With large contact: the same, on the rows in contact and those beside them alone.
+  Eigen::VectorXd solve_at_contact(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const;
   /// With it solve_frozen is that of a tangent cone with sliding points: forces of moving rows follow pressures, or for
   /// the adjoint, transposed, jumps of normal rows those of tangential ones.
   std::optional<Sliding> sliding = {};
@@ -96,6 +98,9 @@ struct UniformPressure {
   void prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions);
 };
 
+/// What rounding alone may leave of K x - F, relative to `load`: no solve shrinks that.
+double rounding_of(const Model& m, const Eigen::VectorXd& x, double load);
+
 /// The two steps that differ between a state and its adjoint, and when to stop.
 struct PenaltySteps {
   /// K x = F under the law of the rows in contact: from nothing while x is empty, then from the last x.
@@ -104,6 +109,8 @@ struct PenaltySteps {
   std::function<void(const Eigen::VectorXd& F, PenaltyIterate& s)> certify;
   int most = 0;       // rounds
   double enough = 0;  // of Certificate::kkt
+  /// `rounding_of` the iterate; not asked for with a penalty.
+  std::function<double(const PenaltyIterate& s)> rounding = {};
 };
 
 /// One solve, then rounds that remove the residual: of rounding, and of the penalty when there is one. Gives the best

@@ -16,5 +16,7 @@ struct LowerTriangle {
 
 /// The whole symmetric matrix times x.
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x);
+/// |a| |x|: a product's rounding error is a unit in the last place of this.
+Eigen::VectorXd multiply_sizes(const LowerTriangle& a, const Eigen::VectorXd& x);
 
 }  // namespace kerf

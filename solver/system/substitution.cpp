@@ -91,6 +91,7 @@ struct Multifrontal::Substitution {
   double* x;  // of.columns_ x count
   Eigen::Index count;
   Team& team;
+  const std::vector<bool>* marked = nullptr;  // fronts to go through backwards, or all
 
   struct Room {  // of one thread
     std::vector<Index> place;
@@ -233,15 +234,17 @@ struct Multifrontal::Substitution {
   }
 
   void backward() {
+    const auto wanted = [&](Index s) { return !marked || (*marked)[static_cast<std::size_t>(s)]; };
     Room top;
     for (auto u = of.units_.rbegin(); u != of.units_.rend(); ++u)
-      if (!u->subtree) backward_front(of.sequence_[u->begin], top, true);
+      if (!u->subtree && wanted(of.sequence_[u->begin])) backward_front(of.sequence_[u->begin], top, true);
     const std::vector<const Unit*> all = subtrees();
     team.run(static_cast<Index>(all.size()), [&](Index k) {
       check_stop();
       const Unit& u = *all[static_cast<std::size_t>(k)];
       std::unique_ptr<Room> room = free.take([] { return std::make_unique<Room>(); });
-      for (Index i = u.end - 1; i >= u.begin; --i) backward_front(of.sequence_[i], *room, false);
+      for (Index i = u.end - 1; i >= u.begin; --i)
+        if (wanted(of.sequence_[i])) backward_front(of.sequence_[i], *room, false);
       free.give(std::move(room));
     });
   }
@@ -259,6 +262,24 @@ void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x,
   constexpr std::int64_t worth_threads = 1000000;
   Team team(entries_ > worth_threads ? threads : 1);
   Substitution{*this, values, x.data(), x.cols(), team}.backward();
+}
+
+void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
+                            const std::vector<bool>& marked) const {
+  if (s_.count == 0 || x.cols() == 0) return;
+  constexpr std::int64_t worth_threads = 1000000;
+  Team team(entries_ > worth_threads ? threads : 1);
+  Substitution{*this, values, x.data(), x.cols(), team, &marked}.backward();
+}
+
+std::vector<bool> Multifrontal::fronts_above(const std::vector<Index>& columns) const {
+  std::vector<bool> marked(static_cast<std::size_t>(s_.count), false);
+  for (const Index column : columns) {
+    Index s = static_cast<Index>(std::upper_bound(s_.first, s_.first + s_.count, column) - s_.first) - 1;
+    for (; s != none && !marked[static_cast<std::size_t>(s)]; s = parent_[static_cast<std::size_t>(s)])
+      marked[static_cast<std::size_t>(s)] = true;
+  }
+  return marked;
 }
 
 }  // namespace kerf

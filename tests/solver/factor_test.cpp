@@ -115,6 +115,15 @@ TEST(Factor, DissectionIsAPermutationThatSavesFill) {
   for (Index k = 0; k < n; ++k) ASSERT_EQ(order[k], k);
 }
 
+// The rounding error of a product is a unit in the last place of these.
+TEST(Factor, SizesOfAProductHaveNoSigns) {
+  // 3 -1 / -1 2 in its lower triangle
+  const LowerTriangle K{2, {0, 2, 3}, {0, 1, 1}, {3, -1, 2}};
+  EXPECT_EQ(multiply(K, Eigen::Vector2d(1, -4)), Eigen::VectorXd(Eigen::Vector2d(7, -9)));
+  EXPECT_EQ(multiply_sizes(K, Eigen::Vector2d(1, -4)), Eigen::VectorXd(Eigen::Vector2d(7, 9)));
+  EXPECT_EQ(multiply_sizes(K, Eigen::Vector2d(1, 4)), Eigen::VectorXd(Eigen::Vector2d(7, 9)));
+}
+
 TEST(Factor, EmptySystemSolvesToNothing) {
   const Factor factor(LowerTriangle{}, 0);
   EXPECT_EQ(factor.solve(Eigen::VectorXd(0)).size(), 0);

@@ -96,6 +96,24 @@ TEST(Multifrontal, ManyRightHandSidesAreSolvedAsEachIs) {
   EXPECT_EQ(small.solve_all(Eigen::MatrixXd(29, 0)).cols(), 0);
 }
 
+// In any order of elimination: the rows that were asked for have the bits of the whole solution.
+TEST(Multifrontal, SolvesOnSomeRowsAlone) {
+  const LowerTriangle K = box(16, 7);
+  std::vector<Index> backwards(static_cast<std::size_t>(K.size));
+  for (Index k = 0; k < K.size; ++k) backwards[static_cast<std::size_t>(k)] = K.size - 1 - k;
+  const std::vector<Index> asked{3, 4, 1200, 2500, K.size - 2};
+  const auto check = [&](const Factor& factor) {
+    const Eigen::VectorXd y = factor.forward(uneven(K.size)), x = factor.backward(y);
+    const std::vector<bool> fronts = factor.fronts_above(asked);
+    EXPECT_LT(std::ranges::count(fronts, true), std::ssize(fronts)) << "some are left out";
+    const Eigen::VectorXd part = factor.backward(y, fronts);
+    for (const Index row : asked) EXPECT_EQ(part[row], x[row]) << row;
+  };
+  for (const int threads : {1, 2}) check(Factor(K, 7, true, 0, threads));
+  check(Factor(K, std::span<const Index>(backwards)));
+  EXPECT_THROW(Factor(K, 0, false).fronts_above(asked), std::invalid_argument);
+}
+
 // Flops of the fronts in tiles are those of the product that the last block stands for.
 TEST(Multifrontal, TheLastBlockIsTheFactorOfWhatIsLeft) {
   const Index last = 250;
