@@ -7,6 +7,8 @@
 #include "solver/element/bow.hpp"
 #include "solver/quadrature.hpp"
 
+#include <optional>
+
 namespace kerf {
 
 /// Proved: by enclosures. Sampled: black boxes, at stratified points. Open: neither settles it.
@@ -51,6 +53,11 @@ struct TriangleValues {
 /// Errors far below `size` are left: the largest of f on the body, or 0.
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
                                double size = 0, const char* what = "body force");
+/// The first look at a black box, from its values at the points of the rule and of `finer_rule()`, for those who have
+/// many of them at once: nothing where it does not settle the matter, and triangle_values is to look further.
+std::optional<TriangleValues> first_look(const Eigen::Ref<const Points>& at, const TriangleRule& rule,
+                                         const Eigen::Ref<const Points>& finer);
+const TriangleRule& finer_rule();
 /// Of a known polynomial of a degree that every rule integrates against the fields of the elements.
 bool is_polynomial(const VectorField& f);
 /// The largest value that is known of f on the mesh, where that is finite; else 0.

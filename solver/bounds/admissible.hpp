@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
 
 namespace kerf {
 
@@ -87,8 +88,9 @@ struct EnergySums {
 };
 EnergyBounds energy_interval(const Model& m, const EnergySums& of);
 
+/// `column`: per triangle that of its forces, or none; empty: its own number.
 std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
-                           const std::vector<std::vector<Index>>& edges);
+                           const std::vector<std::vector<Index>>& edges, std::span<const Index> column = {});
 
 struct References;
 

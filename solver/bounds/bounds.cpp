@@ -132,15 +132,17 @@ double rapid(const Model& m, const EdgeData& d, int k, double trace) {
 }  // namespace
 
 std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
-                           const std::vector<std::vector<Index>>& edges) {
+                           const std::vector<std::vector<Index>>& edges, std::span<const Index> column) {
   std::vector<Rest> rests(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Index t = static_cast<Index>(i);
     Rest& r = rests[i];
-    if (f.nodal.cols() == 0 && edges[i].empty()) continue;
-    if (f.nodal.cols() > 0) {
-      r.body = f.left_out[t];
-      r.quadrature = f.moved[t];
+    const Index at = column.empty() ? t : column[i];
+    const bool forced = f.nodal.cols() > 0 && at != none;
+    if (!forced && edges[i].empty()) continue;
+    if (forced) {
+      r.body = f.left_out[at];
+      r.quadrature = f.moved[at];
     }
     r.data = r.body;
     const Triangle shape = triangle(m, t);
@@ -400,15 +402,19 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
     a.bounds = lost(infinity, "no bounds of the energy: a body force in curved triangles (mesh.curved)");
     return a;
   }
-  a.conforming = conforming_displacement(m, s, a.data);
-  const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple);
+  Eigen::VectorXd moved;
+  const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple, &moved);
+  // The displacement follows the couples, too, which the element does not see of the body force.
+  const bool with_couples = keep && a.f.couple.size() > 0 && m.inner->ordering.contact_rows == 0 && moved.size() > 0;
+  const Field solved = with_couples ? Field{s.skeleton + moved, statics, s.force, s.eigenstrain} : s;
+  a.conforming = conforming_displacement(m, solved, a.data);
   a.edges.resize(m.mesh.triangles.size());
   for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
   const int degree =
       std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
   a.references = std::make_shared<const References>(references(m.element, degree, a.f, !m.mesh.arc.empty()));
   const References& to = *a.references;
-  a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, to, s, statics, a.edges);
+  a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, to, solved, statics, a.edges);
   a.rests = rests_of(m, a.data, a.f, a.edges);
   a.sum = total(a.shares);
   if (!m.mesh.arc.empty()) {

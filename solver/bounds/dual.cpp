@@ -51,8 +51,6 @@ Scene at_rest(const Model& m) {
   return s;
 }
 
-namespace {
-
 /// At rest under loads that are 0 on every label and in every crack with faces: all states that are taken together have
 /// the same loaded edges.
 Scene unloaded(const Model& m) {
@@ -63,6 +61,8 @@ Scene unloaded(const Model& m) {
   for (Index label = 0; label < labels; ++label) s.tractions.push_back({label, nothing});
   return s;
 }
+
+namespace {
 
 /// How far a curved edge is from its chord, at most.
 double bulge(const Model& m, Index e) {
@@ -168,7 +168,8 @@ struct Fade {
   }
   double slope(double r) const {
     const double t = (r - inner) / (outer - inner);
-    return t <= 0 || t >= 1 ? 0 : -140 * std::pow(t * (1 - t), 3) / (outer - inner);
+    const double both = t * (1 - t);
+    return t <= 0 || t >= 1 ? 0 : -140 * both * both * both / (outer - inner);
   }
 };
 
@@ -280,10 +281,20 @@ std::string coarse_in(const Model& m, const CutOffDisc& disc, const Fade& fade) 
 
 }  // namespace
 
-DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc) {
+Vec2 CutOffRing::slope(const Vec2& x) const {
+  return slope_at({inner, outer}, middle, x);
+}
+
+std::shared_ptr<const CutOffRing> CutOffDisc::ring(Nuclei fields) const {
   constexpr double share = 0.25;
-  const Fade fade{std::max(share * disc.radius, disc.solid), disc.radius};
-  DualProblem dual{unloaded(m), {}, coarse_in(m, disc, fade)};
+  return std::make_shared<const CutOffRing>(
+      CutOffRing{middle, std::max(share * radius, solid), radius, std::move(fields)});
+}
+
+DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc, std::shared_ptr<const CutOffRing> ring,
+                       std::size_t field) {
+  const Fade fade{ring->inner, ring->outer};
+  DualProblem dual{unloaded(m), {}, coarse_in(m, disc, fade), std::move(ring), field};
   const Vec2 middle = disc.middle;
   dual.loads.body = [G, fade, middle](const Vec2& x) -> Vec2 {
     const Vec2 slope = slope_at(fade, middle, x);
@@ -364,6 +375,15 @@ Nucleus nucleus(const Material& m, const StressPlace& place, PointStress part) {
   return place.from == place.to ? point_nucleus(m, place.from, part) : line_nucleus(m, place.from, place.to, part);
 }
 
+Nuclei nuclei(const Material& m, const StressPlace& place) {
+  if (place.reach() == 0) return point_nuclei(m, place.from);
+  std::array<Nucleus, Nuclei::most> each;
+  for (int i = 0; i < Nuclei::most; ++i) each[i] = nucleus(m, place, static_cast<PointStress>(i));
+  return {[each](const Vec2& x, std::array<NucleusValue, Nuclei::most>& values) {
+    for (int i = 0; i < Nuclei::most; ++i) values[i] = {each[i].displacement(x), each[i].stress(x)};
+  }};
+}
+
 /// How much of the disc that G does not fade in leaves room for the ring beyond.
 double solid_part(const StressPlace& place) {
   constexpr double beyond_ends = 1.2;  // of a line, where the stress of G is not bounded
@@ -397,6 +417,7 @@ StressDual::StressDual(const Model& m, const StressPlace& place)
     disc_.along = place.from == place.to ? Vec2(Vec2::UnitX()) : Vec2(place.to - place.from);
   }
   why_ = why_not();
+  if (!plain_ && why_.empty()) ring_ = disc_.ring(nuclei(material_of(m.mesh, m.scene, where_), place_));
 }
 
 std::string StressDual::why_not() const {
@@ -421,7 +442,7 @@ std::string StressDual::why_not() const {
 
 DualProblem StressDual::operator()(PointStress part) const {
   const Nucleus G = nucleus(material_of(m_.mesh, m_.scene, where_), place_, part);
-  return plain_ ? global_dual(m_, G, place_, none) : local_dual(m_, G, disc_);
+  return plain_ ? global_dual(m_, G, place_, none) : local_dual(m_, G, disc_, ring_, static_cast<std::size_t>(part));
 }
 
 DualProblem work_dual(const Model& m, const std::vector<Traction>& of) {

@@ -7,6 +7,7 @@
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
 
+#include <memory>
 #include <span>
 
 namespace kerf {
@@ -16,11 +17,23 @@ struct Known {
   double value = 0, error = 0;
 };
 
+/// Where the fields G of a point or a tip are cut off: between two circles.
+struct CutOffRing {
+  Vec2 middle = Vec2::Zero();
+  double inner = 0, outer = 0;
+  Nuclei fields;
+  /// The slope of the factor by which they fade.
+  Vec2 slope(const Vec2& x) const;
+};
+
 /// Q(u) = known + l(u) for the state u of a model.
 struct DualProblem {
   Scene loads;  // on the labels and components of the model, all else 0
   Known known;
   std::string estimate;  // why these loads, which are sampled, prove nothing; empty: they do
+  // Of G that is cut off, all of its loads once more: it is one of these fields.
+  std::shared_ptr<const CutOffRing> ring = nullptr;
+  std::size_t field = 0;
 };
 
 /// A point, a line, or a disc, where stresses are averaged and their field G is singular or not defined.
@@ -56,10 +69,16 @@ struct CutOffDisc {
   double rough = 0;            // within this radius G is singular on a line through the middle, or beyond it another
   Vec2 along = Vec2::UnitX();  // that line
   double solid = 0;            // G does not fade within that radius
+  /// `fields`: those that are cut off there.
+  std::shared_ptr<const CutOffRing> ring(Nuclei fields) const;
 };
 /// G cut off within the disc, so that nothing else of the body matters: a body force and an eigenstrain in the ring
 /// where it fades [theory: B.20].
-DualProblem local_dual(const Model& model, const Nucleus& G, const CutOffDisc& disc);
+DualProblem local_dual(const Model& model, const Nucleus& G, const CutOffDisc& disc,
+                       std::shared_ptr<const CutOffRing> ring, std::size_t field);
+
+/// The scene of a dual that is cut off, without the loads in its ring.
+Scene unloaded(const Model& model);
 
 /// Of a disc, what is clear of everything else: a margin is left.
 inline constexpr double within = 0.95;
@@ -93,6 +112,7 @@ class StressDual {
   Index where_;
   bool plain_;
   CutOffDisc disc_;
+  std::shared_ptr<const CutOffRing> ring_;
   std::string why_;
 };
 

@@ -36,44 +36,42 @@ void product(const Matrix& A, const double* b, Eigen::Index stride, double* c) {
   }
 }
 
-/// A TriangleReference for products with fields side by side, from nodal values of the conforming displacement.
-struct LaneReference {
-  explicit LaneReference(const TriangleReference& of) : r(of), derivative(of.inverse.derivative), at_rule(of.at_rule) {
-    for (int k = 0; k < 2; ++k) {
-      slope[k] = of.field_slope[k] * of.raise;
-      slope_at_rule[k] = of.field_slope_at_rule[k] * of.raise;
-      for (int e = 0; e < 3; ++e) at_edge[e][k] = of.at_edge[e][k];
-    }
-  }
-  const TriangleReference& r;
-  Matrix derivative, at_rule;
-  std::array<Matrix, 2> slope, slope_at_rule;
-  std::array<std::array<Matrix, 2>, 3> at_edge;
-};
-
 /// Sums over triangles, per field.
 struct Sums {
-  Row lower = Row::Zero(), upper = Row::Zero(), size = Row::Zero();
+  Row lower = Row::Zero(), upper = Row::Zero(), size = Row::Zero(), below = Row::Zero(), above = Row::Zero();
   Row crossed_lower = Row::Zero(), crossed_upper = Row::Zero(), crossed_size = Row::Zero();
 
   void add(const Sums& s) {
-    lower += s.lower, upper += s.upper, size += s.size;
+    lower += s.lower, upper += s.upper, size += s.size, below += s.below, above += s.above;
     crossed_lower += s.crossed_lower, crossed_upper += s.crossed_upper, crossed_size += s.crossed_size;
   }
   void add(int lane, const Share& s, const Products& p) {
     lower[lane] += s.lower, upper[lane] += s.upper, size[lane] += s.size;
+    below[lane] += s.below, above[lane] += s.above;
     crossed_lower[lane] += p.lower, crossed_upper[lane] += p.upper, crossed_size[lane] += p.size;
   }
+};
+
+/// What eigenstrain_unseen needs of a dual in a triangle of its ring.
+struct RingShare {
+  double square = 0, stress = 0, elastic = 0, gradient = 0, force = 0;
+};
+
+/// The loads of fields side by side in one triangle, in modes.
+struct RingRows {
+  std::vector<double> strain, force;  // 11, 22, 12; x, y
+  Row rest, error, left_out;
 };
 
 /// A 2 x 2 matrix of fields side by side, and J x inverse.
 struct LaneMat {
   Row m[2][2];
 };
-LaneMat turned(const Mat2& J, const double* x, const Mat2& inverse) {
+/// The four components are `stride` numbers apart.
+LaneMat turned(const Mat2& J, const double* x, Eigen::Index stride, const Mat2& inverse) {
   Row by[2][2];
   for (int k = 0; k < 2; ++k) {
-    const Eigen::Map<const Row> first(x + 2 * k * lanes), second(x + (2 * k + 1) * lanes);
+    const Eigen::Map<const Row> first(x + 2 * k * stride), second(x + (2 * k + 1) * stride);
     for (int j = 0; j < 2; ++j) by[k][j] = inverse(0, j) * first + inverse(1, j) * second;
   }
   LaneMat y;
@@ -84,32 +82,37 @@ LaneMat turned(const Mat2& J, const double* x, const Mat2& inverse) {
 
 class LaneBounding {
  public:
-  LaneBounding(const AdmissiblePair& u, const Averaging& by, std::span<const Model* const> duals, LaneRoom& room)
-      : u_(u),
-        by_(by),
+  LaneBounding(const LaneOwn& own, std::span<const LaneDual> duals, const LaneRings& rings, LaneRoom& room)
+      : own_(own),
+        u_(own.u),
+        by_(own.averages),
         duals_(duals),
+        rings_(rings),
         states_(room.states),
-        plain_(u.references->plain),
         conforming_(room.conforming),
         tractions_(room.tractions),
         size_(room.size) {
-    for (const Model* dual : duals) data_.push_back(edge_data(*dual));
-    conforming_lanes(by, u.m, states_, data_, conforming_);
-    const Index triangles = static_cast<Index>(u.m.mesh.triangles.size());
-    tractions_.resize(triangles, static_cast<Index>(6 * points_per_edge(u.m.element)));
+    for (const LaneDual& dual : duals) data_.push_back(dual.data);
+    conforming_lanes(by_, u_.m, states_, data_, conforming_);
+    const Index triangles = static_cast<Index>(u_.m.mesh.triangles.size());
+    tractions_.resize(triangles, static_cast<Index>(6 * points_per_edge(u_.m.element)));
     size_.resize(triangles, 2);
+    for (std::size_t i = 0; i < duals.size(); ++i)
+      if (duals[i].ring) ring_shares_[i].resize(duals[i].ring->triangles->size());
     sum_over_triangles();
   }
 
   std::optional<CrossEnergy> of(int lane) const {
     const auto i = static_cast<std::size_t>(lane);
-    const Model& dual = *duals_[i];
+    const Model& dual = *duals_[i].model;
     if (const std::string why = unseen_by_bounds(dual); !why.empty()) return CrossEnergy{.note = why};
-    const std::vector<Rest> rests = rests_of(dual, data_[i], {}, u_.edges);
+    const Forces& forces = duals_[i].ring ? duals_[i].ring->f : none_inside_;
+    const std::vector<Rest> rests = rests_of(dual, data_[i], forces, u_.edges, rings_.columns(lane));
     EnergySums sums{.imbalance = imbalance_[i],
                     .oscillation = oscillation(rests, lane, 1, false),
                     .mismatch = conforming_.of[i].mismatch};
     sums.sum.lower = sum_.lower[lane], sums.sum.upper = sum_.upper[lane], sums.sum.size = sum_.size[lane];
+    sums.sum.below = sum_.below[lane], sums.sum.above = sum_.above[lane];
     const EnergyBounds bounds = energy_interval(dual, sums);
     if (!(sums.imbalance <= 0.5 * few_digits * sums.sum.size)) return std::nullopt;
     if (!std::isfinite(bounds.upper - bounds.lower)) return CrossEnergy{.note = bounds.note};
@@ -120,12 +123,14 @@ class LaneBounding {
         {u_.bounds, std::max(u_.sum.upper - u_.sum.lower, 0.0), u_.rounding, u_.conforming.mismatch,
          unseen_couples(u_.f)},
         {bounds, std::max(sums.sum.upper - sums.sum.lower, 0.0), rounding, sums.mismatch, false}, p,
-        [&](double k) { return oscillation(rests, lane, k, true); }, [](double) { return 0.0; });
+        [&](double k) { return oscillation(rests, lane, k, true); },
+        [&](double k) { return eigenstrain_unseen(lane, k); });
   }
 
  private:
   struct Room {
-    std::vector<double> stress, along, asymmetry, wanted, at, curl, correction, nodal, dx, dy;
+    std::vector<double> fields, stress, tensor, asymmetry, curl, wanted, correction, nodal, gradient, displacement, own;
+    RingRows ring;
   };
 
   void sum_over_triangles() {
@@ -145,10 +150,10 @@ class LaneBounding {
       Products p;
       const std::vector<EdgeData>& data = data_[static_cast<std::size_t>(lane)];
       for (std::size_t i = 0; i < data.size(); ++i)
-        p.add(crossed_on_edge(
-            {u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
-            {*duals_[static_cast<std::size_t>(lane)], data[i], conforming_.of[static_cast<std::size_t>(lane)].value[i],
-             tractions_at(data[i].triangle, lane)}));
+        p.add(crossed_on_edge({u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
+                              {*duals_[static_cast<std::size_t>(lane)].model, data[i],
+                               conforming_.of[static_cast<std::size_t>(lane)].value[i],
+                               tractions_at(data[i].triangle, lane)}));
       sum_.add(lane, {}, p);
     }
     sum_imbalance();
@@ -156,10 +161,23 @@ class LaneBounding {
 
   Room make_room() const {
     const auto room = [](Eigen::Index rows) { return std::vector<double>(static_cast<std::size_t>(rows * lanes)); };
-    const Eigen::Index nodes = plain_.r.nodes.cols(), points = plain_.r.rule.w.size();
-    return {room(lane_fields * nodes), room(4),          room(nodes),      room(nodes),
-            room(4 * points),          room(4 * points), room(4 * points), room(2 * by_.per_triangle),
-            room(2 * points),          room(2 * points)};
+    const Modes &low = own_.low, &most = own_.ring ? *own_.ring : own_.low;
+    const Eigen::Index moved = dim(by_.degree);
+    Room r{room(lane_fields * low.polynomials),
+           room(4 * low.polynomials),
+           room(4 * most.polynomials),
+           room(most.polynomials),
+           room(4 * most.count),
+           room(most.polynomials),
+           room(4 * most.count),
+           room(2 * by_.per_triangle),
+           room(4 * dim(u_.m.element.trace)),
+           room(4 * moved),
+           std::vector<double>(static_cast<std::size_t>(8 * most.count)),
+           {}};
+    r.ring.strain = room(3 * dim(strain_degree));
+    r.ring.force = room(2 * moved);
+    return r;
   }
 
   Tractions tractions_at(Index t, int lane) const {
@@ -182,15 +200,125 @@ class LaneBounding {
   void inside(Index t, Room& room, Sums& sums) {
     const Triangle shape = triangle(u_.m, t);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-    const Material& material = material_of(u_.m.mesh, u_.m.scene, t);
-    Points nodes(2, plain_.r.nodes.cols());
+    const Modes& low = own_.low;
+    Points nodes(2, low.nodes.cols());
     for (Eigen::Index q = 0; q < nodes.cols(); ++q)
-      nodes.col(q) = shape.x[0] + plain_.r.nodes(0, q) * (shape.x[1] - shape.x[0]) +
-                     plain_.r.nodes(1, q) * (shape.x[2] - shape.x[0]);
-    evaluate_lanes(u_.m.inner->kernel, shape, states_.interior.at(t), nodes, room.stress.data());
+      nodes.col(q) = shape.x[0] + low.nodes(0, q) * (shape.x[1] - shape.x[0]) +
+                     low.nodes(1, q) * (shape.x[2] - shape.x[0]);
+    evaluate_lanes(u_.m.inner->kernel, shape, states_.interior.at(t), nodes, room.fields.data());
+    const unsigned mask = rings_.mask(t);
+    if (mask != 0) add_couples(t, mask, low.polynomials, room.fields.data());
     put_tractions(t, shape, room);
-    lower(t, shape, material, {J, inverse}, room, sums);
-    upper(t, shape, material, {J, inverse}, room, sums);
+    for (int c = 0; c < 4; ++c)
+      product(low.to_modes, room.fields.data() + c * lanes, lane_fields,
+              room.stress.data() + c * low.polynomials * lanes);
+    gather(t, room.nodal.data());
+    make_gradients({J, inverse}, room);
+    Row in_ring = Row::Zero();
+    for (int lane = 0; lane < lanes; ++lane) in_ring[lane] = mask >> lane & 1 ? 1 : 0;
+    const unsigned every = (1u << states_.count) - 1;
+    const Cell cell{t, shape, material_of(u_.m.mesh, u_.m.scene, t), J, inverse, area(shape)};
+    if (mask != every)
+      in_modes(cell, {own_.low, own_.fields.col(t).data(), room.stress.data(), nullptr, 1 - in_ring}, room, sums);
+    if (mask != 0) {
+      gather_loads(t, mask, room);
+      in_modes(cell, {*own_.ring, own_in_ring(t, room), whole_stress(cell, room), &room.ring, in_ring}, room, sums);
+    }
+  }
+
+  struct Cell {
+    Index t;
+    const Triangle& shape;
+    const Material& material;
+    const Mat2 &J, &inverse;
+    double area;
+  };
+  /// One way to sum over a triangle, for the fields that are `active` (1, else 0).
+  struct Way {
+    const Modes& modes;
+    const double* own;     // stress and strain of u, 4 columns each
+    const double* stress;  // components of all polynomials
+    const RingRows* ring;  // or nothing
+    Row active;
+  };
+  void in_modes(const Cell& cell, const Way& way, Room& room, Sums& sums) {
+    RingSums of_ring;
+    lower(cell, way, room, sums, of_ring);
+    upper(cell, way, room, sums, of_ring);
+    if (way.ring) put_ring(cell, way, of_ring, sums);
+  }
+
+  /// The mean asymmetry that body forces need which the element sees by their means alone.
+  void add_couples(Index t, unsigned mask, Eigen::Index nodes, double* fields) const {
+    for (int lane = 0; lane < states_.count; ++lane) {
+      if (!(mask >> lane & 1)) continue;
+      const Eigen::VectorXd& couple = duals_[static_cast<std::size_t>(lane)].ring->f.couple;
+      if (couple.size() == 0) continue;
+      const double half = 0.5 * couple[rings_.column(t, lane)];
+      for (Eigen::Index q = 0; q < nodes; ++q) {
+        fields[(q * lane_fields + 1) * lanes + lane] += half;
+        fields[(q * lane_fields + 2) * lanes + lane] -= half;
+      }
+    }
+  }
+
+  void gather_loads(Index t, unsigned mask, Room& room) const {
+    const Modes& modes = *own_.ring;
+    RingRows& to = room.ring;
+    std::fill(to.strain.begin(), to.strain.end(), 0.0);
+    std::fill(to.force.begin(), to.force.end(), 0.0);
+    to.rest.setZero(), to.error.setZero(), to.left_out.setZero();
+    constexpr int n = dim(strain_degree);
+    const Eigen::Index moved = dim(by_.degree);
+    for (int lane = 0; lane < states_.count; ++lane) {
+      if (!(mask >> lane & 1)) continue;
+      const RingLoads& ring = *duals_[static_cast<std::size_t>(lane)].ring;
+      const Index column = rings_.column(t, lane);
+      const Eigen::Map<const Eigen::Matrix<double, 4, n>> e(ring.strain.coefficients.col(column).data());
+      const Eigen::Matrix<double, n, 3> of_strain = modes.strain * e.topRows<3>().transpose();
+      for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < n; ++r) to.strain[static_cast<std::size_t>((c * n + r) * lanes + lane)] = of_strain(r, c);
+      const Eigen::Map<const Points> f(ring.f.nodal.col(column).data(), 2, moved);
+      for (int c = 0; c < 2; ++c)
+        for (Eigen::Index r = 0; r < moved; ++r)
+          to.force[static_cast<std::size_t>((c * moved + r) * lanes + lane)] = modes.displacement.row(r).dot(f.row(c));
+      to.rest[lane] = ring.strain.rest[column];
+      to.error[lane] = ring.strain.error[column];
+      to.left_out[lane] = ring.f.left_out[column];
+    }
+  }
+
+  /// Stress and strain of u in the modes of the ring.
+  const double* own_in_ring(Index t, Room& room) const {
+    if (own_.ring_fields.cols() > 0) return own_.ring_fields.col(t).data();
+    const Eigen::Map<const Eigen::MatrixXd> from(own_.fields.col(t).data(), own_.low.count, 8);
+    Eigen::Map<Eigen::MatrixXd>(room.own.data(), own_.ring->count, 8).noalias() = own_.change * from;
+    return room.own.data();
+  }
+
+  /// The stress with what the element does not see of the body force.
+  const double* whole_stress(const Cell& cell, Room& room) const {
+    const Modes &low = own_.low, &modes = *own_.ring;
+    const Eigen::Index n = modes.polynomials, moved = dim(by_.degree);
+    Row part[2];
+    // The body force in the nodal values that `unseen_force` takes is made of modes again: both are polynomials.
+    for (int row = 0; row < 2; ++row)
+      for (Eigen::Index r = 0; r < n; ++r) {
+        for (int k = 0; k < 2; ++k) {
+          part[k].setZero();
+          for (Eigen::Index j = 0; j < moved; ++j)
+            part[k] += unseen_(k * n + r, j) *
+                       Eigen::Map<const Row>(&room.ring.force[static_cast<std::size_t>((row * moved + j) * lanes)]);
+        }
+        for (int axis = 0; axis < 2; ++axis) {
+          const int c = 2 * row + axis;
+          Eigen::Map<Row> to(&room.tensor[static_cast<std::size_t>((c * n + r) * lanes)]);
+          to = cell.J(axis, 0) * part[0] + cell.J(axis, 1) * part[1];
+          if (r < low.polynomials)
+            to += Eigen::Map<const Row>(&room.stress[static_cast<std::size_t>((c * low.polynomials + r) * lanes)]);
+        }
+      }
+    return room.tensor.data();
   }
 
   void put_tractions(Index t, const Triangle& shape, Room& room) {
@@ -198,12 +326,12 @@ class LaneBounding {
     for (int e = 0; e < 3; ++e) {
       const Vec2 side = shape.x[(e + 2) % 3] - shape.x[(e + 1) % 3];
       const Vec2 n = Vec2(side.y(), -side.x()).normalized();
-      const Matrix& at = plain_.at_edge[e][shape.forward[e] ? 1 : 0];
+      const Modes::Matrix& at = own_.low.at_edge[e][shape.forward[e] ? 1 : 0];
       for (Eigen::Index g = 0; g < points; ++g) {
         Row s[4] = {Row::Zero(), Row::Zero(), Row::Zero(), Row::Zero()};
         for (Eigen::Index k = 0; k < at.cols(); ++k)
           for (int c = 0; c < 4; ++c)
-            s[c] += at(g, k) * Eigen::Map<const Row>(room.stress.data() + (k * lane_fields + c) * lanes);
+            s[c] += at(g, k) * Eigen::Map<const Row>(room.fields.data() + (k * lane_fields + c) * lanes);
         const Row x = n.x() * s[0] + n.y() * s[1], y = n.x() * s[2] + n.y() * s[3];
         for (int k = 0; k < 2; ++k)
           Eigen::Map<Row>(tractions_.at(t) + (2 * (points * e + g) + k) * lanes) =
@@ -215,111 +343,229 @@ class LaneBounding {
   struct Maps {
     const Mat2 &J, &inverse;
   };
+  /// d_j v_k of the conforming displacements in polynomials of degree trace, and those of degree trace + 1 of v.
+  void make_gradients(const Maps& by, Room& room) const {
+    const Eigen::Index slopes = dim(u_.m.element.trace), n = by_.per_triangle, moved = dim(by_.degree);
+    for (int k = 0; k < 2; ++k)
+      for (Eigen::Index r = 0; r < slopes; ++r) {
+        Row d[2] = {Row::Zero(), Row::Zero()};
+        for (Eigen::Index i = 0; i < n; ++i) {
+          const Eigen::Map<const Row> v(room.nodal.data() + (k * n + i) * lanes);
+          for (int axis = 0; axis < 2; ++axis) d[axis] += own_.low.slope[axis](r, i) * v;
+        }
+        for (int j = 0; j < 2; ++j)
+          Eigen::Map<Row>(room.gradient.data() + ((2 * k + j) * slopes + r) * lanes) =
+              by.inverse(0, j) * d[0] + by.inverse(1, j) * d[1];
+      }
+    for (int k = 0; k < 2; ++k)
+      product(own_.low.displacement, room.nodal.data() + k * n * lanes, 1, room.displacement.data() + k * moved * lanes);
+  }
+
+  /// What is gathered in a triangle of a ring on the way.
+  struct RingSums {
+    Row square = Row::Zero(), stress = Row::Zero(), gradient = Row::Zero(), elastic = Row::Zero();
+  };
+
+  static Eigen::Map<const Row> at(const std::vector<double>& rows, Eigen::Index i) {
+    return Eigen::Map<const Row>(rows.data() + i * lanes);
+  }
 
   /// As Bounding::lower.
-  void lower(Index t, const Triangle& shape, const Material& material, const Maps& by, Room& room, Sums& sums) const {
-    const Eigen::Index nodes = plain_.r.nodes.cols(), points = plain_.r.rule.w.size();
-    const auto stress = [&](Eigen::Index node, int c) {
-      return Eigen::Map<const Row>(room.stress.data() + (node * lane_fields + c) * lanes);
-    };
-    for (Eigen::Index i = 0; i < nodes; ++i)
-      Eigen::Map<Row>(room.asymmetry.data() + i * lanes) = stress(i, 1) - stress(i, 2);
-    product(plain_.derivative, room.asymmetry.data(), 1, room.curl.data());
-    for (int c = 0; c < 4; ++c)
-      product(plain_.at_rule, room.stress.data() + c * lanes, lane_fields, room.at.data() + c * points * lanes);
-    const Share& own = u_.shares[static_cast<std::size_t>(t)];
-    const double shear = 1 / (2 * material.mu), c = material.c;
-    Row energy = Row::Zero(), crossed = Row::Zero(), size = Row::Zero();
-    for (Eigen::Index q = 0; q < points; ++q) {
-      const auto at = [&](int k) { return Eigen::Map<const Row>(room.at.data() + (k * points + q) * lanes); };
-      const LaneMat g = turned(by.J, room.curl.data() + 4 * q * lanes, by.inverse);
-      const Row s11 = at(0) + g.m[0][1], s12 = at(1) - g.m[0][0], s21 = at(2) + g.m[1][1], s22 = at(3) - g.m[1][0],
-                trace = s11 + s22, difference = s11 - s22;
-      const double w = plain_.r.rule.w[q];
-      energy += w * (shear * (0.5 * difference * difference + s12 * s12 + s21 * s21) + c * trace * trace);
-      const auto p = own.kept_stress.col(q);
-      const Row work =
-          w * (shear * (0.5 * (p[0] - p[3]) * difference + p[1] * s12 + p[2] * s21) + c * (p[0] + p[3]) * trace);
+  void lower(const Cell& cell, const Way& way, Room& room, Sums& sums, RingSums& of_ring) const {
+    const Modes& modes = way.modes;
+    const Eigen::Index n = modes.polynomials, count = modes.count;
+    const auto tensor = [&](int c, Eigen::Index r) { return Eigen::Map<const Row>(way.stress + (c * n + r) * lanes); };
+    for (Eigen::Index r = 0; r < n; ++r)
+      Eigen::Map<Row>(room.asymmetry.data() + r * lanes) = tensor(1, r) - tensor(2, r);
+    product(modes.derivative, room.asymmetry.data(), 1, room.curl.data());
+    const double shear = 1 / (2 * cell.material.mu), c = cell.material.c;
+    constexpr int strains = dim(strain_degree);
+    Row energy = Row::Zero(), crossed = Row::Zero(), size = Row::Zero(), freed = Row::Zero();
+    Row largest[3] = {Row::Zero(), Row::Zero(), Row::Zero()};
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const LaneMat g = turned(cell.J, room.curl.data() + r * lanes, count * lanes, cell.inverse);
+      Row s11 = g.m[0][1], s12 = -g.m[0][0], s21 = g.m[1][1], s22 = -g.m[1][0];
+      if (r < n) s11 += tensor(0, r), s12 += tensor(1, r), s21 += tensor(2, r), s22 += tensor(3, r);
+      const Row trace = s11 + s22, difference = s11 - s22;
+      energy += shear * (0.5 * difference * difference + s12 * s12 + s21 * s21) + c * trace * trace;
+      const double *p = way.own + r, p11 = p[0], p12 = p[count], p21 = p[2 * count], p22 = p[3 * count];
+      const Row work = shear * (0.5 * (p11 - p22) * difference + p12 * s12 + p21 * s21) + c * (p11 + p22) * trace;
       crossed += work;
       size += work.abs();
+      if (!way.ring) continue;
+      if (r < strains) {
+        const Eigen::Map<const Row> e11 = at(way.ring->strain, r), e22 = at(way.ring->strain, strains + r),
+                                    e12 = at(way.ring->strain, 2 * strains + r);
+        freed += e11 * s11 + e22 * s22 + e12 * (s12 + s21);
+        const Row of_own = e11 * p11 + e22 * p22 + e12 * (p12 + p21);
+        crossed += of_own;
+        size += of_own.abs();
+      } else {
+        of_ring.square += s11 * s11 + s12 * s12 + s21 * s21 + s22 * s22;
+      }
+      largest[0] += modes.peak[r] * s11.abs(), largest[1] += modes.peak[r] * s12.abs(),
+          largest[2] += modes.peak[r] * s22.abs();
     }
-    const double half = 0.5 * area(shape);
-    sums.lower -= half * energy;
-    sums.size += half * energy;
-    sums.crossed_lower -= half * crossed;
-    sums.crossed_size += half * size;
+    const double half = 0.5 * cell.area;
+    sums.lower -= way.active * (half * energy + cell.area * freed);
+    sums.size += way.active * (half * energy + cell.area * freed.abs());
+    sums.crossed_lower -= way.active * half * crossed;
+    sums.crossed_size += way.active * half * size;
+    of_ring.stress = largest[0].max(largest[1]).max(largest[2]);
   }
 
   /// As Bounding::upper.
-  void upper(Index t, const Triangle& shape, const Material& material, const Maps& by, Room& room, Sums& sums) {
-    const Eigen::Index points = plain_.r.rule.w.size();
-    gather(t, room.nodal.data());
-    const int n = by_.per_triangle;
-    Row largest = Row::Zero();
-    for (int i = 0; i < 2 * n; ++i) largest = largest.max(Eigen::Map<const Row>(room.nodal.data() + i * lanes).abs());
-    want_divergence(material, by, room);
-    product(plain_.derivative, room.wanted.data(), 1, room.correction.data());
-    for (int k = 0; k < 2; ++k) {
-      product(plain_.slope_at_rule[0], room.nodal.data() + k * n * lanes, 1, room.dx.data() + k * points * lanes);
-      product(plain_.slope_at_rule[1], room.nodal.data() + k * n * lanes, 1, room.dy.data() + k * points * lanes);
-    }
-    const Share& own = u_.shares[static_cast<std::size_t>(t)];
-    const double mu = material.mu, bulk = 1 / (4 * material.c);
+  void upper(const Cell& cell, const Way& way, Room& room, Sums& sums, RingSums& of_ring) {
+    const Modes& modes = way.modes;
+    const Eigen::Index count = modes.count, slopes = dim(u_.m.element.trace);
+    constexpr int strains = dim(strain_degree);
+    want_divergence(cell, way, room);
+    product(modes.derivative, room.wanted.data(), 1, room.correction.data());
+    const double mu = cell.material.mu, bulk = 1 / (4 * cell.material.c);
     Row e = Row::Zero(), b = Row::Zero(), a = Row::Zero(), ww = Row::Zero();
     Row with_g = Row::Zero(), with_h = Row::Zero(), size_g = Row::Zero(), size_h = Row::Zero();
-    for (Eigen::Index q = 0; q < points; ++q) {
-      LaneMat g;
-      for (int k = 0; k < 2; ++k) {
-        const Eigen::Map<const Row> dx(room.dx.data() + (k * points + q) * lanes),
-            dy(room.dy.data() + (k * points + q) * lanes);
-        for (int j = 0; j < 2; ++j) g.m[k][j] = by.inverse(0, j) * dx + by.inverse(1, j) * dy;
-      }
-      const LaneMat h = turned(by.J, room.correction.data() + 4 * q * lanes, by.inverse);
-      const Row volume = g.m[0][0] + g.m[1][1], own_volume = h.m[0][0] + h.m[1][1], difference = g.m[0][0] - g.m[1][1],
-                own_difference = h.m[0][0] - h.m[1][1], shear = g.m[0][1] + g.m[1][0],
+    Row largest[4] = {Row::Zero(), Row::Zero(), Row::Zero(), Row::Zero()};
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const LaneMat h = turned(cell.J, room.correction.data() + r * lanes, count * lanes, cell.inverse);
+      const Row own_volume = h.m[0][0] + h.m[1][1], own_difference = h.m[0][0] - h.m[1][1],
                 own_shear = h.m[0][1] + h.m[1][0];
-      const double w = plain_.r.rule.w[q];
-      e += 0.5 * w * (mu * (difference * difference + shear * shear) + bulk * volume * volume);
-      b += w * (mu * (difference * own_difference + shear * own_shear) + bulk * volume * own_volume);
-      a += 0.5 * w * (mu * (own_difference * own_difference + own_shear * own_shear) + bulk * own_volume * own_volume);
-      ww += w * (h.m[0][0] * h.m[0][0] + h.m[0][1] * h.m[0][1] + h.m[1][0] * h.m[1][0] + h.m[1][1] * h.m[1][1]);
-      const auto d = own.kept_strain.col(q);
-      const double u_difference = mu * (d[0] - d[3]), u_shear = mu * (d[1] + d[2]), u_volume = bulk * (d[0] + d[3]);
-      const Row in_g = w * (u_difference * difference + u_shear * shear + u_volume * volume),
-                in_h = w * (u_difference * own_difference + u_shear * own_shear + u_volume * own_volume);
-      with_g += in_g, with_h += in_h;
-      size_g += in_g.abs(), size_h += in_h.abs();
+      a += 0.5 * (mu * (own_difference * own_difference + own_shear * own_shear) + bulk * own_volume * own_volume);
+      ww += h.m[0][0] * h.m[0][0] + h.m[0][1] * h.m[0][1] + h.m[1][0] * h.m[1][0] + h.m[1][1] * h.m[1][1];
+      const double *d = way.own + 4 * count + r, u_difference = mu * (d[0] - d[3 * count]),
+                   u_shear = mu * (d[count] + d[2 * count]), u_volume = bulk * (d[0] + d[3 * count]);
+      const Row in_h = u_difference * own_difference + u_shear * own_shear + u_volume * own_volume;
+      with_h += in_h;
+      size_h += in_h.abs();
+      const bool strained = way.ring && r < strains;
+      if (r >= slopes && !strained) continue;
+      Row g11 = Row::Zero(), g22 = Row::Zero(), shear = Row::Zero();
+      if (r < slopes) {
+        g11 = at(room.gradient, r), g22 = at(room.gradient, 3 * slopes + r);
+        shear = at(room.gradient, slopes + r) + at(room.gradient, 2 * slopes + r);
+        if (way.ring)
+          for (int k = 0; k < 4; ++k) largest[k] += modes.peak[r] * at(room.gradient, k * slopes + r).abs();
+      }
+      if (strained) {
+        g11 -= at(way.ring->strain, r), g22 -= at(way.ring->strain, strains + r);
+        shear -= 2 * at(way.ring->strain, 2 * strains + r);
+      }
+      const Row volume = g11 + g22, difference = g11 - g22;
+      e += 0.5 * (mu * (difference * difference + shear * shear) + bulk * volume * volume);
+      b += mu * (difference * own_difference + shear * own_shear) + bulk * volume * own_volume;
+      const Row in_g = u_difference * difference + u_shear * shear + u_volume * volume;
+      with_g += in_g;
+      size_g += in_g.abs();
     }
-    const double whole = area(shape);
+    const Row alone = e, with_own = b;
+    Row size = e;
+    if (way.ring || own_.force.cols() > 0) add_works(cell, way, room, {e, b, size, with_g, with_h});
     const Row alpha = (a > 0).select(-0.5 * b / a, Row::Zero());
-    sums.upper += whole * (e + alpha * (b + alpha * a));
-    sums.size += whole * e;
-    sums.crossed_upper += 0.5 * whole * (with_g + alpha * with_h);
-    sums.crossed_size += 0.5 * whole * (size_g + alpha.abs() * size_h);
-    Eigen::Map<Row>(size_.at(t)) = largest;
-    Eigen::Map<Row>(size_.at(t) + lanes) = (whole * ww).sqrt() * alpha.abs();
+    sums.upper += way.active * cell.area * (e + alpha * (b + alpha * a));
+    sums.size += way.active * cell.area * size;
+    sums.crossed_upper += way.active * 0.5 * cell.area * (with_g + alpha * with_h);
+    sums.crossed_size += way.active * 0.5 * cell.area * (size_g + alpha.abs() * size_h);
+    of_ring.elastic = cell.area * (alone + alpha * (with_own + alpha * a));
+    of_ring.gradient = largest[0].max(largest[1]).max(largest[2]).max(largest[3]);
+    Row moved = Row::Zero();
+    for (int i = 0; i < 2 * by_.per_triangle; ++i) moved = moved.max(at(room.nodal, i).abs());
+    put_size(cell.t, way.active, moved, (cell.area * ww).sqrt() * alpha.abs());
   }
 
-  /// 2 c tr s less the divergence of the conforming displacement.
-  void want_divergence(const Material& material, const Maps& by, Room& room) const {
-    const Eigen::Index nodes = plain_.r.nodes.cols();
-    const int n = by_.per_triangle;
-    for (Eigen::Index i = 0; i < nodes; ++i) {
-      const double* s = room.stress.data() + i * lane_fields * lanes;
-      Row sum = 2 * material.c * (Eigen::Map<const Row>(s) + Eigen::Map<const Row>(s + 3 * lanes));
-      for (int k = 0; k < 2; ++k)
-        for (int j = 0; j < n; ++j) {
-          const double slope = plain_.slope[k](i, j);
-          for (int axis = 0; axis < 2; ++axis)
-            sum -= by.inverse(k, axis) * slope * Eigen::Map<const Row>(room.nodal.data() + (axis * n + j) * lanes);
-        }
-      Eigen::Map<Row>(room.wanted.data() + i * lanes) = sum;
+  void put_size(Index t, const Row& active, const Row& largest, const Row& rough) {
+    Eigen::Map<Row> first(size_.at(t)), second(size_.at(t) + lanes);
+    first = (active > 0).select(largest, first);
+    second = (active > 0).select(rough, second);
+  }
+
+  /// tr A s, with that of the eigenstrain, less the divergence of the conforming displacement.
+  void want_divergence(const Cell& cell, const Way& way, Room& room) const {
+    const Eigen::Index n = way.modes.polynomials, low = own_.low.polynomials, slopes = dim(u_.m.element.trace);
+    constexpr int strains = dim(strain_degree);
+    for (Eigen::Index r = 0; r < n; ++r) {
+      Row sum = Row::Zero();
+      if (r < low) sum += 2 * cell.material.c * (at(room.stress, r) + at(room.stress, 3 * low + r));
+      if (r < slopes) sum -= at(room.gradient, r) + at(room.gradient, 3 * slopes + r);
+      if (way.ring && r < strains) sum += at(way.ring->strain, r) + at(way.ring->strain, strains + r);
+      Eigen::Map<Row>(room.wanted.data() + r * lanes) = sum;
     }
+  }
+
+  struct Works {
+    Row &e, &b, &size, &with_g, &with_h;
+  };
+  /// Of body forces on displacements: of the dual in its ring on its own and on that of u, of the state everywhere.
+  void add_works(const Cell& cell, const Way& way, Room& room, const Works& to) const {
+    const Eigen::Index moved = dim(by_.degree);
+    const double* f = own_.force.cols() > 0 ? own_.force.col(cell.t).data() : nullptr;
+    const double* v = own_.displacement.cols() > 0 ? own_.displacement.col(cell.t).data() : nullptr;
+    double* values = room.displacement.data() + 2 * moved * lanes;  // of the correction, on the triangle of reference
+    product(way.modes.value, room.wanted.data(), 1, values);
+    for (Eigen::Index r = 0; r < moved; ++r) {
+      const Eigen::Map<const Row> first(values + r * lanes), second(values + (moved + r) * lanes);
+      for (int k = 0; k < 2; ++k) {
+        const Row own = cell.J(k, 0) * first + cell.J(k, 1) * second;
+        const Eigen::Map<const Row> low = at(room.displacement, k * moved + r);
+        if (f) {
+          to.with_g -= f[k * moved + r] * low;
+          to.with_h -= f[k * moved + r] * own;
+        }
+        if (!way.ring) continue;
+        const Eigen::Map<const Row> pull = at(way.ring->force, k * moved + r);
+        to.e -= pull * low;
+        to.size += (pull * low).abs();
+        to.b -= pull * own;
+        to.with_g -= v[k * moved + r] * pull;
+      }
+    }
+  }
+
+  /// What the rest of the eigenstrain may move the bounds by.
+  void put_ring(const Cell& cell, const Way& way, const RingSums& of, Sums& sums) {
+    const Eigen::Index moved = dim(by_.degree);
+    Row pull = Row::Zero();
+    for (Eigen::Index r = 0; r < 2 * moved; ++r) pull += at(way.ring->force, r).square();
+    for (int lane = 0; lane < states_.count; ++lane) {
+      if (!(way.active[lane] > 0)) continue;
+      const double force =
+          diameter(cell.shape) / pi * std::sqrt(cell.area * pull[lane]) + way.ring->left_out[lane];
+      put_share(cell, lane, {of.square[lane], of.stress[lane], of.elastic[lane], of.gradient[lane], force},
+                {way.ring->rest[lane], way.ring->error[lane]}, sums);
+    }
+  }
+  struct Left {
+    double rest, error;  // of an eigenstrain
+  };
+  void put_share(const Cell& cell, int lane, const RingShare& s, const Left& left, Sums& sums) {
+    ring_shares_[static_cast<std::size_t>(lane)][static_cast<std::size_t>(rings_.column(cell.t, lane))] = s;
+    sums.below[lane] += cell.area * (std::sqrt(left.rest * s.square) + left.error * s.stress);
+    sums.above[lane] += moved_by_eigenstrain(cell.material, cell.shape, left.rest, left.error,
+                                             {s.elastic, s.gradient, s.stress, s.force});
+  }
+
+  /// As that of two states.
+  double eigenstrain_unseen(int lane, double k) const {
+    const auto i = static_cast<std::size_t>(lane);
+    if (!duals_[i].ring) return 0;
+    const RingLoads& ring = *duals_[i].ring;
+    double sum = 0;
+    for (std::size_t c = 0; c < ring.triangles->size(); ++c) {
+      const Index t = (*ring.triangles)[c];
+      const double own = ring.strain.rest[static_cast<Eigen::Index>(c)],
+                   error = k * ring.strain.error[static_cast<Eigen::Index>(c)], rest = k * k * own;
+      if (rest == 0 && error == 0) continue;
+      const Share& x = u_.shares[static_cast<std::size_t>(t)];
+      const RingShare& y = ring_shares_[i][c];
+      const Triangle shape = triangle(u_.m, t);
+      sum += area(shape) * (std::sqrt(rest * together(x.square, y.square, k)) + error * (x.stress + k * y.stress));
+      sum += moved_by_eigenstrain(material_of(u_.m.mesh, u_.m.scene, t), shape, rest, error,
+                                  {together(x.elastic, y.elastic, k), x.gradient + k * y.gradient,
+                                   x.stress + k * y.stress, x.force + k * y.force});
+    }
+    return sum;
   }
 
   /// A triangle with data on its edges, field by field.
   void beside_data(Index t, Sums& sums) {
-    static const Forces none_inside;
     const std::vector<Index>& edges = u_.edges[static_cast<std::size_t>(t)];
     std::vector<double> nodal(static_cast<std::size_t>(2 * by_.per_triangle) * lanes);
     gather(t, nodal.data());
@@ -332,19 +578,41 @@ class LaneBounding {
         for (int j = 0; j < by_.per_triangle; ++j)
           v[2 * j + k] = nodal[static_cast<std::size_t>((k * by_.per_triangle + j) * lanes + lane)];
       const Eigen::VectorXd interior = states_.interior.column(t, lane);
-      const Bounding bounding{*duals_[i], none_inside, data_[i], conforming_.of[i], true};
+      const RingLoads* ring = rings_.mask(t) >> lane & 1 ? &*duals_[i].ring : nullptr;
+      Bounding bounding{*duals_[i].model, ring ? ring->f : none_inside_, data_[i], conforming_.of[i], true};
+      const Index column = ring ? rings_.column(t, lane) : none;
+      if (ring) bounding.loads.emplace(Bounding::Elsewhere{ring->strain, column});
       const CellFields at{interior, interior, v};
       Share share;
-      bounding.lower(u_.references->rich, t, at, edges, share);
-      bounding.upper(u_.references->rich, t, at, edges, share);
-      sums.add(lane, share,
-               crossed_fields(material_of(u_.m.mesh, u_.m.scene, t), area(triangle(u_.m, t)), u_.rich,
-                              u_.shares[static_cast<std::size_t>(t)], share));
+      bounding.lower(own_.references.rich, t, at, edges, share);
+      bounding.upper(own_.references.rich, t, at, edges, share);
+      sums.add(lane, share, crossed_beside_data(t, share, ring, column));
+      if (ring)
+        ring_shares_[i][static_cast<std::size_t>(column)] = {share.square, share.stress, share.elastic, share.gradient,
+                                                             share.force};
       double* tractions = tractions_.at(t) + lane;
       for (Index k = 0; k < tractions_.rows; ++k) tractions[k * lanes] = share.tractions(k % 2, k / 2);
       size_.at(t)[lane] = share.largest;
       size_.at(t)[lanes + lane] = share.rough;
     }
+  }
+
+  Products crossed_beside_data(Index t, const Share& share, const RingLoads* ring, Index column) const {
+    const Share& own = u_.shares[static_cast<std::size_t>(t)];
+    const double size = area(triangle(u_.m, t));
+    Products p = crossed_fields(material_of(u_.m.mesh, u_.m.scene, t), size, u_.rich, own, share);
+    if (ring) {
+      const Eigen::Matrix4Xd e = strain_at(ring->strain, column, u_.rich.x);
+      p.add_lower(-0.5 * size * e.cwiseProduct(own.kept_stress).colwise().sum().dot(u_.rich.w));
+    }
+    const auto work = [&](const Forces& f, Index at, const Points& on) {
+      const Eigen::Map<const Points> nodal(f.nodal.col(at).data(), 2, f.nodal.rows() / 2);
+      return (nodal * interpolation(f.degree, u_.rich.x).transpose()).cwiseProduct(on).colwise().sum().dot(u_.rich.w);
+    };
+    double works = ring ? work(ring->f, column, own.kept_displacement) : 0;
+    if (u_.f.nodal.cols() > 0) works += work(u_.f, t, share.kept_displacement);
+    p.add_upper(-0.5 * size * works);
+    return p;
   }
 
   void sum_imbalance() {
@@ -416,23 +684,72 @@ class LaneBounding {
     return o;
   }
 
+  const LaneOwn& own_;
   const AdmissiblePair& u_;
   const Averaging& by_;
-  std::span<const Model* const> duals_;
+  std::span<const LaneDual> duals_;
+  const LaneRings& rings_;
   const LaneStates& states_;
-  LaneReference plain_;
+  const Forces none_inside_{};
+  Modes::Matrix unseen_ = own_.ring ? Modes::Matrix(own_.ring->unseen_force * own_.nodal_force) : Modes::Matrix();
   std::vector<std::vector<EdgeData>> data_;
   LaneConforming& conforming_;
   LaneArray &tractions_, &size_;  // size: the largest |v|, and what of it is rough
+  std::array<std::vector<RingShare>, lanes> ring_shares_;
   std::vector<double> imbalance_;
   Sums sum_;
 };
 
+Forces of_degree(int degree) {
+  Forces f;
+  f.degree = degree;
+  return f;
+}
+
 }  // namespace
 
-std::vector<std::optional<CrossEnergy>> cross_energies(const AdmissiblePair& u, const Averaging& by,
-                                                       std::span<const Model* const> duals, LaneRoom& room) {
-  const LaneBounding bounding(u, by, duals, room);
+LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
+    : u(pair),
+      averages(averaging(pair.m)),
+      references(kerf::references(pair.m.element, pair.references->plain.n, of_degree(pair.m.element.trace + 1), false)),
+      low(references.plain, pair.m.element, degree_inside(pair.m, false, false)) {
+  if (cut_off) {
+    ring.emplace(references.plain, pair.m.element, references.plain.n);
+    change = ring->of(low.values.transpose());
+    nodal_force = ring->displacement.inverse();
+  }
+  const Index triangles = static_cast<Index>(u.m.mesh.triangles.size());
+  const bool forced = u.f.nodal.cols() > 0;
+  const Eigen::Index moved = dim(u.m.element.trace + 1);
+  fields.resize(8 * low.count, triangles);
+  if (cut_off && forced) ring_fields.resize(8 * ring->count, triangles);
+  if (cut_off) displacement.resize(2 * moved, triangles);
+  if (forced) force.resize(2 * moved, triangles);
+  parallel_for(triangles, u.m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      if (!u.edges[static_cast<std::size_t>(t)].empty()) continue;
+      const Share& share = u.shares[static_cast<std::size_t>(t)];
+      const auto put = [&](const Modes& modes, Eigen::MatrixXd& to) {
+        Eigen::Map<Eigen::MatrixXd> all(to.col(t).data(), modes.count, 8);
+        all.leftCols<4>() = modes.of(share.kept_stress);
+        all.rightCols<4>() = modes.of(share.kept_strain);
+      };
+      put(low, fields);
+      if (ring_fields.cols() > 0) put(*ring, ring_fields);
+      if (cut_off)
+        Eigen::Map<Eigen::MatrixXd>(displacement.col(t).data(), moved, 2) =
+            low.of(share.kept_displacement).topRows(moved);
+      if (!forced) continue;
+      const Eigen::Map<const Points> nodal(u.f.nodal.col(t).data(), 2, u.f.nodal.rows() / 2);
+      Eigen::Map<Eigen::MatrixXd>(force.col(t).data(), moved, 2) =
+          low.of(Points(nodal * interpolation(u.f.degree, references.plain.rule.x).transpose())).topRows(moved);
+    }
+  });
+}
+
+std::vector<std::optional<CrossEnergy>> cross_energies(const LaneOwn& own, std::span<const LaneDual> duals,
+                                                       const LaneRings& rings, LaneRoom& room) {
+  const LaneBounding bounding(own, duals, rings, room);
   std::vector<std::optional<CrossEnergy>> all;
   for (int lane = 0; lane < room.states.count; ++lane) all.push_back(bounding.of(lane));
   return all;

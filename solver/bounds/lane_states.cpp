@@ -52,7 +52,7 @@ bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
 }
 
 /// Per unknown of the skeleton, prescribed ones included.
-void spread(const Model& m, std::span<const Model* const> duals, const Eigen::MatrixXd& x, LaneArray& skeleton) {
+void spread(const Model& m, std::span<const LaneDual> duals, const Eigen::MatrixXd& x, LaneArray& skeleton) {
   const Index total = m.inner->skeleton.total;
   skeleton.resize(total, 1);
   for (Index u = 0; u < total; ++u) {
@@ -60,7 +60,7 @@ void spread(const Model& m, std::span<const Model* const> duals, const Eigen::Ma
     double* to = skeleton.at(u);
     std::fill_n(to, lanes, 0.0);
     for (std::size_t i = 0; i < duals.size(); ++i)
-      to[i] = (row == none ? 0 : x(row, static_cast<Eigen::Index>(i))) + duals[i]->inner->skeleton.prescribed[u];
+      to[i] = (row == none ? 0 : x(row, static_cast<Eigen::Index>(i))) + duals[i].model->inner->skeleton.prescribed[u];
   }
 }
 
@@ -166,12 +166,47 @@ bool can_solve_together(const Model& m) {
          !has_large_contact(m) && std::ranges::all_of(all, [](const Material& of) { return isotropic(of); });
 }
 
-bool solve_together(const Model& m, std::span<const Model* const> duals, LaneStates& s) {
+namespace {
+
+/// What the loads in a ring cause where the edges rest.
+void add_interior(std::span<const LaneDual> duals, const LaneRings& rings, Index t, LaneArray& interior) {
+  for (std::size_t i = 0; i < duals.size(); ++i) {
+    const int lane = static_cast<int>(i);
+    if (!(rings.mask(t) >> i & 1)) continue;
+    const auto own = duals[i].ring->interior.col(rings.column(t, lane));
+    double* to = interior.at(t) + lane;
+    for (Eigen::Index k = 0; k < own.size(); ++k) to[k * lanes] += own[k];
+  }
+}
+
+/// Adds C e to stresses at the points of the rule, so that their strain is the whole gradient.
+void add_strains(const Model& m, std::span<const LaneDual> duals, const LaneRings& rings, Index t, double* fields) {
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const Points& at = m.inner->kernel.rule.x;
+  for (std::size_t i = 0; i < duals.size(); ++i) {
+    const int lane = static_cast<int>(i);
+    if (!(rings.mask(t) >> i & 1)) continue;
+    const Eigen::Matrix4Xd e = strain_at(duals[i].ring->strain, rings.column(t, lane), at);
+    for (Eigen::Index q = 0; q < e.cols(); ++q) {
+      double* to = fields + q * lane_fields * lanes + lane;
+      const double pressure = (e(0, q) + e(3, q)) / (4 * material.c), difference = material.mu * (e(0, q) - e(3, q)),
+                   shear = 2 * material.mu * e(1, q);
+      to[0] += pressure + difference;
+      to[lanes] += shear;
+      to[2 * lanes] += shear;
+      to[3 * lanes] += pressure - difference;
+    }
+  }
+}
+
+}  // namespace
+
+bool solve_together(const Model& m, std::span<const LaneDual> duals, const LaneRings& rings, LaneStates& s) {
   const Kernel& kernel = m.inner->kernel;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Eigen::Index count = static_cast<Eigen::Index>(duals.size());
   Eigen::MatrixXd F(m.inner->ordering.size, count);
-  for (Eigen::Index i = 0; i < count; ++i) F.col(i) = duals[static_cast<std::size_t>(i)]->inner->system.F;
+  for (Eigen::Index i = 0; i < count; ++i) F.col(i) = duals[static_cast<std::size_t>(i)].F;
   if (!solve_rows(m, F, s.x)) return false;
   s.count = static_cast<int>(count);
   spread(m, duals, s.x, s.skeleton);
@@ -196,10 +231,12 @@ bool solve_together(const Model& m, std::span<const Model* const> duals, LaneSta
       const LaneMotions moved = strain_lanes(kernel, shape, traces.data());
       interiors_lanes(kernel, shape, material, traces.data(), s.interior.at(t));
       add_motions(m.element, shape, moved, s.interior.at(t));
+      const bool in_ring = rings.mask(t) != 0;
+      if (in_ring) add_interior(duals, rings, t, s.interior);
       evaluate_lanes(kernel, shape, s.interior.at(t), rule_points(rule, shape), fields.data());
+      if (in_ring) add_strains(m, duals, rings, t, fields.data());
       recovered_lanes(m, t, fields.data(), rule_points(places, shape), s.nodal.at(t));
-      if (free == 0) continue;
-      add_moments(m, t, fields.data(), moments);
+      if (free > 0) add_moments(m, t, fields.data(), moments);
     }
   });
   if (free > 0) take_out_motions(m, moments, s);

@@ -2,6 +2,7 @@
 // The solutions of several duals at once: fields side by side, so that what depends on the mesh is made once per
 // triangle for all of them [theory: B.30].
 
+#include "solver/bounds/ring_loads.hpp"
 #include "solver/system.hpp"
 
 #include <memory>
@@ -48,8 +49,9 @@ struct LaneStates {
 /// Whether the solutions of duals of this model can be found together; else they are found one by one.
 bool can_solve_together(const Model& model);
 
-/// `duals`, `lanes` at most, as loads_alone makes them of `model`, without body force and eigenstrain. Returns false
-/// where rounding leaves more than a solve by itself would.
-bool solve_together(const Model& model, std::span<const Model* const> duals, LaneStates& states);
+/// `duals`, `lanes` at most, as loads_alone makes them of `model`, body force and eigenstrain in their rings alone.
+/// Those with a ring are solutions under their couples, too (see static_interior). Returns false where rounding leaves
+/// more than a solve by itself would.
+bool solve_together(const Model& model, std::span<const LaneDual> duals, const LaneRings& rings, LaneStates& states);
 
 }  // namespace kerf

@@ -83,6 +83,35 @@ Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
           }};
 }
 
+namespace {
+
+// Faster than the operators, which look for infinities.
+Complex times(const Complex& a, const Complex& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+Complex inverse(const Complex& z) {
+  return std::conj(z) / std::norm(z);
+}
+
+}  // namespace
+
+Nuclei point_nuclei(const Material& m, const Vec2& x) {
+  const double mu = m.mu, k = kappa(m);
+  std::array<Amplitudes, 3> all;
+  for (int i = 0; i < 3; ++i) all[i] = amplitudes(m, static_cast<PointStress>(i));
+  return {[=](const Vec2& at, std::array<NucleusValue, Nuclei::most>& values) {
+    const Complex z = number(at - x), first = inverse(z), second = times(first, first), third = times(second, first);
+    for (int i = 0; i < 3; ++i) {
+      const auto& [c, d] = all[i];
+      const Complex by_second = times(c, second);
+      values[i].displacement =
+          vector(k * times(c, first) + times(z, std::conj(by_second)) - std::conj(d * first)) / (2 * mu);
+      values[i].stress =
+          tensor(-4 * by_second.real(), 2.0 * (2.0 * times(std::conj(z), times(c, third)) - d * second));
+    }
+  }};
+}
+
 // As a point, and psi = c R^2/z^3 beside it: then the displacement on the circle is linear, and goes on so inside.
 Nucleus disc_nucleus(const Material& m, const Vec2& center, double radius, PointStress part) {
   const double mu = m.mu, k = kappa(m), square = radius * radius;
@@ -138,6 +167,26 @@ Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, doubl
             const Complex normal = here.F + mirrored.F + (z - std::conj(z)) * std::conj(here.D);
             return frame * tensor(sum, {2 * normal.real() - sum, -2 * normal.imag()}) * frame.transpose();
           }};
+}
+
+// Phi = Omega = B z^(-3/2): at the conjugate place the conjugate root.
+Nuclei tip_nuclei(const Material& m, const Vec2& tip, const Mat2& frame) {
+  const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
+  return {[=](const Vec2& at, std::array<NucleusValue, Nuclei::most>& values) {
+    const Complex z = number(frame.transpose() * (at - tip)), first = inverse(z), root = std::sqrt(z),
+                  one_over = inverse(root), F = times(first, one_over), P = -2.0 * one_over,
+                  D = -1.5 * times(F, first), across = z - std::conj(z);
+    for (int mode = 0; mode < 2; ++mode) {
+      const Complex B = mode == 0 ? Complex(size) : Complex(0, -size);
+      const Complex F_here = times(B, F), P_here = times(B, P), D_here = times(B, D), F_mirrored = times(B, std::conj(F)),
+                    P_mirrored = times(B, std::conj(P));
+      values[mode].displacement =
+          frame * vector(k * P_here - P_mirrored - times(across, std::conj(F_here))) / (2 * mu);
+      const double sum = 4 * F_here.real();
+      const Complex normal = F_here + F_mirrored + times(across, std::conj(D_here));
+      values[mode].stress = frame * tensor(sum, {2 * normal.real() - sum, -2 * normal.imag()}) * frame.transpose();
+    }
+  }};
 }
 
 }  // namespace kerf

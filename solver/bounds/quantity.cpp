@@ -92,7 +92,9 @@ struct QuantityBounds::Impl {
   // Of u, as duals that reach everywhere need it, and as those that are cut off do.
   mutable std::array<std::unique_ptr<const LoadedState>, 2> own{};
 
-  mutable std::unique_ptr<const Averaging> averages{};
+  // The same for batches; and the body at rest, which duals that are cut off load in their rings alone.
+  mutable std::array<std::unique_ptr<const LaneOwn>, 2> in_modes{};
+  mutable std::unique_ptr<const Model> resting{};
   mutable LaneRoom room{};
 
   /// The degree that fits the data of both.
@@ -148,19 +150,27 @@ struct QuantityBounds::Impl {
   /// All of them, in batches of which one pass over the triangles serves every dual.
   std::vector<BoundedDual> bound_all(const std::vector<DualProblem>& duals) const {
     std::vector<BoundedDual> all(duals.size());
-    const bool together =
-        duals.size() > 1 && !with_indicators && is_plain_inside(m.scene) && m.mesh.arc.empty() && can_solve_together(m);
-    std::vector<Batched> batch;
+    const bool together = duals.size() > 1 && !with_indicators && !has_eigenstrain(m.scene) && m.mesh.arc.empty() &&
+                          can_solve_together(m);
+    std::array<std::vector<Batched>, 2> batched;  // that reach everywhere, that are cut off
     for (std::size_t i = 0; i < duals.size(); ++i)
       all[i] = tried([&]() -> BoundedDual {
-        if (!together || duals[i].loads.body) return bound(duals[i]);
+        const bool cut_off = static_cast<bool>(duals[i].loads.body);
+        if (!together || (cut_off && !duals[i].ring)) return bound(duals[i]);
+        if (cut_off) {
+          batched[1].push_back({i, {}});
+          return {};
+        }
         Model loaded = loads_alone(m, duals[i].loads);
         if (loaded.scene.body) return bound(duals[i]);
-        batch.push_back({i, std::move(loaded)});
+        batched[0].push_back({i, std::move(loaded)});
         return {};
       });
-    for (std::size_t first = 0; first < batch.size(); first += lanes)
-      bound_together(duals, {&batch[first], std::min<std::size_t>(lanes, batch.size() - first)}, all);
+    for (const bool cut_off : {false, true}) {
+      const std::vector<Batched>& of = batched[cut_off ? 1 : 0];
+      for (std::size_t first = 0; first < of.size(); first += lanes)
+        bound_together(duals, {&of[first], std::min<std::size_t>(lanes, of.size() - first)}, cut_off, all);
+    }
     return all;
   }
 
@@ -170,31 +180,59 @@ struct QuantityBounds::Impl {
   }
 
  private:
-  /// Nothing acts inside the triangles.
-  static bool is_plain_inside(const Scene& scene) {
-    return !scene.body && !has_eigenstrain(scene);
-  }
-
   struct Batched {
-    std::size_t place;  // among the duals
-    Model loaded;
+    std::size_t place;            // among the duals
+    std::optional<Model> loaded;  // none: cut off
   };
 
-  void bound_together(const std::vector<DualProblem>& duals, std::span<const Batched> batch,
+  const Model& body_at_rest() const {
+    if (!resting) resting = std::make_unique<const Model>(loads_alone(m, unloaded(m)));
+    return *resting;
+  }
+
+  const LaneOwn& own_in_modes(bool cut_off) const {
+    std::unique_ptr<const LaneOwn>& of = in_modes[cut_off ? 1 : 0];
+    if (!of) of = std::make_unique<const LaneOwn>(admissible_state(cut_off), cut_off);
+    return *of;
+  }
+
+  /// Those of a ring are sampled together.
+  std::vector<LaneDual> lane_duals(const std::vector<DualProblem>& duals, std::span<const Batched> batch,
+                                   bool cut_off) const {
+    std::vector<LaneDual> all;
+    if (!cut_off) {
+      for (const Batched& b : batch) all.push_back({&*b.loaded, edge_data(*b.loaded), {}, b.loaded->inner->system.F});
+      return all;
+    }
+    const std::vector<EdgeData> data = edge_data(body_at_rest());
+    for (std::size_t first = 0; first < batch.size();) {
+      const std::shared_ptr<const CutOffRing>& ring = duals[batch[first].place].ring;
+      std::vector<std::size_t> fields;
+      for (; first < batch.size() && duals[batch[first].place].ring == ring; ++first)
+        fields.push_back(duals[batch[first].place].field);
+      for (RingLoads& loads : ring_loads(body_at_rest(), *ring, fields))
+        all.push_back({&body_at_rest(), data, std::move(loads)});
+    }
+    return all;
+  }
+
+  void bound_together(const std::vector<DualProblem>& duals, std::span<const Batched> batch, bool cut_off,
                       std::vector<BoundedDual>& all) const {
-    const AdmissiblePair& mine = admissible_state(false);
+    const AdmissiblePair& mine = admissible_state(cut_off);
     if (!std::isfinite(mine.bounds.upper - mine.bounds.lower)) {
       for (const Batched& b : batch) all[b.place].interval = lost(mine.bounds.note);
       return;
     }
-    std::vector<const Model*> of;
-    for (const Batched& b : batch) of.push_back(&b.loaded);
-    if (!solve_together(m, of, room.states)) {
+    std::vector<LaneDual> together = lane_duals(duals, batch, cut_off);
+    const bool assembled =
+        std::ranges::all_of(together, [](LaneDual& d) { return !d.ring || (!d.ring->open && assemble_ring(d)); });
+    const LaneRings rings(together, static_cast<Index>(m.mesh.triangles.size()));
+    if (!assembled || !solve_together(m, together, rings, room.states)) {
       for (const Batched& b : batch) all[b.place] = tried([&] { return bound(duals[b.place]); });
       return;
     }
-    if (!averages) averages = std::make_unique<const Averaging>(averaging(m));
-    const std::vector<std::optional<CrossEnergy>> crossed = cross_energies(mine, *averages, of, room);
+    const std::vector<std::optional<CrossEnergy>> crossed =
+        cross_energies(own_in_modes(cut_off), together, rings, room);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const DualProblem& dual = duals[batch[i].place];
       BoundedDual& to = all[batch[i].place];
@@ -360,9 +398,11 @@ TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   if (!(plain || room > 0)) return {"no bounds: a curved triangle is at the tip"};
   const CutOffDisc disc{found->at, within * room, &*found};
   const double length = inside && plain ? found->vertices.back().norm() : infinity;
+  const std::shared_ptr<const CutOffRing> ring =
+      plain ? nullptr : disc.ring(tip_nuclei(material, found->at, found->frame));
   const auto dual = [&](int mode) {
     const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
-    return plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc);
+    return plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc, ring, static_cast<std::size_t>(mode - 1));
   };
   return {{}, plane_modulus(material), {dual(1), dual(2)}};
 }

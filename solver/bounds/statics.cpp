@@ -72,7 +72,7 @@ Mat2 antisymmetric(double g) {
   return (Mat2() << 0, 0.5 * g, -0.5 * g, 0).finished();
 }
 
-Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple) {
+Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple, Eigen::VectorXd* moved) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Index contact_rows = m.inner->ordering.contact_rows, size = m.inner->ordering.size;
   const bool contact = contact_rows > 0 && s.force.cwiseAbs().maxCoeff() > 0;
@@ -102,6 +102,11 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
     load.tail(contact_rows) += pressures_everywhere(m, s, jumps);
   }
   const Eigen::VectorXd change = open->solve(load);
+  if (moved) {
+    *moved = Eigen::VectorXd::Zero(m.inner->skeleton.total);
+    for (Index u = 0; u < m.inner->skeleton.total; ++u)
+      if (m.inner->ordering.row[u] != none) (*moved)[u] = change[m.inner->ordering.row[u]];
+  }
   Eigen::MatrixXd interior_fields = s.interior;
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {

@@ -11,7 +11,8 @@ Mat2 antisymmetric(double asymmetry);
 /// Interior fields of the solution plus its response to two changes. On unilateral cracks the normal stress is nowhere
 /// tension: its Bernstein coefficients on every edge are <= 0, which pressure at the Gauss points does not imply. And
 /// with antisymmetric(couple[t]) on top of each triangle (no couples: empty) the tractions balance. Uses the factor of
-/// the model and nothing else of how the state was found.
-Eigen::MatrixXd static_interior(const Model& model, const Field& state, const Eigen::VectorXd& couple);
+/// the model and nothing else of how the state was found. `moved`: how far the multipliers go with it, or nothing.
+Eigen::MatrixXd static_interior(const Model& model, const Field& state, const Eigen::VectorXd& couple,
+                                Eigen::VectorXd* moved = nullptr);
 
 }  // namespace kerf

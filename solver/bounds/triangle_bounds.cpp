@@ -79,7 +79,7 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
   const Points x = nodes(r, shape);
   Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.statics, x).stress;
   if (f.couple.size() > 0) {
-    const Mat2 c = antisymmetric(f.couple[t]);
+    const Mat2 c = antisymmetric(f.couple[column(t)]);
     stress.colwise() += Eigen::Vector4d(c(0, 0), c(0, 1), c(1, 0), c(1, 1));
   }
   share.tractions = tractions(r, shape, stress);
@@ -117,8 +117,8 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
   share.size += energy + std::abs(freed);
   if ((free.cols() > 0 || keep) && r.n >= strain_degree) share.square = beyond_strains(r, whole);
   if (free.cols() > 0) {
-    const StrainData& strain = m.inner->data.strain;
-    share.below = area(shape) * (std::sqrt(strain.rest[t] * share.square) + strain.error[t] * share.stress);
+    share.below = area(shape) * (std::sqrt(strain().rest[column(t)] * share.square) +
+                                 strain().error[column(t)] * share.stress);
   }
   if (keep) share.kept_stress = std::move(whole);
 }
@@ -159,7 +159,7 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
   if (!correct) return;
   Points wanted = Points::Zero(2, x.cols());
   if (f.nodal.cols() > 0 && !is_curved(shape)) {
-    const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+    const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
     wanted = force * (r.mean_force - r.force).transpose();
   }
   for (int row = 0; row < 2; ++row) {
@@ -176,7 +176,7 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
 }
 
 Eigen::Matrix4Xd Bounding::eigenstrain(const TriangleReference& r, Index t) const {
-  return m.inner->data.strain.empty() ? Eigen::Matrix4Xd() : strain_at(m.inner->data.strain, t, r.rule.x);
+  return strain().empty() ? Eigen::Matrix4Xd() : strain_at(strain(), column(t), r.rule.x);
 }
 
 void Bounding::work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
@@ -224,7 +224,7 @@ double Bounding::work_on_edge(Index i) const {
 
 double Bounding::work_of_force(const CurvedReference& r, Index t, const Triangle& cell, const Points& v) const {
   if (f.nodal.cols() == 0) return 0;
-  const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+  const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
   const Points at = force * interpolation(f.degree, r.rule.x).transpose(), moved = v * r.value_at_rule.transpose();
   double work = 0;
   for (Eigen::Index q = 0; q < r.rule.w.size(); ++q)
@@ -241,8 +241,8 @@ Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index
     for (Eigen::Index q = 0; q < wanted.size(); ++q)
       wanted[q] +=
           orthotropic_strain(material, stress(0, q), stress(3, q), 0.5 * (stress(1, q) + stress(2, q))).head<2>().sum();
-  if (!m.inner->data.strain.empty()) {
-    const Eigen::Matrix4Xd free = strain_at(m.inner->data.strain, t, r.nodes);
+  if (!strain().empty()) {
+    const Eigen::Matrix4Xd free = strain_at(strain(), column(t), r.nodes);
     wanted += free.row(0) + free.row(3);
   }
   return wanted;
@@ -352,11 +352,11 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
   }
   if (f.nodal.cols() > 0) {
-    const Eigen::Map<const Points> force(f.nodal.col(t).data(), 2, f.nodal.rows() / 2);
+    const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
     const Points pull = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
     const Eigen::VectorXd own = r.inverse.value * scaled;
     share.force =
-        diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[t];
+        diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[column(t)];
     for (Eigen::Index q = 0; q < pull.cols(); ++q) {
       const double w = r.rule.w[q] * area(shape), work = pull.col(q).dot(value.col(q));
       e -= w * work;
@@ -378,8 +378,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
   }
   if (free.cols() > 0) {
-    const StrainData& strain = m.inner->data.strain;
-    share.above = moved_by_eigenstrain(material, shape, strain.rest[t], strain.error[t],
+    share.above = moved_by_eigenstrain(material, shape, strain().rest[column(t)], strain().error[column(t)],
                                        {share.elastic, worst[1], share.stress, share.force});
   }
   const double square = zz + alpha * (2 * zw + alpha * ww);

@@ -6,6 +6,7 @@
 #include "solver/bounds/right_inverse.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace kerf {
 
@@ -45,7 +46,20 @@ struct Bounding {
   const std::vector<EdgeData>& data;
   const Conforming& conforming;  // its values on the edges of the data
   bool keep = false;             // the fields
+  /// Of a triangle whose body force and eigenstrain are not in the column of its number.
+  struct Elsewhere {
+    const StrainData& strain;
+    Index column;
+  };
+  std::optional<Elsewhere> loads = std::nullopt;
   EdgeRule carrier = gauss(data_carriers);
+
+  const StrainData& strain() const {
+    return loads ? loads->strain : m.inner->data.strain;
+  }
+  Index column(Index t) const {
+    return loads ? loads->column : t;
+  }
 
   /// The coordinate (1 + l_b - l_a)/2 along a boundary edge and l_a l_b, at a point (l1, l2).
   struct Along {

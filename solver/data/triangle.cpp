@@ -33,6 +33,23 @@ std::array<Vertices, 4> quarters(const Vertices& c) {
   return {Vertices{c[0], d, b}, {d, c[1], a}, {b, a, c[2]}, {a, b, d}};
 }
 
+// The means of two looks at a black box.
+struct Look {
+  double difference, size;
+  bool agrees;
+};
+Look compared(const Eigen::Ref<const Points>& at, const TriangleRule& rule, const Eigen::Ref<const Points>& finer) {
+  constexpr double agree = 1e-5;
+  const double size = std::max(at.cwiseAbs().maxCoeff(), finer.cwiseAbs().maxCoeff()),
+               difference = (at * rule.w - finer * finer_rule().w).cwiseAbs().sum();
+  return {difference, size, difference <= agree * size};
+}
+
+// The better of two rules that agree: of twice the order or nearly.
+double better(double difference, double size) {
+  return size > 0 ? difference * difference / size : 0;
+}
+
 struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
   Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
@@ -82,10 +99,6 @@ class TriangleIntegration {
     return v;
   }
 
-  // The better of two rules that agree: of twice the order or nearly.
-  static double better(double difference, double size) {
-    return size > 0 ? difference * difference / size : 0;
-  }
   static const TriangleRule& coarse_rule() {
     static const TriangleRule rule = triangle_rule(5);
     return rule;
@@ -166,19 +179,10 @@ class TriangleIntegration {
 
   // A black box: settled where a finer look gives the same mean.
   void sample(Cell& c) const {
-    static const TriangleRule check = triangle_rule(4);
     c.value = values(rule_, c.corners);
-    Vec2 finer = Vec2::Zero();
-    double size = c.value.cwiseAbs().maxCoeff();
-    for (const Vertices& quarter : quarters(c.corners)) {
-      const Points v = values(check, quarter);
-      finer += 0.25 * v * check.w;
-      size = std::max(size, v.cwiseAbs().maxCoeff());
-    }
-    constexpr double agree = 1e-5;
-    const double difference = (c.value * rule_.w - finer).cwiseAbs().sum();
-    c.settled = difference <= agree * size;
-    c.error = c.area * (c.settled ? better(difference, size) : difference);
+    const Look look = compared(c.value, rule_, values(finer_rule(), c.corners));
+    c.settled = look.agrees;
+    c.error = c.area * (c.settled ? better(look.difference, look.size) : look.difference);
   }
 
   void refine() {
@@ -255,6 +259,33 @@ Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, con
   const Eigen::MatrixXd mass = weighted * basis.transpose();
   const Eigen::MatrixXd coefficients = mass.llt().solve(weighted * values.at.transpose());
   return (monomials(kept_degree, l).transpose() * coefficients).transpose();
+}
+
+const TriangleRule& finer_rule() {
+  static const TriangleRule rule = [] {
+    static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
+    const TriangleRule each = triangle_rule(4);
+    TriangleRule all{Points(2, 4 * each.w.size()), each.w.replicate(4, 1) / 4};
+    Eigen::Index at = 0;
+    for (const Vertices& quarter : quarters(unit)) {
+      all.x.middleCols(at, each.w.size()) = places(each, quarter);
+      at += each.w.size();
+    }
+    return all;
+  }();
+  return rule;
+}
+
+std::optional<TriangleValues> first_look(const Eigen::Ref<const Points>& at, const TriangleRule& rule,
+                                         const Eigen::Ref<const Points>& finer) {
+  if (!at.allFinite() || !finer.allFinite()) return std::nullopt;
+  const Look look = compared(at, rule, finer);
+  if (!look.agrees) return std::nullopt;
+  TriangleValues v;
+  v.at = at;
+  v.error = better(look.difference, look.size);
+  v.how = Resolution::Sampled;
+  return v;
 }
 
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,

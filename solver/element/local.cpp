@@ -298,6 +298,10 @@ void evaluate_lanes(const Kernel& k, const Triangle& t, const double* interior, 
   k.run->evaluate_lanes(t, interior, x, fields);
 }
 
+void loaded(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& forces, Loaded& to) {
+  k.run->loaded(k, t, material, forces, to);
+}
+
 LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force) {
   require(k.element, can_stay_uncondensed);
   return k.run->local_system(k, t, material, force);

@@ -112,6 +112,13 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
 /// The same for several traces without a body force (columns), one elimination.
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
 
+/// Of several loads (columns of ForceMoments), one elimination: what they do in a triangle whose edges rest, and
+/// Condensed::F. The columns must be there.
+struct Loaded {
+  Eigen::Ref<Eigen::MatrixXd> interior, given;
+};
+void loaded(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& forces, Loaded& to);
+
 /// Fields side by side: of a number of rows, row after row, `lanes` values each.
 inline constexpr int lanes = 8, lane_fields = 7;  // s11, s12, s21, s22, u1, u2, r
 /// As `interiors`, straight triangles: traces m and coefficients side by side.
@@ -169,6 +176,7 @@ struct Operations {
   Eigen::MatrixXd (*interiors)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&) = nullptr;
   void (*interiors_lanes)(const Kernel&, const Triangle&, const Material&, const double*, double*) = nullptr;
   void (*evaluate_lanes)(const Triangle&, const double*, const Points&, double*) = nullptr;
+  void (*loaded)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&, Loaded&) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

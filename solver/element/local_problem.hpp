@@ -200,6 +200,11 @@ struct LocalProblem : Space<E> {
     }
   }
 
+  // Of the means of the force, on the right-hand side of the constraints: the triangle's area in xi is 1/2.
+  static double share_of_force(const Scaled& s) {
+    return -0.5 * s.h;
+  }
+
   static Full assemble_full(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
                             const ForceMoments& force) {
     Full a;
@@ -208,8 +213,7 @@ struct LocalProblem : Space<E> {
     set_zero(a.Ct);
     set_zero(a.trace);
     set_zero(a.given);
-    const double share = -0.5 * s.h;  // the triangle's area in xi is 1/2
-    for (int i = 0; i < U && force.size() > 0; ++i) a.given[i] = share * force[i];
+    for (int i = 0; i < U && force.size() > 0; ++i) a.given[i] = share_of_force(s) * force[i];
     const Moments of = moments(k, s);
     const Eigen::Matrix4d A = compliance(material);
     bool straight = true;

@@ -104,6 +104,31 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  static void loaded(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& forces,
+                     Loaded& to) {
+    const Scaled s = scale(t);
+    const LocalArrays<E, S> a = assemble(k, t, s, material, {});
+    const Reduction<E> e(a, material, {});
+    const Rowwise<X, 1> at_rest = Rowwise<X, 1>::Zero();
+    const SkeletonVector nothing = SkeletonVector::Zero(X);
+    for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+      const ForceMoments force = forces.col(i);
+      Rowwise<B, 1> right;
+      set_zero(right);
+      for (int b = 0; b < Space<E>::U; ++b) right[b] = LocalProblem<E>::share_of_force(s) * force[b];
+      Rowwise<B, 1> low = right;
+      forward<B, 1>(e.LB, low);
+      to.given.col(i) = e.pull(a, s, Rowwise<S, 1>::Zero(), low);
+      Strained more{Rowwise<S, 1>::Zero(), Rowwise<B, 1>::Zero()};
+      if (has_eigenstrain(force)) {
+        more = reduced_eigenstrain(e, k, s, force);
+        to.given.col(i) += e.pull(a, s, more.stress, more.low);
+      }
+      const auto found = e.back(a, at_rest, low + more.low, right, &more.stress, {});
+      to.interior.col(i) = unpack(k, s, material, found.stress.data(), found.inner.data(), nothing);
+    }
+  }
+
   static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                                 const Penalty& penalty) {
     const Scaled s = scale(t);
@@ -154,7 +179,8 @@ constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
   return {&Sized::condense,      &Sized::interior,     &Sized::evaluate,        &Sized::stress_at_point,
           &Sized::weigh,         &Sized::local_system, &Sized::interior_of,     &Sized::condense_dual,
-          &Sized::interior_dual, &Sized::interiors,    &Sized::interiors_lanes, &Sized::evaluate_lanes};
+          &Sized::interior_dual, &Sized::interiors,    &Sized::interiors_lanes, &Sized::evaluate_lanes,
+          &Sized::loaded};
 }
 
 }  // namespace kerf

@@ -7,6 +7,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 namespace kerf {
 namespace {
 
@@ -57,6 +59,63 @@ TEST(QuantityBounds, AreTheSameTogetherAndOneByOne) {
   expect_the_same("bdms", 2, {0});
   expect_the_same("bdms", 3, {0});
   expect_the_same("afw", 1, {0});
+}
+
+/// The crack of `inclined`, label 0 held, and something for which singular fields are cut off.
+struct Changed {
+  Model model;
+  State state;
+  Changed(int degree, const std::function<void(Mesh&, Scene&)>& change) : model(of(degree, change)) {
+    state = solve(model);
+  }
+  static Model of(int degree, const std::function<void(Mesh&, Scene&)>& change) {
+    CrackProblem p = crack_problem(inclined(), 8, degree, {0});
+    Mesh mesh = p.model.mesh;
+    Scene scene = p.model.scene;
+    change(mesh, scene);
+    return prepare(mesh, p.model.element, scene, 1);
+  }
+};
+
+void expect_cut_off_alike(const std::string& name, int degree, const std::function<void(Mesh&, Scene&)>& change) {
+  const Changed c(degree, change);
+  const QuantityRequest request{.tips = crack_tips(c.model, c.state),
+                                .points = {{0.3, 1.2}, {-1.2, -0.3}},
+                                .discs = {{{-1.2, 1.2}, 0.1}},
+                                .lines = {{{-1.4, 1.2}, {-1.2, 1.3}}},
+                                .works = {{{2, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::UnitX(); }}}}};
+  const std::vector<Bounded> all = listed(QuantityBounds(c.model, c.state).all(request)),
+                             each = listed(QuantityBounds(c.model, c.state, true).all(request));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string which = fmt::format("{} {} quantity {}", name, degree, i);
+    EXPECT_EQ(all[i].guaranteed, each[i].guaranteed) << which << all[i].note << each[i].note;
+    EXPECT_EQ(all[i].note, each[i].note) << which;
+    const double width = each[i].upper - each[i].lower;
+    EXPECT_NEAR(all[i].lower, each[i].lower, 1e-6 * width) << which;
+    EXPECT_NEAR(all[i].upper, each[i].upper, 1e-6 * width) << which;
+  }
+}
+
+TEST(QuantityBounds, CutOffAreTheSameTogetherAndOneByOne) {
+  const auto weight = [](Mesh&, Scene& s) { s.body = [](const Vec2&) -> Vec2 { return {0.1, -0.3}; }; };
+  const auto uneven = [](Mesh&, Scene& s) {
+    s.body = [](const Vec2& x) -> Vec2 { return {0.2 * x.y(), x.x() * x.x() - 0.3}; };
+  };
+  const auto pressed = [](Mesh&, Scene& s) {
+    s.laws[0].pressure = [](const Vec2& x, const Vec2&) -> Vec2 { return {0.2 + 0.1 * x.x(), 0}; };
+  };
+  const auto stiff = [](Mesh& m, Scene& s) {
+    s.regions = {plane_strain(5, 0.2)};
+    m.region.assign(m.triangles.size(), none);
+    for (Index t = 0; t < static_cast<Index>(m.triangles.size()); ++t)
+      if (centroid(m, t).x() > 1.5) m.region[static_cast<std::size_t>(t)] = 0;
+  };
+  expect_cut_off_alike("weight", 1, weight);
+  expect_cut_off_alike("uneven", 1, uneven);
+  expect_cut_off_alike("uneven", 2, uneven);
+  expect_cut_off_alike("pressed", 1, pressed);
+  expect_cut_off_alike("materials", 1, stiff);
+  expect_cut_off_alike("materials", 2, stiff);
 }
 
 TEST(QuantityBounds, TogetherHaveTheSameBitsForAnyNumberOfThreads) {
