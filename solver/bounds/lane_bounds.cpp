@@ -150,10 +150,10 @@ class LaneBounding {
       Products p;
       const std::vector<EdgeData>& data = data_[static_cast<std::size_t>(lane)];
       for (std::size_t i = 0; i < data.size(); ++i)
-        p.add(crossed_on_edge({u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
-                              {*duals_[static_cast<std::size_t>(lane)].model, data[i],
-                               conforming_.of[static_cast<std::size_t>(lane)].value[i],
-                               tractions_at(data[i].triangle, lane)}));
+        p.add(crossed_on_edge(
+            {u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
+            {*duals_[static_cast<std::size_t>(lane)].model, data[i],
+             conforming_.of[static_cast<std::size_t>(lane)].value[i], tractions_at(data[i].triangle, lane)}));
       sum_.add(lane, {}, p);
     }
     sum_imbalance();
@@ -203,8 +203,8 @@ class LaneBounding {
     const Modes& low = own_.low;
     Points nodes(2, low.nodes.cols());
     for (Eigen::Index q = 0; q < nodes.cols(); ++q)
-      nodes.col(q) = shape.x[0] + low.nodes(0, q) * (shape.x[1] - shape.x[0]) +
-                     low.nodes(1, q) * (shape.x[2] - shape.x[0]);
+      nodes.col(q) =
+          shape.x[0] + low.nodes(0, q) * (shape.x[1] - shape.x[0]) + low.nodes(1, q) * (shape.x[2] - shape.x[0]);
     evaluate_lanes(u_.m.inner->kernel, shape, states_.interior.at(t), nodes, room.fields.data());
     const unsigned mask = rings_.mask(t);
     if (mask != 0) add_couples(t, mask, low.polynomials, room.fields.data());
@@ -358,7 +358,8 @@ class LaneBounding {
               by.inverse(0, j) * d[0] + by.inverse(1, j) * d[1];
       }
     for (int k = 0; k < 2; ++k)
-      product(own_.low.displacement, room.nodal.data() + k * n * lanes, 1, room.displacement.data() + k * moved * lanes);
+      product(own_.low.displacement, room.nodal.data() + k * n * lanes, 1,
+              room.displacement.data() + k * moved * lanes);
   }
 
   /// What is gathered in a triangle of a ring on the way.
@@ -526,8 +527,7 @@ class LaneBounding {
     for (Eigen::Index r = 0; r < 2 * moved; ++r) pull += at(way.ring->force, r).square();
     for (int lane = 0; lane < states_.count; ++lane) {
       if (!(way.active[lane] > 0)) continue;
-      const double force =
-          diameter(cell.shape) / pi * std::sqrt(cell.area * pull[lane]) + way.ring->left_out[lane];
+      const double force = diameter(cell.shape) / pi * std::sqrt(cell.area * pull[lane]) + way.ring->left_out[lane];
       put_share(cell, lane, {of.square[lane], of.stress[lane], of.elastic[lane], of.gradient[lane], force},
                 {way.ring->rest[lane], way.ring->error[lane]}, sums);
     }
@@ -711,7 +711,8 @@ Forces of_degree(int degree) {
 LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
     : u(pair),
       averages(averaging(pair.m)),
-      references(kerf::references(pair.m.element, pair.references->plain.n, of_degree(pair.m.element.trace + 1), false)),
+      references(
+          kerf::references(pair.m.element, pair.references->plain.n, of_degree(pair.m.element.trace + 1), false)),
       low(references.plain, pair.m.element, degree_inside(pair.m, false, false)) {
   if (cut_off) {
     ring.emplace(references.plain, pair.m.element, references.plain.n);

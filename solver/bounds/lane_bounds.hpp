@@ -16,10 +16,10 @@ struct LaneOwn {
 
   const AdmissiblePair& u;
   Averaging averages;
-  References references;      // for a body force of degree trace + 1
-  Modes low;                  // of triangles where the dual has no loads
-  std::optional<Modes> ring;  // where it has
-  Eigen::MatrixXd change;     // from low to ring
+  References references;        // for a body force of degree trace + 1
+  Modes low;                    // of triangles where the dual has no loads
+  std::optional<Modes> ring;    // where it has
+  Eigen::MatrixXd change;       // from low to ring
   Eigen::MatrixXd nodal_force;  // from modes to nodal values of a body force
   // Per triangle, modes of stress and strain, 4 columns each; in those of the ring, too, where the state has a body
   // force, with which its fields are not in the span of the others.

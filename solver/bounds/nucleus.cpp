@@ -106,8 +106,7 @@ Nuclei point_nuclei(const Material& m, const Vec2& x) {
       const Complex by_second = times(c, second);
       values[i].displacement =
           vector(k * times(c, first) + times(z, std::conj(by_second)) - std::conj(d * first)) / (2 * mu);
-      values[i].stress =
-          tensor(-4 * by_second.real(), 2.0 * (2.0 * times(std::conj(z), times(c, third)) - d * second));
+      values[i].stress = tensor(-4 * by_second.real(), 2.0 * (2.0 * times(std::conj(z), times(c, third)) - d * second));
     }
   }};
 }
@@ -174,14 +173,13 @@ Nuclei tip_nuclei(const Material& m, const Vec2& tip, const Mat2& frame) {
   const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
   return {[=](const Vec2& at, std::array<NucleusValue, Nuclei::most>& values) {
     const Complex z = number(frame.transpose() * (at - tip)), first = inverse(z), root = std::sqrt(z),
-                  one_over = inverse(root), F = times(first, one_over), P = -2.0 * one_over,
-                  D = -1.5 * times(F, first), across = z - std::conj(z);
+                  one_over = inverse(root), F = times(first, one_over), P = -2.0 * one_over, D = -1.5 * times(F, first),
+                  across = z - std::conj(z);
     for (int mode = 0; mode < 2; ++mode) {
       const Complex B = mode == 0 ? Complex(size) : Complex(0, -size);
-      const Complex F_here = times(B, F), P_here = times(B, P), D_here = times(B, D), F_mirrored = times(B, std::conj(F)),
-                    P_mirrored = times(B, std::conj(P));
-      values[mode].displacement =
-          frame * vector(k * P_here - P_mirrored - times(across, std::conj(F_here))) / (2 * mu);
+      const Complex F_here = times(B, F), P_here = times(B, P), D_here = times(B, D),
+                    F_mirrored = times(B, std::conj(F)), P_mirrored = times(B, std::conj(P));
+      values[mode].displacement = frame * vector(k * P_here - P_mirrored - times(across, std::conj(F_here))) / (2 * mu);
       const double sum = 4 * F_here.real();
       const Complex normal = F_here + F_mirrored + times(across, std::conj(D_here));
       values[mode].stress = frame * tensor(sum, {2 * normal.real() - sum, -2 * normal.imag()}) * frame.transpose();

@@ -402,7 +402,8 @@ TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
       plain ? nullptr : disc.ring(tip_nuclei(material, found->at, found->frame));
   const auto dual = [&](int mode) {
     const Nucleus G = tip_nucleus(material, found->at, found->frame, length, mode);
-    return plain ? global_dual(m, G, StressPlace::point(found->at), of.crack) : local_dual(m, G, disc, ring, static_cast<std::size_t>(mode - 1));
+    return plain ? global_dual(m, G, StressPlace::point(found->at), of.crack)
+                 : local_dual(m, G, disc, ring, static_cast<std::size_t>(mode - 1));
   };
   return {{}, plane_modulus(material), {dual(1), dual(2)}};
 }

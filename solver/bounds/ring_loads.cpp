@@ -143,8 +143,8 @@ class RingSampling {
     const Points unseen = seen - v.at * mean_at_;
     double couple = 0;
     for (Eigen::Index q = 0; q < w.size(); ++q) {
-      const Vec2 d = kernel_.load.x(0, q) * (shape.x[1] - shape.x[0]) + kernel_.load.x(1, q) * (shape.x[2] - shape.x[0]) +
-                     shape.x[0] - centroid(shape);
+      const Vec2 d = kernel_.load.x(0, q) * (shape.x[1] - shape.x[0]) +
+                     kernel_.load.x(1, q) * (shape.x[2] - shape.x[0]) + shape.x[0] - centroid(shape);
       couple -= w[q] * cross(unseen.col(q), d);
     }
     f.couple[column] = couple;
@@ -247,7 +247,8 @@ struct EdgeBalance {
 
   Vec2 at(const Eigen::VectorXd& share, const Vec2& x) const {
     Vec2 sum = Vec2::Zero();
-    for (Eigen::Index k = 0; k < share.size(); ++k) sum += share[k] * m.inner->floating[static_cast<std::size_t>(k)].at(x);
+    for (Eigen::Index k = 0; k < share.size(); ++k)
+      sum += share[k] * m.inner->floating[static_cast<std::size_t>(k)].at(x);
     return sum;
   }
   Vec2 place(Index e, double s) const {
@@ -297,8 +298,7 @@ bool assemble_ring(LaneDual& dual) {
   const std::vector<RigidMotion>& motions = m.inner->floating;
   dual.F = m.inner->system.F;
   std::vector<Eigen::VectorXd> moved;
-  for (const RigidMotion& motion : motions)
-    moved.push_back(trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion));
+  for (const RigidMotion& motion : motions) moved.push_back(trace(m.mesh, m.inner->kernel, m.inner->skeleton, motion));
   Eigen::VectorXd net = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(motions.size())), size = net;
   for (std::size_t c = 0; c < ring.triangles->size(); ++c) {
     const Seen view = seen(m.mesh, m.inner->skeleton, (*ring.triangles)[c]);

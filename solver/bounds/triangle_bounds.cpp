@@ -117,8 +117,8 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
   share.size += energy + std::abs(freed);
   if ((free.cols() > 0 || keep) && r.n >= strain_degree) share.square = beyond_strains(r, whole);
   if (free.cols() > 0) {
-    share.below = area(shape) * (std::sqrt(strain().rest[column(t)] * share.square) +
-                                 strain().error[column(t)] * share.stress);
+    share.below =
+        area(shape) * (std::sqrt(strain().rest[column(t)] * share.square) + strain().error[column(t)] * share.stress);
   }
   if (keep) share.kept_stress = std::move(whole);
 }
@@ -355,8 +355,8 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
     const Points pull = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
     const Eigen::VectorXd own = r.inverse.value * scaled;
-    share.force =
-        diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) + f.left_out[column(t)];
+    share.force = diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) +
+                  f.left_out[column(t)];
     for (Eigen::Index q = 0; q < pull.cols(); ++q) {
       const double w = r.rule.w[q] * area(shape), work = pull.col(q).dot(value.col(q));
       e -= w * work;
