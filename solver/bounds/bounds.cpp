@@ -404,8 +404,10 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   }
   Eigen::VectorXd moved;
   const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple, &moved);
-  // The displacement follows the couples, too, which the element does not see of the body force.
-  const bool with_couples = keep && a.f.couple.size() > 0 && m.inner->ordering.contact_rows == 0 && moved.size() > 0;
+  // The displacement follows the couples, too, which the element does not see of the body force. Their response is of
+  // one sweep: with a penalty it changes the volume.
+  const bool with_couples = keep && a.f.couple.size() > 0 && moved.size() > 0 && m.inner->system.penalty == 0 &&
+                            m.inner->ordering.contact_rows == 0;
   const Field solved = with_couples ? Field{s.skeleton + moved, statics, s.force, s.eigenstrain} : s;
   a.conforming = conforming_displacement(m, solved, a.data);
   a.edges.resize(m.mesh.triangles.size());
