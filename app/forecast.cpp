@@ -210,6 +210,13 @@ void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c) {
 std::optional<Forecast> forecast_where_needed(const Case& c, Job job, int threads, const Allowed& limits, bool asked) {
   constexpr double worth_it = 200000, meshable = 2e7;  // triangles
   asked = asked || limits.memory_mb || limits.seconds;
+  if (c.backend == Backend::Petsc) {
+    if (!asked) return std::nullopt;
+    throw Error(Fault::Usage,
+                fmt::format("{}: what backend = \"petsc\" takes is not known beforehand; leave --dry-run, "
+                            "--max-memory and --max-seconds out",
+                            place_of(c, "solver.backend")));
+  }
   const bool validates = job == Job::Validate || (job == Job::Run && c.validate);
   const double rough = rough_triangles(c);
   if (!asked && (rough < worth_it || rough > meshable)) return std::nullopt;  // the mesher refuses more

@@ -11,6 +11,8 @@ namespace kerf {
 
 struct RunFields;
 
+class Processes;
+
 struct RunOptions {
   std::filesystem::path folder;  // made if absent
   std::string command;           // that is kept with the case
@@ -20,6 +22,7 @@ struct RunOptions {
   std::function<void(const std::string& phase)> on_phase;   // called as each phase begins
   std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
   RunFields* fields = nullptr;                              // where they are kept; none: in files alone
+  Processes* processes = nullptr;                           // for backend = "petsc"; none: it is refused
 };
 
 struct Journal {

@@ -6,6 +6,7 @@
 #include "app/optimize.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "app/ranks.hpp"
 #include "app/report.hpp"
 #include "app/run.hpp"
 #include "app/sweep.hpp"
@@ -327,13 +328,15 @@ int perform_sweep(const Arguments& arguments) {
   return 0;
 }
 
-int perform_command(const Arguments& arguments, Watchdog& watchdog) {
+int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& processes) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "report") return perform_report(arguments);
   if (arguments.command == "keys") {
     print(keys(arguments.keys, arguments.commands));
     return 0;
   }
+  if (arguments.command == "sweep" && started_processes() > 1)
+    throw Error(Fault::Usage, "kerf sweep starts its runs itself; start it without mpiexec");
   if (arguments.command == "sweep") return perform_sweep(arguments);
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
@@ -345,6 +348,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog) {
     return 0;
   }
   options.command = arguments.line;
+  options.processes = &processes;
   options.resume = arguments.resume;
   if (options.resume && !c.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
@@ -371,10 +375,10 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog) {
 }
 
 /// Reading counts, too: gmsh may take long for a geometry.
-int perform(const Arguments& arguments) {
+int perform(const Arguments& arguments, Processes& processes) {
   Watchdog watchdog(limits_of(arguments));
   try {
-    return perform_command(arguments, watchdog);
+    return perform_command(arguments, watchdog, processes);
   } catch (const Error&) {
     if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
     throw;
@@ -386,8 +390,13 @@ int perform(const Arguments& arguments) {
 
 int start(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "bench") start_bench(argv + 1);
+  Processes processes;
+  if (started_processes() > 1 && processes.start() > 0) {
+    processes.serve();
+    return 0;
+  }
   const auto arguments = parse(argc, argv);
-  return arguments ? perform(*arguments) : 0;
+  return arguments ? perform(*arguments, processes) : 0;
 }
 
 }  // namespace

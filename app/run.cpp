@@ -1,5 +1,6 @@
 #include "app/run.hpp"
 #include "app/peaks.hpp"
+#include "app/ranks.hpp"
 
 #include "app/bounds.hpp"
 #include "app/draw.hpp"
@@ -18,6 +19,7 @@
 #include "io/mesh_source.hpp"
 #include "kerf/stop.hpp"
 #include "plot/page.hpp"
+#include "solver/system.hpp"
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -42,8 +44,9 @@ Body body_of(const Case& c, const Adapted& adapted) {
   return {c.shape, adapted.sizing, c.scene, c.element};
 }
 
-Adaptation adaptation(const Case& c, int threads) {
-  Adaptation how{.contact = c.contact, .saddle_point = c.backend == Backend::Umfpack, .threads = threads};
+Adaptation adaptation(const Case& c, const RunOptions& options) {
+  Adaptation how{.contact = c.contact, .saddle_point = c.backend == Backend::Umfpack, .threads = options.threads};
+  if (c.backend == Backend::Petsc) how.ranks = options.processes->ranks(c.petsc);
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
   how.given = c.mesh;
   return how;
@@ -116,6 +119,29 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
                     *problem, why));
 }
 
+/// What is not solved on several processes.
+void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processes) {
+  if (c.backend != Backend::Petsc) {
+    if (started_processes() > 1 && processes)
+      throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, and backend = \"{}\" uses one; set "
+                                            "solver.backend = \"petsc\", or start kerf without mpiexec",
+                                            started_processes(), backend_words[static_cast<std::size_t>(c.backend)]));
+    return;
+  }
+  const std::string place = place_of(c, "solver.backend");
+  if (!processes)
+    throw Error(Fault::Usage, place + ": backend = \"petsc\" is for the program kerf alone; use \"cholmod\"");
+  const char* job = jobs.optimize      ? "an optimization"
+                    : jobs.validate    ? "a validation"
+                    : !c.steps.empty() ? "a history of loads ([[step]])"
+                    : c.synthetic      ? "a made up measurement ([synthetic])"
+                                       : nullptr;
+  if (job)
+    throw Error(Fault::Usage, fmt::format("{}: backend = \"petsc\" solves a state and what follows from it; {} is not "
+                                          "solved on several processes yet: use \"cholmod\"",
+                                          place, job));
+}
+
 void refuse(const Case& c, const Jobs& jobs) {
   if (!c.steps.empty()) {
     refuse_steps(c);
@@ -174,7 +200,7 @@ void describe_mesh(const Mesh& mesh, Result& r) {
 
 Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   const Body body = body_of(c);
-  Adaptation how = adaptation(c, journal.options.threads);
+  Adaptation how = adaptation(c, journal.options);
   if (!c.steps.empty()) {
     how.meshed = [&](const Mesh& mesh) { describe_mesh(mesh, r); };
     return solve_steps(c, how, journal, r.steps);
@@ -219,14 +245,16 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
       describe_state(adapted, c.shape, c.backend == Backend::Umfpack ? ContactMethod::ActiveSet : c.contact);
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
+  if (const auto effort = parted_effort(adapted.model))
+    r.solver = SolverResult{effort->parts, effort->solves, effort->iterations, effort->condition};
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
   if (has_functions(*c.document))
     r.state->notes.emplace_back(
         "functions of a program are known at sampled points alone: what is said of errors holds as sampled");
   if (!r.steps.empty())
-    r.state->notes.push_back(fmt::format(
-        "state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
-        r.steps.back().name));
+    r.state->notes.push_back(
+        fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
+                    r.steps.back().name));
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
@@ -466,6 +494,7 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   if (options.resume && !jobs.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
   refuse(read, jobs);
+  refuse_processes(read, jobs, options.processes);
   const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
   prepare_folder(options, read.fingerprint);
   write_kept(kept, options.folder);

@@ -114,6 +114,7 @@ solver.element
 solver.degree
 solver.contact
 solver.backend
+solver.petsc
 functional.kind
 functional.on
 functional.crack

@@ -79,6 +79,12 @@ struct ResultantResult {
   double moment = 0;
 };
 
+/// Of backend = "petsc".
+struct SolverResult {
+  int parts = 0, solves = 0, iterations = 0;  // the most iterations of a solve
+  double condition = 0;                       // the largest estimate
+};
+
 struct StateResult {
   std::string element;
   int degree = 1;
@@ -217,6 +223,7 @@ struct Result {
   std::vector<Identified> identified;  // what was found beside what is true, with synthetic data
   Seconds seconds;
   double peak_memory_mb = 0;
+  std::optional<SolverResult> solver = {};  // of the state, under "state"
 };
 
 /// result.json, schema 1 of the interface: 17 digits, written to a temporary file and renamed.

@@ -1,6 +1,7 @@
 #pragma once
 // A factorized sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
 
+#include "solver/ranks.hpp"
 #include "solver/system/lu.hpp"
 #include "solver/system/multifrontal.hpp"
 
@@ -15,8 +16,19 @@ namespace kerf {
 /// k-th to be eliminated.
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors);
 
+/// The BLAS and OpenMP on one thread each, from here on: processes and threads of kerf share the cores themselves.
+void use_one_thread();
+
 /// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
 void return_freed_memory();
+
+/// Solves with the rows of a matrix that no contact law acts on, by other means than a factor.
+class LeadingSolver {
+ public:
+  virtual ~LeadingSolver() = default;
+  virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  virtual PartedEffort effort() const = 0;
+};
 
 /// P' K P = L L' by CHOLMOD's analysis and solves and a numeric phase of our own, in the order in which K comes: rows
 /// in contact last, before them those of an interface. The last block of L is the Cholesky factor of the Schur
@@ -29,6 +41,9 @@ class Factor {
          int threads = 1);
   /// Of a definite matrix whose rows may be eliminated in any order: `sequence[k]` is the k-th. There is no last block.
   Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads = 1);
+  /// Of a definite matrix whose leading rows `leading` solves: S by a solve per row in contact, then two for each solve
+  /// [theory: E.31]. The halves below are those of a block elimination, which `backward` undoes.
+  Factor(const LowerTriangle& lower, Index contact_rows, std::unique_ptr<LeadingSolver> leading);
   ~Factor();
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;
@@ -54,6 +69,7 @@ class Factor {
   Eigen::VectorXd backward(const Eigen::VectorXd& y, const std::vector<bool>& fronts) const;
   std::vector<bool> fronts_above(const std::vector<Index>& rows) const;
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  double energy(const Eigen::VectorXd& b) const;  // b' K^-1 b
   Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;  // of a definite matrix, column by column
 
   /// L of a definite matrix as it lies in memory, and its order: place k is that of row order[k].
@@ -66,6 +82,7 @@ class Factor {
 
   double entries() const;  // nonzeros of L
   double flops() const;
+  const LeadingSolver* leading() const;  // null with a factor
 
  private:
   struct Impl;

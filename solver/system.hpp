@@ -8,6 +8,8 @@
 #include "solver/system/rigid.hpp"
 #include "solver/system/standing.hpp"
 
+#include <optional>
+
 namespace kerf {
 
 struct Inner {
@@ -23,6 +25,12 @@ struct Inner {
   std::shared_ptr<HeldFactors> held = {};  // instead of `factor` where contact is too large for a dense matrix
   std::vector<Motion> start = {};          // per row in contact: the set to begin with there, or nothing
 };
+
+/// `prepare` (kerf/model.hpp), the condensed system solved in parts by `ranks`, or here alone when there are none.
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
+              std::shared_ptr<Ranks> ranks);
+/// What its solves in parts took so far; nothing without parts.
+std::optional<PartedEffort> parted_effort(const Model& model);
 
 /// No dense matrix of contact: a factor per set of held rows.
 bool has_large_contact(const Model& model);

@@ -81,6 +81,8 @@ only 'toml\+\+' io/case/reader.cpp
 only muParser io/case/expression.cpp
 only vtk io/result/vtk_module.cpp
 only gmsh io/mesh/gmsh_module.cpp
+only petsc app/petsc_module.cpp
+only mpi app/petsc_module.cpp
 only cairo plot/figure/pen.hpp
 only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
 only CLI app/main.cpp bench/main.cpp

@@ -39,6 +39,8 @@ struct Round {
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0;  // seconds; contact within solve
 };
 
+class Ranks;  // processes that solve together: not for users
+
 struct Adaptation {
   double error = 1e-2;  // wanted: Indicator::relative
   Index max_triangles = 200000;
@@ -51,6 +53,7 @@ struct Adaptation {
   std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
   /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
   std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
+  std::shared_ptr<Ranks> ranks = {};  // solve the condensed system in parts
 };
 
 struct Adapted {

@@ -63,12 +63,13 @@ struct OutputRequest {
   bool vtk = true, png = true, html = true;
 };
 
-/// What factorizes: the condensed matrix, or the saddle point that is not condensed.
-enum class Backend { Cholmod, Umfpack };
+/// What solves: factors of the condensed matrix or of the saddle point that is not condensed; or processes that have a
+/// part of the condensed matrix each.
+enum class Backend { Cholmod, Umfpack, Petsc };
 
 // The words of case files, results and messages for values of enums, in the order of the values.
 inline constexpr std::array<std::string_view, 3> contact_method_words{"dual-qp", "active-set", "uzawa"};
-inline constexpr std::array<std::string_view, 2> backend_words{"cholmod", "umfpack"};
+inline constexpr std::array<std::string_view, 3> backend_words{"cholmod", "umfpack", "petsc"};
 inline constexpr std::array<std::string_view, 3> crack_law_words{"unilateral", "open", "bonded"};
 constexpr std::string_view word(ContactMethod method) {
   return contact_method_words[static_cast<std::size_t>(method)];
@@ -133,6 +134,7 @@ struct Case {
   std::filesystem::path folder = {};          // where files lie that it names
   std::string fingerprint;                    // of all that an optimization depends on, but for how long it may go on
   std::map<std::string, std::string> places;  // where every key and table stands: "hole[0].circle" "a.toml:12:10"
+  std::string petsc;                          // options of PETSc, as on a command line
 };
 
 /// "file:line:column" of a key, or of the nearest table around it that there is.

@@ -78,6 +78,10 @@ void read_solver(const Value& document, Case& c) {
   c.element = read_element(*solver, degree ? *degree : *solver, c.element);
   take(*solver, "contact", c.contact);
   take(*solver, "backend", c.backend);
+  if (const auto options = find(*solver, "petsc")) {
+    c.petsc = text(*options);
+    if (c.backend != Backend::Petsc) fail(options->node->position, options->name + " goes with backend = \"petsc\"");
+  }
 }
 
 void read_output(const Value& document, Case& c) {

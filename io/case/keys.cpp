@@ -21,7 +21,6 @@ constexpr KeyRange poisson{-1, 0.5, true};  // what is stable
 constexpr std::array<View, 2> plane_states{"plane strain", "plane stress"};
 constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
-constexpr std::array<View, 1> later_backends{"petsc"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
 constexpr std::array<View, 13> functional_kinds{
@@ -398,12 +397,19 @@ constexpr Key rows[] = {
      "\"dual-qp\""},
     {"solver.backend",
      Word,
-     {.words = backend_words, .later_words = later_backends},
+     {.words = backend_words},
      "umfpack solves the whole system at once, without condensing it, and contact in its own way, whatever contact "
      "says. "
-     "Slow; for checks.",
-     "\"umfpack\"",
+     "Slow; for checks. petsc solves the condensed system on the processes of mpiexec -n N kerf solve CASE, a part of "
+     "the body each; for kerf built with PETSc.",
+     "\"petsc\"",
      "\"cholmod\""},
+    {"solver.petsc",
+     Text,
+     {},
+     "With backend = \"petsc\": options of PETSc, as on a command line. What PETSc has no use for is an error.",
+     "\"-ksp_rtol 1e-12 -ksp_monitor\"",
+     "BDDC, conjugate gradients to 1e-10"},
 
     {"functional", Table, {}, "The number of interest, J: what a map differentiates and an optimization makes small."},
     {"functional.kind",

@@ -472,6 +472,12 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (result.units.given()) out["units"] = units_section(result);
   if (result.triangles > 0) out["mesh"] = mesh_section(result);
   if (result.state) out["state"] = state_section(*result.state);
+  if (const auto& s = result.solver; s && result.state)
+    out["state"]["solver"] = {{"backend", "petsc"},
+                              {"parts", s->parts},
+                              {"solves", s->solves},
+                              {"iterations", s->iterations},
+                              {"condition", number(s->condition)}};
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
   for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));

@@ -218,7 +218,7 @@ class Grading {
       preparation.contact = known_;
     }
     Stopwatch watch;
-    Model model = prepare(std::move(mesh), element_, scene_, how_.threads, preparation);
+    Model model = prepare(std::move(mesh), element_, scene_, how_.threads, preparation, how_.ranks);
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
@@ -299,7 +299,7 @@ struct Solved {
 Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
-  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known});
+  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known}, of.wanted.ranks);
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
   Stopwatch watch;

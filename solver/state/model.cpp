@@ -6,6 +6,7 @@
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
 #include "solver/system/lost_definiteness.hpp"
+#include "solver/system/parted.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
@@ -214,6 +215,36 @@ struct Prepared {
   std::vector<Motion> start;
 };
 
+/// Throws Error(Usage) for what is not solved in parts.
+void check_parted(const Element& e, const Preparation& how) {
+  if (!can_be_parted(e))
+    throw Error(Fault::Usage, fmt::format("backend \"petsc\" solves elements whose unknowns live on edges alone; "
+                                          "\"{}\" is none of them: use \"bdms\", \"afw\" or \"arnold-winther-nc\", or "
+                                          "the backend \"cholmod\"",
+                                          e.name));
+  if (!how.interface_edges.empty() || !how.factorize) throw std::invalid_argument("prepare: no interface with parts");
+}
+
+[[noreturn]] void refuse_parted_contact(Index rows, Index most) {
+  throw Error(Fault::Usage,
+              fmt::format("backend \"petsc\" takes a solve for each unknown of cracks in contact: there are "
+                          "{}, and at most {} are taken; use backend = \"cholmod\", contact = \"open\", or "
+                          "a larger mesh.size",
+                          rows, most));
+}
+
+/// Whether there are enough triangles; else a note.
+bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::string>& notes) {
+  constexpr int least = 8;  // triangles of a part
+  const std::size_t size = mesh.triangles.size();
+  if (size >= least * static_cast<std::size_t>(ranks.count())) return true;
+  notes.push_back(
+      fmt::format("backend \"petsc\": {} triangles are too few for {} parts; solved on one process by "
+                  "\"cholmod\"",
+                  size, ranks.count()));
+  return false;
+}
+
 /// With the springs that hold what contact alone holds.
 LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
   LowerTriangle held = k;
@@ -224,7 +255,18 @@ LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& 
 
 }  // namespace
 
+std::optional<PartedEffort> parted_effort(const Model& m) {
+  if (!m.inner->factor || !m.inner->factor->leading()) return std::nullopt;
+  return m.inner->factor->leading()->effort();
+}
+
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
+  return prepare(std::move(mesh), e, std::move(scene), threads, how, nullptr);
+}
+
+Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
+              std::shared_ptr<Ranks> ranks) {
+  if (ranks) check_parted(e, how);
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   for (const CrackLaw& law : scene.laws)
     if (law.kind == CrackLaw::Kind::Bonded && has_pressure(law))
@@ -246,6 +288,7 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   seconds.assemble = watch.lap() + numbering;
   if (!made.standing.empty())
     hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
+  if (by_factors && ranks) refuse_parted_contact(ordering.contact_rows, how.most_dense);
   if (by_factors) {
     made.held = std::make_shared<HeldFactors>(sequence_within(made.mesh, made.skeleton, ordering),
                                               ordering.contact_rows, threads);
@@ -257,6 +300,14 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
                     "solved by factors of the whole system, method \"active-set\"",
                     ordering.contact_rows));
     return std::move(made).model(std::move(ordering), std::move(system), nullptr, seconds);
+  }
+  if (ranks && is_worth_parts(made.mesh, *ranks, made.notes)) {
+    const LowerTriangle K = made.standing.empty() ? system.K : sprung(system.K, ordering, made.standing);
+    const Assembly from{made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain};
+    auto factor =
+        std::make_shared<const Factor>(K, ordering.contact_rows, parted(from, system.penalty, std::move(ranks)));
+    seconds.factor = watch.lap();
+    return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
   }
   auto factor = std::make_shared<const Factor>(
       !how.factorize                  ? Factor(LowerTriangle{}, 0)

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 #include <malloc.h>
 #include <omp.h>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <array>
@@ -52,6 +53,8 @@ struct Session {  // a CHOLMOD workspace with its lifetime
   }
 };
 
+}  // namespace
+
 // OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k
 // triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
 void use_one_thread() {
@@ -59,8 +62,6 @@ void use_one_thread() {
   using Set = void (*)(int);
   if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
 }
-
-}  // namespace
 
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
   check_stop();
@@ -101,6 +102,8 @@ struct Factor::Impl {
   bool permuted = false;  // by the factor, not by whoever made the matrix
   std::optional<Lu> lu;   // instead of a Cholesky factor
   std::optional<Multifrontal> numeric;
+  std::unique_ptr<LeadingSolver> leading;  // instead of both, with the rows of the matrix that are in contact
+  LowerTriangle coupling;                  // its entries in these rows, by columns
   int threads = 1;
 
   ~Impl() {
@@ -187,6 +190,81 @@ struct Factor::Impl {
     return out;
   }
 
+  Eigen::Index contact_rows() const {
+    return contact_factor.rows();
+  }
+
+  /// K_CI x, K_IC j: C the rows in contact, I the leading ones.
+  Eigen::VectorXd on_contact(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(contact_rows());
+    const Index first = size - static_cast<Index>(contact_rows());
+    for (Index j = 0; j < first; ++j)
+      for (Index p = coupling.start[j]; p < coupling.start[j + 1]; ++p)
+        force[coupling.rows[p] - first] += coupling.values[p] * x[j];
+    return force;
+  }
+  Eigen::VectorXd on_leading(const Eigen::VectorXd& jump) const {
+    const Index first = size - static_cast<Index>(contact_rows());
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(first);
+    for (Index j = 0; j < first; ++j)
+      for (Index p = coupling.start[j]; p < coupling.start[j + 1]; ++p)
+        force[j] += coupling.values[p] * jump[coupling.rows[p] - first];
+    return force;
+  }
+
+  // y = (K_II^-1 b_I, L^-1 (b_C - K_CI K_II^-1 b_I)), L the Cholesky factor of S.
+  Eigen::VectorXd lead_forward(const Eigen::VectorXd& b) const {
+    const Eigen::Index contact = contact_rows(), first = size - contact;
+    Eigen::VectorXd y(size);
+    y.head(first) = leading->solve(b.head(first));
+    if (contact > 0)
+      y.tail(contact) =
+          contact_factor.triangularView<Eigen::Lower>().solve(b.tail(contact) - on_contact(y.head(first)));
+    return y;
+  }
+  Eigen::VectorXd lead_backward(Eigen::VectorXd y) const {
+    const Eigen::Index contact = contact_rows(), first = size - contact;
+    if (contact == 0) return y;
+    y.tail(contact) = contact_factor.transpose().triangularView<Eigen::Upper>().solve(y.tail(contact)).eval();
+    y.head(first) -= leading->solve(on_leading(y.tail(contact)));
+    return y;
+  }
+
+  void lead(const LowerTriangle& lower, Index contact) {
+    const Index first = size - contact;
+    contact_factor.setZero(contact, contact);
+    coupling.size = size;
+    coupling.start.assign(1, 0);
+    for (Index j = 0; j < size; ++j) {
+      for (Index p = lower.start[j]; p < lower.start[j + 1]; ++p) {
+        if (lower.rows[p] < first) continue;
+        coupling.rows.push_back(lower.rows[p]);
+        coupling.values.push_back(lower.values[p]);
+      }
+      coupling.start.push_back(static_cast<Index>(coupling.rows.size()));
+    }
+    if (contact == 0) return;
+    Eigen::MatrixXd S(contact, contact);
+    for (Index i = 0; i < contact; ++i) {
+      check_stop();
+      S.col(i) = -on_contact(leading->solve(on_leading(Eigen::VectorXd::Unit(contact, i))));
+    }
+    S = (0.5 * (S + S.transpose())).eval();  // of the rounding of solves that are not exact
+    for (Index j = first; j < size; ++j)
+      for (Index p = coupling.start[j]; p < coupling.start[j + 1]; ++p) {
+        const Index r = coupling.rows[p] - first, c = j - first;
+        S(r, c) += coupling.values[p];
+        if (r != c) S(c, r) += coupling.values[p];
+      }
+    const Eigen::LLT<Eigen::MatrixXd> factored(S);
+    if (factored.info() != Eigen::Success)
+      throw LostDefiniteness(
+          "rounding has eaten the stiffness of the cracks in contact: the body is slender or nearly free to move; use "
+          "backend = \"cholmod\"");
+    contact_factor = factored.matrixL();
+    interface_factor = contact_factor;
+  }
+
   template <typename Dense>
   Dense forward(const Dense& b) const {
     check_stop();
@@ -255,8 +333,17 @@ Factor::Factor(const LowerTriangle& lower, std::span<const Index> sequence, int 
   impl_->factorize(lower);
 }
 
+Factor::Factor(const LowerTriangle& lower, Index contact_rows, std::unique_ptr<LeadingSolver> leading)
+    : impl_(std::make_unique<Impl>()) {
+  use_one_thread();
+  impl_->size = lower.size;
+  impl_->leading = std::move(leading);
+  impl_->lead(lower, contact_rows);
+}
+
 void Factor::refactor(const LowerTriangle& lower) {
-  if (impl_->lu || lower.size != impl_->size) throw std::invalid_argument("Factor: refactor with another pattern");
+  if (impl_->lu || impl_->leading || lower.size != impl_->size)
+    throw std::invalid_argument("Factor: refactor with another pattern");
   if (impl_->size == 0) return;
   const Eigen::Index rows = impl_->interface_factor.rows(), contact = impl_->contact_factor.rows();
   impl_->factorize(lower);
@@ -302,16 +389,27 @@ const Eigen::MatrixXd& Factor::interface_factor() const {
 Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
   if (impl_->lu) return impl_->lu->solve(b);
   if (impl_->size == 0) return b;
+  if (impl_->leading) return impl_->lead_forward(b);
   return impl_->forward(b);
 }
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
   if (impl_->size == 0 || impl_->lu) return y;
-  return impl_->backward(y);
+  return impl_->leading ? impl_->lead_backward(y) : impl_->backward(y);
 }
+
+namespace {
+template <typename Each>
+Eigen::MatrixXd by_columns(const Eigen::MatrixXd& b, const Each& each) {
+  Eigen::MatrixXd x(b.rows(), b.cols());
+  for (Eigen::Index c = 0; c < b.cols(); ++c) x.col(c) = each(b.col(c));
+  return x;
+}
+}  // namespace
 
 Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
   if (impl_->size == 0 || y.cols() == 0) return y;
+  if (impl_->leading) return by_columns(y, [&](const Eigen::VectorXd& c) { return impl_->lead_backward(c); });
   return impl_->backward(y);
 }
 
@@ -340,7 +438,21 @@ Eigen::VectorXd Factor::solve(const Eigen::VectorXd& b) const {
 
 Eigen::MatrixXd Factor::solve_all(const Eigen::MatrixXd& b) const {
   if (impl_->lu) throw std::invalid_argument("Factor: many right-hand sides need a definite matrix");
+  if (impl_->leading) return by_columns(b, [&](const Eigen::VectorXd& c) { return solve(c); });
   return impl_->size == 0 || b.cols() == 0 ? b : impl_->backward(impl_->forward(b));
+}
+
+double Factor::energy(const Eigen::VectorXd& b) const {
+  if (impl_->size == 0) return 0;
+  const Eigen::VectorXd half = forward(b);
+  if (impl_->lu) return b.dot(half);
+  if (!impl_->leading) return half.squaredNorm();
+  const Eigen::Index contact = impl_->contact_rows(), first = b.size() - contact;
+  return b.head(first).dot(half.head(first)) + half.tail(contact).squaredNorm();
+}
+
+const LeadingSolver* Factor::leading() const {
+  return impl_->leading.get();
 }
 
 const Eigen::MatrixXd& Factor::contact_factor() const {

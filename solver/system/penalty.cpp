@@ -96,8 +96,7 @@ Condensation::Condensation(const Model& model) : m(model), points(contact_points
 
 double Condensation::energy_of(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
   if (has_large_contact(m)) return std::abs(b.dot(solve_frozen(b, motion)));
-  const Eigen::VectorXd half = m.inner->factor->forward(b);
-  return is_definite(m.element) ? half.squaredNorm() : std::abs(b.dot(half));
+  return std::abs(m.inner->factor->energy(b));
 }
 
 namespace {

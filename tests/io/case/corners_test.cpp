@@ -59,8 +59,9 @@ TEST(Corners, TooMuch) {
             std::string::npos);
 }
 
-TEST(Corners, BackendsToCome) {
-  EXPECT_NE(error(square + "[solver]\nbackend = 'petsc'\n").find("= \"petsc\" is not supported yet; use \""),
+TEST(Corners, OptionsOfPetsc) {
+  EXPECT_EQ(read(square + "[solver]\nbackend = 'petsc'\npetsc = '-ksp_monitor'\n").petsc, "-ksp_monitor");
+  EXPECT_NE(error(square + "[solver]\npetsc = '-ksp_monitor'\n").find("petsc in [solver] goes with backend = \"petsc\""),
             std::string::npos);
 }
 

@@ -1,0 +1,279 @@
+// The module kerf_petsc.so. PETSc and MPI live here and nowhere else.
+
+#include "app/petsc_module.hpp"
+
+#include <petscksp.h>
+#include <petscmat.h>
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+std::string text;  // the last answer in words
+
+const char* said(std::string words) {
+  text = std::move(words);
+  return text.c_str();
+}
+
+const char* failed(PetscErrorCode code) {
+  const char* general = nullptr;
+  char* special = nullptr;
+  PetscErrorMessage(code, &general, &special);
+  return said(std::string("PETSc: ") + (special && *special ? special : general ? general : "unknown failure"));
+}
+
+// The first call that fails ends the function.
+#define KERF_TRY(call)                                     \
+  do {                                                     \
+    if (const PetscErrorCode code_ = (call)) return code_; \
+  } while (0)
+
+constexpr int tag = 77;
+
+const char* start(int* rank, int* count) {
+  // Open MPI loads parts of its own that look for its names among all that is loaded.
+  dlopen("libmpi.so.40", RTLD_NOW | RTLD_GLOBAL);
+  int there = 0, level = 0;
+  MPI_Initialized(&there);
+  if (!there && MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
+    return said("MPI does not start");
+  // No options from the environment or from files, no catching of signals, no talk.
+  if (const PetscErrorCode code = PetscInitializeNoPointers(0, nullptr, nullptr, nullptr)) return failed(code);
+  PetscPopSignalHandler();
+  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+  MPI_Comm_rank(PETSC_COMM_WORLD, rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, count);
+  return nullptr;
+}
+
+void finish() {
+  PetscOptionsClear(nullptr);
+  PetscFinalize();
+  MPI_Finalize();
+}
+
+void abort_all(int code) {
+  MPI_Abort(MPI_COMM_WORLD, code);
+}
+
+void send(int to, const void* bytes, std::size_t count) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  MPI_Send(&count, sizeof count, MPI_BYTE, to, tag, PETSC_COMM_WORLD);
+  for (std::size_t at = 0; at < count; at += most)
+    MPI_Send(static_cast<const char*>(bytes) + at, static_cast<int>(std::min(most, count - at)), MPI_BYTE, to, tag,
+             PETSC_COMM_WORLD);
+}
+
+std::size_t wait() {
+  int there = 0;
+  while (true) {
+    MPI_Iprobe(0, tag, PETSC_COMM_WORLD, &there, MPI_STATUS_IGNORE);
+    if (there) break;
+    constexpr timespec pause{0, 200000};  // MPI would look all the time
+    nanosleep(&pause, nullptr);
+  }
+  std::size_t count = 0;
+  MPI_Recv(&count, sizeof count, MPI_BYTE, 0, tag, PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
+  return count;
+}
+
+void receive(void* bytes, std::size_t count) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  for (std::size_t at = 0; at < count; at += most)
+    MPI_Recv(static_cast<char*>(bytes) + at, static_cast<int>(std::min(most, count - at)), MPI_BYTE, 0, tag,
+             PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
+}
+
+PetscErrorCode scotch(int nodes, const int* start, const int* neighbors, int parts, int* part) {
+  // PETSc frees these.
+  PetscInt *i = nullptr, *j = nullptr;
+  KERF_TRY(PetscMalloc1(nodes + 1, &i));
+  KERF_TRY(PetscMalloc1(std::max(start[nodes], 1), &j));
+  std::copy_n(start, nodes + 1, i);
+  std::copy_n(neighbors, start[nodes], j);
+  Mat graph = nullptr;
+  KERF_TRY(MatCreateMPIAdj(PETSC_COMM_SELF, nodes, nodes, i, j, nullptr, &graph));
+  MatPartitioning how = nullptr;
+  KERF_TRY(MatPartitioningCreate(PETSC_COMM_SELF, &how));
+  KERF_TRY(MatPartitioningSetAdjacency(how, graph));
+  KERF_TRY(MatPartitioningSetType(how, MATPARTITIONINGPTSCOTCH));
+  KERF_TRY(MatPartitioningSetNParts(how, parts));
+  IS found = nullptr;
+  KERF_TRY(MatPartitioningApply(how, &found));
+  const PetscInt* values = nullptr;
+  KERF_TRY(ISGetIndices(found, &values));
+  std::copy_n(values, nodes, part);
+  KERF_TRY(ISRestoreIndices(found, &values));
+  KERF_TRY(ISDestroy(&found));
+  KERF_TRY(MatPartitioningDestroy(&how));
+  return MatDestroy(&graph);
+}
+
+const char* partition(int nodes, const int* start, const int* neighbors, int parts, int* part) {
+  const PetscErrorCode code = scotch(nodes, start, neighbors, parts, part);
+  return code ? failed(code) : nullptr;
+}
+
+const char* options(const char* words) {
+  const PetscErrorCode code = PetscOptionsInsertString(nullptr, words);
+  return code ? failed(code) : nullptr;
+}
+
+const char* unused(const char* words) {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  if (PetscOptionsLeftGet(nullptr, &count, &names, &values)) return nullptr;
+  std::string left;
+  const std::string all = std::string(" ") + words + " ";
+  for (PetscInt k = 0; k < count; ++k)
+    if (all.find(std::string(" -") + names[k] + " ") != std::string::npos) left += std::string("-") + names[k] + "\n";
+  PetscOptionsLeftRestore(nullptr, &count, &names, &values);
+  return left.empty() ? nullptr : said(left);
+}
+
+struct Solver {
+  Mat matrix = nullptr;
+  KSP ksp = nullptr;
+  Vec right = nullptr, x = nullptr;
+};
+
+PetscErrorCode fill(const KerfPetscPart& p, Solver& s) {
+  ISLocalToGlobalMapping map = nullptr;
+  KERF_TRY(ISLocalToGlobalMappingCreate(PETSC_COMM_WORLD, 1, p.rows, p.number, PETSC_COPY_VALUES, &map));
+  KERF_TRY(MatCreateIS(PETSC_COMM_WORLD, 1, p.owned, p.owned, p.total, p.total, map, map, &s.matrix));
+  KERF_TRY(ISLocalToGlobalMappingDestroy(&map));
+  Mat local = nullptr;
+  KERF_TRY(MatCreate(PETSC_COMM_SELF, &local));
+  KERF_TRY(MatSetSizes(local, p.rows, p.rows, p.rows, p.rows));
+  KERF_TRY(MatSetType(local, MATSEQAIJ));
+  KERF_TRY(MatSeqAIJSetPreallocationCSR(local, p.start, p.columns, p.values));
+  KERF_TRY(MatSetOption(local, MAT_SYMMETRIC, PETSC_TRUE));
+  KERF_TRY(MatSetOption(local, MAT_SPD, PETSC_TRUE));
+  KERF_TRY(MatISSetLocalMat(s.matrix, local));
+  KERF_TRY(MatDestroy(&local));
+  KERF_TRY(MatAssemblyBegin(s.matrix, MAT_FINAL_ASSEMBLY));
+  KERF_TRY(MatAssemblyEnd(s.matrix, MAT_FINAL_ASSEMBLY));
+  KERF_TRY(MatSetOption(s.matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  KERF_TRY(MatSetOption(s.matrix, MAT_SPD, PETSC_TRUE));
+  return MatCreateVecs(s.matrix, &s.x, &s.right);
+}
+
+PetscErrorCode set_modes(const KerfPetscPart& p, Solver& s) {
+  std::vector<Vec> modes(static_cast<std::size_t>(p.mode_count));
+  for (int k = 0; k < p.mode_count; ++k) {
+    KERF_TRY(VecDuplicate(s.x, &modes[k]));
+    PetscScalar* values = nullptr;
+    KERF_TRY(VecGetArray(modes[k], &values));
+    std::copy_n(p.modes + static_cast<std::size_t>(k) * p.owned, p.owned, values);
+    KERF_TRY(VecRestoreArray(modes[k], &values));
+  }
+  MatNullSpace space = nullptr;
+  KERF_TRY(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, p.mode_count, modes.data(), &space));
+  KERF_TRY(MatSetNearNullSpace(s.matrix, space));
+  KERF_TRY(MatNullSpaceDestroy(&space));
+  for (Vec& mode : modes) KERF_TRY(VecDestroy(&mode));
+  return 0;
+}
+
+PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s) {
+  int processes = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &processes);
+  KERF_TRY(fill(p, s));
+  KERF_TRY(KSPCreate(PETSC_COMM_WORLD, &s.ksp));
+  KERF_TRY(KSPSetType(s.ksp, KSPCG));
+  PC pc = nullptr;
+  KERF_TRY(KSPGetPC(s.ksp, &pc));
+  if (processes > 1) {
+    KERF_TRY(set_modes(p, s));
+    KERF_TRY(KSPSetOperators(s.ksp, s.matrix, s.matrix));
+    KERF_TRY(PCSetType(pc, PCBDDC));
+    KERF_TRY(PCBDDCSetLocalAdjacencyGraph(pc, p.rows, p.near_start, p.near_rows, PETSC_COPY_VALUES));
+  } else {
+    Mat local = nullptr;
+    KERF_TRY(MatISGetLocalMat(s.matrix, &local));
+    KERF_TRY(KSPSetOperators(s.ksp, local, local));
+    KERF_TRY(PCSetType(pc, PCCHOLESKY));
+    KERF_TRY(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  }
+  constexpr int most = 500;
+  KERF_TRY(KSPSetTolerances(s.ksp, tolerance, 1e-300, 1e10, most));
+  KERF_TRY(KSPSetComputeSingularValues(s.ksp, PETSC_TRUE));
+  KERF_TRY(KSPSetFromOptions(s.ksp));
+  return KSPSetUp(s.ksp);
+}
+
+void drop(void* solver) {
+  const std::unique_ptr<Solver> s(static_cast<Solver*>(solver));
+  KSPDestroy(&s->ksp);
+  MatDestroy(&s->matrix);
+  VecDestroy(&s->right);
+  VecDestroy(&s->x);
+}
+
+const char* make(const KerfPetscPart* part, double tolerance, void** solver) {
+  auto s = std::make_unique<Solver>();
+  const PetscErrorCode code = make_solver(*part, tolerance, *s);
+  *solver = s.release();
+  return code ? failed(code) : nullptr;
+}
+
+PetscErrorCode solve_with(Solver& s, const double* right, double* x, KerfPetscSolved& how) {
+  PetscScalar* values = nullptr;
+  PetscInt owned = 0;
+  KERF_TRY(VecGetLocalSize(s.right, &owned));
+  KERF_TRY(VecGetArray(s.right, &values));
+  std::copy_n(right, owned, values);
+  KERF_TRY(VecRestoreArray(s.right, &values));
+  KERF_TRY(KSPSolve(s.ksp, s.right, s.x));
+  KERF_TRY(VecGetArray(s.x, &values));
+  std::copy_n(values, owned, x);
+  KERF_TRY(VecRestoreArray(s.x, &values));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  KERF_TRY(KSPGetConvergedReason(s.ksp, &reason));
+  PetscInt iterations = 0;
+  KERF_TRY(KSPGetIterationNumber(s.ksp, &iterations));
+  PetscReal largest = 1, smallest = 1;
+  if (iterations > 0) KERF_TRY(KSPComputeExtremeSingularValues(s.ksp, &largest, &smallest));
+  how = {static_cast<int>(iterations), static_cast<int>(reason), smallest > 0 ? largest / smallest : 0};
+  return 0;
+}
+
+const char* solve(void* solver, const double* right, double* x, KerfPetscSolved* how) {
+  const PetscErrorCode code = solve_with(*static_cast<Solver*>(solver), right, x, *how);
+  return code ? failed(code) : nullptr;
+}
+
+std::vector<int> offsets(const int* counts) {
+  int processes = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &processes);
+  std::vector<int> first(static_cast<std::size_t>(processes), 0);
+  for (int p = 1; counts && p < processes; ++p) first[p] = first[p - 1] + counts[p - 1];
+  return first;
+}
+
+void scatter(const double* all, const int* counts, double* own, int owned) {
+  const std::vector<int> first = offsets(counts);
+  MPI_Scatterv(all, counts, first.data(), MPI_DOUBLE, own, owned, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+}
+
+void gather(const double* own, int owned, double* all, const int* counts) {
+  const std::vector<int> first = offsets(counts);
+  MPI_Gatherv(own, owned, MPI_DOUBLE, all, counts, first.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+}
+
+constexpr KerfPetsc table{start,   finish, abort_all, send,  wait, receive, partition,
+                          options, unused, make,      solve, drop, scatter, gather};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const KerfPetsc* kerf_petsc() {
+  return &table;
+}

@@ -1,0 +1,52 @@
+#pragma once
+// What passes between ranks.cpp and the module with PETSc and MPI: plain C data, so that the module may be loaded late.
+
+#include <cstddef>
+#include <cstdint>
+
+extern "C" {
+
+/// What this process has of the matrix, in its own rows, and of what all of them own.
+struct KerfPetscPart {
+  int rows;
+  const int *start, *columns;  // both triangles
+  const double* values;
+  const int* number;  // of its rows among all
+  int owned, total;
+  const int *near_start, *near_rows;
+  int mode_count;
+  const double* modes;
+};
+
+struct KerfPetscSolved {
+  int iterations, reason;  // of KSPConvergedReason
+  double condition;
+};
+
+/// All functions but `wait` and those that say otherwise are called by all processes together. Those that return text
+/// return null, or what is wrong; it stays until the next call.
+struct KerfPetsc {
+  /// Starts MPI and PETSc. Not together.
+  const char* (*start)(int* rank, int* count);
+  void (*finish)();
+  void (*abort)(int code);  // ends all processes; not together
+  /// A message from the first process to another; how long the next one is, waiting without work. Not together.
+  void (*send)(int to, const void* bytes, std::size_t count);
+  std::size_t (*wait)();
+  void (*receive)(void* bytes, std::size_t count);
+  /// Of the first process alone: a part per node of a graph.
+  const char* (*partition)(int nodes, const int* start, const int* neighbors, int parts, int* part);
+  /// Further options, as on a command line.
+  const char* (*options)(const char* text);
+  /// Of the first process alone: names of options of `text` that nothing has used yet, one a line; null: none.
+  const char* (*unused)(const char* text);
+  const char* (*make)(const KerfPetscPart* part, double tolerance, void** solver);
+  /// `right` and `x`: of what the process owns.
+  const char* (*solve)(void* solver, const double* right, double* x, KerfPetscSolved* how);
+  void (*drop)(void* solver);
+  /// From the first process to all, `counts` each, and back.
+  void (*scatter)(const double* all, const int* counts, double* own, int owned);
+  void (*gather)(const double* own, int owned, double* all, const int* counts);
+};
+using KerfPetscModule = const KerfPetsc* (*)();
+}
