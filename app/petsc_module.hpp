@@ -21,6 +21,7 @@ struct KerfPetscPart {
 struct KerfPetscSolved {
   int iterations, reason;  // of KSPConvergedReason
   double condition;
+  double left;  // of the residual at first
 };
 
 /// All functions but `wait` and those that say otherwise are called by all processes together. Those that return text

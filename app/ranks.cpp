@@ -172,7 +172,8 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
       effort_.iterations = std::max(effort_.iterations, how.iterations);
       effort_.condition = std::max(effort_.condition, how.condition);
       ranks_->check_options();
-      if (how.reason < 0)
+      constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
+      if (how.reason < 0 && !(how.left <= enough))
         throw Error(Fault::Numerics,
                     fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
                                 "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
@@ -212,6 +213,31 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
   std::mutex one_at_a_time_;
 };
 
+/// One process: nothing to start, and its factor is better than any iteration.
+class Alone : public Ranks {
+ public:
+  int count() const override {
+    return 1;
+  }
+  std::vector<Index> partition(const std::vector<Index>& start, const std::vector<Index>&) override {
+    return std::vector<Index>(start.size() - 1, 0);
+  }
+  std::unique_ptr<PartedSolver> solver(std::vector<std::string>, std::vector<Index>) override {
+    throw std::logic_error("one process has no parts");
+  }
+};
+
+void require_module() {
+  const Module& module = loaded();
+  if (!module.call)
+    throw Error(
+        Fault::Usage,
+        fmt::format("PETSc is needed for backend = \"petsc\" and under mpiexec, and kerf was built without it or does "
+                    "not find its module kerf_petsc.so ({}); ./dev petsc builds it (package libpetsc-real-dev, option "
+                    "KERF_PETSC), or use backend = \"cholmod\" without mpiexec",
+                    module.reason));
+}
+
 }  // namespace
 
 int started_processes() {
@@ -222,18 +248,11 @@ int started_processes() {
 
 int Processes::start() {
   if (rank_ >= 0) return rank_;
-  const Module& module = loaded();
-  if (!module.call)
-    throw Error(
-        Fault::Usage,
-        fmt::format("PETSc is needed for backend = \"petsc\" and under mpiexec, and kerf was built without it or "
-                    "does not find its module kerf_petsc.so ({}); ./dev petsc builds it (package "
-                    "libpetsc-real-dev, option KERF_PETSC), or use backend = \"cholmod\" without mpiexec",
-                    module.reason));
+  require_module();
   int rank = 0;
-  if (const char* wrong = module.call->start(&rank, &count_)) throw Error(Fault::Usage, wrong);
+  if (const char* wrong = loaded().call->start(&rank, &count_)) throw Error(Fault::Usage, wrong);
   rank_ = rank;
-  need(module.call->options(defaults));
+  need(loaded().call->options(defaults));
   return rank_;
 }
 
@@ -261,6 +280,10 @@ void Processes::serve() {
 }
 
 std::shared_ptr<Ranks> Processes::ranks(const std::string& options) {
+  if (started_processes() == 1) {
+    require_module();
+    return std::make_shared<Alone>();
+  }
   start();
   return std::make_shared<MpiRanks>(count_, options);
 }

@@ -401,7 +401,7 @@ constexpr Key rows[] = {
      "umfpack solves the whole system at once, without condensing it, and contact in its own way, whatever contact "
      "says. "
      "Slow; for checks. petsc solves the condensed system on the processes of mpiexec -n N kerf solve CASE, a part of "
-     "the body each; for kerf built with PETSc.",
+     "the body each; for kerf built with PETSc. One process solves as cholmod does.",
      "\"petsc\"",
      "\"cholmod\""},
     {"solver.petsc",

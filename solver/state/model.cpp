@@ -235,6 +235,10 @@ void check_parted(const Element& e, const Preparation& how) {
 
 /// Whether there are enough triangles; else a note.
 bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::string>& notes) {
+  if (ranks.count() == 1) {
+    notes.emplace_back("backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
+    return false;
+  }
   constexpr int least = 8;  // triangles of a part
   const std::size_t size = mesh.triangles.size();
   if (size >= least * static_cast<std::size_t>(ranks.count())) return true;
