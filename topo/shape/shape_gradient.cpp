@@ -15,7 +15,7 @@ namespace kerf {
 namespace {
 
 // One body under its loads: J holds `energy` times its potential energy.
-struct Loaded {
+struct LoadedBody {
   const Model& model;
   const Field& state;
   double energy = 0;
@@ -25,8 +25,8 @@ struct Loaded {
 // its derivative in the direction of the adjoint:  J = sum energy Pi + terms + L'(state; adjoint),  all partial
 // derivatives by the state 0, so that only what the fields meet while they move along counts.
 struct Parts {
-  std::vector<Loaded> loaded;  // the model; with a misfit the measured body
-  double work = 0;             // weight of (f, u) + <g, u>
+  std::vector<LoadedBody> loaded;  // the model; with a misfit the measured body
+  double work = 0;                 // weight of (f, u) + <g, u>
   const Field* dual = nullptr;
   const Sensitivity* derivative = nullptr;
   double reaction_work = 0;  // of the work of the supports: see add_supports
@@ -79,7 +79,7 @@ void add_lagrangian(const Parts& p, Index t, const Triangle& shape, const Points
   const double whole = area(shape);
   Fields dual;
   if (p.dual) dual = evaluate(m.inner->kernel, shape, p.dual->interior.col(t), x);
-  for (const Loaded& body : p.loaded) {
+  for (const LoadedBody& body : p.loaded) {
     const bool first = &body == &p.loaded.front();
     if (body.energy == 0 && !(first && p.dual)) continue;
     const Fields f = evaluate(m.inner->kernel, shape, body.state.interior.col(t), x);
@@ -106,7 +106,7 @@ void add_body_force(const Parts& p, Index t, const Triangle& shape, TriangleMoti
   const auto add = [&](double share, const Field& s) {
     if (share != 0) v += share * evaluate(m.inner->kernel, shape, s.interior.col(t), x).displacement;
   };
-  for (const Loaded& body : p.loaded) add(-body.energy, body.state);
+  for (const LoadedBody& body : p.loaded) add(-body.energy, body.state);
   add(p.work, p.loaded.front().state);
   if (p.dual) add(1, *p.dual);
   const double whole = area(shape);
@@ -224,7 +224,7 @@ void add_measured_work(const Model& m, const Support& measured, double share, Po
 
 // Supported edges: the components in a frame that turns with the edge, and what is prescribed at the new place. The
 // displacements of state and dual change by d(frame c), which meets their reactions r = moments of s n - loads.
-void add_supports(const Loaded& body, const Parts& p, bool first, Points& gradient) {
+void add_supports(const LoadedBody& body, const Parts& p, bool first, Points& gradient) {
   const Model& m = body.model;
   const Mesh& mesh = m.mesh;
   if (m.scene.supports.empty()) return;
@@ -279,7 +279,7 @@ void add_supports(const Loaded& body, const Parts& p, bool first, Points& gradie
 
 // Jumps keep their components along a normal and a tangent that turn with the edge, or that a curved crack has at the
 // new place, and meet the forces on the right side of the crack.
-void add_cracks(const Loaded& body, const Field* dual, Points& gradient) {
+void add_cracks(const LoadedBody& body, const Field* dual, Points& gradient) {
   const Model& m = body.model;
   const Mesh& mesh = m.mesh;
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
@@ -323,7 +323,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
   if (p.dual && !m.inner->floating.empty()) p.dual = &(balanced = without_motions(m, *a.adjoint));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const MovingDensity density(m, *a.state);
-  const bool fields = p.dual || std::ranges::any_of(p.loaded, [](const Loaded& body) { return body.energy != 0; });
+  const bool fields = p.dual || std::ranges::any_of(p.loaded, [](const LoadedBody& body) { return body.energy != 0; });
   const bool forces = m.inner->system.force.cols() > 0;
   Eigen::Matrix<double, 6, Eigen::Dynamic> part(6, triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
@@ -341,7 +341,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
   for (Index t = 0; t < triangles; ++t)
     for (int i = 0; i < 3; ++i) gradient.col(m.mesh.triangles[t][i]) += part.col(t).segment<2>(2 * i);
 
-  for (const Loaded& body : p.loaded) {
+  for (const LoadedBody& body : p.loaded) {
     const bool first = &body == &p.loaded.front();
     Eigen::VectorXd displacement = -body.energy * body.state.skeleton;
     if (first) displacement += p.work * body.state.skeleton;
