@@ -14,16 +14,20 @@ namespace kerf {
 /// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
 using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
 
-struct Share {  // of one triangle
-  double lower = 0, upper = 0, size = 0, asymmetry = 0, stress = 0;
-  double rough = 0;                     // |grad v - polynomials that (f - f_h) does not see|
-  double largest = 0;                   // |v| at its nodes
-  double divergence = 0, gradient = 0;  // largest: div v where nothing may change its volume
-  double below = 0, above = 0;          // what of the eigenstrain the polynomials do not see may move the bounds by
-  double square = 0;                    // where an eigenstrain has a rest: the mean of |p - its projection onto P4|^2
-  double elastic = 0;                   // the energy of v
-  double rules = 0;                     // on curved cells what of `below` and `above` is between two rules
-  double force = 0;  // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
+/// What the rest of an eigenstrain acts on in one triangle.
+struct StrainShare {
+  double square = 0, stress = 0;  // the mean of |p - its projection onto P4|^2; the largest |p|
+  double elastic = 0;             // the energy of v
+  double gradient = 0;            // largest
+  double force = 0;               // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
+};
+struct Share : StrainShare {  // of one triangle
+  double lower = 0, upper = 0, size = 0, asymmetry = 0;
+  double rough = 0;             // |grad v - polynomials that (f - f_h) does not see|
+  double largest = 0;           // |v| at its nodes
+  double divergence = 0;        // largest: div v where nothing may change its volume
+  double below = 0, above = 0;  // what of the eigenstrain the polynomials do not see may move the bounds by
+  double rules = 0;             // on curved cells what of `below` and `above` is between two rules
   Tractions tractions;
   // If they are kept, at the points of the rule: the stress p, the strain of v less the eigenstrain, and v.
   Eigen::Matrix4Xd kept_stress, kept_strain;
@@ -170,6 +174,9 @@ struct CrossSide {
 CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& w, const Products& p,
                            const std::function<Oscillation(double k)>& oscillation,
                            const std::function<double(double k)>& strain);
+/// What the rest of the eigenstrains of u + k w may move the bounds by on a triangle, below and above together.
+double eigenstrain_unseen(const Material& material, const Triangle& t, double rest, double error, const StrainShare& u,
+                          const StrainShare& w, double k);
 /// For squares q(u + k w) <= (q(u)^1/2 + k q(w)^1/2)^2.
 double together(double u, double w, double k);
 

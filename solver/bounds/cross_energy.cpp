@@ -139,11 +139,7 @@ double eigenstrain_unseen(const AdmissiblePair& u, const AdmissiblePair& w, doub
     const double rest = together(a.empty() ? 0 : a.rest[t], b.empty() ? 0 : b.rest[t], k),
                  error = (a.empty() ? 0 : a.error[t]) + k * (b.empty() ? 0 : b.error[t]);
     if (rest == 0 && error == 0) continue;
-    const Triangle shape = triangle(u.m, t);
-    sum += area(shape) * (std::sqrt(rest * together(x.square, y.square, k)) + error * (x.stress + k * y.stress));
-    sum += moved_by_eigenstrain(material_of(u.m.mesh, u.m.scene, t), shape, rest, error,
-                                {together(x.elastic, y.elastic, k), x.gradient + k * y.gradient,
-                                 x.stress + k * y.stress, x.force + k * y.force});
+    sum += eigenstrain_unseen(material_of(u.m.mesh, u.m.scene, t), triangle(u.m, t), rest, error, x, y, k);
   }
   return sum;
 }
@@ -226,6 +222,15 @@ Products crossed_on_edge(const EdgeSide& u, const EdgeSide& w) {
     sum.size += 0.5 * (size_at_support(u, w) + size_at_support(w, u));
   }
   return sum;
+}
+
+double eigenstrain_unseen(const Material& material, const Triangle& t, double rest, double error, const StrainShare& u,
+                          const StrainShare& w, double k) {
+  const double stress = u.stress + k * w.stress;
+  return area(t) * (std::sqrt(rest * together(u.square, w.square, k)) + error * stress) +
+         moved_by_eigenstrain(
+             material, t, rest, error,
+             {together(u.elastic, w.elastic, k), u.gradient + k * w.gradient, stress, u.force + k * w.force});
 }
 
 double together(double u, double w, double k) {

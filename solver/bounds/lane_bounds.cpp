@@ -52,11 +52,6 @@ struct Sums {
   }
 };
 
-/// What eigenstrain_unseen needs of a dual in a triangle of its ring.
-struct RingShare {
-  double square = 0, stress = 0, elastic = 0, gradient = 0, force = 0;
-};
-
 /// The loads of fields side by side in one triangle, in modes.
 struct RingRows {
   std::vector<double> strain, force;  // 11, 22, 12; x, y
@@ -535,7 +530,7 @@ class LaneBounding {
   struct Left {
     double rest, error;  // of an eigenstrain
   };
-  void put_share(const Cell& cell, int lane, const RingShare& s, const Left& left, Sums& sums) {
+  void put_share(const Cell& cell, int lane, const StrainShare& s, const Left& left, Sums& sums) {
     ring_shares_[static_cast<std::size_t>(lane)][static_cast<std::size_t>(rings_.column(cell.t, lane))] = s;
     sums.below[lane] += cell.area * (std::sqrt(left.rest * s.square) + left.error * s.stress);
     sums.above[lane] += moved_by_eigenstrain(cell.material, cell.shape, left.rest, left.error,
@@ -553,13 +548,8 @@ class LaneBounding {
       const double own = ring.strain.rest[static_cast<Eigen::Index>(c)],
                    error = k * ring.strain.error[static_cast<Eigen::Index>(c)], rest = k * k * own;
       if (rest == 0 && error == 0) continue;
-      const Share& x = u_.shares[static_cast<std::size_t>(t)];
-      const RingShare& y = ring_shares_[i][c];
-      const Triangle shape = triangle(u_.m, t);
-      sum += area(shape) * (std::sqrt(rest * together(x.square, y.square, k)) + error * (x.stress + k * y.stress));
-      sum += moved_by_eigenstrain(material_of(u_.m.mesh, u_.m.scene, t), shape, rest, error,
-                                  {together(x.elastic, y.elastic, k), x.gradient + k * y.gradient,
-                                   x.stress + k * y.stress, x.force + k * y.force});
+      sum += kerf::eigenstrain_unseen(material_of(u_.m.mesh, u_.m.scene, t), triangle(u_.m, t), rest, error,
+                                      u_.shares[static_cast<std::size_t>(t)], ring_shares_[i][c], k);
     }
     return sum;
   }
@@ -587,9 +577,7 @@ class LaneBounding {
       bounding.lower(own_.references.rich, t, at, edges, share);
       bounding.upper(own_.references.rich, t, at, edges, share);
       sums.add(lane, share, crossed_beside_data(t, share, ring, column));
-      if (ring)
-        ring_shares_[i][static_cast<std::size_t>(column)] = {share.square, share.stress, share.elastic, share.gradient,
-                                                             share.force};
+      if (ring) ring_shares_[i][static_cast<std::size_t>(column)] = share;
       double* tractions = tractions_.at(t) + lane;
       for (Index k = 0; k < tractions_.rows; ++k) tractions[k * lanes] = share.tractions(k % 2, k / 2);
       size_.at(t)[lane] = share.largest;
@@ -695,7 +683,7 @@ class LaneBounding {
   std::vector<std::vector<EdgeData>> data_;
   LaneConforming& conforming_;
   LaneArray &tractions_, &size_;  // size: the largest |v|, and what of it is rough
-  std::array<std::vector<RingShare>, lanes> ring_shares_;
+  std::array<std::vector<StrainShare>, lanes> ring_shares_;
   std::vector<double> imbalance_;
   Sums sum_;
 };

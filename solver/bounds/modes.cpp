@@ -79,12 +79,8 @@ Modes::Modes(const TriangleReference& r, const Element& e, int degree_of)
 
   const EdgeRule trace = gauss(points_per_edge(e));
   for (int side = 0; side < 3; ++side)
-    for (int forward = 0; forward < 2; ++forward) {
-      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
-      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
-      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
-      at_edge[side][forward] = interpolation(degree, l.bottomRows<2>());
-    }
+    for (const bool forward : {false, true})
+      at_edge[side][forward] = interpolation(degree, points_on_side(trace, side, forward));
 }
 
 }  // namespace kerf

@@ -46,16 +46,19 @@ TriangleReference reference(const Element& e, int n, const Forces& f) {
   }
   const EdgeRule trace = gauss(points_per_edge(e));
   for (int side = 0; side < 3; ++side)
-    for (int forward = 0; forward < 2; ++forward) {
-      Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, trace.s.size());
-      l.row((side + (forward ? 1 : 2)) % 3) = (1 - trace.s.array()).matrix().transpose();
-      l.row((side + (forward ? 2 : 1)) % 3) = trace.s.transpose();
-      r.at_edge[side][forward] = interpolation(n, l.bottomRows<2>());
-    }
+    for (const bool forward : {false, true})
+      r.at_edge[side][forward] = interpolation(n, points_on_side(trace, side, forward));
   return r;
 }
 
 }  // namespace
+
+Points points_on_side(const EdgeRule& rule, int side, bool forward) {
+  Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, rule.s.size());
+  l.row((side + (forward ? 1 : 2)) % 3) = (1 - rule.s.array()).matrix().transpose();
+  l.row((side + (forward ? 2 : 1)) % 3) = rule.s.transpose();
+  return l.bottomRows<2>();
+}
 
 References references(const Element& e, int inside, const Forces& f, bool curved) {
   References both{reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};

@@ -29,6 +29,9 @@ struct TriangleReference {
   std::shared_ptr<const CurvedReference> curved;          // where there are curved triangles
 };
 
+/// The points of a rule along an edge, on the triangle of reference; `forward`: from its first vertex to its second.
+Points points_on_side(const EdgeRule& rule, int side, bool forward);
+
 struct References {
   TriangleReference plain, rich;  // rich: boundary data are of higher degree than the fields inside
 };

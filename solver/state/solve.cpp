@@ -67,14 +67,12 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
 // K x on the rows in contact.
 class ForcesInContact {
  public:
-  ForcesInContact(const LowerTriangle& K, Index rows) : first_(K.size - rows), rows_(rows) {
-    for (Index j = 0; j < K.size; ++j)
-      for (Index p = K.start[j]; p < K.start[j + 1]; ++p)
-        if (K.rows[p] >= first_) entries_.push_back({K.rows[p], j, K.values[p]});
-  }
+  ForcesInContact(const LowerTriangle& K, Index rows)
+      : K_(K), first_(K.size - rows), rows_(rows), entries_(entries_of_last(K, rows)) {}
   Eigen::VectorXd operator()(const Eigen::VectorXd& x) const {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(rows_);
-    for (const auto& [i, j, value] : entries_) {
+    for (const auto& [i, j, at] : entries_) {
+      const double value = K_.values[at];
       force[i - first_] += value * x[j];
       if (j >= first_ && j != i) force[j - first_] += value * x[i];
     }
@@ -82,12 +80,9 @@ class ForcesInContact {
   }
 
  private:
-  struct Entry {
-    Index row, column;
-    double value;
-  };
+  const LowerTriangle& K_;
   Index first_, rows_;
-  std::vector<Entry> entries_;
+  std::vector<EntryPlace> entries_;
 };
 
 // Where there is no dense matrix of contact: by factors of the whole. Moves s.x on to the solution.

@@ -274,9 +274,9 @@ struct Factor::Impl {
   }
 
   template <typename Dense>
-  Dense backward(Dense x) const {
+  Dense backward(Dense x, const std::vector<bool>* fronts = nullptr) const {
     check_stop();
-    numeric->backward(values(), x, threads);
+    numeric->backward(values(), x, threads, fronts);
     return permuted ? permute(x, true) : x;
   }
 
@@ -415,10 +415,7 @@ Eigen::MatrixXd Factor::backward(const Eigen::MatrixXd& y) const {
 
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y, const std::vector<bool>& fronts) const {
   if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
-  check_stop();
-  Eigen::VectorXd x = y;
-  impl_->numeric->backward(impl_->values(), x, impl_->threads, fronts);
-  return impl_->permuted ? impl_->permute(x, true) : x;
+  return impl_->backward(y, &fronts);
 }
 
 std::vector<bool> Factor::fronts_above(const std::vector<Index>& rows) const {

@@ -136,12 +136,8 @@ std::vector<HalfSolved::Column> HeldFactors::read_columns(const LowerTriangle& K
   return columns;
 }
 
-const std::vector<HeldFactors::Coupling>& HeldFactors::couplings(const LowerTriangle& K) {
-  if (!couplings_.empty()) return couplings_;
-  const Index leading = K.size - contact_rows_;
-  for (Index j = 0; j < K.size; ++j)
-    for (Index p = K.start[j]; p < K.start[j + 1]; ++p)
-      if (K.rows[p] >= leading) couplings_.push_back({K.rows[p], j, p});
+const std::vector<EntryPlace>& HeldFactors::couplings(const LowerTriangle& K) {
+  if (couplings_.empty()) couplings_ = entries_of_last(K, contact_rows_);
   return couplings_;
 }
 
@@ -183,7 +179,7 @@ Eigen::VectorXd HeldFactors::backward(const LowerTriangle& K, const Eigen::Vecto
   if (on == On::All) return last_->backward(y);
   if (fronts_.empty()) {
     std::vector<Index> rows;
-    for (const Coupling& c : couplings(K)) rows.insert(rows.end(), {c.row, c.column});
+    for (const EntryPlace& c : couplings(K)) rows.insert(rows.end(), {c.row, c.column});
     fronts_ = last_->fronts_above(rows);
   }
   return last_->backward(y, fronts_);

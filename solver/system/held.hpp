@@ -43,9 +43,6 @@ class HeldFactors {
   }
 
  private:
-  struct Coupling {  // an entry of K on a row in contact
-    Index row, column, at;
-  };
   std::vector<Index> changes(const std::vector<bool>& held) const;
   bool worth_bordering(const std::vector<Index>& changed) const;
   void border(const LowerTriangle& K, const std::vector<Index>& changed);
@@ -55,7 +52,7 @@ class HeldFactors {
                               const Eigen::VectorXd& b) const;
   void factorize(const LowerTriangle& K);
   const Eigen::VectorXd& half_solved(Eigen::VectorXd right);
-  const std::vector<Coupling>& couplings(const LowerTriangle& K);
+  const std::vector<EntryPlace>& couplings(const LowerTriangle& K);
   Eigen::VectorXd backward(const LowerTriangle& K, const Eigen::VectorXd& y, On on);
 
   std::mutex one_at_a_time_;
@@ -65,8 +62,8 @@ class HeldFactors {
   int made_ = 0;
   std::vector<bool> held_;  // in the factor
   std::shared_ptr<Factor> last_;
-  std::vector<Coupling> couplings_;
-  std::vector<bool> fronts_;   // that On::Contact goes through
+  std::vector<EntryPlace> couplings_;  // entries of K on rows in contact
+  std::vector<bool> fronts_;           // that On::Contact goes through
   Eigen::VectorXd right_, y_;  // the last right-hand side, and L^-1 P of it: sets that follow each other share it
   // Of rows that are held in the factor and move, or the other way round: a column of K, without rows held in the
   // factor, or a unit vector.

@@ -33,10 +33,9 @@ class Multifrontal {
   /// x <- L^-1 x, and x <- L^-T x, of columns of the size of L; cut as the factorization is, with the same bits for any
   /// number of threads.
   void forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
-  void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
-  /// On the columns of the marked fronts alone, the others stay as they are.
+  /// `marked`: backwards on the columns of these fronts alone, the others stay as they are.
   void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
-                const std::vector<bool>& marked) const;
+                const std::vector<bool>* marked = nullptr) const;
   /// Marks the fronts that have these columns, and all above them: what a substitution backwards needs for them.
   std::vector<bool> fronts_above(const std::vector<Index>& columns) const;
 
@@ -69,6 +68,7 @@ class Multifrontal {
     return {s_.first[s], s_.first[s + 1] - s_.first[s], s_.rows_start[s + 1] - s_.rows_start[s],
             s_.rows + s_.rows_start[s], values + s_.values_start[s]};
   }
+  int threads_worth(int threads) const;  // of a substitution
   void order_depth_first();
   void cut();
 

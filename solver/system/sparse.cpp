@@ -26,6 +26,14 @@ Eigen::VectorXd product(const LowerTriangle& a, const Eigen::VectorXd& x, const 
 
 }  // namespace
 
+std::vector<EntryPlace> entries_of_last(const LowerTriangle& a, Index rows) {
+  std::vector<EntryPlace> all;
+  for (Index j = 0; j < a.size; ++j)
+    for (Index p = a.start[j]; p < a.start[j + 1]; ++p)
+      if (a.rows[p] >= a.size - rows) all.push_back({a.rows[p], j, p});
+  return all;
+}
+
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x) {
   return product(a, x, [](double value) { return value; });
 }

@@ -14,6 +14,12 @@ struct LowerTriangle {
   std::vector<double> values;  // same shape
 };
 
+/// Entries in the last rows, column by column, and where their values are.
+struct EntryPlace {
+  Index row, column, at;
+};
+std::vector<EntryPlace> entries_of_last(const LowerTriangle& a, Index rows);
+
 /// The whole symmetric matrix times x.
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x);
 /// |a| |x|: a product's rounding error is a unit in the last place of this.

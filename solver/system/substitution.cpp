@@ -250,26 +250,22 @@ struct Multifrontal::Substitution {
   }
 };
 
+int Multifrontal::threads_worth(int threads) const {
+  constexpr std::int64_t worth_threads = 1000000;
+  return entries_ > worth_threads ? threads : 1;
+}
+
 void Multifrontal::forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
   if (s_.count == 0 || x.cols() == 0) return;
-  constexpr std::int64_t worth_threads = 1000000;
-  Team team(entries_ > worth_threads ? threads : 1);
+  Team team(threads_worth(threads));
   Substitution{*this, values, x.data(), x.cols(), team}.forward();
 }
 
-void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
-  if (s_.count == 0 || x.cols() == 0) return;
-  constexpr std::int64_t worth_threads = 1000000;
-  Team team(entries_ > worth_threads ? threads : 1);
-  Substitution{*this, values, x.data(), x.cols(), team}.backward();
-}
-
 void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
-                            const std::vector<bool>& marked) const {
+                            const std::vector<bool>* marked) const {
   if (s_.count == 0 || x.cols() == 0) return;
-  constexpr std::int64_t worth_threads = 1000000;
-  Team team(entries_ > worth_threads ? threads : 1);
-  Substitution{*this, values, x.data(), x.cols(), team, &marked}.backward();
+  Team team(threads_worth(threads));
+  Substitution{*this, values, x.data(), x.cols(), team, marked}.backward();
 }
 
 std::vector<bool> Multifrontal::fronts_above(const std::vector<Index>& columns) const {
