@@ -97,27 +97,33 @@ void add_holes(const Shape& shape, std::string& out) {
     const std::string first = label(hole.sides.front());
     const bool same =
         std::all_of(hole.sides.begin(), hole.sides.end(), [&](const Side& s) { return label(s) == first; });
-    if (same && first == "hole:" + name) {
-      out += form(hole) + "\n\n";
-      continue;
-    }
+    const bool own = same && first == "hole:" + name;
+    out += (own || is_whole(hole) ? form(hole) : "outline = " + corners(hole)) + "\n";
     std::vector<std::string> labels;
     for (const Side& side : hole.sides) labels.push_back(quoted(label(side)));
-    if (is_whole(hole))
-      out += form(hole) + "\n\n";
-    else
-      out += fmt::format("outline = {}\nsides = {}\n\n", corners(hole),
-                         same ? quoted(first) : fmt::format("[{}]", fmt::join(labels, ", ")));
+    if (!own) out += fmt::format("sides = {}\n", same ? labels.front() : fmt::format("[{}]", fmt::join(labels, ", ")));
+    out += "\n";
   }
 }
 
-/// What the case says of the pressure in a crack, or nothing.
-const Node* pressure_of(const Node& document, const std::string& crack) {
+/// "c" of its piece "c.2".
+std::string whole_of(const std::string& piece) {
+  return piece.substr(0, piece.rfind('.'));
+}
+
+/// What the case says of the loads and gaps of a crack, or of the one that it is a piece of.
+std::vector<Entry> formulas_of(const Node& document, const std::string& crack) {
   const Node* all = find(document, "crack");
-  for (std::size_t i = 0; all && i < all->items.size(); ++i)
-    if (const Node* name = find(all->items[i], "name"); name && name->text == crack)
-      return find(all->items[i], "pressure");
-  return nullptr;
+  for (const std::string& name : {crack, whole_of(crack)})
+    for (std::size_t i = 0; all && i < all->items.size(); ++i) {
+      const Node* called = find(all->items[i], "name");
+      if (!called || called->text != name) continue;
+      std::vector<Entry> formulas;
+      for (const Entry& entry : all->items[i].entries)
+        if (entry.key == "pressure" || entry.key == "gap") formulas.push_back(entry);
+      return formulas;
+    }
+  return {};
 }
 
 void add_cracks(const Case& c, const Shape& shape, std::span<const CrackLaw> laws, std::string& out) {
@@ -136,7 +142,7 @@ void add_cracks(const Case& c, const Shape& shape, std::span<const CrackLaw> law
     out += fmt::format("contact = {}\n", quoted(std::string(word(laws[k].kind))));
     if (laws[k].friction > 0) out += fmt::format("friction = {}\n", number(laws[k].friction));
     if (laws[k].slip_bound > 0) out += fmt::format("tresca = {}\n", number(laws[k].slip_bound));
-    if (const Node* pressure = pressure_of(*c.document, crack.name)) add_entry({"pressure", {}, *pressure}, out);
+    for (const Entry& formula : formulas_of(*c.document, crack.name)) add_entry(formula, out);
     out += "\n";
   }
 }
@@ -182,12 +188,23 @@ void drop_unused_definitions(Node& document, std::set<std::string> names) {
   std::erase_if(document.entries, [](const Entry& e) { return e.key == "define" && e.value.entries.empty(); });
 }
 
+/// What was made up from the true body is read from where it was written: beside the design.
+void read_what_was_made_up(Node& node) {
+  for (Node& item : node.items) read_what_was_made_up(item);
+  for (Entry& entry : node.entries)
+    if (entry.key == "measured" && entry.value.text == "synthetic")
+      entry.value.text = "measured.csv";
+    else
+      read_what_was_made_up(entry.value);
+}
+
 /// The document without its body and without what is about other bodies; load cases keep a table [optimize], without
 /// what begins or guides it.
-Node rest_of(const Case& c, const std::filesystem::path& folder) {
-  static const std::set<std::string> body{"title", "domain", "hole", "crack", "region", "map", "validate", "probe"};
-  static const std::set<std::string> guides{"start",  "symmetry", "frozen",       "hole",  "crack",
-                                            "region", "method",   "min_distance", "starts"};
+Node rest_of(const Case& c, const Shape& design, const std::filesystem::path& folder) {
+  static const std::set<std::string> body{"title", "domain", "hole",     "crack",    "region",
+                                          "map",   "probe",  "validate", "synthetic"};
+  static const std::set<std::string> guides{"start",  "symmetry", "frozen",       "hole",   "crack",        "region",
+                                            "method", "defects",  "min_distance", "starts", "least_squares"};
   Node rest = *c.document;
   std::erase_if(rest.entries, [&](const Entry& e) { return body.contains(e.key); });
   const bool cases = c.optimize && !c.optimize->load_cases.empty();
@@ -195,20 +212,23 @@ Node rest_of(const Case& c, const std::filesystem::path& folder) {
   for (Entry& entry : rest.entries)
     if (entry.key == "optimize") {
       std::erase_if(entry.value.entries, [&](const Entry& e) { return guides.contains(e.key); });
-      if (find(entry.value, "volume")) continue;
+      if (c.optimize->method == OptimizeMethod::LevelSet) continue;
+      // It reads as a level set now, which must have something to do.
+      std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "volume"; });
       Node most, volume;
       most.kind = Node::Kind::Float;
-      most.number = 1;
+      most.number = 0.99;
       volume.entries.push_back({"at_most", {}, most});
       entry.value.entries.push_back({"volume", {}, volume});
     }
   move_files(rest, c.folder, folder);
+  read_what_was_made_up(rest);
   for (Entry& entry : rest.entries)
     if (entry.key == "mesh")  // the design is drawn
       std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "mesher"; });
   std::set<std::string> in_cracks;
-  for (const Crack& crack : c.shape.cracks)
-    if (const Node* pressure = pressure_of(*c.document, crack.name)) collect_names(*pressure, in_cracks);
+  for (const Crack& crack : design.cracks)
+    for (const Entry& formula : formulas_of(*c.document, crack.name)) collect_names(formula.value, in_cracks);
   drop_unused_definitions(rest, std::move(in_cracks));
   return rest;
 }
@@ -218,11 +238,11 @@ std::vector<std::string> limits(const Case& c, const DesignFile& design) {
   std::vector<std::string> all;
   if (c.optimize && !c.optimize->load_cases.empty())
     all.push_back("kerf solve computes the first load case; J above is the weighted sum over all of them.");
-  std::set<std::string> names, first;
-  for (const Crack& crack : design.shape.cracks) names.insert(crack.name);
+  if (c.synthetic) all.push_back("its data are measured.csv, straight between the sensors: J may differ a little.");
+  std::set<std::string> first;
   for (const Crack& crack : c.shape.cracks) first.insert(crack.name);
   for (const Crack& crack : design.shape.cracks)
-    if (!first.contains(crack.name) && c.shape.cracks.size() > 0)
+    if (!first.contains(crack.name) && first.contains(whole_of(crack.name)))
       all.push_back(fmt::format("crack {} is a piece of another one: functionals of that one see its first piece only.",
                                 crack.name));
   for (const CrackLaw& law : design.laws)
@@ -251,16 +271,12 @@ std::string design_case(const Case& c, const DesignFile& design, const std::file
   for (const std::string& line : design.comments) out += fmt::format("# {}\n", line);
   for (const std::string& line : limits(c, design)) out += fmt::format("# {}\n", line);
   out += fmt::format("title = {}\n", quoted(c.title + " (design)"));
-  const Node rest = rest_of(c, folder);
-  for (const Entry& entry : rest.entries)  // single values come before tables
-    if (entry.value.kind != Node::Kind::Table && entry.value.kind != Node::Kind::Array) add_entry(entry, out);
   out += "\n";
   add_domain(shape, out);
   add_holes(shape, out);
   add_cracks(c, shape, design.laws, out);
   add_regions(shape, design.regions, out);
-  for (const Entry& entry : rest.entries)
-    if (entry.value.kind == Node::Kind::Table || entry.value.kind == Node::Kind::Array) add_entry(entry, out);
+  for (const Entry& table : rest_of(c, shape, folder).entries) add_entry(table, out);
   while (out.ends_with("\n\n")) out.pop_back();
   return out;
 }

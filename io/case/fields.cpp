@@ -207,17 +207,11 @@ std::vector<Vec2> points(const Value& field, std::size_t least) {
 }
 
 std::string choice(const Value& field) {
-  const KeyRules& rules = find_key(field.path)->rules;
-  const std::vector<std::string> known(rules.words.begin(), rules.words.end());
-  const std::vector<std::string> later(rules.later_words.begin(), rules.later_words.end());
+  const KeyWords words = find_key(field.path)->rules.words;
+  const std::vector<std::string> known(words.begin(), words.end());
   const std::string word = text(field);
   if (contains(known, word)) return word;
-  if (contains(later, word))
-    fail(field.node->position, fmt::format("{} = {} is not supported yet; use \"{}\"", field.name, quote(word),
-                                           fmt::join(known, "\" or \"")));
-  std::vector<std::string> all = known;
-  all.insert(all.end(), later.begin(), later.end());
-  fail(field.node->position, fmt::format("unknown {} {}; {}", field.name, quote(word), suggest(word, all)));
+  fail(field.node->position, fmt::format("unknown {} {}; {}", field.name, quote(word), suggest(word, known)));
 }
 
 std::size_t place_in_words(const Value& field) {

@@ -79,13 +79,12 @@ std::array<Formula, 2> formulas(const Value& field, Definitions& definitions, bo
 
 Index find_label(const Value& field, const Shape& shape) {
   const std::string word = text(field);
-  std::vector<std::string> known = shape.labels;
-  for (const Loop& hole : shape.holes) known.push_back(hole.name);
-  for (std::size_t k = 0; k < known.size(); ++k) {
-    if (known[k] != word) continue;
-    if (k < shape.labels.size()) return static_cast<Index>(k);
-    return shape.holes[k - shape.labels.size()].sides[0].label;
-  }
+  for (const std::string& label : {word, "hole:" + word})
+    if (const auto found = std::ranges::find(shape.labels, label); found != shape.labels.end())
+      return static_cast<Index>(found - shape.labels.begin());
+  // A hole whose sides have a label of their own.
+  if (const auto hole = std::ranges::find(shape.holes, word, &Loop::name); hole != shape.holes.end())
+    return hole->sides[0].label;
   fail(field.node->position,
        fmt::format("{}: there is no label {}; {}", field.name, quote(word), suggest(word, shape.labels)));
 }

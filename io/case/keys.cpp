@@ -111,7 +111,7 @@ constexpr Key rows[] = {
     {"hole[].outline[].center", Pair, {.required = true}, "Its center, as in domain.outline.", "[0.5, 0]"},
     {"hole[].sides",
      Name | Names,
-     {.with = "outline"},
+     {},
      "Another label, or one per edge, instead of hole:<name>.",
      "\"design\"",
      "hole:<name>"},

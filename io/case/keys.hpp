@@ -57,7 +57,7 @@ using KeyWords = std::span<const std::string_view>;
 /// What the reader checks.
 struct KeyRules {
   KeyRange range = {};
-  KeyWords words = {}, later_words = {};  // of a Word; those of a later release
+  KeyWords words = {};         // of a Word
   std::string_view with = {};  // "p|q": goes with these keys of its table, or these words of its table's `kind` or
                                // `method`, or these shapes of what it starts, only; empty: with everything
   bool required = false;       // wherever it may stand

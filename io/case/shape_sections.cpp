@@ -62,15 +62,21 @@ Index label_number(const std::string& label, Shape& shape) {
   return number;
 }
 
+/// That of a hole, which another loop may have in part, or a name.
+Index label_of(const Value& field, Shape& shape) {
+  constexpr std::string_view hole = "hole:";
+  const std::string label = text(field);
+  const bool of_hole = label.starts_with(hole) && is_safe_name(label.substr(hole.size()));
+  return label_number(of_hole ? label : safe_name(field), shape);
+}
+
 /// A label per side.
 void read_sides(const Value& sides, Loop& loop, Shape& shape) {
   const std::vector<Value> labels = items(sides);
   if (labels.size() != loop.sides.size())
     fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
                                            sides.name, labels.size(), loop.sides.size()));
-  const std::string own = "hole:" + loop.name;
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    loop.sides[i].label = label_number(text(labels[i]) == own ? own : safe_name(labels[i]), shape);
+  for (std::size_t i = 0; i < labels.size(); ++i) loop.sides[i].label = label_of(labels[i], shape);
 }
 
 void read_domain(const Value& domain, Shape& shape) {
@@ -207,7 +213,7 @@ void add_holes(const std::vector<Value>& tables, Shape& shape) {
     if (sides->node->kind == Node::Kind::Array) {
       read_sides(*sides, loop, shape);
     } else {
-      const Index label = label_number(safe_name(*sides), shape);
+      const Index label = label_of(*sides, shape);
       for (Side& side : loop.sides) side.label = label;
     }
     shape.holes.push_back(std::move(loop));

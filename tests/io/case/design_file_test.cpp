@@ -7,7 +7,10 @@
 #include "tests/io/case/case_files.hpp"
 #include "tests/optimize/curves.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <set>
 
 using namespace kerf;
 
@@ -157,6 +160,254 @@ start = { holes = [2, 2], radius = 0.1 }
   EXPECT_FALSE(back.optimize->level_set.start);
 }
 
+// Whole ellipses, arcs of cracks, regions of every form, and what holds between the faces of cracks.
+TEST(DesignFile, FormsMaterialsAndLawsComeBack) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", square + R"([[hole]]
+name = "egg"
+ellipse = { center = [0.4, 0.6], semi_axes = [0.2, 0.1], angle_deg = 30 }
+[[hole]]
+name = "rim"
+circle = { center = [1.7, 0.7], radius = 0.05 }
+sides = "glued"
+[[crack]]
+name = "bow"
+arc = { center = [1, 0.5], radius = 0.25, from_deg = 100, to_deg = 10 }
+friction = 0.25
+gap = "g * x"
+[define]
+g = "1e-3"
+[[crack]]
+name = "slit"
+path = [[1.4, 0.2], [1.5, 0.3]]
+tresca = 2
+[[region]]
+name = "disc"
+circle = { center = [0.9, 0.5], radius = 0.05 }
+young = 20
+poisson = 0.125
+[[region]]
+name = "oval"
+ellipse = { center = [0.2, 0.2], semi_axes = [0.1, 0.05] }
+young = 30
+poisson = 0.25
+[[region]]
+name = "wedge"
+polygon = [[1.6, 0.1], [1.8, 0.1], [1.7, 0.2]]
+young = 40
+poisson = 0.375
+[[region]]
+name = "half"
+outline = [[0.6, 0.15], { arc_to = [0.8, 0.15], center = [0.7, 0.15] }]
+young = 50
+poisson = 0.5
+[[boundary]]
+on = "glued"
+pressure = 1
+)"));
+  ASSERT_FALSE(find_problem(c.shape)) << *find_problem(c.shape);
+  const std::string file = design_case(c, {c.shape, c.scene.laws, c.regions, {}}, folder.path);
+  EXPECT_NE(file.find("# where contact ends kerf solve makes the mesh finer"), std::string::npos);
+  const Case back = read_case(folder.write("design.toml", file));
+  EXPECT_EQ(back.title, "a (design)");
+  EXPECT_EQ(back.shape.labels, c.shape.labels);
+  const auto same_arc = [](const Arc& a, const Arc& b) {
+    EXPECT_EQ(a.center, b.center);
+    EXPECT_LT((a.axes - b.axes).norm(), 1e-15);
+    EXPECT_NEAR(a.to, b.to, 1e-15);
+  };
+  same_arc(*c.shape.holes[0].sides[0].arc, *back.shape.holes[0].sides[0].arc);
+  same_arc(*c.shape.cracks[0].arc, *back.shape.cracks[0].arc);
+  EXPECT_EQ(back.shape.cracks[1].points, c.shape.cracks[1].points);
+  ASSERT_EQ(back.shape.regions.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Loop &was = c.shape.regions[k], &is = back.shape.regions[k];
+    EXPECT_EQ(is.name, was.name);
+    EXPECT_EQ(is.sides.size(), was.sides.size());
+    EXPECT_EQ(back.regions[k].young, c.regions[k].young);
+    EXPECT_EQ(back.regions[k].poisson, c.regions[k].poisson);
+  }
+  same_arc(*c.shape.regions[1].sides[0].arc, *back.shape.regions[1].sides[0].arc);
+  EXPECT_NEAR(area({back.shape.regions[3]}), pi * 0.01 / 2, 1e-12);
+  EXPECT_EQ(back.scene.laws[0].friction, 0.25);
+  EXPECT_EQ(back.scene.laws[1].slip_bound, 2);
+  EXPECT_EQ(back.scene.laws[0].gap({0.5, 0}, {0, 1}).x(), 5e-4);
+  EXPECT_FALSE(has_gap(back.scene.laws[1]));
+  EXPECT_EQ(back.scene.tractions.at(0).label, c.scene.tractions.at(0).label);
+}
+
+TEST(DesignFile, LoadCasesOfDrawnDesignsCanBeSolved) {
+  const TemporaryFolder folder;
+  const std::string loads = square + R"([[boundary]]
+on = "left"
+displacement = [0, 0]
+[[load_case]]
+name = "one"
+[[load_case.boundary]]
+on = "right"
+traction = [0, -1]
+[functional]
+kind = "compliance"
+[optimize]
+method = "mma"
+)";
+  const std::string hole = "[[optimize.hole]]\ncircle = { center = [[0.5, 1.5], 0.5], radius = 0.1 }\n";
+  for (const std::string& rest :
+       {std::string(), std::string("least_squares = false\n"), std::string("volume = { at_most = 1 }\n"),
+        std::string("volume = { at_most = 0.75 }\nstarts = 2\nmin_distance = 0.01\n")}) {
+    const Case c = read_case(folder.write("a.toml", loads + rest + hole));
+    const std::string file = design_case(c, {c.shape, {}, {}, {}}, folder.path);
+    EXPECT_NO_THROW(read_case(folder.write("design.toml", file))) << file;
+  }
+}
+
+TEST(DesignFile, SaysWhatItCannot) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", loaded));
+  const std::string polygons = "# its curved sides are polygons", piece = "# crack c.2 is a piece of another one";
+  Shape shape = c.shape;
+  const auto file = [&] {
+    return design_case(c, {shape, std::vector<CrackLaw>(shape.cracks.size(), c.scene.laws[0]), {}, {}}, folder.path);
+  };
+  EXPECT_EQ(file().find(polygons), std::string::npos);
+  EXPECT_EQ(file().find(piece), std::string::npos);
+  shape.cracks.push_back({"new", {{1.4, 0.8}, {1.5, 0.8}}, {}});
+  EXPECT_EQ(file().find("is a piece of another one"), std::string::npos);
+  shape.cracks.push_back({"c.2", {{1.6, 0.3}, {1.7, 0.4}}, {}});
+  for (Side& side : shape.outline.sides) side.smooth = true;
+  EXPECT_NE(file().find(polygons), std::string::npos);
+  EXPECT_NE(file().find(piece), std::string::npos);
+  // Where the curves themselves are drawn, polygons beside them are meant.
+  shape.holes[0].sides[0].smooth = true;
+  EXPECT_EQ(file().find(polygons), std::string::npos);
+  for (Side& side : shape.outline.sides) side.smooth = false;
+  shape.holes.push_back(polygon("h", {{1.1, 0.6}, {1.2, 0.6}, {1.1, 0.7}}, 0));
+  for (Side& side : shape.holes[1].sides) side.smooth = true;
+  EXPECT_EQ(file().find(polygons), std::string::npos);
+  shape.holes[0].sides[0].smooth = false;
+  EXPECT_NE(file().find(polygons), std::string::npos);
+  shape.outline.sides[0].arc = Arc{{1, 0}, Mat2::Identity(), -pi, 0};
+  shape.outline.sides[0].smooth = true;
+  EXPECT_EQ(file().find(polygons), std::string::npos);
+}
+
+// A level set may join holes to each other and to the outline: the loop then has parts of all of them.
+TEST(DesignFile, LabelsOfHolesOnOtherLoops) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", loaded));
+  Shape shape = c.shape;
+  shape.labels.push_back("design");
+  const auto design = Index(shape.labels.size()) - 1, bore = design - 1;
+  ASSERT_EQ(shape.labels[std::size_t(bore)], "hole:bore");
+  shape.holes = {polygon("other", {{0.8, 0.2}, {0.9, 0.2}, {0.8, 0.3}}, design),
+                 circle("third", {1.5, 0.8}, 0.1, bore)};
+  shape.holes[0].sides[1].label = bore;
+  shape.outline.sides[0].label = bore;
+  for (const char* name : {"hole:bore", "bore"}) {
+    std::string text = design_case(c, {shape, c.scene.laws, {}, {}}, folder.path);
+    const std::string on = "\"hole:bore\"]\ntraction";
+    ASSERT_NE(text.find(on), std::string::npos) << text;
+    text.replace(text.find(on), 11, fmt::format("\"{}\"", name));
+    const Case back = read_case(folder.write("design.toml", text));
+    const auto named = [&](const Side& side) { return back.shape.labels[std::size_t(side.label)]; };
+    EXPECT_EQ(named(back.shape.outline.sides[0]), "hole:bore");
+    EXPECT_EQ(named(back.shape.outline.sides[1]), "right");
+    EXPECT_EQ(named(back.shape.holes[0].sides[0]), "design");
+    EXPECT_EQ(named(back.shape.holes[0].sides[1]), "hole:bore");
+    EXPECT_EQ(named(back.shape.holes[1].sides[0]), "hole:bore");
+    ASSERT_EQ(back.scene.tractions.size(), 2u);
+    std::set<std::string> loaded_labels;
+    for (const Traction& t : back.scene.tractions) loaded_labels.insert(back.shape.labels[std::size_t(t.label)]);
+    EXPECT_EQ(loaded_labels, (std::set<std::string>{"right", "hole:bore"})) << name;
+  }
+}
+
+// The true body must not be drawn into the one that was found: the data are read that were made up from it.
+TEST(DesignFile, MadeUpDataAreThoseBesideIt) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", square + R"([[boundary]]
+on = "left"
+displacement = [0, 0]
+[[boundary]]
+on = "right"
+traction = [1, 0]
+[functional]
+kind = "misfit"
+on = "top"
+measured = "synthetic"
+[synthetic]
+element = "p2"
+[[synthetic.hole]]
+name = "h"
+circle = { center = [1, 0.5], radius = 0.1 }
+[optimize]
+method = "mma"
+[[optimize.hole]]
+name = "h"
+circle = { center = [[0.5, 1.5], 0.5], radius = 0.1 }
+)"));
+  Shape found = c.shape;
+  found.labels.push_back("hole:h");
+  found.holes.push_back(circle("h", {1.02, 0.5}, 0.1, Index(found.labels.size()) - 1));
+  folder.write("measured.csv", "x,y,u_x,u_y\n0,1,0,0\n2,1,0.25,0\n");
+  const std::string file = design_case(c, {found, {}, {}, {}}, folder.path);
+  EXPECT_TRUE(file.starts_with("# its data are measured.csv")) << file;
+  const Case back = read_case(folder.write("design.toml", file));
+  EXPECT_FALSE(back.synthetic);
+  ASSERT_TRUE(back.functional.terms.at(0).measured);
+  EXPECT_EQ(back.functional.terms[0].measured->value({1, 1}, {0, 1}), Vec2(0.125, 0));
+}
+
+// What lies between the faces of a crack does so between those of its pieces.
+TEST(DesignFile, PiecesOfACrackKeepItsGap) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", square + R"([[crack]]
+name = "c.d"
+path = [[0.5, 0.5], [1.5, 0.5]]
+gap = "k * x"
+[define]
+k = "0.5"
+)"));
+  Shape shape = c.shape;
+  shape.cracks = {{"c.d", {{0.5, 0.5}, {0.75, 0.5}}, {}},
+                  {"c.d.2", {{1, 0.5}, {1.5, 0.5}}, {}},
+                  {"new", {{1, 0.75}, {1.5, 0.75}}, {}}};
+  const std::vector<CrackLaw> laws(3, c.scene.laws[0]);
+  const Case back = read_case(folder.write("design.toml", design_case(c, {shape, laws, {}, {}}, folder.path)));
+  ASSERT_EQ(back.scene.laws.size(), 3u);
+  EXPECT_EQ(back.scene.laws[0].gap({0.5, 0.5}, {0, 1}).x(), 0.25);
+  EXPECT_EQ(back.scene.laws[1].gap({1, 0.5}, {0, 1}).x(), 0.5);
+  EXPECT_FALSE(has_gap(back.scene.laws[2]));
+  // Without the crack nothing uses k any more.
+  shape.cracks.resize(0);
+  const std::string none_left = design_case(c, {shape, {}, {}, {}}, folder.path);
+  EXPECT_TRUE(read_case(folder.write("design.toml", none_left)).shape.cracks.empty());
+}
+
+// Names that two parts of a body share, or that no case may have, become names of their own.
+TEST(DesignFile, EveryPartHasANameOfItsOwn) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", loaded));
+  Shape shape = c.shape;
+  shape.labels.push_back("hole:a b");
+  const auto label = Index(shape.labels.size()) - 1;
+  shape.holes = {polygon("a b", {{0.2, 0.2}, {0.3, 0.2}, {0.2, 0.3}}, label),
+                 polygon("a_b", {{0.5, 0.2}, {0.6, 0.2}, {0.5, 0.3}}, label),
+                 polygon("a/b", {{0.8, 0.2}, {0.9, 0.2}, {0.8, 0.3}}, label)};
+  shape.labels.back() = "other";
+  shape.cracks.push_back({"c", {{1.6, 0.3}, {1.7, 0.4}}, {}});
+  const std::vector<CrackLaw> laws(2, c.scene.laws[0]);
+  std::string text = design_case(c, {shape, laws, {}, {}}, folder.path);
+  const std::string gone = "\"hole:bore\"";  // the condition on the hole that the design has no more
+  text.replace(text.find(gone), gone.size(), "\"other\"");
+  const Case back = read_case(folder.write("design.toml", text));
+  std::vector<std::string> names;
+  for (const Loop& hole : back.shape.holes) names.push_back(hole.name);
+  for (const Crack& crack : back.shape.cracks) names.push_back(crack.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"a_b", "a_b_2", "a_b_3", "c", "c_2"}));
+  for (const Loop& hole : back.shape.holes) EXPECT_EQ(back.shape.labels[std::size_t(hole.sides[0].label)], "other");
+}
+
 TEST(DesignFile, FilesOfDataAreFoundFromItsFolder) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path / "out");
@@ -175,63 +426,4 @@ measured = "data.csv"
   const std::string file = design_case(c, {c.shape, {}, {}, {}}, folder.path / "out");
   EXPECT_NE(file.find("measured = \"../data.csv\""), std::string::npos) << file;
   EXPECT_NO_THROW(read_case(folder.write("out/design.toml", file)));
-}
-
-TEST(HoleOutline, MayHaveArcsAndLabels) {
-  const std::string hole = R"([[hole]]
-name = "h"
-outline = [[0.5, 0.5], { arc_to = [0.9, 0.5], center = [0.7, 0.5] }]
-)";
-  const Case c = read(square + hole);
-  ASSERT_EQ(c.shape.holes.size(), 1u);
-  EXPECT_EQ(c.shape.labels.back(), "hole:h");
-  EXPECT_NEAR(area(c.shape), 2 - pi * 0.04 / 2, 1e-12);
-  EXPECT_EQ(read(square + hole + "sides = \"rim\"\n").shape.labels.back(), "rim");
-  EXPECT_EQ(read(square + hole + "sides = [\"top\", \"hole:h\"]\n").shape.holes[0].sides[0].label, 2);
-  EXPECT_NE(error(square + hole + "sides = [\"top\"]\n").find("has 1 labels for the 2 edges"), std::string::npos);
-}
-
-TEST(StartDesign, IsABodyInsideTheFrame) {
-  const std::string start = square + R"([[boundary]]
-on = "left"
-displacement = [0, 0]
-[[boundary]]
-on = "right"
-traction = [0, -1]
-[functional]
-kind = "compliance"
-[optimize]
-volume = { at_most = 0.5 }
-min_radius = 0.05
-start = { design = "design.toml" }
-)";
-  const TemporaryFolder folder;
-  const auto message = [&] {
-    try {
-      read_case(folder.path / "a.toml");
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
-  };
-  folder.write("a.toml", start);
-  EXPECT_NE(message().find("a.toml:18:20: design in start in [optimize] = \"design.toml\""), std::string::npos)
-      << message();
-  folder.write("design.toml", "title = 3");
-  EXPECT_NE(message().find("a.toml:18:20"), std::string::npos);
-  EXPECT_NE(message().find("design.toml:1:"), std::string::npos);
-  std::string body = square;
-  body.replace(body.find("[2, 1]"), 6, "[2, 1.1]");
-  folder.write("design.toml", body);
-  EXPECT_NE(message().find("reaches out of this one"), std::string::npos) << message();
-  body = square;
-  body.replace(body.find("[2, 1]"), 6, "[2, 0.9]");
-  folder.write("design.toml", body);
-  const Case c = read_case(folder.path / "a.toml");
-  ASSERT_TRUE(c.optimize->level_set.start_design);
-  EXPECT_NEAR(area(*c.optimize->level_set.start_design), 1.9, 1e-12);
-  EXPECT_EQ(c.optimize->level_set.min_radius, 0.05);
-  body.replace(body.find("[2, 0.9]"), 8, "[2, 0.8]");
-  folder.write("design.toml", body);
-  EXPECT_NE(read_case(folder.path / "a.toml").fingerprint, c.fingerprint);
 }

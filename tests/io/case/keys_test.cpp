@@ -255,5 +255,58 @@ TEST(Keys, TheSchemaRefusesWhatTheReaderRefuses) {
   EXPECT_NE(wrong_case(square + "[[synthetic.hole]]\nname = 'h'\ncircle = { center = [0, 0], radius = -1 }"), "");
 }
 
+TEST(Keys, RangesSayWhatTheyHold) {
+  const auto said = [](const KeyRange& range) { return in_words(range); };
+  EXPECT_EQ(said({.least = 0, .above = true}), "positive");
+  EXPECT_EQ(said({.least = 0}), "not negative");
+  EXPECT_EQ(said({0, 1, true, true}), "between 0 and 1, both excluded");
+  EXPECT_EQ(said({0, 1}), "between 0 and 1");
+  EXPECT_EQ(said({0, 1, true}), "positive, at most 1");
+  EXPECT_EQ(said({-1, 0.5, true}), "above -1 and at most 0.5");
+  EXPECT_EQ(said({}), "");
+  const KeyRange open{0, 1, true, true}, closed{0, 1};
+  for (const double end : {0.0, 1.0}) {
+    EXPECT_FALSE(open.holds(end));
+    EXPECT_TRUE(closed.holds(end));
+  }
+  EXPECT_TRUE(open.holds(0.5));
+  for (const double outside : {-0.5, 1.5, nan}) EXPECT_FALSE(open.holds(outside) || closed.holds(outside)) << outside;
+}
+
+/// What bash offers for the last of these words.
+std::vector<std::string> offered(const TemporaryFolder& folder, const std::string& words) {
+  const std::string script = fmt::format(
+      "cd '{}' && . ./kerf.bash && compopt() {{ :; }} && COMP_WORDS=({}) && COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)) && "
+      "_kerf && printf '%s\\n' \"${{COMPREPLY[@]}}\" >offered.txt",
+      folder.path.string(), words);
+  EXPECT_EQ(std::system(("bash -c '" + std::regex_replace(script, std::regex("'"), "'\\''") + "'").c_str()), 0)
+      << words;
+  std::istringstream lines(read_text(folder.path / "offered.txt"));
+  std::vector<std::string> all;
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
+}
+
+TEST(Keys, BashCompletesThem) {
+  const TemporaryFolder folder;
+  folder.write("kerf.bash", keys_as_completion({{"solve", {"--set", "--output"}}, {"keys", {"--schema"}}}));
+  folder.write("plate.toml", "");
+  folder.write("notes.txt", "");
+  std::filesystem::create_directory(folder.path / "out");
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(offered(folder, "kerf so"), Words{"solve"});
+  EXPECT_EQ(offered(folder, "kerf ''"), (Words{"solve", "keys", "--help", "--version"}));
+  EXPECT_EQ(offered(folder, "kerf solve --s"), Words{"--set"});
+  EXPECT_EQ(offered(folder, "kerf keys --"), Words{"--schema"});
+  EXPECT_EQ(offered(folder, "kerf solve ''"), (Words{"plate.toml", "out"}));
+  EXPECT_EQ(offered(folder, "kerf solve a.toml --output ''"), Words{"out"});
+  EXPECT_EQ(offered(folder, "kerf solve a.toml --set mesh.adapt.e"), Words{"mesh.adapt.error="});
+  EXPECT_EQ(offered(folder, "kerf keys hole[0].circle."), (Words{"hole[0].circle.center", "hole[0].circle.radius"}));
+  // A sum in a sum is none: the keys end there.
+  EXPECT_EQ(offered(folder, "kerf keys functional.terms[0].f"), Words{"functional.terms[0].factor"});
+  EXPECT_EQ(offered(folder, "kerf keys functional.terms[0].t"),
+            (Words{"functional.terms[0].tip", "functional.terms[0].target"}));
+}
+
 }  // namespace
 }  // namespace kerf
