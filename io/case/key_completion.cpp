@@ -15,13 +15,9 @@ void list(const std::string& table, std::string_view above, std::vector<std::str
     std::string path = fmt::format("{}{}{}", table, table.empty() ? "" : ".", name(*key));
     if (key->path.ends_with("[]")) path += "[]";
     if (name(*key) == above) continue;  // a sum holds no sum
-    const bool has_keys = has(key->type, KeyType::Table) || has(key->type, KeyType::Tables);
-    if (!has_keys || key->type != KeyType::Table) {
-      std::string named = path;
-      if (named.ends_with("[]")) named.resize(named.size() - 2);
-      if (key->type != KeyType::Tables && key->type != KeyType::Formulas) out.push_back(named);
-    }
-    if (has_keys) list(path, name(*key), out);
+    if (key->type != KeyType::Table && key->type != KeyType::Tables && key->type != KeyType::Formulas)
+      out.push_back(path.ends_with("[]") ? path.substr(0, path.size() - 2) : path);
+    if (has(key->type, KeyType::Table) || has(key->type, KeyType::Tables)) list(path, name(*key), out);
   }
 }
 

@@ -77,13 +77,14 @@ std::string after_value(std::string_view line, std::size_t at) {
                      quote(rest));
 }
 
-bool is_number(std::string_view word) {
+/// Whether that is a number; result_out_of_range: one that is too large or too small.
+std::errc as_number(std::string_view word) {
   std::string digits;
   for (const char c : word)
     if (c != '_' && !(c == '+' && digits.empty())) digits += c;
   double x = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
-  return error == std::errc() && end == digits.data() + digits.size() && std::isfinite(x);
+  return end == digits.data() + digits.size() ? error : std::errc::invalid_argument;
 }
 
 std::string about_number(std::string_view word) {
@@ -94,6 +95,8 @@ std::string about_number(std::string_view word) {
   if (word.front() == '.' || word.starts_with("-.") || word.starts_with("+."))
     return fmt::format("a number needs a digit before its point: {}0{}", word.substr(0, word.find('.')),
                        word.substr(word.find('.')));
+  if (as_number(word) == std::errc::result_out_of_range)
+    return fmt::format("{} is beyond the range of numbers, 1e-308 to 1e308", quote(word));
   return fmt::format("{} is no number; an expression needs quotes, a number stands alone (no unit)", quote(word));
 }
 
@@ -148,13 +151,15 @@ std::string plain_words(std::string_view says, std::string_view line, std::size_
   if (is("expected '='")) return about_key(line, at, says);
   if (is("leading zero")) return "a number does not begin with 0";
   // The stream that toml++ reads numbers with does not say when there is no memory for it.
-  if (is("could not be interpreted") && is_number(word)) throw std::bad_alloc();
+  if (is("could not be interpreted") && as_number(word) == std::errc()) throw std::bad_alloc();
+  if (is("not representable in 64 bits"))
+    return fmt::format("{} is too large for a whole number; with a point, {}.0, it is any number", quote(word), word);
   if (is("floating-point") || is("integer")) return about_number(word);
   if (is("boolean"))
     return lower(word) == "true" || lower(word) == "false" ? "true and false are written in small letters"
                                                            : fmt::format("text needs quotes: \"{}\"", word);
   if (is("escape sequence")) return "a \\ in a text is written \\\\, or the text stands in '...'";
-  if (is("parsing string") && (is("control characters") || is("end-of-file")))
+  if (is(" string: ") && (is("control characters") || is("end-of-file")))
     return "the text does not end on its line: its second quotation mark is missing";
   if (is("parsing array"))
     return is("end-of-file") ? "a list does not end: ] is missing" : "entries of a list are separated by commas";

@@ -14,7 +14,7 @@ std::string quoted(const std::string& text) {
   for (const char c : text) {
     if (c == '"' || c == '\\')
       out += fmt::format("\\{}", c);
-    else if (static_cast<unsigned char>(c) < 32)
+    else if (static_cast<unsigned char>(c) < 32 || c == 127)
       out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     else
       out += c;

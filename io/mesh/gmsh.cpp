@@ -82,9 +82,13 @@ void stop_removing() {
 class TemporaryMesh {
  public:
   TemporaryMesh() {
-    name_ = (std::filesystem::temp_directory_path() / "kerf-XXXXXX.msh").string();
-    const int file = mkstemps(name_.data(), 4);
-    if (file < 0) throw Error(Fault::Files, fmt::format("cannot make a temporary file {}", name_));
+    std::error_code code;  // a folder that is not there
+    name_ = (std::filesystem::temp_directory_path(code) / "kerf-XXXXXX.msh").string();
+    const int file = code ? -1 : mkstemps(name_.data(), 4);
+    if (file < 0)
+      throw Error(Fault::Files, fmt::format("cannot make a temporary file: {}; set TMPDIR to a folder that exists and "
+                                            "may be written to",
+                                            std::strerror(code ? code.value() : errno)));
     close(file);
     if (doomed[0] != '\0' || name_.size() >= sizeof doomed) return;
     std::strcpy(doomed, name_.c_str());
@@ -149,6 +153,9 @@ class Teller {
     to.put("e", 1);
     to.put(message, std::strlen(message));
   }
+  void done() const {
+    put("d", 1);
+  }
 
  private:
   void put(const void* bytes, std::size_t count) const {
@@ -163,8 +170,9 @@ class Teller {
 };
 
 struct Told {
-  std::map<std::int32_t, RawCurve> curves;
-  std::string error;
+  std::map<std::int32_t, RawCurve> curves = {};
+  std::string error = "it ended early";  // as scripts may tell it to
+  bool in_time = true;
 };
 
 Told understand(const std::string& bytes) {
@@ -176,7 +184,8 @@ Told understand(const std::string& bytes) {
     at += count;
   };
   while (at < bytes.size()) {
-    if (bytes[at++] == 'e') {
+    const char kind = bytes[at++];
+    if (kind == 'e' || kind == 'd') {
       told.error = bytes.substr(at);
       return told;
     }
@@ -197,8 +206,8 @@ Told understand(const std::string& bytes) {
 
 /// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
 /// crash, kerf says so.
-/// `minutes`: how long it may take.
-Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work) {
+/// `minutes`: how long it may take; `work`: whether it went well.
+Told in_child(unsigned minutes, const std::function<bool(Teller& teller)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
   std::fflush(nullptr);
@@ -218,10 +227,10 @@ Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work)
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
     Teller teller(ends[1]);
-    if (confine(Confined::Programs))
-      work(teller);
-    else
+    if (!confine(Confined::Programs))
       Teller::error(&teller, "this system cannot keep gmsh from starting programs (no seccomp)");
+    else if (work(teller))
+      teller.done();
     _exit(0);
   }
   close(ends[1]);
@@ -237,8 +246,9 @@ Told in_child(unsigned minutes, const std::function<void(Teller& teller)>& work)
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return understand(bytes);
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
-    return {.error = fmt::format("it did not end within {} minutes", minutes)};
-  return {.error = WIFSIGNALED(status) ? fmt::format("it crashed (signal {})", WTERMSIG(status)) : "it ended early"};
+    return {.error = fmt::format("it did not end within {} minutes", minutes), .in_time = false};
+  if (WIFSIGNALED(status)) return {.error = fmt::format("it crashed (signal {})", WTERMSIG(status))};
+  return {};
 }
 
 }  // namespace
@@ -256,13 +266,14 @@ RawMesh mesh_geometry(const BodySource& source) {
   for (const int turn : {12, 48, 192}) {
     const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
     Told told = in_child(source.keep_mesh ? fine_minutes : coarse_minutes,
-                         [&](Teller& teller) { module.mesh(&request, Teller::curve, Teller::error, &teller); });
+                         [&](Teller& teller) { return module.mesh(&request, Teller::curve, Teller::error, &teller); });
     if (told.error.empty()) {
       RawMesh raw = parse_msh(path, read_file(file.name()));
       if (!source.keep_mesh) raw.curves = std::move(told.curves);
       return raw;
     }
-    if (source.keep_mesh || turn == 192) throw Error(Fault::Geometry, fmt::format("{}: gmsh: {}", path, told.error));
+    if (source.keep_mesh || turn == 192 || !told.in_time)
+      throw Error(Fault::Geometry, fmt::format("{}: gmsh: {}", path, told.error));
   }
   return {};
 }
@@ -306,8 +317,8 @@ void write_step(const std::filesystem::path& path, const Shape& shape) {
     arc[k] = sides[k].arc.has_value();
   }
   const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
-  const Told told =
-      in_child(coarse_minutes, [&](Teller& teller) { module.step(path.c_str(), &face, Teller::error, &teller); });
+  const Told told = in_child(coarse_minutes,
+                             [&](Teller& teller) { return module.step(path.c_str(), &face, Teller::error, &teller); });
   if (!told.error.empty())
     throw Error(Fault::Files, fmt::format("cannot write '{}': gmsh: {}", path.string(), told.error));
 }

@@ -3,6 +3,7 @@
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"
 #include "io/design.hpp"
+#include "io/text.hpp"
 
 #include <fmt/format.h>
 
@@ -208,19 +209,6 @@ void add_path(Dxf& f, const Path& path, std::string_view layer, const std::strin
   }
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string design_svg(const Shape& shape, std::span<const Loop> frozen, const std::string& title) {
@@ -233,7 +221,7 @@ std::string design_svg(const Shape& shape, std::span<const Loop> frozen, const s
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.9g} {:.9g} {:.9g} {:.9g}\" width=\"{:.0f}\">\n"
       "<title>{}</title>\n<g transform=\"scale(1,-1)\" stroke-width=\"{:.3g}\" stroke-linejoin=\"round\">\n",
-      low.x() - margin, -high.y() - margin, size.x(), size.y(), 1000.0, escaped(title), 0.1 * margin);
+      low.x() - margin, -high.y() - margin, size.x(), size.y(), 1000.0, escape_html(title), 0.1 * margin);
   // The body with its holes cut out, then lines.
   std::string body = svg_path(layers[0].paths.front());
   for (const Path& hole : layers[1].paths) body.append(" ").append(svg_path(hole));

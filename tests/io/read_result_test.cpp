@@ -28,6 +28,9 @@ Result everything() {
                      {.of = Reaction, .on = "left", .quantities = {lost, some}},
                      {.of = Loads, .quantities = {some}}};
   r.seconds.bounds = 0.25;
+  r.cracks[0].fluid_pressure = 1.5;
+  r.cracks[0].has_gap = true;
+  for (CrackRow& row : r.cracks[0].rows) row.fluid_pressure = 0.5 * row.s, row.gap = 1e-3 + row.s;
   StateResult& s = *r.state;
   s.degree = 2;
   s.work_error = 1e-12;
@@ -41,13 +44,21 @@ Result everything() {
   s.thickness = 5;
   r.functional->terms = {{"volume", 2, 3}};
   r.map->points[1].value = std::nan("");
+  r.map->oriented = true;
+  r.validate->points[2].verdict = Verdict::NothingSaid;
   OptimizeResult o;
   o.method = OptimizeMethod::Mma;
   o.iterations = 1;
   o.ending = Ending::Infeasible;
   o.stopped = "infeasible: peak";
   o.feasible = false;
-  o.finer = {.size = 0.1, .element = bdms(2), .objective = 1, .volume_fraction = 0.5, .bounds = {2}, .violation = 0.01};
+  o.finer = {.size = 0.1,
+             .element = bdms(2),
+             .objective = 1,
+             .volume_fraction = 0.5,
+             .bounds = {2},
+             .intervals = {{nan, 1.5, 2.5, false, "an estimate"}},
+             .violation = 0.01};
   o.holes.least = -0.5;
   o.holes.at = {1, 1};
   o.holes.proof = Verdict::OutOfRange;
@@ -143,6 +154,9 @@ TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
   EXPECT_EQ(read.cracks[0].rows.size(), 21u);
   EXPECT_TRUE(read.cracks[0].rows[0].closed);
   EXPECT_FALSE(read.cracks[0].rows[20].closed);
+  EXPECT_TRUE(read.cracks[0].has_gap);
+  EXPECT_EQ(read.cracks[0].rows[20].fluid_pressure, 1);
+  EXPECT_EQ(read.cracks[0].rows[20].gap, 2.001);
   EXPECT_EQ(unit(read.units, per_area(*read.functional_dimension)), "MPa");
 }
 
@@ -178,6 +192,67 @@ TEST(ReadResult, WhatIsNoResultIsNamed) {
   EXPECT_THROW(read_result(folder.path), Error);
   write_file(folder.path / "crack_c.csv", "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n1,2,three,4,5,6,7,open\n");
   EXPECT_THROW(read_result(folder.path), Error);
+}
+
+/// A history with more in its cells than it should have.
+TEST(ReadResult, TablesThatSomebodyElseWrote) {
+  const Folder folder;
+  write(folder.path, everything());
+  std::string table = read_file(folder.path / "history.csv");
+  const auto refused = [&](const std::string& text) {
+    write_file(folder.path / "history.csv", text);
+    try {
+      read_result(folder.path);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Files);
+      return std::string(e.what()).find("history.csv is damaged") != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(table));
+  EXPECT_TRUE(refused("")) << "not even a head";
+  EXPECT_TRUE(refused(table.substr(0, table.find(',')) + "\n"));
+  std::string more = table;
+  more.insert(more.find(",note"), ",extra");
+  EXPECT_TRUE(refused(more)) << "a cell is missing in the rows";
+  EXPECT_TRUE(refused(more.substr(0, more.find('\n') + 1))) << "a column more than bounds and variables";
+  // A number of iterations that no int holds is none.
+  const std::size_t row = table.find('\n') + 1;
+  table.replace(row, table.find(',', row) - row, "1e300");
+  EXPECT_FALSE(refused(table));
+  EXPECT_EQ(read_result(folder.path).optimize->history[0].number, 0);
+  std::filesystem::remove(folder.path / "history.csv");
+  EXPECT_TRUE(read_result(folder.path).optimize->history.empty());
+}
+
+TEST(History, NamesComeFromTheRequestAndCollectionsListTheirFiles) {
+  OptimizeRequest request;
+  request.volume_at_most = 0.5;
+  request.bounds = {{"peak", {}, 2}, {"K", {}, 3}};
+  Drawn hole;
+  hole.name = "h";
+  hole.lower = hole.upper = hole.start = Eigen::Vector3d(1, 2, 0.5);
+  request.design.drawn = {hole};
+  const OptimizeNames names = optimize_names(request);
+  EXPECT_EQ(names.volume_at_most, 0.5);
+  EXPECT_EQ(names.bounds, (std::vector<std::string>{"peak", "K"}));
+  EXPECT_EQ(names.at_most, (std::vector<double>{2, 3}));
+  EXPECT_EQ(names.variables, (std::vector<std::string>{"h.x", "h.y", "h.radius"}));
+  EXPECT_TRUE(history_header(names).ends_with(",accepted,peak,K,h.x,h.y,h.radius,note\n"));
+  // What could not be evaluated keeps its columns.
+  EXPECT_EQ(history_line({.number = 3, .bounds = {1.5}, .accepted = false, .note = "no \"mesh\"\nfor it"}, names),
+            "3,0,0,0,0,0,0,0,0,0,0,1.5,,,,,\"no \"\"mesh\"\" for it\"\n");
+  const Folder folder;
+  write_collection(folder.path / "optimize.pvd", {{0, "a&b_0.vtu"}, {5, "a&b_5.vtu"}});
+  EXPECT_EQ(read_file(folder.path / "optimize.pvd"),
+            R"(<?xml version="1.0"?>
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+    <DataSet timestep="0" group="" part="0" file="a&amp;b_0.vtu"/>
+    <DataSet timestep="5" group="" part="0" file="a&amp;b_5.vtu"/>
+  </Collection>
+</VTKFile>
+)");
 }
 
 TEST(Arrays, ThereAndBack) {

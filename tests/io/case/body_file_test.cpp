@@ -1,5 +1,6 @@
 // [domain] file: what the case says of a mesh, and what it must not say.
 
+#include "kerf/mesher.hpp"
 #include "tests/io/case/case_files.hpp"
 #include "tests/io/mesh/meshes.hpp"
 
@@ -89,6 +90,78 @@ TEST(BodyFile, SidesGetNames) {
   EXPECT_EQ(std::find(c.shape.labels.begin(), c.shape.labels.end(), "bottom"), c.shape.labels.end());
   EXPECT_EQ(error(plate("[[domain.side]]\nnear = [2, 1]\nname = 'corner'\n")).substr(0, 43),
             "a.toml:4:8: near = [2, 1] is as near to ano");
+}
+
+/// A case of a drawn body [0, 4] x [0, 2], meshed before.
+Case meshed(const TemporaryFolder& folder, const Shape& body, const std::string& rest) {
+  write_mesh(folder.path / "a.msh", triangulate(body, {.size = 0.25}), body);
+  return read_case(folder.write("a.toml", "[domain]\nfile = 'a.msh'\n" + material + rest));
+}
+
+Shape drawn_plate() {
+  Shape shape;
+  shape.labels = {"rim"};
+  shape.outline = polygon("outline", {{0, 0}, {4, 0}, {4, 2}, {0, 2}}, 0);
+  return shape;
+}
+
+// Chords stand for a curve where there are many of them and their kinks are small.
+TEST(BodyFile, NormalsOfCurvedCracksAreThoseOfTheCurve) {
+  const Vec2 center(2, 0.5);
+  Shape body = drawn_plate();
+  body.cracks = {arc_crack("bow", center, 1, 0.4, 1.6), {"straight", {{0.5, 0.5}, {0.5, 1.5}}, {}}, {"sharp", {}, {}}};
+  for (int k = 0; k < 6; ++k)  // a saw
+    body.cracks[2].points.push_back({3.2 + 0.1 * k, 0.3 + 0.05 * (k % 2)});
+  const TemporaryFolder folder;
+  const Case c = meshed(folder, body, "[[crack]]\nname = 'bow'\ncontact = 'open'\n");
+  ASSERT_EQ(c.scene.laws.size(), 3u);
+  EXPECT_EQ(c.scene.laws[0].kind, CrackLaw::Kind::Open);
+  ASSERT_TRUE(c.scene.laws[0].normal);
+  EXPECT_FALSE(c.scene.laws[1].normal);
+  EXPECT_FALSE(c.scene.laws[2].normal);
+  for (int k = 0; k <= 40; ++k) {
+    const double t = 0.4 + 1.2 * k / 40;
+    const Vec2 outward(std::cos(t), std::sin(t));
+    EXPECT_LT((c.scene.laws[0].normal(center + outward) - outward).norm(), 2e-3) << t;
+  }
+}
+
+// What others enclose is made of what the body is, with its eigenstrain.
+TEST(BodyFile, EnclosedPartsAreMadeOfWhatTheBodyIs) {
+  Shape body = drawn_plate();
+  body.regions = {circle("ring", {2, 1}, 0.6, none), circle("core", {2, 1}, 0.3, none)};
+  const TemporaryFolder folder;
+  const Case c =
+      meshed(folder, body, "eigenstrain = [1e-3, 0, 0]\n[[region]]\nname = 'ring'\nyoung = 5\npoisson = 0.25\n");
+  ASSERT_EQ(c.regions.size(), 2u);
+  EXPECT_EQ(c.regions[0].young, 5);
+  EXPECT_EQ(c.regions[1].young, 1);
+  EXPECT_EQ(c.regions[1].poisson, 0.3);
+  EXPECT_EQ(c.scene.regions[1].mu, c.scene.material.mu);
+  ASSERT_EQ(c.scene.eigenstrain.size(), 3u);
+  EXPECT_FALSE(c.scene.eigenstrain[1]);
+  EXPECT_EQ(c.scene.eigenstrain[2].normal({2, 1}), Vec2(1e-3, 0));
+}
+
+TEST(BodyFile, SaysWhenThereIsNothingToName) {
+  const TemporaryFolder folder;
+  const auto wrong = [&](const std::string& rest) {
+    try {
+      meshes::Square s;
+      folder.write("a.msh", s.text());
+      read_case(folder.write("a.toml", "[domain]\nfile = 'a.msh'\n" + material + rest));
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Usage);
+      return std::string(e.what()).substr(folder.path.string().size() + 1);
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(wrong("[[region]]\nname = 'r'\nyoung = 1\npoisson = 0.3\n"),
+            "a.toml:7:8: name in [[region]]: there is no physical surface \"r\" in \"a.msh\"; it has none");
+  EXPECT_EQ(wrong("[[crack]]\nname = 'c'\n"),
+            "a.toml:7:8: name in [[crack]]: there is no physical curve \"crack:c\" in domain.file; it has no cracks");
+  EXPECT_EQ(wrong("[[interface]]\nname = 'i'\nbetween = ['a', 'b']\n").substr(0, 86),
+            "a.toml:6:1: [[interface]] goes with a body that is drawn in the case; in a file name t");
 }
 
 TEST(BodyFile, FrozenSurfacesAreMasks) {

@@ -126,6 +126,24 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:9:40: radius in circle in [[hole]] must be positive, not -1"},
         Wrong{"[[hole]]\nname = 'h'\npolygon = [[1, 1], [2, 2]]",
               "a.toml:9:11: polygon in [[hole]] must be a list of at least 3, not a list of 2"},
+        Wrong{"[mesh]\nsize = 1e999", "a.toml:8:13: \"1e999\" is beyond the range of numbers, 1e-308 to 1e308"},
+        Wrong{"[mesh]\nsize = -1_0.0e+9_99",
+              "a.toml:8:20: \"-1_0.0e+9_99\" is beyond the range of numbers, 1e-308 to 1e308"},
+        Wrong{"[mesh]\nsize = 99999999999999999999",
+              "a.toml:8:28: \"99999999999999999999\" is too large for a whole number; with a point, "
+              "99999999999999999999.0, it "
+              "is any number"},
+        Wrong{
+            "[[hole]]\nname = 'h'\noutline = [[1, 0.5], { arc_to = [1, 0.5], center = [1, 0.4] }, [1.2, 0.5]]",
+            "a.toml:9:22: entry 2 of outline in [[hole]]: the arc begins and ends at the same point; split a full turn "
+            "into two arcs, or use a [[hole]]"},
+        Wrong{"[[hole]]\nname = 'h'\noutline = [[1, 0.5], { arc_to = [1, 0.5], center = [1, 0.5] }, [1.2, 0.5]]",
+              "a.toml:9:22: entry 2 of outline in [[hole]]: the center must have the same distance to both ends of the "
+              "arc, not 0 to (1, 0.5) and 0 to (1, 0.5)"},
+        Wrong{"[[crack]]\nname = 'c'\narc = { center = [1, 0.5], radius = 0.1, from_deg = 20, to_deg = 20 }",
+              "a.toml:9:7: arc in [[crack]] runs from 20 to 20 degrees; an arc turns by more than 0 and less than 360"},
+        Wrong{"[validate]\nradii = { largest = 0.1, ratio = 0, count = 3 }",
+              "a.toml:8:34: ratio in radii in [validate] must lie between 0 and 1, not 0"},
         Wrong{"[[crack]]\nname = 'c'\npath = [[1, 1], [2, 2]]\nfriction = -1",
               "a.toml:10:12: friction in [[crack]] must not be negative"},
         Wrong{"[[probe]]\nname = 'p'\nfrom = [0, 0]\nto = [1, 1]\ncount = 1",
@@ -189,6 +207,14 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{
             "[[boundary]]\non = 'top'\ndisplacement_x = 0\ntraction = [1, 0]",
             "a.toml:10:12: label \"top\": component x of the traction must be 0, because displacement_x is prescribed "
+            "there (at a.toml:9:18)"},
+        Wrong{"[[boundary]]\non = 'top'\ndisplacement_x = 0\ndisplacement_y = 0\n[[boundary]]\non = 'top'\ntraction = "
+              "[0, 0]",
+              "a.toml:13:12: label \"top\": traction conflicts with the displacement, of which both components are "
+              "prescribed (the other is at a.toml:9:18); keep one of them"},
+        Wrong{
+            "[[boundary]]\non = 'top'\ndisplacement_y = 0\ntraction = [0, 1]",
+            "a.toml:10:12: label \"top\": component y of the traction must be 0, because displacement_y is prescribed "
             "there (at a.toml:9:18)"},
         Wrong{"[[boundary]]\non = ['top', 'top']\npressure = 1",
               "a.toml:8:14: entry 2 of on in [[boundary]]: label \"top\" appears twice"},

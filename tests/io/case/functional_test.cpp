@@ -125,6 +125,9 @@ TEST(Functional, DirectionOfATip) {
   EXPECT_EQ(crack_tip(shape, 0, true).nearest, "crack \"up\"");
   EXPECT_NEAR(crack_tip(shape, 0, true).clearance, 0.5, 1e-15);
   EXPECT_EQ(crack_tip(shape, 0, false).nearest, "its kink");
+  shape.regions = {circle("disc", {1, 1.5}, 0.125, none)};
+  EXPECT_EQ(crack_tip(shape, 0, false).nearest, "region \"disc\"");
+  EXPECT_NEAR(crack_tip(shape, 0, false).clearance, 0.075, 1e-6);
 }
 
 TEST(Functional, GivenRing) {

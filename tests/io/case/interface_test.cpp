@@ -67,6 +67,23 @@ between = ["strip", "upper"]
   EXPECT_FALSE(has_gap(c.scene.laws[2]));
 }
 
+// Outwards of the region, as the level of its ellipse grows.
+TEST(InterfaceCase, KnowsTheNormalOfAnEllipse) {
+  const Case c = read(layered + R"(between = ["oval", "body"]
+[[region]]
+name = "oval"
+ellipse = { center = [0.5, 0.25], semi_axes = [0.2, 0.1], angle_deg = 90 }
+young = 2
+poisson = 0.3
+)");
+  ASSERT_EQ(c.scene.laws.size(), 1u);
+  for (const double t : {0.0, 0.7, 2.0, 4.0}) {
+    const Vec2 x(0.5 - 0.1 * std::sin(t), 0.25 + 0.2 * std::cos(t));
+    const Vec2 outward = Vec2(-std::sin(t) / 0.1, std::cos(t) / 0.2).normalized();
+    EXPECT_LT((c.scene.laws[0].normal(x) - outward).norm(), 1e-12) << t;
+  }
+}
+
 TEST(InterfaceCase, SaysWhatIsWrong) {
   const auto wrong = [](const std::string& rest) { return error(layered + rest); };
   EXPECT_EQ(
@@ -83,6 +100,11 @@ TEST(InterfaceCase, SaysWhatIsWrong) {
   EXPECT_NE(wrong(twice).find("interface \"joint\" lies between \"upper\" and \"body\" already"), std::string::npos);
   const std::string bonded = "between = [\"upper\", \"body\"]\ncontact = false\n";
   EXPECT_NE(wrong(bonded + "friction = 0.1\n").find("a bonded interface does not slide"), std::string::npos);
+  EXPECT_EQ(wrong(bonded + "friction = 0\n"), "no error");
+  EXPECT_EQ(wrong("between = [\"body\", \"upper\"]\n[[region]]\nname = \"body\"\n"
+                  "circle = { center = [1.5, 0.25], radius = 0.1 }\nyoung = 1\npoisson = 0.3\n"),
+            "a.toml:19:12: entry 1 of between in [[interface]]: \"body\" is what lies outside all regions, and a "
+            "[[region]] has that name, too; give the region another one");
   EXPECT_NE(wrong(bonded + "gap = 0.1\n").find("the faces of a bonded interface are one"), std::string::npos);
   EXPECT_NE(wrong("between = [\"upper\", \"body\"]\n[[crack]]\nname = \"joint\"\npath = [[0.5, 0.8], [1, 0.8]]\n")
                 .find("name in [[interface]]"),

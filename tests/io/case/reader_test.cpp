@@ -42,6 +42,23 @@ TEST(MarksOfEncoding, AreReadOver) {
             std::string::npos);
 }
 
+// Dots in texts are no parts of a key, however the text is quoted; those behind it are.
+TEST(DottedKeys, AreCountedOutsideTexts) {
+  std::string dots = "a";
+  for (int k = 0; k < 60; ++k) dots += ".a";
+  for (const std::string& quotes :
+       {std::string(1, '"'), std::string(1, '\''), std::string(3, '"'), std::string(3, '\'')}) {
+    EXPECT_EQ(read("title = " + quotes + dots + quotes + "\n" + square).title, dots);
+    EXPECT_EQ(error("title = " + quotes + "b" + quotes + "\n" + dots + " = 1\n" + square),
+              "a.toml:1:1: a dotted key has more than 32 parts");
+  }
+  EXPECT_EQ(read("title = \"\"\"\n\"" + dots + "\\\"\"\" # " + dots + "\"\"\" # " + dots + "\n" + square).title,
+            "\"" + dots + "\"\"\" # " + dots);
+  for (const char* open : {"\"\"\"", "\"\"\"a\\", "\'\'\'"})
+    EXPECT_NE(error("title = " + std::string(open)).find("the text does not end"), std::string::npos)
+        << error("title = " + std::string(open));
+}
+
 TEST(Tables, SayWhatOtherCountriesWrite) {
   const auto said = [](const std::string& table) -> std::string {
     const TemporaryFolder folder;
@@ -79,6 +96,8 @@ TEST(Override, BadOnesAreNamed) {
   EXPECT_EQ(error(cracked, {"crack.d.contact=open"}),
             "--set crack.d.contact: \"d\" needs an index before it, counted from 0: [0].d; or a name: c");
   EXPECT_EQ(error(cracked, {"crack.c.friction=-1"}).find("--set crack.c.friction: "), 0u);
+  EXPECT_EQ(error(square + "[[crack]]\nname = 3\npath = [[0.5, 0.5], [1, 0.5]]\n", {"crack.c.friction=1"}),
+            "--set crack.c.friction: \"c\" needs an index before it, counted from 0: [0].c");
   EXPECT_EQ(error(square, {"material.young.a=1"}),
             "--set material.young.a: \"a\" would lie inside a value that is no table");
   for (const char* bad :

@@ -182,6 +182,14 @@ TEST(BadMesh, LabelsAndCracksThatCannotBe) {
             "a.msh: crack \"c\" branches at (1, 1); each branch needs a name of its own");
   EXPECT_EQ(with_cracks({}), "a.msh: physical curve crack:c has no edge in the mesh");
   EXPECT_NE(with_cracks({"1 5", "2 6"}).find("is in several pieces"), std::string::npos);
+  Square two;
+  two.names = "5\n1 1 \"bottom\"\n1 2 \"right\"\n1 3 \"top\"\n1 5 \"crack:c\"\n1 6 \"crack:d\"\n";
+  two.elements.push_back("20 1 2 5 5 4 5");
+  two.elements.push_back("21 1 2 6 6 4 5");
+  EXPECT_EQ(complaint(two.text()), "a.msh: the edge at (0.5, 1) belongs to the cracks \"c\" and \"d\"; to one at most");
+  two.names.replace(two.names.find("crack:d"), 7, "crack:a/b");
+  EXPECT_EQ(complaint(two.text()),
+            "a.msh: physical curve \"crack:a/b\": after crack: a name of letters, digits, _ . or - is needed");
 }
 
 TEST(BadMesh, OtherFiles) {

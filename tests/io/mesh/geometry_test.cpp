@@ -100,7 +100,7 @@ TEST_F(Geometry, StepAndBrepGetTheirLabelsFromPoints) {
 }
 
 TEST_F(Geometry, SplinesBecomeArcsNearThem) {
-  // A cubic Bezier curve from (0, 0) to (1, 0): the area below it is 3/20 (y1 + y2) with these control points.
+  // A cubic Bezier curve from (0, 0) to (1, 0): the area below it is 3/10 (y1 + y2) with these control points.
   folder.write("b.geo",
                "Point(1) = {0, 0, 0}; Point(2) = {0, -1, 0}; Point(3) = {1, -1, 0}; Point(4) = {1, 0, 0};\n"
                "Bezier(1) = {1, 2, 3, 4}; Line(2) = {4, 1}; Curve Loop(1) = {1, 2}; Plane Surface(1) = {1};\n"

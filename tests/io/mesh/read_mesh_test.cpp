@@ -1,6 +1,9 @@
 // Meshes that gmsh, FreeFEM and meshio wrote (tests/data/meshes/README.md), read as bodies, written, and read again.
 
+#include "io/mesh/outlines.hpp"
+#include "kerf/mesher.hpp"
 #include "tests/io/mesh/meshes.hpp"
+#include "tests/support/folder.hpp"
 
 #include <cmath>
 
@@ -172,6 +175,76 @@ TEST(ReadMesh, CurvesInsideThatAreNoCracksAreLeftOutWithANote) {
             "there");
   s.names.replace(s.names.find("weld"), 4, "crack:w");
   EXPECT_EQ(parse_mesh("a.msh", s.text()).shape.cracks.size(), 1u);
+}
+
+/// A drawn body [0, 4] x [0, 2] and its mesh.
+struct DrawnPlate {
+  Shape shape;
+  DrawnPlate() {
+    shape.labels = {"rim"};
+    shape.outline = polygon("outline", {{0, 0}, {4, 0}, {4, 2}, {0, 2}}, 0);
+  }
+  MeshFile read(const MeshFileRequest& request) const {
+    return parse_mesh("a.msh", msh_text(triangulate(shape, {.size = 0.3}), shape), request);
+  }
+};
+
+// Only what ends in a number, behind the name of another region, is a piece of that one.
+TEST(ReadMesh, NamesOfRegionsArePiecesOnlyOfOthers) {
+  DrawnPlate plate;
+  const std::vector<std::string> names = {"b", "b.2", "c.2", "d.", "b.e", "body"};
+  for (std::size_t k = 0; k < names.size(); ++k)
+    plate.shape.regions.push_back(circle(names[k], {0.5 + 0.5 * double(k), 1}, 0.2, none));
+  const MeshFile read = plate.read({.materials = {"b"}});
+  EXPECT_EQ(read.surfaces, (std::vector<std::string>{"b", "b.e", "body", "body_", "c.2", "d."}));
+  ASSERT_EQ(read.shape.regions.size(), 2u);
+  EXPECT_EQ(read.shape.regions[1].name, "b.2");
+  const test::Folder folder;
+  write_mesh(folder.path / "a.msh", triangulate(plate.shape, {.size = 0.3}), plate.shape);
+  EXPECT_EQ(read_mesh(folder.path / "a.msh").surfaces, read.surfaces);
+}
+
+TEST(ReadMesh, WhatARingEnclosesIsARegionOfTheBodysMaterial) {
+  DrawnPlate plate;
+  plate.shape.regions = {circle("ring", {2, 1}, 0.6, none), circle("core", {2, 1}, 0.3, none)};
+  const MeshFile read = plate.read({.materials = {"ring"}});
+  ASSERT_EQ(read.shape.regions.size(), 2u);
+  EXPECT_EQ(read.shape.regions[0].name, "ring");
+  EXPECT_EQ(read.shape.regions[1].name, "enclosed");
+  EXPECT_EQ(read.material, (std::vector<Index>{0, none}));
+  EXPECT_NEAR(area_of(read.mesh, 1), pi * 0.09, 1e-9) << "the polygon has the area of its circle";
+}
+
+TEST(ReadMesh, HolesOfOneLabelHaveNamesOfTheirOwn) {
+  DrawnPlate plate;
+  for (const double x : {1.0, 2.0, 3.0}) plate.shape.holes.push_back(circle("", {x, 1}, 0.2, 0));
+  const MeshFile read = plate.read({});
+  ASSERT_EQ(read.shape.holes.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_EQ(read.shape.holes[k].name, (std::vector<std::string>{"rim", "rim_2", "rim_3"})[k]);
+}
+
+TEST(ReadMesh, LinesThatSayNothingNewAreReadOver) {
+  Square s;
+  const std::string before = msh_text(parse_mesh("a.msh", s.text()).mesh, parse_mesh("a.msh", s.text()).shape);
+  s.elements.push_back("20 1 2 0 0 1 9");  // no edge, and in no group
+  s.elements.push_back("21 1 2 1 1 1 2");  // the first edge of the bottom once more
+  const MeshFile read = parse_mesh("a.msh", s.text());
+  EXPECT_EQ(msh_text(read.mesh, read.shape), before);
+}
+
+// Left and right of a crack follow from how its lines run.
+TEST(ReadMesh, CracksRunAsTheirLinesDo) {
+  Square s;
+  s.names = "5\n1 1 \"bottom\"\n1 2 \"right\"\n1 3 \"top\"\n1 4 \"left\"\n1 5 \"crack:c\"\n";
+  s.elements.push_back("20 1 2 5 5 4 5");
+  s.elements.push_back("21 1 2 5 5 5 6");
+  EXPECT_EQ(parse_mesh("a.msh", s.text()).shape.cracks[0].points, (std::vector<Vec2>{{0, 1}, {2, 1}}));
+  s.elements[16] = "20 1 2 5 5 5 4";
+  s.elements[17] = "21 1 2 5 5 6 5";
+  const MeshFile back = parse_mesh("a.msh", s.text());
+  EXPECT_EQ(back.shape.cracks[0].points, (std::vector<Vec2>{{2, 1}, {0, 1}}));
+  EXPECT_EQ(points_of(back.mesh, back.mesh.cracks[0]), (std::vector<Vec2>{{2, 1}, {1, 1}, {0, 1}}));
 }
 
 }  // namespace

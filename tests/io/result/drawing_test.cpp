@@ -21,7 +21,7 @@ Shape drawn() {
   shape.holes.push_back(circle("round", {0.6, 1}, 0.3, 0));
   shape.holes.push_back(ellipse("egg", {1.6, 1}, {0.4, 0.2}, 0.5, 0));
   shape.cracks.push_back({"c", {{2.4, 0.6}, {2.8, 0.7}, {3.0, 1.0}}, std::nullopt});
-  shape.cracks.push_back(arc_crack("bow", {3, 1}, 0.5, 0.2, 1.2));
+  shape.cracks.push_back(arc_crack("bow", {3, 1}, 0.5, 1.2, 0.2));
   return shape;
 }
 
@@ -76,7 +76,9 @@ for e in doc2.modelspace():
 }
 
 TEST(DesignDrawing, TheSvgHasALayerPerKind) {
-  const std::string svg = design_svg(drawn(), {}, "A & B");
-  for (const char* part : {"<g id=\"outline\"", "<g id=\"holes\"", "<g id=\"cracks\"", "A &amp; B", " A 1 1 0 0 1 3 2"})
+  const std::string svg = design_svg(drawn(), {}, "A & B <c>\x01\xff");
+  for (const char* part :
+       {"<g id=\"outline\"", "<g id=\"holes\"", "<g id=\"cracks\"", "<title>A &amp; B &lt;c&gt; \xEF\xBF\xBD</title>",
+        " A 1 1 0 0 1 3 2", " A 0.5 0.5 0 0 0 3.49003328892 1.0993346654"})
     EXPECT_NE(svg.find(part), std::string::npos) << svg;
 }

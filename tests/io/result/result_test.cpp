@@ -175,6 +175,25 @@ TEST(ResultJson, NotFiniteIsNull) {
   EXPECT_TRUE(j["peak_memory_mb"].is_null());
 }
 
+TEST(ResultJson, PartsOfTheStateThatAreNotKnown) {
+  Result r = test::full_result();
+  r.units = {"mm", "MPa"};
+  r.state->von_mises = Peak{{{1, 2}, 3}, true, std::nullopt};
+  r.optimize.emplace();
+  r.optimize->holes.least = 0.5;
+  Json j = written(r);
+  EXPECT_TRUE(j["state"]["max_von_mises"]["regular"].is_null());
+  EXPECT_EQ(j["units"]["force_per_thickness"], "N/mm");
+  EXPECT_FALSE(j["units"].contains("force_of_plate")) << "it has no thickness";
+  EXPECT_FALSE(j["state"].contains("plate"));
+  EXPECT_FALSE(j["optimize"]["hole_margin"].contains("proof"));
+  r.state->thickness = 5;
+  j = written(r);
+  EXPECT_EQ(j["units"]["force_of_plate"], "N");
+  EXPECT_EQ(j["state"]["plate"], Json::parse(R"({"thickness": 5.0, "energy": -0.5, "compliance": 1.0})"))
+      << "without a balance there are no resultants";
+}
+
 TEST(ResultJson, AnyBytesInNamesAndAnUnwritablePath) {
   Result r;
   r.case_name = "a\"b\\\n\xff";
@@ -183,21 +202,70 @@ TEST(ResultJson, AnyBytesInNamesAndAnUnwritablePath) {
   EXPECT_THROW(write_json(folder.path / "no" / "result.json", r), Error);
 }
 
-TEST(Csv, TableWithEmptyCellsAndFullDigits) {
-  const Folder folder;
-  const auto path = folder.path / "probe.csv";
-  write_csv(path, {"x", "y", "a,b"}, {{0, -0.5, 1.0 / 3}, {std::nan(""), 1e-300, 1234567890123456.5}});
-  EXPECT_EQ(read_file(path), "x,y,\"a,b\"\n0,-0.5,0.3333333333333333\n,1e-300,1234567890123456.5\n");
-  EXPECT_THROW(write_csv(path, {"x"}, {{1, 2}}), std::invalid_argument);
+/// A design and what was tried on the way to it.
+Result searched() {
+  Result r = test::full_result();
+  OptimizeResult o;
+  o.method = OptimizeMethod::Mma;
+  o.starts = {{.from = Eigen::Vector2d(0.5, 1),
+               .variables = Eigen::Vector2d(0.75, nan),
+               .merit = 2,
+               .violation = 0.25,
+               .in_full = true,
+               .state_solves = 7},
+              {.from = Eigen::Vector2d(3, 4), .failure = "the hole leaves the body"}};
+  r.optimize = o;
+  Count count;
+  for (const int n : {0, 1, 2}) {
+    Counted one{.count = n, .criterion = 10.0 - n};
+    one.fit.end = 1.0 / (n + 1);
+    one.fit.variables = Eigen::VectorXd::Constant(n, 0.5);
+    count.tried.push_back(one);
+  }
+  count.tried[2].criterion = nan;
+  count.tried[2].failure = "no room";
+  count.chosen = 1;
+  r.counted = count;
+  r.solver = SolverResult{4, 2, 31, 1e3};
+  return r;
 }
 
-TEST(Csv, CrackColumnsAndStatusWords) {
-  const Folder folder;
-  CrackResult crack;
-  crack.rows = {{0, {-1, 0}, 0, 0.25, -2, 0.125, true}, {0.5, {-0.5, 0}, 0.1, 0, std::nan(""), 0, false}};
-  write_crack_csv(folder.path / "crack_c.csv", crack);
-  EXPECT_EQ(read_file(folder.path / "crack_c.csv"),
-            "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n0,-1,0,0,0.25,-2,0.125,closed\n0.5,-0.5,0,0.1,0,,0,open\n");
+TEST(ResultJson, WhatASearchTried) {
+  const Json j = written(searched());
+  EXPECT_EQ(j["optimize"]["starts"],
+            Json::parse(R"([{"from": [0.5, 1.0], "reached": [0.75, null], "merit": 2.0, "violation": 0.25,
+                             "state_solves": 7, "in_full": true},
+                            {"from": [3.0, 4.0], "reached": [], "merit": null, "violation": null, "state_solves": 0,
+                             "in_full": false, "failure": "the hole leaves the body"}])"));
+  const Json& defects = j["optimize"]["defects"];
+  EXPECT_EQ(defects["count"], 1);
+  ASSERT_EQ(defects["tried"].size(), 3u);
+  EXPECT_EQ(defects["tried"][0], Json::parse(R"({"count": 0, "criterion": 10.0, "squares": 1.0, "variables": []})"));
+  EXPECT_EQ(defects["tried"][1], Json::parse(R"({"count": 1, "criterion": 9.0, "squares": 0.5, "variables": [0.5]})"));
+  EXPECT_TRUE(defects["tried"][2]["criterion"].is_null());
+  EXPECT_EQ(defects["tried"][2]["failure"], "no room");
+  EXPECT_EQ(j["state"]["solver"],
+            Json::parse(R"({"backend": "petsc", "parts": 4, "solves": 2, "iterations": 31, "condition": 1000.0})"));
+}
+
+TEST(ResultJson, TheFinerDesignSaysWhatItsBoundsAreJudgedBy) {
+  Result r = test::full_result();
+  r.optimize.emplace();
+  r.optimize->finer = {.size = 0.1,
+                       .element = bdms(2),
+                       .bounds = {2, 3, 4},
+                       .intervals = {{2, 1.5, 2.5, true, ""}, {nan, nan, nan, false, "no bound: cracks slide"}},
+                       .residual = 0.01,
+                       .failure = "it cannot be meshed"};
+  r.optimize_names.bounds = {"peak", "K", "area"};
+  const Json finer = written(r)["optimize"]["finer"];
+  EXPECT_EQ(finer["bounds"], Json::parse(R"([{"name": "peak", "value": 2.0, "lower": 1.5, "upper": 2.5,
+                                               "guaranteed": true},
+                                              {"name": "K", "value": 3.0, "note": "no bound: cracks slide"},
+                                              {"name": "area", "value": 4.0}])"));
+  EXPECT_EQ(finer["residual"], 0.01);
+  EXPECT_EQ(finer["failure"], "it cannot be meshed");
+  EXPECT_EQ(finer["degree"], 2);
 }
 
 }  // namespace

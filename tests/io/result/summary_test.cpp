@@ -1,6 +1,8 @@
 #include "tests/support/sample.hpp"
 
 #include <fmt/core.h>
+
+#include <algorithm>
 #include <sstream>
 
 namespace kerf {
@@ -179,6 +181,102 @@ TEST(Summary, LongListsArePointedTo) {
                            "v29 29", "and 2 more variables in result.json", "note: checked\n"})
     EXPECT_TRUE(has(text, part)) << part << "\n" << text;
   EXPECT_FALSE(has(text, "v30"));
+}
+
+/// The lines from the one that begins with `heading` to the next heading.
+std::string section(const std::string& text, const std::string& heading) {
+  const std::size_t begin = text.find(heading + " ");
+  std::size_t end = text.find('\n', begin) + 1;
+  while (end < text.size() && text[end] == ' ') end = text.find('\n', end) + 1;
+  return text.substr(begin, end - begin);
+}
+
+TEST(Summary, AWholePlateInUnits) {
+  Result r = test::full_result();
+  r.units = {"mm", "MPa"};
+  r.functional_dimension = dimension::energy;
+  StateResult& s = *r.state;
+  s.thickness = 5;
+  s.energy_bounds = {-0.11, -0.09};
+  s.of_polygon = true;
+  s.von_mises = Peak{{{1, 2}, 30}, true, std::nullopt};
+  s.displacement = Peak{{{1, 0}, 0.5}};
+  s.loads = {{"top", {1, 2}, 3}, {"left\nside", {0.5, 0}, 1}};
+  s.body = ResultantResult{"", {0, 1}, 2};
+  s.reactions = {{"bottom", {-1, -3}, -3}};
+  s.balance = ResultantResult{"", {0.5, 0}, 3};
+  r.cracks[0].fluid_pressure = 2.5;
+  r.adapt = AdaptResult{{{100, 0.5}, {200, 0.125}}, "reached 0.2", "K_I at the end of crack \"c\""};
+  const std::string text = summary(r);
+  expect_narrow(text);
+  EXPECT_EQ(section(text, "units"), "units       mm and MPa; forces, moments and energies per mm of thickness\n");
+  EXPECT_EQ(section(text, "adapt"), "adapt       for K_I at the end of crack \"c\": reached 0.2 after 2 rounds\n");
+  EXPECT_TRUE(has(text, "max von Mises stress, singular: 30 MPa at (1, 2)\n")) << text;
+  EXPECT_TRUE(has(text, "max displacement 0.5 mm at (1, 0)\n")) << text;
+  EXPECT_TRUE(has(text, "energy of the polygon in [-0.11, -0.09] N mm/mm\n")) << text;
+  EXPECT_TRUE(has(text, "fluid pressure 2.5 MPa\n")) << text;
+  EXPECT_TRUE(has(text, "h 0.01 .. 0.1 mm")) << text;
+  EXPECT_EQ(section(text, "loads"),
+            "loads       top  force (1, 2) N/mm  moment 3 N mm/mm\n"
+            "            left side  force (0.5, 0) N/mm  moment 1 N mm/mm\n"
+            "            body  force (0, 1) N/mm  moment 2 N mm/mm\n");
+  EXPECT_EQ(section(text, "reactions"), "reactions   bottom  force (-1, -3) N/mm  moment -3 N mm/mm\n");
+  EXPECT_EQ(section(text, "balance"), "balance     force (0.5, 0) N/mm  moment 3 N mm/mm\n");
+  // The whole plate: five times as much.
+  EXPECT_EQ(section(text, "plate"),
+            "plate       thickness 5 mm  energy -0.5 N mm  compliance 1 N mm\n"
+            "            top  force (5, 10) N\n"
+            "            left side  force (2.5, 0) N\n"
+            "            body  force (0, 5) N\n"
+            "            bottom  force (-5, -15) N\n");
+  s.loads.clear();
+  EXPECT_EQ(section(summary(r), "loads"), "loads       body  force (0, 1) N/mm  moment 2 N mm/mm\n");
+}
+
+TEST(Summary, OfAMapThatLeavesNothingOut) {
+  Result r = test::full_result();
+  const std::size_t lines = std::ranges::count(summary(r), '\n');
+  r.map->excluded_radius = r.map->masked_share = r.map->biactive_length = 0;
+  r.state->energy_bounds.reset();
+  r.contact->biactive_length = 0;
+  const std::string text = summary(r);
+  for (const char* part : {"leave out", "masked: a change", "one-sided", "energy in", "biactive"})
+    EXPECT_FALSE(has(text, part)) << part << "\n" << text;
+  EXPECT_EQ(std::ranges::count(text, '\n') + 6u, lines) << "a sentence of two lines, two others, and the bounds";
+}
+
+TEST(Summary, AnInverseProblem) {
+  Result r = test::full_result();
+  r.optimize.emplace();
+  r.optimize->method = OptimizeMethod::Mma;
+  r.optimize->iterations = 2;
+  r.optimize->ending = Ending::Infeasible;
+  r.optimize->stopped = "infeasible: peak";
+  r.optimize->optimality = nan;
+  r.optimize->variables = Eigen::Vector2d(0.5, 0.25);
+  r.optimize_names.variables = {"h.x", "h.y"};
+  r.status = "infeasible";
+  r.reason = "the design violates a constraint";
+  LeastSquares fit;
+  fit.variables = Eigen::Vector2d(0.5, 0.25);
+  fit.covariance = Eigen::Matrix2d{{1e-4, 0}, {0, 4e-4}};
+  fit.readings = 10;
+  fit.start = 2, fit.end = 1, fit.noise = 0.5;
+  r.fit = fit;
+  r.identified = {{.name = "hole 'h'", .found = Eigen::Vector3d(1, 2, 0.5)}};
+  const std::string text = summary(r);
+  expect_narrow(text);
+  EXPECT_FALSE(has(text, "status")) << "the line of the optimization says it:\n" << text;
+  EXPECT_EQ(section(text, "optimize"),
+            "optimize    mma ended after 2 iterations and 0 state solves: infeasible: peak\n"
+            "            objective 0  volume fraction 0\n"
+            "            h.x 0.5  h.y 0.25\n")
+      << "without a history nothing is said of a start, of holes, of bounds";
+  EXPECT_TRUE(has(text, "fit         least squares: 2 to 1 over 10 readings, noise 0.5")) << text;
+  EXPECT_TRUE(has(text, "fit         h.x 0.5 +- 0.01\nfit         h.y 0.25 +- 0.02\n")) << text;
+  EXPECT_TRUE(has(text, "found       hole 'h': ")) << text;
+  r.status = "stalled";
+  EXPECT_TRUE(has(summary(r), "status      stalled: the design violates a constraint\n"));
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ TEST(Text, CleanTextIsValidAndOnOneLine) {
   EXPECT_EQ(clean_text("x\xffy"), "x\xEF\xBF\xBDy");
   EXPECT_EQ(clean_text("\xe2\x82"), "\xEF\xBF\xBD\xEF\xBF\xBD");              // cut short
   EXPECT_EQ(clean_text("\xc0\xaf"), "\xEF\xBF\xBD\xEF\xBF\xBD");              // overlong
+  EXPECT_EQ(clean_text("\xf0\x8f\xbf\xbf").find('\xf0'), std::string::npos);  // overlong, too
   EXPECT_EQ(clean_text("\xed\xa0\x80").find('\xed'), std::string::npos);      // surrogate
   EXPECT_EQ(clean_text("\xf4\x90\x80\x80").find('\xf4'), std::string::npos);  // beyond U+10FFFF
 }
@@ -98,6 +99,34 @@ TEST(Files, LinksAndPipesInTheWayAreRemoved) {
   EXPECT_EQ(read_file(path), "third");
   EXPECT_EQ(read_file(victim), "mine");
   EXPECT_FALSE(std::filesystem::is_symlink(path));
+}
+
+TEST(Files, AFolderIsWrittenIntoByOneRunAtATime) {
+  const test::Folder folder, other;
+  const auto refusal = [](FolderLock& lock, const std::filesystem::path& path) {
+    try {
+      lock.take(path);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault, Fault::Files);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  FolderLock second;
+  {
+    FolderLock first;
+    first.take(folder.path);
+    first.take(folder.path);  // held already
+    EXPECT_EQ(refusal(second, folder.path), "another kerf is writing into '" + folder.path.string() +
+                                                "'; wait until it is done, or choose another folder with --output");
+    EXPECT_EQ(refusal(second, other.path), "");
+    first.take(other.path);  // it keeps what it has
+    FolderLock third;
+    EXPECT_NE(refusal(third, folder.path), "");
+    EXPECT_EQ(refusal(third, folder.path / "absent"), "");  // writing will tell
+  }
+  FolderLock third;
+  EXPECT_EQ(refusal(third, folder.path), "") << "the first is gone";
 }
 
 }  // namespace
