@@ -19,7 +19,6 @@ namespace kerf {
 
 namespace {
 
-
 /// Distance from a point to everything that is no plain material.
 struct Surroundings {
   std::vector<std::array<Vec2, 2>> segments;
@@ -223,9 +222,8 @@ void make_room(std::vector<Guess>& guesses, const std::vector<Sought>& sought, c
     for (std::size_t k = i + 1; k < guesses.size(); ++k) {
       const double room = (guesses[i].at - guesses[k].at).norm() - clear, sum = guesses[i].size + guesses[k].size;
       if (sum <= room) continue;
-      const double factor = std::max(0.0, room / sum);
-      guesses[i].size = std::max(sought[i].least, factor * guesses[i].size);
-      guesses[k].size = std::max(sought[k].least, factor * guesses[k].size);
+      guesses[i].size = std::max(sought[i].least, std::min(room / sum * guesses[i].size, room - sought[k].least));
+      guesses[k].size = std::max(sought[k].least, room - guesses[i].size);
     }
 }
 
@@ -410,8 +408,7 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
     Eigen::VectorXd change;
     try {
       auto body = body_of(drawn, start_of(drawn), p);
-      const Model m =
-          prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
+      const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
       const State s = solve(m, p.contact);
       ++out.solves;
       if (!certified(s)) break;
@@ -519,8 +516,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
   }
   if (sought.empty()) return out;
   auto body = body_of(given, start_of(given), p);
-  const Model m =
-      prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
+  const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
   if (!certified(s))
     throw Error(Fault::Numerics, "start = \"map\": the body without what is looked for could not be solved");

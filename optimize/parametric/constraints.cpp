@@ -76,7 +76,6 @@ Thing drawn_thing(const Drawn& d, Index number) {
 }
 
 bool always_apart(const Thing& a, const Thing& b, double least) {
-  if (b.container) return false;
   const Vec2 gap = (b.box.low - a.box.high).cwiseMax(a.box.low - b.box.high);
   return gap.maxCoeff() > least;
 }

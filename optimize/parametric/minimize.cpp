@@ -153,14 +153,18 @@ bool Run::better(const Evaluation& a, const Evaluation& b) const {
 void Run::answer(Evaluation& failed, bool gradients) const {
   const Evaluation* near = nullptr;
   double least = 0;
-  for (const auto& e : seen_) {
-    if (!e->failure.empty() || (gradients && e->gradients.cols() == 0)) continue;
-    const double d = distance(e->x, failed.x);
-    if (!near || d < least) {
+  const auto look = [&](bool sloped) {
+    for (const auto& e : seen_) {
+      if (!e->failure.empty() || (sloped && e->gradients.cols() == 0)) continue;
+      const double d = distance(e->x, failed.x);
+      if (near && d >= least) continue;
       near = e.get();
       least = d;
     }
-  }
+  };
+  look(gradients);
+  const bool sloped = gradients && near;  // where derivatives fail all the same, cobyla has evaluated none
+  if (!near) look(false);
   const Eigen::Index count = 1 + program_.constraints, n = failed.x.size();
   if (failed.values.size() != count) failed.values = VectorXd::Constant(count, nan);
   if (gradients && failed.gradients.cols() != count) failed.gradients = MatrixXd::Constant(n, count, nan);
@@ -172,15 +176,13 @@ void Run::answer(Evaluation& failed, bool gradients) const {
     const bool known = std::isfinite(failed.values[j]) && (!gradients || failed.gradients.col(j).allFinite());
     if (known) continue;
     failed.values[j] = near->values[j];
-    if (gradients) {
-      failed.values[j] += near->gradients.col(j).dot(step);
-      failed.gradients.col(j) = near->gradients.col(j);
-    }
+    if (sloped) failed.values[j] += near->gradients.col(j).dot(step);
+    if (gradients) failed.gradients.col(j) = sloped ? VectorXd(near->gradients.col(j)) : VectorXd::Zero(n);
     if (violated) continue;  // constraints push back
     // Uphill from the neighbor, steeper than any descent there.
     const double slope = 10 * (j == 0 ? scale_of(*near, program_.lower, program_.upper) : 1.0);
     failed.values[j] = std::max(failed.values[j], near->values[j]) + slope * least;
-    if (!gradients) continue;
+    if (!sloped) continue;
     VectorXd uphill = VectorXd::Zero(n);
     for (const Eigen::Index i : free_)
       if (least > 0) uphill[i] = slope * step[i] / (least * width_[i] * width_[i]);

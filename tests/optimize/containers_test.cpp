@@ -86,6 +86,16 @@ TEST(Containers, RegionsHoldWhatBeginsInThem) {
   EXPECT_NEAR(distance("hole 'c' and region 'disc'"), std::hypot(0.8, 1.5) - 0.8, 1e-12);
   EXPECT_NEAR(distance("hole 'c' and region 'box'"), std::hypot(0.2, 0.7) - 0.1, 0.01);
   expect_derivatives(all, x);
+  // A spline begins where its first point does.
+  const Design s{{drawn(Drawn::Kind::Spline, "s", blob({-0.8, 0}, 0.2, 6), 1.5)}};
+  const std::vector<Constraint> of_spline = constraints(s, p, least, {});
+  double furthest = 0, nearest = infinity;
+  for (const Vec2& y : shape_of(s.drawn[0]).boundary(s.drawn[0], start_of(s), false).points) {
+    furthest = std::max(furthest, (y - Vec2(-0.8, 0)).norm());
+    nearest = std::min(nearest, 0.2 - y.x());
+  }
+  EXPECT_NEAR(*distance_of(of_spline, "hole 's' and region 'disc'", start_of(s)), 0.7 - furthest, 0.01);
+  EXPECT_NEAR(*distance_of(of_spline, "hole 's' and region 'box'", start_of(s)), nearest, 0.02);
   // A box of places that stays in the region, and one that a side of it crosses.
   const auto kept = [&](const Vec2& at, double box) {
     const Design one{{disc("b", at, 0.15, box)}};

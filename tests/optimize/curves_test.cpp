@@ -2,6 +2,7 @@
 
 #include "kerf/shape_gradient.hpp"
 #include "optimize/curves/curve_mesh.hpp"
+#include "optimize/curves/fit.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "tests/optimize/curves.hpp"
 
@@ -41,6 +42,59 @@ TEST(Curves, FitKeepsTheAreaAndWhatIsNotDesign) {
     EXPECT_NEAR(side.arc->axes(0, 0), 0.6, 0.02);
   }
   EXPECT_GE(arcs, 2);
+}
+
+TEST(Curves, RingsOfFunctionalsStaySolid) {
+  Problem p = scenes::quarter_plate(2, 0.2);
+  OptimizeRequest r;
+  r.level_set.frozen = {circle("frozen", {1, 1}, 0.1, none)};
+  EXPECT_EQ(solid_loops(p, r).size(), 1u);
+  r.bounds = {{"G", {"energy_release_rate", {energy_release_rate({1.2, 0.7}, {1, 0}, {0.1, 0.25}, {})}}, 1}};
+  const std::vector<Loop> solid = solid_loops(p, r);
+  ASSERT_EQ(solid.size(), 2u);
+  EXPECT_EQ(solid[0].name, "frozen");
+  EXPECT_EQ(solid[1].sides.at(0).arc->center, Vec2(1.2, 0.7));
+  EXPECT_DOUBLE_EQ(solid[1].sides[0].arc->axes.col(0).norm(), 0.25);
+}
+
+TEST(Curves, TolerancesAndSizesAreThoseAskedFor) {
+  Problem p = scenes::quarter_plate(2, 0.1);
+  const Carved carved = scenes::quarter_hole(p, 0.6, 24);
+  EXPECT_EQ(curve_size(p, {.size = 0.3}), 0.3);
+  EXPECT_EQ(curve_size(p, {}), 0.1);
+  const auto furthest = [&](double tolerance) {
+    const Shape shape = fit_curves(p, stiffest(p, carved), carved, {.tolerance = tolerance});
+    double most = 0;
+    const Polygon body = flatten(shape.outline, 1e-4, 0.05);
+    for (std::size_t i = 0; i < body.points.size(); ++i)
+      if (body.label[i] == 4) most = std::max(most, std::abs(body.points[i].norm() - 0.6));
+    return std::pair(most, shape.outline.sides.size());
+  };
+  const auto [near, many] = furthest(2e-3);
+  const auto [far, few] = furthest(0.1);
+  EXPECT_LE(near, 5e-3);
+  EXPECT_LE(far, 0.11);
+  EXPECT_LE(few, many);
+  p.sizing.size = 0;
+  EXPECT_DOUBLE_EQ(curve_size(p, {}), extent(p.frame) / 40);
+}
+
+// A compliance that may be no larger than the area times a number: what is to be at most 0 is measured as it is.
+TEST(Curves, BoundsOfZeroAreNotRelative) {
+  Problem p = scenes::quarter_plate(2, 0.25);
+  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
+  OptimizeRequest r = stiffest(p, carved);
+  Functional difference{"sum", {compliance(), volume()}, true};
+  difference.terms[1].factor = -evaluate_design(p, {}, carved.shape, {}).J / carved.area;
+  r.bounds = {{"difference", difference, 0}};
+  const FinishedCurves f = finish_curves(p, r, carved, {.evaluations = 4}, {});
+  ASSERT_FALSE(f.rows.empty());
+  for (const CurvesRow& row : f.rows) {
+    if (!row.failure.empty()) continue;
+    EXPECT_EQ(row.values[0], row.bounds[0]);
+  }
+  EXPECT_LE(f.bounds[0], f.rows.front().bounds[0]);
+  EXPECT_LT(f.J, f.rows.front().J);
 }
 
 TEST(Curves, TheDerivativeOfTheAreaIsThatOfDifferences) {

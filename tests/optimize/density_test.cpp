@@ -83,6 +83,50 @@ TEST(Density, SlantedSidesHoldAndLoadAsTheyShould) {
   EXPECT_NEAR(full_compliance(p), beam, 0.05 * beam);
 }
 
+// A square on rollers at two of its sides, pulled at the others: uniform stresses.
+TEST(Density, RollersHoldOneWay) {
+  Problem p;
+  p.frame.labels = {"bottom", "right", "top", "left"};
+  p.frame.outline = polygon("outline", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0);
+  for (Index i = 0; i < 4; ++i) p.frame.outline.sides[static_cast<std::size_t>(i)].label = i;
+  p.scene.material = plane_stress(2, 0.25);
+  p.scene.supports = {{.label = 0, .first = false, .value = constant({0, 0})},
+                      {.label = 3, .second = false, .value = constant({0, 0})}};
+  p.scene.tractions = {{.label = 1, .value = constant({3, 0})}, {.label = 2, .value = constant({0, 1})}};
+  p.sizing.size = 0.1;
+  p.objective = {"compliance", {compliance()}};
+  p.plane_strain = false;
+  const double exact = (9 + 1 - 2 * 0.25 * 3) / 2.0;  // sigma . epsilon over the unit square
+  EXPECT_NEAR(full_compliance(p), exact, 0.02 * exact);
+}
+
+TEST(Density, StepsEndWhereNothingChanges) {
+  const Problem p = cantilever();
+  const Lattice l = make_lattice(p, at_most(0.5), 50);
+  const LatticePattern pattern = lattice_pattern(l);
+  LatticeGoal goal{.weights = Eigen::VectorXd::Ones(1), .area = 0.5 * l.part.sum()};
+  goal.most = Eigen::VectorXd::Constant(1, infinity);
+  EXPECT_TRUE(goal.plain());
+  const Schedule whatever{.change_steps = 3, .most_steps = 9, .least_change = 2};  // no density changes by more
+  EXPECT_EQ(optimality_criteria(l, pattern, goal, whatever).steps, 4);
+  EXPECT_EQ(moving_asymptotes(l, pattern, goal, whatever).steps, 4);
+  // Without a reason to prefer one design to another the first one stays.
+  goal.weights.setZero();
+  const Eigen::VectorXd start = 0.4 * l.part;
+  const Densities first = optimality_criteria(l, pattern, goal, {.change_steps = 3, .most_steps = 9, .start = start});
+  EXPECT_EQ(first.steps, 1);
+  EXPECT_EQ(first.density, start);
+  LatticeGoal other = goal;
+  other.most[0] = 3;
+  EXPECT_FALSE(other.plain());
+  other = goal;
+  other.price = 1;
+  EXPECT_FALSE(other.plain());
+  other = goal;
+  other.area.reset();
+  EXPECT_FALSE(other.plain());
+}
+
 TEST(Density, CellsAreSharedWithTheOutsideAsTheBodyIs) {
   Problem p = cantilever();
   p.frame.holes = {circle("hole", {0.7, 0.5}, 0.3, 0), ellipse("other", {1.5, 0.4}, {0.2, 0.1}, 0.5, 0)};
@@ -175,6 +219,15 @@ TEST(Mma, BearsConstraintsThatCannotBeKept) {
     x = mma.step(x, at);
   }
   EXPECT_NEAR(x[0], 1, 1e-3);
+}
+
+TEST(Mma, NeedsNoConstraints) {
+  Eigen::VectorXd x = Eigen::Vector2d(0.9, 0.9);
+  Mma mma(Eigen::VectorXd::Zero(2), Eigen::VectorXd::Ones(2), 0.5);
+  for (int i = 0; i < 40; ++i)  // (x - 0.3)^2 + (y + 1)^2
+    x = mma.step(x, {Eigen::Vector2d(2 * (x[0] - 0.3), 2 * (x[1] + 1)), Eigen::VectorXd(0), Eigen::MatrixXd(2, 0)});
+  EXPECT_NEAR(x[0], 0.3, 5e-3);
+  EXPECT_NEAR(x[1], 0, 1e-3);
 }
 
 TEST(Density, LeastVolumeUnderACompliance) {

@@ -1,6 +1,7 @@
 #include "optimize/parametric/constraints.hpp"
 #include "optimize/parametric/extend.hpp"
 #include "optimize/parametric/followers.hpp"
+#include "optimize/parametric/start.hpp"
 #include "tests/optimize/designs.hpp"
 
 #include <gtest/gtest.h>
@@ -140,6 +141,30 @@ TEST(Design, SaysWhatIsDrawnWrong) {
   EXPECT_NE(complaint([](Design& d) { d.drawn[4].lower[3] = 0; }).find("Young"), std::string::npos);
   EXPECT_NE(complaint([](Design& d) { d.drawn[2].lower.conservativeResize(6); }).find("spline"), std::string::npos);
   EXPECT_NE(complaint([](Design& d) { d.drawn[0].upper[0] = std::nan(""); }).find("finite"), std::string::npos);
+  const auto with = [&](std::size_t k, Eigen::Index count) {
+    return complaint([&](Design& d) {
+      for (auto* v : {&d.drawn[k].lower, &d.drawn[k].upper, &d.drawn[k].start}) v->setOnes(count);
+    });
+  };
+  for (const Eigen::Index count : {2, 5})
+    EXPECT_NE(with(3, count).find("a crack needs two points or more, x and y each"), std::string::npos) << count;
+  for (const Eigen::Index count : {6, 9})
+    EXPECT_NE(with(2, count).find("a spline needs four control points or more"), std::string::npos) << count;
+  EXPECT_NE(complaint([](Design& d) { d.drawn[4].poisson = -1; }).find("Poisson"), std::string::npos);
+  Problem thin = p;
+  thin.plane_strain = false;
+  Design d = everything_drawn();
+  d.drawn[4].poisson = 0.7;  // plane stress knows no bulk
+  EXPECT_NO_THROW(check_design(d, thin));
+  d.drawn[4].poisson = 1;
+  EXPECT_THROW(check_design(d, thin), Error);
+}
+
+TEST(Design, MeshesWithoutASizeHaveAFortiethOfTheBody) {
+  Problem p = everything();
+  EXPECT_EQ(mesh_size(p), 0.5);
+  p.sizing.size = 0;
+  EXPECT_DOUBLE_EQ(mesh_size(p), std::sqrt(32.0) / 40);
 }
 
 TEST(Extension, IsTheTransposeOfItsGathering) {
@@ -165,6 +190,10 @@ TEST(Extension, IsTheTransposeOfItsGathering) {
   // Affine motions of a mesh are harmonic with any weight only if they are rigid shifts; those come through.
   for (Eigen::Index v = 0; v < n; ++v) motion.col(v) = Vec2(1, -2);
   EXPECT_LT((extend(e, motion) - motion).cwiseAbs().maxCoeff(), 1e-12);
+  // Where every vertex is given nothing is left to extend.
+  const Extension nothing = make_extension(mesh, std::vector<bool>(mesh.points.size(), true));
+  EXPECT_EQ(extend(nothing, force), force);
+  EXPECT_EQ(gather(nothing, force), force);
 }
 
 std::vector<Constraint> close_constraints(const Design& d, const Problem& p) {
@@ -253,6 +282,37 @@ TEST(Constraints, KnowOverlapCrossingAndLeaving) {
   x = good;
   x.segment<2>(24) = good.segment<2>(20) + Vec2(0.1, 0.15);  // the crack folds
   EXPECT_GT(value("crack 'crack' folds", x), 0);
+}
+
+// Points that lie on each other: numbers all the same, and a way out.
+TEST(Constraints, StandThingsOfNoSize) {
+  const Problem p = everything();
+  Design d = everything_drawn();
+  for (Drawn& one : d.drawn) {
+    one.lower.array() -= 2;
+    one.upper.array() += 2;
+  }
+  const std::vector<Constraint> all = constraints(d, p, 0.1, {});
+  VectorXd x = start_of(d);
+  for (int i = 0; i < 6; ++i) x.segment<2>(8 + 2 * i) = Vec2(0, 0);   // the spline is a point
+  for (int i = 0; i < 3; ++i) x.segment<2>(20 + 2 * i) = Vec2(1, 0);  // and so is the crack
+  x.head<2>() = Vec2(-0.3, 0.1);                                      // the circle about the end of the other crack
+  std::map<std::string, double> value;
+  for (const Constraint& c : all) {
+    VectorXd by;
+    value[c.name] = c.value(x, &by);
+    EXPECT_TRUE(std::isfinite(value[c.name])) << c.name;
+    EXPECT_TRUE(by.allFinite()) << c.name;
+  }
+  EXPECT_GE(value.at("hole 'spline' is thinner than 0.1"), 1);
+  EXPECT_EQ(value.at("edge 1 of crack 'crack' is shorter than 0.1"), 1);
+  OptimizeRequest r;
+  r.design = d;
+  r.min_distance = 0.1;
+  const std::optional<VectorXd> better = repaired(x, p, r);
+  ASSERT_TRUE(better);
+  for (const Constraint& c : all) EXPECT_LE(c.value(*better, nullptr), 0) << c.name;
+  EXPECT_FALSE(find_problem(body_of(d, *better, p).shape));
 }
 
 }  // namespace

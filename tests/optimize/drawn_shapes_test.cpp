@@ -169,6 +169,18 @@ TEST(Distances, InsideAndOutside) {
   // Soft minima are never above.
   EXPECT_LE(between(box, large, true), 2 - std::sqrt(2));
   EXPECT_LE(between(box, far, false), 2);
+  // Where one point is the other's there is a way out all the same.
+  EXPECT_NEAR(between(disc, fixed_disc({0.5, 0}, 0.5), false), -0.75, 1e-12);
+  EXPECT_NEAR(between(disc, fixed_disc({0.5, 0}, 0.5), true), 0.25, 1e-12);
+  EXPECT_NEAR(between(fixed_polyline({{0, 0}, {0.1, 0}}, false), large, true), 1.9, 10 * width);
+  for (const Vec2& x : {Vec2(0, 0), Vec2(0.5, 0.5)}) {
+    const SegmentFoot on = segment_foot(x, {0, 0}, {1, 1});
+    EXPECT_EQ(on.distance, 0);
+    EXPECT_NEAR(on.normal.norm(), 1, 1e-15);
+    EXPECT_NEAR(on.normal.dot(Vec2(1, 1)), 0, 1e-15);
+  }
+  EXPECT_EQ(segment_foot({2, 3}, {2, 3}, {2, 3}).normal.norm(), 1);
+  EXPECT_DOUBLE_EQ(segment_foot({2, 5}, {2, 3}, {2, 3}).distance, 2);
   // A corner that has left, and what overlaps.
   EXPECT_LT(between(box, fixed_disc({0, 0}, 1.2), true), 0);
   EXPECT_LT(between(disc, fixed_disc({0.6, 0}, 0.25), false), 0);

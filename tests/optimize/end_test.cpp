@@ -100,6 +100,42 @@ TEST(CurvesOrCarved, TheBetterOneIsTheResult) {
   EXPECT_FALSE(better());
 }
 
+/// What is said of curves: by small bumps and holes, and by the finer mesh.
+TEST(CurvesOrCarved, ChangesAndTheFinerMeshHaveAWord) {
+  Problem p = cantilever();
+  p.sizing.size = 0.35;
+  OptimizeRequest r;
+  r.level_set.start = StartHoles{.columns = 1, .rows = 1, .radius = 0.25};
+  const auto said = [&](double penalty, double residual, double finer) {
+    r.volume_penalty = penalty;
+    const Ground g = make_ground(p, r);
+    const Descent d(g, {.iterations = 1}, given_start(g).phi);
+    FinishedCurves c{.shape = d.design().shape, .J = d.design().J, .area = d.design().area, .residual = residual};
+    c.finer = {.size = 0.1, .element = p.element, .objective = c.J, .violation = 0};
+    c.finer->residual = finer;
+    LevelSetEnd end{g, d, c};
+    end.last = std::make_shared<const Evaluated>(d.design());
+    return result_of(end, true);
+  };
+  // Material is cheap: a little more of it pays somewhere. A large residual saves the price of a proof.
+  const OptimizeResult cheap = said(1e-3, 0.5, 0.02);
+  EXPECT_LT(cheap.bumps.least, 0);
+  EXPECT_FALSE(cheap.holes.proof);
+  EXPECT_EQ(cheap.ending, Ending::Stalled);
+  EXPECT_NE(cheap.stopped.find("a small bump at ("), std::string::npos) << cheap.stopped;
+  EXPECT_NE(cheap.stopped.find(" pays: it is worth "), std::string::npos) << cheap.stopped;
+  // It is dear: less of it does, and holes that are made there are asked. On the finer mesh it is no optimum.
+  const OptimizeResult dear = said(1e5, 0.01, 0.2);
+  EXPECT_GT(dear.bumps.least, 0);
+  EXPECT_LT(dear.holes.least, 0);
+  EXPECT_NE(dear.stopped.find("a small hole at ("), std::string::npos) << dear.stopped;
+  EXPECT_NE(dear.stopped.find("shape residual 0.01 here and 0.2 on the finer mesh, an optimum has at most 0.05 there"),
+            std::string::npos)
+      << dear.stopped;
+  ASSERT_TRUE(dear.holes.proof);
+  EXPECT_EQ(dear.stopped.find("; holes made there agree") != std::string::npos, *dear.holes.proof == Verdict::Holds);
+}
+
 TEST(CurvesOrCarved, BoundsComeFirst) {
   const Problem p = cantilever();
   OptimizeRequest r;

@@ -145,6 +145,133 @@ TEST(InitialGuess, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {
   }
 }
 
+// What lies in the body already is kept clear of, and what is fixed stays.
+TEST(InitialGuess, KnowsTheCracksOfTheFrame) {
+  Plate plate;
+  plate.size = 0.12;
+  plate.true_size = 0.06;
+  Problem p = plate.frame();
+  p.frame.cracks = {{"known", {Vec2(0.3, 0.3), Vec2(0.3, 0.6)}, {}}};
+  p.scene.laws.emplace_back();
+  Synthetic truth = plate.truth();
+  truth.element = afw(1);
+  truth.true_shape.cracks = p.frame.cracks;
+  truth.true_scene.laws = p.scene.laws;
+  truth.true_shape.labels.push_back("hole");
+  truth.true_shape.holes = {kerf::circle("true", {0.42, 0.45}, 0.09, 3)};
+  p.objective = with_measured(std::move(p.objective), 1, measure(truth).field);
+  Drawn d = plate.circle("h");
+  d.lower[0] = d.upper[0] = d.start[0] = 0.42;
+  const InitialGuess found = initial_guess(p, {{d}}, 0.05);
+  const Guess& g = found.guesses.at(0);
+  EXPECT_EQ(g.at.x(), 0.42);
+  EXPECT_NEAR(g.at.y(), 0.45, 0.03);
+  EXPECT_LE(g.size, 0.12 - 0.05 + 1e-12);  // the crack is 0.12 away
+  EXPECT_GT(g.size, 0.06);
+}
+
+// Things that may not overlap and explain the same hole.
+TEST(InitialGuess, ShareTheRoomThatThereIs) {
+  Plate plate;
+  plate.size = 0.12;
+  plate.true_size = 0.06;
+  plate.holes = {{{0.5, 0.5}, 0.15}};
+  const Problem p = plate.problem();
+  Design d{{plate.circle("a"), plate.circle("b"), plate.circle("c")}};
+  for (Drawn& one : d.drawn) {
+    one.lower.head<2>().setConstant(0.38);
+    one.upper.head<2>().setConstant(0.62);
+  }
+  const double clear = 0.02;
+  const InitialGuess found = initial_guess(p, d, clear);
+  ASSERT_EQ(found.guesses.size(), 3u);
+  double area = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    area += pi * std::pow(found.guesses[i].size, 2);
+    for (std::size_t k = i + 1; k < 3; ++k)
+      EXPECT_GE((found.guesses[i].at - found.guesses[k].at).norm(),
+                found.guesses[i].size + found.guesses[k].size + clear - 1e-9);
+  }
+  EXPECT_GE(area, 3 * pi * 0.03 * 0.03);
+  EXPECT_FALSE(find_problem(body_of(found.design, start_of(found.design), p).shape));
+  EXPECT_GT(found.explained, 0);
+}
+
+// A hole on the crack: nothing can be drawn, and the expansion has the last word.
+TEST(InitialGuess, GuessesWhatCannotBeDrawn) {
+  Plate plate;
+  plate.size = 0.15;
+  plate.true_size = 0.06;
+  plate.cracks = {{Vec2(0.4, 0.5), Vec2(0.6, 0.5)}};
+  const Problem p = plate.problem();
+  Drawn crack = plate.crack("c"), hole = plate.circle("h");
+  crack.lower << 0.4, 0.5, 0.6, 0.5;
+  crack.upper = crack.start = crack.lower;
+  hole.lower << 0.55, 0.5, 0.01;
+  hole.upper << 0.55, 0.5, 0.1;
+  hole.start = hole.lower;
+  const InitialGuess found = initial_guess(p, {{crack, hole}}, 0.02);
+  EXPECT_TRUE(find_problem(body_of(found.design, start_of(found.design), p).shape));
+  EXPECT_EQ(found.solves, 1 + 2 * 25);  // the body without them, and what its 25 hats read each way
+  EXPECT_GT(found.explained, 0.5);
+  EXPECT_LE(found.explained, 1);
+}
+
+// A hole, a stiff and a soft inclusion look for their places in the same boxes.
+TEST(InitialGuess, TellsKindsApart) {
+  Plate plate;
+  plate.size = 0.12;
+  plate.true_size = 0.06;
+  plate.holes = {{{0.3, 0.7}, 0.08}};
+  plate.inclusions = {{{0.7, 0.65}, 0.1}};
+  plate.inclusion_young = 6;
+  const Problem p = plate.problem();
+  Drawn other = plate.region("s", 6, 6);
+  other.poisson = 0.1;
+  for (const bool stiff_first : {true, false}) {
+    Design d{{plate.region("r", 6, 6), plate.circle("h")}};
+    if (!stiff_first) std::swap(d.drawn[0], d.drawn[1]);
+    const InitialGuess found = initial_guess(p, d, 0.02);
+    EXPECT_LT((found.guesses[stiff_first ? 0 : 1].at - Vec2(0.7, 0.65)).norm(), 0.03);
+    EXPECT_LT((found.guesses[stiff_first ? 1 : 0].at - Vec2(0.3, 0.7)).norm(), 0.03);
+  }
+  const InitialGuess more = initial_guess(p, {{plate.region("r", 6, 6), other, plate.region("t", 0.1, 0.1)}}, 0.02);
+  EXPECT_LT((more.guesses[2].at - Vec2(0.3, 0.7)).norm(), 0.05);  // the soft one is taken for the hole
+}
+
+TEST(InitialGuess, NeedsTheLabelOfTheMisfit) {
+  const Plate plate;
+  Problem p = plate.frame();
+  p.objective.terms[0].measured->label = 5;
+  try {
+    initial_guess(p, {{plate.circle("h")}}, 0.02);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Usage);
+    EXPECT_STREQ(e.what(), "start = \"map\": nothing of the boundary has the label of the misfit");
+  }
+}
+
+// What makes the plate most compliant is a crack across the larger pull, which is upwards.
+TEST(InitialGuess, TurnsACrackByTheMap) {
+  Plate plate;
+  plate.size = 0.1;
+  Problem p = plate.frame();
+  p.objective = {"compliance", {compliance()}};
+  p.objective.terms[0].factor = -1;
+  Drawn crack = plate.crack("c");
+  const InitialGuess found = initial_guess(p, {{crack}}, 0.02);
+  EXPECT_LT(std::abs(found.guesses.at(0).angle), pi / 12);
+  for (auto* v : {&crack.lower, &crack.upper, &crack.start}) v->array() += 3;
+  try {
+    initial_guess(p, {{crack}}, 0.02);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Usage);
+    EXPECT_NE(std::string(e.what()).find("of crack 'c': nowhere in its box"), std::string::npos) << e.what();
+  }
+}
+
 // Without a misfit: the most negative values of the map, apart from one another.
 TEST(InitialGuess, ReadsAMapWithoutAMisfit) {
   const Plate plate;

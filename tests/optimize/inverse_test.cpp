@@ -91,6 +91,12 @@ TEST(Identified, NamesPairsAndErrors) {
   EXPECT_NEAR(all[4].exact[3], 5, 1e-12);
   EXPECT_NE(in_words(all[4]).find("young by +1"), std::string::npos) << in_words(all[4]);
   EXPECT_NE(in_words(all[2]).find("nothing true"), std::string::npos) << in_words(all[2]);
+  EXPECT_EQ(in_words(all[0]),
+            "hole 'a': center (0.71, 0.4), radius 0.1; true hole 'true': center (0.7, 0.4), radius 0.09; off by 0.01, "
+            "radius by +0.01");
+  EXPECT_EQ(in_words(all[3]),
+            "crack 'c': (0.5, 0.21) to (0.4, 0.2); true crack 'true': (0.5, 0.2) to (0.4, 0.2); off by 0.01, length by "
+            "+0.000499");
 }
 
 /// What is no circle is compared by its area and its centroid.

@@ -202,6 +202,10 @@ TEST(DensityStage, SaysForWhatItIsNot) {
   moved.scene.supports[0].second = false;  // what is not prescribed is not looked at
   moved.scene.supports.push_back({.label = 0, .value = constant({0, 0})});
   EXPECT_EQ(why(moved, r), "");
+  moved.scene.supports[0].first = false;
+  moved.scene.supports[0].second = true;
+  moved.scene.supports[0].value = constant({1, 0});
+  EXPECT_EQ(why(moved, r), "");
   moved.frame.holes = {circle("h", {1, 0.5}, 0.2, 3)};
   moved.scene.supports.push_back({.label = 3, .value = constant({0, 1})});
   EXPECT_NE(why(moved, r), "");
@@ -224,6 +228,13 @@ TEST(DensityStage, SaysForWhatItIsNot) {
   peaks.objective = {"stress", {stress_pnorm(4, {}, false)}};
   EXPECT_EQ(why(peaks, r), "");
   EXPECT_EQ(why(peaks, {}), "the coarse lattice knows compliance and area, and nothing bounds the area");
+  // Powers are other functionals than what they are of.
+  for (const Term& term : {compliance(), volume(), energy()}) {
+    peaks.objective = {"power", {term}};
+    peaks.objective.terms[0].power = 2;
+    EXPECT_EQ(why(peaks, r), "");
+    EXPECT_EQ(why(peaks, {}), "the coarse lattice knows compliance and area, and nothing bounds the area");
+  }
   OptimizeRequest thin = r;
   thin.level_set.min_feature = 0.05;  // more cells
   EXPECT_EQ(why(p, thin), "");

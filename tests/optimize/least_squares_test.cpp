@@ -151,6 +151,48 @@ TEST(LeastSquares, FindTheEndsOfACrackInContact) {
   EXPECT_EQ(fit.ellipses[1].name, "crack 'c', point 2");
 }
 
+// Readings of the very mesh: nothing is left to fit, and nothing becomes a NaN by it.
+TEST(LeastSquares, EndAtOnceWhereNothingIsMissed) {
+  Plate plate;
+  plate.size = 0.2;
+  const Problem p = plate.frame();
+  const OptimizeRequest r = request({{plate.circle("h")}});
+  const VectorXd x = Eigen::Vector3d(0.55, 0.5, 0.1);
+  Readings readings{.label = 1, .at = {{0, 0.5}, {1, 0.5}, {0.5, 1}}, .displacement = {3, Vec2::Zero()}};
+  const DrawnBody body = body_of(r.design, x, p);
+  const Model m = prepare(triangulate(body.shape, p.sizing), p.element, body.scene, 1);
+  const VectorXd u = Sensors(m.mesh, readings).read(m, solve(m));
+  for (Eigen::Index i = 0; i < 3; ++i) readings.displacement[static_cast<std::size_t>(i)] = u.segment<2>(2 * i);
+  const LeastSquares fit = least_squares(p, r, x, readings);
+  EXPECT_EQ(fit.end, 0);
+  EXPECT_EQ(fit.steps, 0);
+  EXPECT_EQ(fit.variables, x);
+  EXPECT_EQ(fit.optimality, 0);
+  EXPECT_EQ(fit.noise, 0);
+  EXPECT_EQ(fit.covariance, Eigen::MatrixXd::Zero(3, 3));
+  EXPECT_EQ(fit.stopped, "the misfit is orthogonal to what the variables change");
+  EXPECT_EQ(in_words(fit, variable_names(r.design)).size(), 1u);
+}
+
+// The true hole lies nearer to the side than holes may.
+TEST(LeastSquares, StopAtWhatTheDesignMustKeep) {
+  Plate plate;
+  plate.holes = {{{0.88, 0.5}, 0.09}};
+  plate.size = 0.3;
+  plate.true_size = 0.15;
+  const Exact exact(plate);
+  Drawn hole = plate.circle("h");
+  hole.lower.tail<2>() = hole.upper.tail<2>() = hole.start.tail<2>() = Vec2(0.5, 0.09);
+  OptimizeRequest r = request({{hole}});
+  r.min_distance = 0.06;
+  const LeastSquares fit = least_squares(plate.problem(), r, Eigen::Vector3d(0.75, 0.5, 0.09), exact.with_noise(0, 1));
+  EXPECT_LT(fit.end, fit.start);
+  EXPECT_GE(1 - fit.variables[0] - fit.variables[2], 0.06 * (1 - 1e-6));
+  EXPECT_LE(1 - fit.variables[0] - fit.variables[2], 0.08);
+  EXPECT_EQ(fit.stopped, "no step within the constraints makes the misfit smaller");
+  EXPECT_GT(fit.optimality, 0.01);
+}
+
 TEST(Count, FindsTwoHolesAndNoPhantoms) {
   Plate plate;
   plate.holes = {{{0.3, 0.65}, 0.08}, {{0.7, 0.4}, 0.1}};
@@ -201,6 +243,57 @@ TEST(Count, EstimatesTheNoise) {
   EXPECT_TRUE(fit.estimated);
   EXPECT_NEAR(fit.noise, std::sqrt(fit.end / 6), 1e-15);
   EXPECT_NEAR(count.tried[0].criterion, 6 * std::log(fit.end / 6), 1e-12);
+}
+
+/// A count without a fit says why, and is not chosen.
+TEST(Count, WhatCannotBeFittedIsNotChosen) {
+  Plate plate;
+  plate.holes = {{{0.62, 0.57}, 0.08}};
+  plate.size = 0.2;
+  plate.true_size = 0.1;
+  const Exact exact(plate);
+  const Problem p = plate.problem();
+  Drawn outside = plate.circle("h");
+  for (auto* v : {&outside.lower, &outside.upper, &outside.start}) (*v)[0] += 2;
+  const Count none = count_defects(p, request({{outside}}), exact.with_noise(0, 1), 1);
+  ASSERT_EQ(none.tried.size(), 2u);
+  EXPECT_EQ(none.chosen, 0u);
+  EXPECT_NE(none.tried[1].failure.find("nowhere in its box is there room"), std::string::npos) << none.tried[1].failure;
+  EXPECT_EQ(in_words(none).rfind("0 defects by the criterion of Bayes and Schwarz: 0: ", 0), 0u) << in_words(none);
+  EXPECT_NE(in_words(none).find(", 1: none (start = \"map\" of hole 'h'"), std::string::npos) << in_words(none);
+  // Readings that are much too noisy do not tell how large it is.
+  Readings vague = exact.with_noise(0, 1);
+  vague.noise = 10 * exact.measured.scale;
+  const Count phantom = count_defects(p, request({{plate.circle("h")}}), vague, 1);
+  EXPECT_EQ(phantom.chosen, 0u);
+  EXPECT_EQ(phantom.tried[1].failure, "the readings do not tell the size of one of them from nothing");
+}
+
+/// Sizes that are given, and areas of what has no radius.
+TEST(Count, OfThingsWithoutARadiusToFind) {
+  Plate plate;
+  plate.holes = {{{0.55, 0.55}, 0.12}};
+  plate.noise = 0.01;
+  plate.size = 0.2;
+  plate.true_size = 0.1;
+  const Problem p = plate.problem();
+  const Readings readings = readings_of(measure(plate.truth()), plate.truth());
+  Drawn fixed = plate.circle("h");
+  fixed.lower[2] = fixed.upper[2] = fixed.start[2] = 0.12;
+  const Count known = count_defects(p, request({{fixed}}), readings, 1);
+  EXPECT_EQ(known.chosen, 1u) << in_words(known);
+  EXPECT_LT((known.tried[1].fit.variables - Eigen::Vector3d(0.55, 0.55, 0.12)).norm(), 0.02);
+  Drawn spline = fixed;
+  spline.kind = Drawn::Kind::Spline;
+  spline.start.resize(8);
+  spline.start << 0.73, 0.55, 0.55, 0.73, 0.37, 0.55, 0.55, 0.37;
+  spline.lower = spline.upper = spline.start;
+  spline.lower[0] -= 0.15;  // one point of it is looked for
+  spline.upper[0] += 0.15;
+  const Count free = count_defects(p, request({{spline}}), readings, 1);
+  EXPECT_EQ(free.chosen, 1u) << in_words(free);
+  const DrawnBody body = body_of(free.tried[1].design, free.tried[1].fit.variables, p);
+  EXPECT_NEAR(area(p.frame) - area(body.shape), pi * 0.12 * 0.12, 0.2 * pi * 0.12 * 0.12);
 }
 
 TEST(Count, CopiesOneThing) {

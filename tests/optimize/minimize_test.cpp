@@ -113,8 +113,8 @@ TEST(Minimize, AnInfeasibleEndIsCalledInfeasible) {
   }
 }
 
-TEST(Minimize, FeasibilityIsRestoredWhereNloptGivesUp) {
-  // Feasible on a disc about (0.8, 0.2), started far from it.
+/// x + y on a disc about (0.8, 0.2): least at (0.8, 0.2) - 0.1 (1, 1) / sqrt(2).
+Program on_a_disc() {
   Program p;
   p.lower = Vector2d(0, 0);
   p.upper = Vector2d(1, 1);
@@ -129,6 +129,11 @@ TEST(Minimize, FeasibilityIsRestoredWhereNloptGivesUp) {
     }
     return e;
   };
+  return p;
+}
+
+TEST(Minimize, FeasibilityIsRestoredWhereNloptGivesUp) {
+  const Program p = on_a_disc();  // started far from it
   for (const OptimizeMethod method : nlopt_methods) {
     const Minimum m = minimize(p, Vector2d(0.05, 0.95), method, {.evaluations = 300, .kkt = 1e-4});
     EXPECT_TRUE(m.converged) << word(method) << ": " << m.reason;
@@ -231,6 +236,94 @@ TEST(Minimize, FailedTrialsAreAnsweredByTheConstraintsOrByTheirNeighbors) {
     ASSERT_EQ(n.failure.size(), 1u) << word(method);
     EXPECT_EQ(n.failure[0], "there is a wall");
   }
+}
+
+// Nothing at all is known of a failed trial, not even the constraint.
+TEST(Minimize, FailedTrialsMayTellNothing) {
+  for (const OptimizeMethod method : nlopt_methods) {
+    Program p = with_a_wall(false);
+    p.evaluate = [inner = p.evaluate](const VectorXd& x, bool gradients) {
+      Evaluation e = inner(x, gradients);
+      return e.failure.empty() ? e : Evaluation{x, {}, {}, e.failure};
+    };
+    const Minimum m = minimize(p, Vector2d(0.1, 0.9), method, {.evaluations = 200, .kkt = 1e-4});
+    EXPECT_TRUE(m.feasible) << word(method) << ": " << m.reason;
+    EXPECT_LE(m.best.x[0], 0.6 + 1e-6) << word(method) << ": " << m.reason;
+    EXPECT_GT(m.best.x[0], 0.5) << word(method) << ": " << m.reason;
+    EXPECT_EQ(m.failure, std::vector<std::string>{"there is a wall"});
+  }
+}
+
+// Values that cobyla can do with, and derivatives that nobody can compute.
+TEST(Minimize, DerivativesThatFailEverywhereAreNoOptimum) {
+  Program p = tutorial();
+  p.evaluate = [inner = p.evaluate](const VectorXd& x, bool gradients) {
+    return gradients ? Evaluation{x, {}, {}, "no derivative"} : inner(x, false);
+  };
+  const Minimum m = minimize(p, starts[0], OptimizeMethod::Cobyla, {.evaluations = 600});
+  EXPECT_FALSE(m.converged);
+  EXPECT_TRUE(m.feasible);
+  EXPECT_NEAR(m.best.values[0], std::sqrt(8.0 / 27), 1e-3) << m.reason;
+  EXPECT_EQ(m.failure, std::vector<std::string>{"no derivative"});
+  EXPECT_TRUE(std::isnan(m.kkt));
+}
+
+// Wherever it is made to stop, what it says of the best point is so.
+TEST(Minimize, WhatIsSaidOfTheEndIsSo) {
+  std::vector<Stop> stops;
+  for (const int evaluations : {1, 2, 4, 8, 12, 16, 24, 32, 48, 200})
+    stops.push_back({.evaluations = evaluations, .kkt = 1e-4});
+  for (const double loose : {0.5, 0.1, 1e-2, 1e-3}) {
+    stops.push_back({.kkt = 1e-5, .value = loose});
+    stops.push_back({.kkt = 1e-5, .step = loose, .simplex = 0.02});
+  }
+  for (const bool gradients : {true, false})
+    for (const OptimizeMethod method : nlopt_methods)
+      for (const Vector2d& start : {Vector2d(0.05, 0.95), Vector2d(0.8, 0.2), Vector2d(0.9, 0.6)})
+        for (const Stop& stop : stops) {
+          if (!gradients && method != OptimizeMethod::Cobyla) continue;
+          Program p = on_a_disc();
+          p.gradients = gradients;
+          int calls = 0;
+          double least = infinity, violation = infinity;
+          p.see = [&](const Evaluation& e, double) {
+            ++calls;
+            violation = std::min(violation, std::max(0.0, e.values[1]));
+            if (e.values[1] <= stop.feasibility) least = std::min(least, e.values[0]);
+            return true;
+          };
+          const Minimum m = minimize(p, start, method, stop);
+          const std::string what = std::string(word(method)) + ": " + m.reason;
+          EXPECT_EQ(m.evaluations, calls) << what;
+          EXPECT_LE(m.evaluations, stop.evaluations) << what;
+          EXPECT_EQ(m.violation, std::max(0.0, m.best.values[1])) << what;
+          EXPECT_EQ(m.feasible, m.violation <= stop.feasibility) << what;
+          EXPECT_EQ(m.feasible, std::isfinite(least)) << what;
+          if (m.feasible && !m.converged) {
+            EXPECT_EQ(m.best.values[0], least) << what;
+          }
+          if (!m.feasible) {
+            EXPECT_EQ(m.violation, violation) << what;
+            EXPECT_EQ(m.reason.rfind("constraints are violated", 0), 0u) << what;
+          }
+          if (m.converged && gradients) {
+            EXPECT_LE(m.kkt, stop.kkt) << what;
+            EXPECT_NEAR(m.best.values[0], 1 - 0.1 * std::sqrt(2.0), 1e-3) << what;
+          }
+          EXPECT_FALSE(m.asked_to_stop);
+        }
+}
+
+TEST(Minimize, NothingFreeIsJudgedAsItIs) {
+  Program p = on_a_disc();
+  p.lower = p.upper = Vector2d(0.8, 0.5);
+  const Minimum m = minimize(p, p.lower, OptimizeMethod::Slsqp, {});
+  EXPECT_FALSE(m.converged);
+  EXPECT_EQ(m.reason, "constraints are violated by 0.2: no variable is free");
+  p.see = [](const Evaluation&, double) { return false; };
+  const Minimum asked = minimize(p, p.lower, OptimizeMethod::Slsqp, {});
+  EXPECT_TRUE(asked.asked_to_stop);
+  EXPECT_EQ(asked.reason, "constraints are violated by 0.2: told to stop");
 }
 
 TEST(Minimize, SaysWhatIsWrongWithTheQuestion) {

@@ -1,6 +1,7 @@
 #include "kerf/optimize.hpp"
 
 #include "optimize/parametric/evaluations.hpp"
+#include "optimize/parametric/starts.hpp"
 #include "tests/optimize/designs.hpp"
 #include "tests/support/folder.hpp"
 
@@ -320,6 +321,28 @@ Problem rubbing(double friction, double gap) {
   return p;
 }
 
+// Before anything could be mended the least violated start is the best; what is fixed is fixed in all of them.
+TEST(Parameters, OfStartsThatViolateTheLeastViolatedGoesOn) {
+  Problem p = everything();
+  OptimizeRequest r{.method = OptimizeMethod::Slsqp, .max_iterations = 1};
+  Drawn hole = drawn(Drawn::Kind::Circle, "h", Eigen::Vector3d(-1, 0.9, 0.3), 0.25);
+  hole.lower[1] = hole.upper[1] = 0.9;
+  r.design.drawn = {hole};
+  r.starts = 4;
+  r.volume_at_most = 0.96;  // a radius of 0.45
+  const std::vector<StartTried> tried = try_starts(p, r, start_of(r.design));
+  ASSERT_EQ(tried.size(), 4u);
+  double least = infinity, chosen = nan;
+  for (const StartTried& one : tried) {
+    EXPECT_EQ(one.from[1], 0.9);
+    const double violation = (1 - pi * one.from[2] * one.from[2] / 16) / 0.96 - 1;
+    EXPECT_NEAR(one.violation, violation, 1e-6);
+    least = std::min(least, one.violation);
+    if (one.in_full) chosen = one.violation;
+  }
+  EXPECT_EQ(chosen, least);
+}
+
 TEST(Parameters, DerivativesHoldBesideCracksThatSlideOrHaveAGap) {
   for (const auto& [friction, gap] : {std::pair{0.2, 0.0}, {0.0, 0.4}, {0.3, 0.4}, {0.3, -0.2}}) {
     Problem p = rubbing(friction, gap);
@@ -460,6 +483,29 @@ TEST(Parameters, SeveralStartsStoppedAndResumedEndWithTheSameBits) {
     EXPECT_EQ(resumed.starts[i].merit, whole.starts[i].merit);
     EXPECT_EQ(resumed.starts[i].in_full, whole.starts[i].in_full);
   }
+}
+
+TEST(Parameters, ACheckpointIsLeftAloneWhereNobodyResumes) {
+  const test::Folder folder;
+  const Problem p = plate();
+  OptimizeRequest r = hole({0.1, 0.1, 0.15}, {-0.5, -0.5, 0.1}, {0.5, 0.5, 0.45});
+  r.volume_at_most = 0.92;
+  r.max_iterations = 3;
+  CheckpointPlace place{folder.path / "checkpoint", "case", false};
+  int shown = 0;
+  const auto run = [&] {
+    shown = 0;
+    return optimize_parameters(
+        p, r, [&](const Iterate&) { return ++shown, true; }, place);
+  };
+  const OptimizeResult first = run();
+  EXPECT_GE(shown, static_cast<int>(first.history.size()));
+  const int all = shown;
+  expect_same(run(), first);
+  EXPECT_EQ(shown, all);
+  place.resume = true;
+  expect_same(run(), first);
+  EXPECT_LE(shown, 1);  // the design that it ends with
 }
 
 TEST(Parameters, TheObserverStopsIt) {

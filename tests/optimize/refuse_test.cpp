@@ -45,10 +45,11 @@ void expect_wrong(const Problem& p, const OptimizeRequest& r, const std::string&
   EXPECT_THROW(refuse_wrong(p, r), Error);
 }
 
-/// (0, value), and known to be.
+/// (0, value), and known to be; or known to lie between two numbers.
 class Constant final : public Enclosure {
  public:
-  explicit Constant(double value) : value_{Interval{0, 0}, Interval{value, value}} {}
+  explicit Constant(double value) : Constant(value, value) {}
+  Constant(double least, double most) : value_{Interval{0, 0}, Interval{least, most}} {}
   OnPiece along(const EdgeLine&, double, double) const override {
     return {.value = value_, .eighth = {0, 0}};
   }
@@ -117,6 +118,13 @@ TEST(Refuse, CracksWithPressureOrFriction) {
   OptimizeRequest drawn_rough = by_variables();
   drawn_rough.design.drawn[3].law.friction = 0.3;
   EXPECT_EQ(lines(find_wrong(good(), drawn_rough)), "");
+  // Where a map is asked where to begin, whatever the functional.
+  rough = good();
+  rough.scene.laws[0].friction = 0.3;
+  drawn_rough.design.drawn[0].from_map = true;
+  expect_wrong(rough, drawn_rough, "crack[0].friction",
+               "what begins where a map finds it needs cracks without; remove friction and tresca, or say where");
+  drawn_rough.design.drawn[0].from_map = false;
   drawn_rough.design.drawn[3].law.gap = [](const Vec2&, const Vec2&) { return Vec2(0.01, 0); };
   expect_wrong(good(), drawn_rough, "optimize.crack[0]",
                "crack 'crack' has a gap, and method = \"mma\" needs derivatives");
@@ -146,6 +154,10 @@ TEST(Refuse, LoadsAndSupports) {
       EXPECT_EQ(lines(find_wrong(zero, level_set())), "");
     }
   }
+  // What lies between 0 and 1 need not vanish.
+  const BoundaryField unknown([](const Vec2&, const Vec2&) { return Vec2(0, 0); }, std::make_shared<Constant>(0, 1));
+  zero.scene.tractions = {{2, unknown}};
+  EXPECT_EQ(lines(find_wrong(zero, level_set())), "");
   Problem floating = good();
   floating.scene.supports.clear();
   floating.objective = {"volume", {volume()}};
@@ -199,6 +211,13 @@ TEST(Refuse, LevelSets) {
   Problem all = good();
   for (const Index label : {0, 1, 3}) all.scene.tractions.push_back({label, all.scene.tractions[0].value});
   expect_wrong(all, r, "optimize.nucleate", "no side of the body is free of loads");
+  // What is looked at stays, too; the fixed point makes holes everywhere.
+  all.scene.tractions.pop_back();
+  EXPECT_EQ(lines(find_wrong(all, r)), "");
+  all.objective.terms.push_back(boundary_tracking(3, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }, {}));
+  expect_wrong(all, r, "optimize.nucleate", "no side of the body is free of loads");
+  r.level_set.move = LevelSetRequest::Move::FixedPoint;
+  EXPECT_EQ(lines(find_wrong(all, r)), "");
 }
 
 TEST(Refuse, StartsThatLeaveNoBody) {
@@ -213,6 +232,11 @@ TEST(Refuse, StartsThatLeaveNoBody) {
   expect_wrong(good(), with(8, 0.8), "optimize.start", "the holes take away all that the supports hold");
   expect_wrong(good(), with(9, 0.5), "optimize.start", "the holes cut the loads off from the supports");
   EXPECT_EQ(lines(find_wrong(good(), with(9, 0.3))), "");
+  // A mesh without a size is one of a fortieth of the body: what stays beside loads holds the plate together.
+  Problem by_itself = good();
+  by_itself.sizing.size = 0;
+  EXPECT_EQ(lines(find_wrong(by_itself, with(9, 0.3))), "");
+  expect_wrong(by_itself, with(9, 0.5), "optimize.start", "the holes cut the loads off from the supports");
   Problem floating = good();  // nothing has to hang on supports
   floating.scene.supports.clear();
   floating.objective = {"energy", {energy()}};
@@ -232,6 +256,17 @@ TEST(Refuse, MoreFrozenThanAllowed) {
   EXPECT_EQ(lines(find_wrong(good(), r)), "");
   r.level_set.frozen.push_back(polygon("upper", {{-3, 0.3}, {3, 0.3}, {3, 3}, {-3, 3}}, none));
   expect_wrong(good(), r, "optimize.frozen", "the regions together cover the whole body");
+  // Of a body that is not all of its box what lies in it counts: 7 of 12.
+  Problem bent = good();
+  bent.frame.cracks.clear();
+  bent.scene.laws.clear();
+  bent.frame.outline = polygon("outline", {{-2, -2}, {2, -2}, {2, 0}, {0, 0}, {0, 2}, {-2, 2}}, 2);
+  bent.frame.outline.sides[0].label = 0;
+  r.level_set.frozen = {polygon("most", {{-3, -3}, {3, -3}, {3, -0.25}, {-3, -0.25}}, none)};
+  r.volume_at_most = 0.56;
+  expect_wrong(bent, r, "optimize.volume.at_most", "less than the share of the body that is frozen, at least 0.568");
+  r.volume_at_most = 7.0 / 12 + 1e-3;
+  EXPECT_EQ(lines(find_wrong(bent, r)), "");
 }
 
 TEST(Refuse, VolumesThatDecideNothing) {
@@ -375,6 +410,14 @@ TEST(Refuse, WhatHasNoVariables) {
   Problem p = good();
   p.element = element("p1");
   EXPECT_NE(lines(find_wrong(p, r)).find("[[optimize.region]]: "), std::string::npos) << lines(find_wrong(p, r));
+  p.element = element("p2");  // can do both, but not what is incompressible
+  r.design.drawn[3].law.kind = CrackLaw::Kind::Open;
+  const std::string strain = lines(find_wrong(p, r));
+  EXPECT_NE(strain.find("cannot do an incompressible material"), std::string::npos) << strain;
+  p.plane_strain = false;
+  p.scene.material = plane_stress(1, 0.3);
+  const std::string stress = lines(find_wrong(p, r));
+  EXPECT_EQ(stress.find("cannot do an incompressible material"), std::string::npos) << stress;
   r.method = OptimizeMethod::LevelSet;
   EXPECT_FALSE(wrong_design(r));
 }
@@ -394,6 +437,7 @@ TEST(Refuse, BodiesAndLoadsOfOtherKinds) {
   Problem torn = good();
   torn.frame.outline = polygon("outline", {{-2, -2}, {2, 2}, {2, -2}, {-2, 2}}, 0);
   EXPECT_EQ(lines(find_wrong(torn, level_set())), "");  // said by whoever draws it
+  EXPECT_EQ(lines(find_wrong(torn, by_variables())), "");
   try {
     refuse_wrong(torn, level_set());
     ADD_FAILURE();

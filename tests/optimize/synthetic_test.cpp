@@ -58,6 +58,16 @@ TEST(BoundaryLine, SplitsAtCornersAndSharesThem) {
   EXPECT_TRUE(boundary_line(plate(), 7).curves.empty());
 }
 
+TEST(BoundaryLine, GoesRoundWhereEverySideHasTheLabel) {
+  Shape square = plate();
+  square.outline.sides[0].label = 1;
+  const BoundaryLine line = boundary_line(square, 1);
+  ASSERT_EQ(line.curves.size(), 4u);
+  EXPECT_EQ(line.joints, 4);
+  EXPECT_DOUBLE_EQ(line.length, 4);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(line.curves[i].joint[1], line.curves[(i + 1) % 4].joint[0]) << i;
+}
+
 TEST(NormalNumbers, AreTheSameEverywhereAndNormal) {
   const std::vector<double> x = normal_numbers(1, 20000);
   // mt19937 with seed 1 begins with 1791095845, 4282876139 by the standard's generator: fixed numbers.
@@ -166,6 +176,9 @@ TEST(Measure, SensorsLieAsFarApartAsAsked) {
   const std::size_t by_mesh = measure(s).at.size();
   s.spacing = 0.2;
   EXPECT_EQ(measure(s).at.size(), by_mesh);
+  s.spacing = s.sizing.size = 0;  // that of a mesh without a size: a fortieth of the body, on three sides
+  EXPECT_EQ(measure(s).at.size(), 3 * static_cast<std::size_t>(std::lround(1 / (extent(s.true_shape) / 40))) + 1);
+  s.sizing.size = 0.2;
   s.spacing = 100;  // both ends of every side, and nothing between
   const Measurement ends = measure(s);
   EXPECT_LT(ends.at.size(), by_mesh);

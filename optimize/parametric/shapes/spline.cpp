@@ -163,8 +163,8 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
           for (Index k = i + count / 4; k < count && k <= i + count - count / 4; ++k) {
             const Vec2 away = c.points[static_cast<std::size_t>(i)] - c.points[static_cast<std::size_t>(k)];
             const double size = away.norm();
-            if (!(size > 0)) continue;
             soft.add(size, [&](VectorXd& g, VectorXd&) {
+              if (!(size > 0)) return;
               add_derivative(c, static_cast<std::size_t>(i), away / size, g);
               add_derivative(c, static_cast<std::size_t>(k), -away / size, g);
             });
