@@ -170,6 +170,33 @@ TEST(AdjointBounds, ContainTOfAMisfitAndAVolume) {
   EXPECT_LT(width(v), 1e-12);
 }
 
+// Supports that move the body as it is: the stress stays, and the compliance has an adjoint, the state without that
+// motion. T = H(s, s) as of the compliance of one at rest.
+TEST(AdjointBounds, ContainTOfTheWorkInABodyThatIsMoved) {
+  Scene moved{.material = plane_strain(1, 0.3)};
+  const auto away = [](const Vec2&, const Vec2&) -> Vec2 { return {0.2, 0}; };
+  moved.supports = {{0, true, true, false, away}, {3, true, true, false, away}};
+  const auto pull = [](const Vec2&, const Vec2& n) -> Vec2 { return {0, n.y()}; };
+  moved.tractions = {{2, pull}};
+  const Model m = prepare(exact::unit_square_mesh(6, 0.2), element("bdms", 1), moved, 1);
+  const State state = solve(m);
+  const Vec2 x(0.4, 0.6);
+  StressBounds at = QuantityBounds(m, state).stress(x);
+  const Mat2 s = (Mat2() << 0, 0, 0, 1).finished();
+  const double exact = hole_form(moved.material, s, s);
+  Term half = compliance(), more = half, none = half;
+  half.factor = 0.5;
+  more.factor = 1.5;
+  none.factor = 0;
+  for (const auto& [terms, times] :
+       {std::pair{std::vector{compliance()}, 1.0}, {{half, more}, 2.0}, {{none, half}, 0.5}}) {
+    const Bounded b = DerivativeBounds({"work", terms}, {}, m).at(x, at);
+    expect_holds(b, times * exact, fmt::format("{} times", times));
+    EXPECT_LT(width(b), 1e-5 * exact);
+  }
+  EXPECT_EQ(DerivativeBounds({"work", {none}}, {}, m).at(x, at).upper, 0);
+}
+
 // T of the energy and of the compliance follows from the stress alone.
 TEST(AdjointBounds, OfEnergiesAreSquares) {
   const exact::ExactField f = exact::table_field("c03_inclined_open", 0.3);
@@ -200,6 +227,16 @@ TEST(AdjointBounds, SayWhyThereAreNone) {
   EXPECT_EQ(note(displacement_tracking({}, {})),
             "no bounds: the topological derivative is bounded for energies, the compliance, misfits and what is linear "
             "in the displacement, which \"displacement_tracking\" is not");
+  // Linear, but not in the displacement; and with a change of its own.
+  Term turn = scenes::turning(), strained = compliance();
+  turn.linear = true;
+  EXPECT_NE(note(turn).find("which \"turning\" is not"), std::string::npos);
+  strained.work = false;
+  strained.uses_stress = true;
+  EXPECT_NE(note(strained).find("which \"compliance\" is not"), std::string::npos);
+  strained.uses_stress = false;
+  strained.local = [](const Perturbation&, const FieldPoint&) { return 0.0; };
+  EXPECT_NE(note(strained).find("which \"compliance\" is not"), std::string::npos);
   EXPECT_EQ(note(stress_pnorm(4, {}, true)), "no bounds: \"stress_pnorm\" is the power of an integral");
   EXPECT_EQ(note(energy(), {.kind = Kind::Crack, .angle = 0.0}),
             "no bounds: the topological derivative is bounded for circular holes and inclusions alone");
@@ -214,6 +251,12 @@ TEST(AdjointBounds, SayWhyThereAreNone) {
   EXPECT_EQ(
       DerivativeBounds({"", {crack_opening(0, {})}}, {}, closing.model).at({0.3, 0.9}, at).note,
       "no bounds: the adjoint is tied where the faces of a crack are closed, which only the exact solution knows");
+  EXPECT_TRUE(std::isnan(DerivativeBounds({"", {energy()}}, {}, m).at({2, 2}, at).lower));  // outside
+  // Bonded faces open nowhere, whatever the place of a hole.
+  const CrackProblem whole = crack_problem(f, 8, 1, {0}, CrackLaw::Kind::Bonded);
+  const Bounded shut = DerivativeBounds({"", {crack_opening(0, {})}}, {}, whole.model).at({0.3, 0.9}, at);
+  EXPECT_NEAR(shut.lower, 0, 1e-9);
+  EXPECT_NEAR(shut.upper, 0, 1e-9);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // The adjoint on the tangent cone of the contact, against finite holes: where part of a crack is closed, where a whole
 // crack carries neither gap nor pressure, and along its growth.
 
+#include "kerf/recover.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "tests/topo/validation.hpp"
+#include "topo/changes.hpp"
 #include "topo/functional/integrate.hpp"
 
 #include <gtest/gtest.h>
@@ -129,6 +131,34 @@ TEST(Biactive, LoadsAlongACrackHaveOneSidedDerivatives) {
   EXPECT_GT(value[0], 1.1 * linear[0]);  // 0.69 against 0.60
   EXPECT_GT(value[1], 0.2);              // 0.27 against -0.60
   EXPECT_LT(value[1], 0.5 * value[0]);
+}
+
+// A body force along the crack, in a material that does not contract: the stress varies, the faces touch everywhere. In
+// the hole the force is lost, which moves the faces, too.
+TEST(Biactive, ABodyForceAlongTheCrackGoesWithTheHole) {
+  Body b = stretched(-1.55);  // little stress at the hole: 2 (1 - 0.15) against it
+  b.scene.material = plane_stress(1, 0);
+  b.scene.body = [](const Vec2&) { return Vec2(2, 0); };
+  b.sizing = {.size = 0.25, .crack_tip_size = 0.075};
+  const Functional opening{"", {crack_opening(0, {})}};
+  const Solved s = solved(b);
+  const Analysis a = analyze(opening, s.model, s.state);
+  EXPECT_NEAR(a.biactive_length, 0.8, 1e-12);
+  const auto quotient = [&](double radius) {
+    const std::vector<SmallChange> one{{at, radius}};
+    const Meshing meshing{b.shape, b.sizing};
+    return changes_at({meshing, b.element, std::span(&b.scene, 1), opening}, {}, one).difference(0, 0) /
+           (pi * radius * radius);
+  };
+  const double limit = (4 * quotient(0.02) - quotient(0.04)) / 3, T = map_there(a, opening);
+  EXPECT_NEAR(T / limit, 1, 0.045);
+  // Without its part in what opens the faces T is another one.
+  Model bare = s.model;
+  bare.scene.body = {};
+  Analysis other = a;
+  other.model = &bare;
+  const Vec2 moved = recovered_displacement(s.model, *a.adjoint, locate(s.model.mesh, there)[0], at).col(0);
+  EXPECT_GT(std::abs(map_there(other, opening) - b.scene.body(at).dot(moved) - T), 0.09 * limit);
 }
 
 TEST(Biactive, DisplacementsOfTheTopSeeTheSide) {

@@ -66,6 +66,16 @@ TEST(DerivativeBounds, HoldTheFormulaOfAHole) {
     EXPECT_NEAR(wide.lower, low, 1e-12);
     EXPECT_NEAR(wide.upper, high, 1e-12);
   }
+  // Indicators of what an adjoint adds: its own, and those of its stress.
+  const DerivativeBounds steered(
+      {"", {boundary_displacement(2, [](const Vec2&, const Vec2&) { return Vec2(0, 1); }, {})}}, {}, m, true);
+  StressBounds told = known(1, 2, 0.5, 0.1);
+  EXPECT_TRUE(std::isfinite(steered.at({0.1, 0.2}, told).upper));
+  ASSERT_GE(told.eta.size(), 2u);
+  for (const Eigen::VectorXd& eta : told.eta) {
+    EXPECT_EQ(eta.size(), static_cast<Eigen::Index>(m.mesh.triangles.size()));
+    EXPECT_GT(eta.norm(), 0);
+  }
   StressBounds estimate = known(1, 2, 0.5, 0.1);
   estimate.difference = within(0.5, 0.1, false, "an estimate");
   const Bounded t = at(estimate);

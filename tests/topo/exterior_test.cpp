@@ -51,6 +51,17 @@ TEST(Exterior, OfACircleIsTheOneInPowersOfTheRadius) {
     }
 }
 
+// Pressure alone is no stress of an incompressible body; around a hole it is one all the same: 3 p^2 in the mean of the
+// square, by hand, and 3 p^4 of the fourth power.
+TEST(Exterior, OfAPressureInAnIncompressibleBody) {
+  const Mat2 pressure = -1.3 * Mat2::Identity();
+  for (const double p : {2., 4.}) {
+    const CutTable table = tabulate({0}, p, {Cut::Kind::Ellipse, 1});
+    EXPECT_NEAR(exterior(table, pressure, 0.4) / (3 * std::pow(1.3, p)), 1, 3e-5) << p;
+    EXPECT_EQ(exterior(table, Mat2::Zero(), 0.4), 0);
+  }
+}
+
 // Against twice as many points, and between the nodes of the tables.
 TEST(Exterior, QuadratureAndTablesAreFineEnough) {
   struct Case {

@@ -1,7 +1,9 @@
 #include "kerf/analysis.hpp"
 
 #include "tests/support/exact.hpp"
+#include "tests/topo/validation.hpp"
 #include "topo/functional/integrate.hpp"
+#include "topo/young_gradient.hpp"
 
 #include <gtest/gtest.h>
 
@@ -56,6 +58,7 @@ std::vector<Named> terms() {
       {"along", boundary_displacement(
                     1, [](const Vec2& x, const Vec2& n) -> Vec2 { return 0.3 * n + Vec2(0.1, x.x()); },
                     [=](const Vec2& x, const Vec2&) { return weight(x); })},
+      {"turning", scenes::turning()},
   };
   return all;
 }
@@ -66,7 +69,7 @@ class Gradient : public testing::TestWithParam<std::tuple<int, Load>> {};
 TEST_P(Gradient, AgreesWithCentralDifferences) {
   const auto& [number, setup] = GetParam();
   const Functional j{"", {terms()[number].term}};
-  const Model model = make(setup);
+  Model model = make(setup);
   const State state = solve(model);
   ASSERT_TRUE(certified(state));
   const Analysis a = analyze(j, model, state);
@@ -110,6 +113,8 @@ TEST_P(Gradient, AgreesWithCentralDifferences) {
       }
     }
     EXPECT_NEAR(derivative, expected, 1e-6 * std::max(std::abs(expected), 1e-3 * scale));
+    EXPECT_NEAR(young_gradient(a, j, model, 0, setup.young), derivative,
+                1e-8 * std::max(std::abs(expected), 1e-3 * scale));
   }
 }
 
@@ -122,12 +127,12 @@ std::string name_of(const testing::TestParamInfo<Gradient::ParamType>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bdms, Gradient,
-                         testing::Combine(testing::Range(0, 10),
+                         testing::Combine(testing::Range(0, 11),
                                           testing::Values(Load{}, Load{.poisson = 0.49}, Load{.poisson = 0.4999999},
                                                           Load{.poisson = 0.5}, Load{.closed = true})),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Elements, Gradient,
-                         testing::Combine(testing::Range(0, 10),
+                         testing::Combine(testing::Range(0, 11),
                                           testing::Values(Load{.degree = 2}, Load{.degree = 3}, Load{.element = "afw"},
                                                           Load{.element = "peers"}, Load{.element = "bdms-c"},
                                                           Load{.element = "arnold-winther-nc"})),

@@ -1,4 +1,5 @@
 #include "topo/map/green.hpp"
+#include "topo/map/green_samples.hpp"
 
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
@@ -10,7 +11,6 @@
 
 namespace kerf {
 namespace {
-
 
 struct Solved {
   Model model;
@@ -221,6 +221,56 @@ TEST(ClampedHole, EverywhereAgreesWithPointwise) {
   }
   EXPECT_LT(worst, 0.006);
   EXPECT_LT(std::sqrt(square), 0.0015);
+}
+
+// What the walls' logarithms leave of the tensor stays as a point halves its distance to a side, on rollers of either
+// kind or free; that of a wall of another kind would not, by 0.03 and more.
+TEST(ClampedHole, EverySideHasItsLogarithm) {
+  Shape shape;
+  shape.labels = {"bottom", "right", "top", "left"};
+  const double c = 0.006;  // short sides ask for short edges
+  shape.outline = polygon(
+      "outline",
+      {{-1, -1}, {-c, -1}, {c, -1}, {1, -1}, {1, -c}, {1, c}, {1, 1}, {c, 1}, {-c, 1}, {-1, 1}, {-1, c}, {-1, -c}}, 0);
+  for (std::size_t i = 0; i < 12; ++i) shape.outline.sides[i].label = static_cast<Index>(i / 3);
+  Scene scene{.material = plane_strain(1, 0.3)};
+  scene.supports = {{0, true, true, false, constant({0, 0})},   // slides along
+                    {1, true, true, false, constant({0, 0})},   //
+                    {3, true, false, true, constant({0, 0})}};  // comes and goes
+  const Solved s = solved(shape, {.size = 0.3}, scene);
+  for (const Vec2& side : {Vec2(0, -1), Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0)}) {
+    const std::vector<Vec2> x = {0.97 * side, 0.985 * side};
+    const GreenSamples g = sample_green(s.model, s.state, 1e-3, x, locate(s.model.mesh, x));
+    ASSERT_EQ(g.rest.size(), 2u);
+    EXPECT_LT((g.rest[0] - g.rest[1]).norm(), 0.01) << side.transpose() << '\n' << g.rest[0] << '\n' << g.rest[1];
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_LT((interpolate(g, g.x[i]) - g.rest[i] - wall_logarithms(g.walls, g.x[i])).norm(), 1e-3);
+  }
+}
+
+// As many terms as the samples in sight can tell: cubics, quadratics, planes or the mean.
+TEST(ClampedHole, InterpolationIsExactForItsPolynomials) {
+  const auto cubic = [](const Vec2& x) { return 1 + x.x() - 2 * x.y() + x.x() * x.y() + std::pow(x.x() - x.y(), 3); };
+  const auto square = [](const Vec2& x) { return 1 + x.x() - 2 * x.y() + x.x() * x.y() - x.y() * x.y(); };
+  const auto plane = [](const Vec2& x) { return 1 + x.x() - 2 * x.y(); };
+  const auto at = [](std::size_t n, const std::function<double(const Vec2&)>& f, bool walled = false) {
+    std::vector<Vec2> x;
+    for (std::size_t i = 0; i < n; ++i)  // a spiral: no three in a row
+      x.emplace_back(0.1 * std::sqrt(1. + i) * std::cos(2.4 * i), 0.1 * std::sqrt(1. + i) * std::sin(2.4 * i));
+    std::vector<std::pair<Vec2, Vec2>> walls;
+    if (walled) walls.emplace_back(Vec2(0.21, -2), Vec2(0.21, 2));
+    const auto value = [&](std::size_t k) { return Eigen::RowVectorXd::Constant(1, f(x[k])); };
+    return interpolate_rows(x, walls, value, walled ? Vec2(0.22, 0.03) : Vec2(0.03, 0.04))[0];
+  };
+  const Vec2 here(0.03, 0.04);
+  EXPECT_NEAR(at(18, cubic), cubic(here), 1e-12);
+  EXPECT_NEAR(at(17, square), square(here), 1e-12);
+  EXPECT_GT(std::abs(at(17, cubic) - cubic(here)), 1e-5);
+  EXPECT_NEAR(at(8, plane), plane(here), 1e-12);
+  EXPECT_GT(std::abs(at(8, square) - square(here)), 1e-5);
+  EXPECT_NEAR(at(3, [](const Vec2&) { return 7.0; }), 7, 1e-12);
+  // Behind a wall with no sample on this side: that of the nearest one, (0.1, 0).
+  EXPECT_NEAR(at(4, plane, true), 1.1, 1e-12);
 }
 
 TEST(ClampedHole, RefusesWhatItCannotDo) {

@@ -2,6 +2,7 @@
 
 #include "kerf/mesher.hpp"
 #include "tests/support/exact.hpp"
+#include "tests/topo/validation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -133,6 +134,64 @@ TEST(Map, EverywhereAgreesWithPointwiseAndIsNaNOutside) {
   EXPECT_EQ(map.at_corners.size(), static_cast<Eigen::Index>(corners.vertex.size()));
   EXPECT_TRUE(map.at_corners.allFinite());
   EXPECT_TRUE(std::isnan(energy_map(s.model, s.state, std::vector<Vec2>{{3, 0}})[0]));
+}
+
+// Of the displacement, too: of the state, the measured one and the adjoint. Where that is constant per triangle, its
+// mean and gradient stand for what is recovered from both at points.
+TEST(Map, OfDisplacementsEverywhereAgreesWithPointwise) {
+  scenes::Body b{scenes::rectangle({-1, -1}, {1, 1}), scenes::pulled(plane_strain(1, 0.3), scenes::opens)};
+  b.scene.laws.clear();
+  b.scene.body = [](const Vec2& x) { return Vec2(0.3, -0.5 + 0.2 * x.x()); };
+  const Functional j{"",
+                     {displacement_tracking({}, {}), stress_power(2, {}, true),
+                      misfit(2, [](const Vec2& x, const Vec2&) { return Vec2(0.1, 1 + x.x()); })}};
+  for (const int degree : {1, 2}) {
+    const Model m = prepare(triangulate(b.shape, {.size = 0.3}), element("bdms", degree), b.scene, 1);
+    const State s = solve(m);
+    const Analysis a = analyze(j, m, s);
+    std::vector<Vec2> centers;
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) centers.push_back(centroid(m.mesh, t));
+    for (const Perturbation& p : {Perturbation{}, Perturbation{.kind = Perturbation::Kind::Ellipse, .aspect = 2}}) {
+      const FullMap map = map_everywhere(a, j, {.perturbation = p}, split_for_stress(m.mesh));
+      const std::vector<MapPoint> at = map_at(a, j, {.perturbation = p}, centers);
+      EXPECT_EQ(map.angle.size(), p.aspect > 1 ? map.at_centroids.size() : 0);
+      const double largest = map.at_centroids.cwiseAbs().maxCoeff();
+      for (std::size_t t = 0; t < centers.size(); ++t) {
+        const auto i = static_cast<Eigen::Index>(t);
+        EXPECT_NEAR(map.at_centroids[i], at[t].value, (degree == 1 ? 5e-3 : 1e-12) * largest) << centers[t].transpose();
+        if (degree == 2 && p.aspect > 1) {
+          EXPECT_EQ(map.angle[i], at[t].angle);
+        }
+      }
+    }
+  }
+}
+
+TEST(Map, BarsHoldTheExactValueBesideACrack) {
+  const auto field = exact::table_field("c01_modeI");
+  const exact::Table table = exact::read_table(data / "exact", "c01_modeI");
+  Shape shape;
+  shape.labels = {"outer"};
+  shape.outline = polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0);
+  shape.cracks = {{"c", {field.tips[0].at, field.tips[1].at}}};
+  const Sizing sizing{.size = 0.4, .crack_tip_size = 0.1};
+  const Solved s = solved(field, sizing.size, sizing.crack_tip_size);
+  const Analysis a = analyze(energy_only, s.model, s.state);
+  std::vector<Vec2> points{{3, 0}};  // outside
+  std::vector<double> exact{nan};
+  for (const exact::Row& row : table.rows)
+    if (row.kind == "bulk") points.push_back(row.x), exact.push_back(row.hole);
+  FullMap map = map_everywhere(a, energy_only, {}, split_for_stress(s.model.mesh));
+  std::vector<MapPoint> at = map_at(a, energy_only, {}, points);
+  add_bars(a, energy_only, {}, {shape, sizing}, {map, at});
+  EXPECT_FALSE(at[0].lower || at[0].upper);
+  EXPECT_TRUE((map.lower.array() <= map.upper.array()).all());
+  int held = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    ASSERT_TRUE(at[i].lower && at[i].upper);
+    held += *at[i].lower <= exact[i] && exact[i] <= *at[i].upper;
+  }
+  EXPECT_GE(held, 0.95 * static_cast<double>(points.size() - 1));
 }
 
 // The whole claim, by brute force: drill a small hole into a body with a partly closed crack and compare energies. The

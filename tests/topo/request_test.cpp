@@ -59,6 +59,11 @@ TEST(ValidationRequests, PlacesWithoutRoom) {
     EXPECT_EQ(v[std::size_t(i)].reason, "the point lies on a boundary or a crack, or in the ring of the functional");
   EXPECT_EQ(v[3].reason,
             "no radius fits: the nearest boundary, crack or other feature is 0.01 away; use radii below 0.0025");
+  // Outside of the body and yet in the ring of a functional.
+  const Body b = plate();
+  const Functional rate{"", {energy_release_rate({0.4, 0}, {1, 0}, {0.06, 3}, {})}};
+  const Validation beyond = validate({b.shape, b.sizing}, b.element, b.scene, rate, {{{2, 0}}, {0.1, 0.05}}).front();
+  EXPECT_EQ(beyond.reason, "the point lies outside the body");
 }
 
 TEST(ValidationRequests, PointsAreChosenWithRoomAndApart) {
@@ -118,6 +123,8 @@ TEST(FunctionalRequests, BodiesThatTheyDoNotKnow) {
   EXPECT_NE(said(warm, {stress_power(2, {}, false)}).find("knows no stress out of the plane from an eigenstrain"),
             std::string::npos);
   EXPECT_EQ(said(warm, {energy()}), "no refusal");
+  warm.scene.eigenstrain[0].out_of_plane = false;
+  EXPECT_EQ(said(warm, {stress_power(2, {}, false)}), "no refusal");
 
   const BoundaryField measured = [](const Vec2&, const Vec2&) { return Vec2(0, 0.1); };
   EXPECT_EQ(said(plate(), {misfit(2, measured)}), "no refusal");
@@ -126,6 +133,72 @@ TEST(FunctionalRequests, BodiesThatTheyDoNotKnow) {
   const ScalarField negative = [](const Vec2&) { return -1.0; };
   EXPECT_NE(said(plate(), {stress_pnorm(4, negative, false)}).find("is negative: its weight must not be"),
             std::string::npos);
+}
+
+/// Uniaxial stress along a crack leaves its faces in touch, without pressure.
+Body pulled_along() {
+  Body b = plate();
+  b.scene.supports = {{3, false, true, false, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }},
+                      {0, false, false, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }}};
+  b.scene.tractions = {{1, [](const Vec2&, const Vec2&) { return Vec2(1, 0); }}};
+  return b;
+}
+
+TEST(FunctionalRequests, RoughFacesThatTouchWithoutPressure) {
+  Body b = pulled_along();
+  b.scene.laws[0].friction = 0.3;
+  const Prepared p = prepared(b);
+  try {
+    analyze({"", {energy()}}, p.model, p.state);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Numerics);
+    EXPECT_NE(std::string(e.what()).find("on they touch without pressure, on 0.8 of the 0.8 of the crack"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+/// Measurements that a uniform state explains, whatever else loads the body.
+TEST(FunctionalRequests, AMisfitOfItsOwnStateIsNothing) {
+  Body b{rectangle({-1, -1}, {1, 1}), {}, {.size = 0.6}, element("bdms", 1)};
+  const Mat2 stress = Vec2(0.5, 1).asDiagonal();
+  b.scene.material = plane_strain(1, 0.3);
+  const auto moved = [&](const Vec2& x, const Vec2&) -> Vec2 { return strain(b.scene.material, stress) * x; };
+  b.scene.supports = {{3, false, true, false, moved}, {0, false, false, true, moved}};
+  for (const Index label : {1, 2})
+    b.scene.tractions.push_back({label, [stress](const Vec2&, const Vec2& n) -> Vec2 { return stress * n; }});
+  const Prepared p = prepared(b);
+  const Functional gap{"", {misfit(2, moved)}};
+  const Analysis a = analyze(gap, p.model, p.state);
+  EXPECT_NEAR(a.value, 0, 1e-12);
+  EXPECT_NEAR(map_at(a, gap, {}, std::vector<Vec2>{{0.2, 0.3}})[0].value, 0, 1e-12);
+  // Twice the displacement on top: the other load still does its work.
+  const Functional twice{"", {misfit(2, [&](const Vec2& x, const Vec2& n) -> Vec2 { return 2 * moved(x, n); })}};
+  EXPECT_GT(analyze(twice, p.model, p.state, true).value, 0.1);
+}
+
+TEST(FunctionalRequests, OfABodyAtRest) {
+  Body b = plate();
+  b.scene.tractions.clear();
+  const Prepared p = prepared(b);
+  const Functional norm{"", {stress_pnorm(3, {}, false)}};
+  const Analysis a = analyze(norm, p.model, p.state);
+  EXPECT_EQ(a.value, 0);
+  EXPECT_EQ(a.slope.front(), 0);  // of a root at zero: finite all the same
+  EXPECT_EQ(map_at(a, norm, {}, std::vector<Vec2>{{0.5, 0.5}})[0].value, 0);
+}
+
+/// At the tip itself the cut-off is flat, and has no direction.
+TEST(FunctionalRequests, TheReleaseRateHasADensityAtItsTip) {
+  const Vec2 tip(0.4, 0);
+  const VectorField body = [](const Vec2&) { return Vec2(0, -2); };
+  FieldPoint at{.x = tip, .stress = (Mat2() << 1, 0.3, 0.3, 2).finished(), .rotation = 0.1};
+  at.material = plane_stress(1, 0.3);
+  EXPECT_EQ(energy_release_rate(tip, {1, 0}, {0.06, 0.2}, {}).density(at).value, 0);
+  // The body force times the derivative of the displacement along the crack.
+  EXPECT_NEAR(energy_release_rate(tip, {1, 0}, {0.06, 0.2}, body).density(at).value,
+              2 * (strain(at.material, at.stress)(1, 0) - at.rotation), 1e-15);
 }
 
 TEST(FunctionalRequests, LoadsAndSupportsThatTheyDoNotKnow) {
@@ -186,6 +259,14 @@ TEST(FunctionalRequests, ReadingsAreOfTheBoundary) {
   const std::string words = "readings are integrals of the displacement over a part of the boundary";
   for (const Term& term : {energy(), compliance(), stress_power(2, {}, true), crack_opening(0, {}), volume()})
     EXPECT_EQ(said(plate(), term), words) << term.kind;
+  // Nor may one weigh something else besides.
+  std::vector<Term> more(5, reading);
+  more[0].density = volume().density;
+  more[1].on_crack = crack_opening(0, {}).on_crack;
+  more[2].measured = clamp(2);
+  more[3].energy = true;
+  more[4].work = true;
+  for (const Term& term : more) EXPECT_EQ(said(plate(), term), words) << &term - more.data();
   EXPECT_EQ(said(plate(), misfit(2, [](const Vec2&, const Vec2&) { return Vec2(0, 0); })), words);
   Body floating = plate();
   floating.scene.supports.clear();
@@ -274,13 +355,8 @@ TEST(ClampedHoles, BodiesThatTheyDoNotKnow) {
   filled.shape.regions = {circle("r", {-0.5, -0.5}, 0.2, none)};
   filled.scene.regions = {plane_strain(2, 0.3)};
   EXPECT_NE(said(filled).find("its Green tensor is known in one material only"), std::string::npos) << said(filled);
-  // Pulled along itself a crack neither opens nor presses.
-  Body along = plate();
-  along.scene.supports = {{3, false, true, false, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }},
-                          {0, false, false, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0); }}};
-  along.scene.tractions = {{1, [](const Vec2&, const Vec2&) { return Vec2(1, 0); }}};
-  EXPECT_NE(said(along).find("cracks with neither gap nor pressure respond to it one-sidedly"), std::string::npos)
-      << said(along);
+  EXPECT_NE(said(pulled_along()).find("cracks with neither gap nor pressure respond to it one-sidedly"),
+            std::string::npos);
   EXPECT_NE(said(plate(), stress_power(2, {}, false)).find("the stress around a clamped hole is singular"),
             std::string::npos);
 }

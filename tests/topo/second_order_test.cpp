@@ -272,6 +272,43 @@ TEST(SecondOrder, EverywhereAgreesWithPointwise) {
   EXPECT_TRUE(none.c2.array().isNaN().all());
 }
 
+// A volume loses the hole and no more: T = -1 up to any radius. An opening has an adjoint and no energy.
+TEST(SecondOrder, OfAVolumeAndOfAnOpeningEverywhere) {
+  const scenes::Body b = pulled_square(plane_strain(1, 0.3));
+  const Solved s = solved(b.shape, {.size = 0.2, .crack_tip_size = 0.05}, b.scene, 1);
+  const Corners corners = split_for_stress(s.model.mesh);
+  const std::vector<Vec2> at{{.3, .5}};
+  const Functional size{"", {volume()}}, opening{"", {crack_opening(0, {})}};
+  const Analysis a = analyze(size, s.model, s.state), z = analyze(opening, s.model, s.state);
+  const MapPoint point = map_at(a, size, {.radius = 0.2, .second = true}, at).front();
+  EXPECT_EQ(point.value, -1);
+  EXPECT_EQ(point.c2, 0);
+  EXPECT_EQ(point.valid_radius, infinity);
+  EXPECT_FALSE(point.masked);  // 2.5 radii of room
+  EXPECT_TRUE(map_at(a, size, {.radius = 0.3, .second = true}, at).front().masked);
+  const FullMap whole = map_everywhere(a, size, {.second = true}, corners);
+  const FullMap opened = map_everywhere(z, opening, {.second = true}, corners);
+  int known = 0;
+  for (Eigen::Index i = 0; i < whole.c2.size(); ++i) {
+    if (std::isfinite(whole.c2[i])) {
+      EXPECT_EQ(whole.c2[i], 0);
+      ++known;
+    }
+    const Vec2& x = s.model.mesh.points[corners.vertex[static_cast<std::size_t>(i)]];
+    if ((x - at[0]).norm() > 0.15 || !std::isfinite(opened.c2[i])) continue;
+    const SecondOrder exact = second_order(z, opening, {}, x);
+    EXPECT_NEAR(opened.c2[i], exact.c2, 0.1 * parts(exact)) << x.transpose();
+  }
+  EXPECT_GT(known, 20);
+}
+
+TEST(SecondOrder, TellsHowFarTheFirstTermReaches) {
+  EXPECT_TRUE(std::isnan(SecondOrder{.T = 1, .c2 = 1}.valid_radius()));
+  EXPECT_EQ((SecondOrder{.T = 0, .c2 = 1, .available = true}.valid_radius()), 0);
+  EXPECT_EQ((SecondOrder{.T = 1, .c2 = 0, .available = true}.valid_radius()), infinity);
+  EXPECT_NEAR((SecondOrder{.T = -1, .c2 = 4, .available = true}.valid_radius(0.09)), 0.15, 1e-15);
+}
+
 // No logarithm and no c2: says so by name.
 TEST(SecondOrder, SaysWhatItDoesNotKnow) {
   const scenes::Body b = pulled_square(plane_strain(1, 0.3));
@@ -286,7 +323,18 @@ TEST(SecondOrder, SaysWhatItDoesNotKnow) {
   EXPECT_NE(note(c, {.kind = Kind::Ellipse, .aspect = 2, .angle = 0.}, {.2, .5}).find("circular"), std::string::npos);
   EXPECT_NE(note({"", {boundary_tracking(2, {}, {})}}, {}, {.2, .5}).find("boundary_tracking"), std::string::npos);
   EXPECT_NE(note({"", {stress_power(2, {}, true)}}, {}, {.2, .5}).find("stress_power"), std::string::npos);
+  Term mean{.kind = "mean", .linear = true, .density = displacement_tracking({}, {}).density};
+  mean.uses_displacement = true;
+  EXPECT_NE(note({"", {mean}}, {}, {.2, .5}).find("not for \"mean\""), std::string::npos);
+  Term rooted = crack_opening(0, {});
+  rooted.kind = "root";
+  rooted.power = 0.5;
+  EXPECT_NE(note({"", {rooted}}, {}, {.2, .5}).find("not for \"root\""), std::string::npos);
+  const Functional turn{"", {scenes::turning()}};
+  EXPECT_NE(note(turn, {}, {.2, .5}).find("not for \"turning\""), std::string::npos);
+  EXPECT_EQ(second_order(analyze(turn, s.model, s.state), turn, {}, {.2, .5}).logarithm, Logarithm::Unknown);
   EXPECT_NE(note(c, {}, {3, 0}).find("outside"), std::string::npos);
+  EXPECT_NE(note(c, {}, {.1, 0}).find("lies on a boundary, a crack"), std::string::npos);
   EXPECT_NE(note(c, {}, {.0, .01}).find("too coarse"), std::string::npos);
   scenes::Body half = b;
   half.scene = scenes::pulled(plane_strain(1, 0.3), scenes::closes_half);

@@ -45,6 +45,17 @@ inline Vec2 closes_half(const Vec2& x) {
   return {0.1, x.x() - 0.05};
 }
 
+/// Sees the rotation alone.
+inline Term turning() {
+  return {.kind = "turning",
+          .density =
+              [](const FieldPoint& p) {
+                return Density{.value = 0.5 * p.rotation * p.rotation, .by_rotation = p.rotation};
+              },
+          .uses_rotation = true,
+          .uses_place = false};
+}
+
 inline const std::vector<double> usual_radii = {0.08, 0.04, 0.02, 0.01};
 
 struct Body {

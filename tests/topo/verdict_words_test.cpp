@@ -86,6 +86,19 @@ TEST(VerdictWords, ClampedHoles) {
          "the remainder falls like eps^2.00");
   expect({.quotient = [](double eps) { return 1.05 + 2 * eps * eps; }, .kind = kind}, Verdict::Fails,
          "the differences tend to 1.05 of the prediction");
+  // Other orders are no slope of it, but what has fallen far enough holds.
+  expect({.quotient = [](double eps) { return 1 + 300 * std::pow(eps, 4); }, .kind = kind}, Verdict::Holds,
+         "the remainder has fallen to what the mesh leaves");
+  expect(
+      {.quotient = [](double eps) { return 1 + 5 * eps * eps * std::log(eps); }, .radii = {0.08, 0.04}, .kind = kind},
+      Verdict::OutOfRange, "of the prediction 1; use four");
+}
+
+/// Nor is the sixth order that of a hole whose area is divided by.
+TEST(VerdictWords, ASlopeThatIsTooSteep) {
+  const Series steep{.quotient = [](double eps) { return 1 + 300 * std::pow(eps, 4); }};
+  EXPECT_NEAR(judged(steep).order, 6, 1e-6);
+  expect(steep, Verdict::Holds, "the remainder has fallen to what the mesh leaves");
 }
 
 /// T = 1 by the series; the change that was drawn has the area 2 and the difference 2, so that it says 1, too.

@@ -251,7 +251,7 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   for (MapPoint& p : map) {
     p.c2 = second.at(p.at).c2;
     p.valid_radius = valid_radius_of(p.value, *p.c2);
-    if (!std::isfinite(*p.valid_radius)) continue;
+    if (std::isnan(*p.valid_radius)) continue;
     p.masked = *p.valid_radius < r.radius || too_close(m, j, {&p.at, 1}, room_radii * r.radius, r.radius)[0];
   }
   return map;

@@ -54,7 +54,7 @@ std::string unknown_in(const Model& m) {
 std::pair<Logarithm, double> logarithm_of(const Term& term, double slope, const Expansion& e, const PointValues& v,
                                           const TaylorField& s) {
   using enum Logarithm;
-  if (!term.density || term.volume) return {Absent, 0};
+  if (!term.density) return {Absent, 0};
   if (term.uses_stress || term.uses_rotation) {
     const bool here = !term.somewhere || term.somewhere(v.x, 0);
     return here ? std::pair(Unknown, nan) : std::pair(Absent, 0.0);

@@ -53,9 +53,9 @@ struct SecondOrders::Impl {
     const Model& m = *a.model;
     Vec2 low = m.mesh.points[0], high = low;
     for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
-    const double clear = margins(m, j, std::span(&x, 1), {0, 0, (high - low).norm()}).front();
-    constexpr double part = 0.7;  // of the disc around the point that no feature enters
-    if (!(clear > 0)) {
+    const double size = (high - low).norm(), clear = margins(m, j, std::span(&x, 1), {0, 0, size}).front();
+    constexpr double part = 0.7, rounding = 1e-12;  // of the disc around the point that no feature enters; of the body
+    if (!(clear > rounding * size)) {
       result.note = "the point lies on a boundary, a crack or in the ring of the functional";
       return result;
     }

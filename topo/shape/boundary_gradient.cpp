@@ -11,24 +11,19 @@ namespace kerf {
 
 namespace {
 
-bool labeled(Index label, Index which) {
-  return which != none && label == which;
-}
-
 // Nothing acts on the edge and nothing is measured there.
 bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& rule) {
   const Model& m = *a.model;
   const Index label = m.mesh.label[e];
   if (label == none) return true;
   for (const Support& support : m.scene.supports)
-    if (labeled(label, support.label)) return false;
+    if (label == support.label) return false;
   for (const Term& term : j.terms)
-    if ((term.on_boundary && labeled(label, term.label)) || (term.measured && labeled(label, term.measured->label)))
-      return false;
+    if ((term.on_boundary && label == term.label) || (term.measured && label == term.measured->label)) return false;
   const Vec2& from = m.mesh.points[m.mesh.edges[e][0]];
   const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - from, n = outward_normal(m.mesh, e);
   for (const Traction& traction : m.scene.tractions)
-    for (Eigen::Index q = 0; labeled(label, traction.label) && q < rule.s.size(); ++q)
+    for (Eigen::Index q = 0; label == traction.label && q < rule.s.size(); ++q)
       if (!traction.value(from + rule.s[q] * side, n).isZero(0)) return false;
   return true;
 }

@@ -287,7 +287,6 @@ void add_cracks(const LoadedBody& body, const Field* dual, Points& gradient) {
     if (law.kind == CrackLaw::Kind::Bonded) continue;
     for (const CrackEdge& c : mesh.cracks[crack]) {
       const Index e = c.edge, right = mesh.sides[e][1], unknown = m.inner->skeleton.jump[e];
-      if (unknown == none) continue;
       const int points = m.inner->skeleton.per_edge / 2;
       const Points force = moments(m, body.state, e, right);
       Points of_state = body.energy * force;

@@ -33,7 +33,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   }
   for (const Term& term : j.terms)
     if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
-  return in_body || least == 0 ? least : -least;
+  return in_body ? least : -std::abs(least);  // within a ring it is negative already
 }
 
 }  // namespace
@@ -41,7 +41,8 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
 Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number) {
   Site s{.number = number, .at = x};
   s.clear = clearance(shape, j, x, s.inside);
-  s.inside = s.inside || s.clear == 0;
+  constexpr double rounding = 1e-12;
+  s.inside = s.inside || s.clear > -rounding * extent(shape);  // on the boundary
   return s;
 }
 

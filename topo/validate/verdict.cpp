@@ -320,7 +320,7 @@ class Series {
     if (moved_)
       return same_ ? "the contact set changes at larger radii; use more and smaller ones"
                    : "the contact set changes even at the smallest radius; use smaller radii, or a smaller mesh.size";
-    if (relative(last_) > 0.05 && last_ > 0 && relative(last_) < 0.6 * relative(last_ - 1))
+    if (relative(last_) > 0.05 && relative(last_) < 0.6 * relative(last_ - 1))
       return fmt::format(
           "the radii are too large for the series: the remainder is still {:.2g} of the prediction and "
           "falling; use smaller radii",
