@@ -2,6 +2,7 @@
 // Coordinates of one triangle and what its spaces are spanned by: monomials, and curls of bubbles.
 
 #include "solver/element/local.hpp"
+#include "solver/element/number.hpp"
 #include "solver/polynomial.hpp"
 
 #include <algorithm>
@@ -11,26 +12,32 @@ namespace kerf {
 // The local problem is set in xi = (x - centroid)/h, h = sqrt(2 |T|), where the triangle has area 1/2 and every basis
 // function is O(1). In these coordinates the condensed matrix does not depend on h: with u = h u_xi and m = h m_xi,
 //   M s + B'(u_xi, r) = C' m_xi,   B s = (-h (f, v), 0),   tractions = h C s.
-struct Scaled {
-  Vec2 center;
-  double h;
-  std::array<Vec2, 3> x;         // vertices in xi
-  std::array<Vec2, 3> gradient;  // of the barycentric coordinates, in xi
+template <class Number>
+struct ScaledOf {
+  Plane<Number> center;
+  Number h;
+  std::array<Plane<Number>, 3> x;         // vertices in xi
+  std::array<Plane<Number>, 3> gradient;  // of the barycentric coordinates, in xi
 };
+using Scaled = ScaledOf<double>;
 Scaled scale(const Triangle& t);
 
-inline Vec2 point(const Scaled& s, double l1, double l2) {
+template <class Number>
+Plane<Number> point(const ScaledOf<Number>& s, double l1, double l2) {
   return (1 - l1 - l2) * s.x[0] + l1 * s.x[1] + l2 * s.x[2];
 }
 
 // b = 27 l0 l1 l2 and its gradient in xi.
+template <class Number>
 struct Bubble {
-  double value;
-  Vec2 gradient;
+  Number value;
+  Plane<Number> gradient;
 };
-inline Bubble bubble(const Scaled& s, const Vec2& xi) {
-  const double l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi), l0 = 1 - l1 - l2;
-  return {27 * l0 * l1 * l2, 27 * (l1 * l2 * s.gradient[0] + l0 * l2 * s.gradient[1] + l0 * l1 * s.gradient[2])};
+template <class Number>
+Bubble<Number> bubble(const ScaledOf<Number>& s, const Plane<Number>& xi) {
+  const Number l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi), l0 = 1.0 - l1 - l2;
+  const Number b01 = 27.0 * (l0 * l1), b02 = 27.0 * (l0 * l2), b12 = 27.0 * (l1 * l2);
+  return {l0 * b12, b12 * s.gradient[0] + b02 * s.gradient[1] + b01 * s.gradient[2]};
 }
 
 // Sizes of the spaces of an element. F: coefficients of the full tensors and the bubbles; S: stress functions after the
@@ -51,32 +58,42 @@ struct Space {
   static constexpr bool IsCut = E.cut != Cut::None;
   static constexpr int Degree = std::max({E.stress, E.bubble, E.displacement, E.rotation});
   static constexpr int Monomials = dim(Degree);
-  using Values = Eigen::Matrix<double, Monomials, 1>;
-  using Curls = Eigen::Matrix<double, W, 2>;
+  template <class Number>
+  using ValuesOf = Grid<Number, Monomials, 1>;
+  template <class Number>
+  using CurlsOf = Grid<Number, W, 2>;
+  using Values = ValuesOf<double>;
 
   // Monomials of degree <= Degree.
-  static Values monomials_at(const Vec2& xi) {
-    Values v;
-    v[0] = 1;
+  template <class Number>
+  static ValuesOf<Number> monomials_of(const Plane<Number>& xi) {
+    ValuesOf<Number> v;
+    set_zero(v);
+    v[0] += 1.0;
     for (int k = 1; k <= Degree; ++k) {
       for (int j = 0; j < k; ++j) v[place(k - j, j)] = v[place(k - j - 1, j)] * xi.x();
       v[place(0, k)] = v[place(0, k - 1)] * xi.y();
     }
     return v;
   }
+  static Values monomials_at(const Vec2& xi) {
+    return monomials_of<double>(xi);
+  }
 
   // Stress function 4 m + c is monomial m in component c of 11, 12, 21, 22. Then come the bubbles: function
   // 4 P + 2 w + r is curl(b w) = (d2, -d1) in row r, w the homogeneous monomials in their order.
-  static Curls curls_at(const Scaled& s, const Vec2& xi, const Values& v) {
-    Curls curl;
+  template <class Number>
+  static CurlsOf<Number> curls_at(const ScaledOf<Number>& s, const Plane<Number>& xi, const ValuesOf<Number>& v) {
+    CurlsOf<Number> curl;
     if constexpr (W > 0) {
-      const Bubble b = bubble(s, xi);
+      const Bubble<Number> b = bubble<Number>(s, xi);
       for (int j = 0; j < W; ++j) {
         const int i = E.bubble - j;
-        const double w = v[place(i, j)];
-        const double dx = i > 0 ? i * v[place(i - 1, j)] : 0, dy = j > 0 ? j * v[place(i, j - 1)] : 0;
-        curl(j, 0) = b.gradient.y() * w + b.value * dy;
-        curl(j, 1) = -(b.gradient.x() * w + b.value * dx);
+        const Number w = v[place(i, j)];
+        curl(j, 0) = b.gradient.y() * w;
+        curl(j, 1) = -(b.gradient.x() * w);
+        if (j > 0) curl(j, 0) += static_cast<double>(j) * b.value * v[place(i, j - 1)];
+        if (i > 0) curl(j, 1) -= static_cast<double>(i) * b.value * v[place(i - 1, j)];
       }
     }
     return curl;

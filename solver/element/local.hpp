@@ -9,6 +9,7 @@
 #include "solver/quadrature.hpp"
 
 #include <array>
+#include <span>
 
 namespace kerf {
 
@@ -109,6 +110,24 @@ struct TraceForces {
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty, TraceForces& forces);
 
+/// One of several triangles that are eliminated side by side: four straight ones of bdms or afw without an eigenstrain
+/// take little more time than one.
+struct LocalTriangle {
+  Triangle shape;
+  const Material* material = nullptr;
+  ForceMoments force = {};  // of all triangles, or of none
+  Penalty penalty = {};     // likewise
+};
+/// What `condense` finds of each. The bits of a triangle do not depend on the others.
+void condense(const Kernel& k, std::span<const LocalTriangle> all, std::span<Condensed> to);
+struct Recovered {
+  SkeletonVector m;            // given
+  double* interior = nullptr;  // room for the coefficients (s, u, r)
+  TraceForces forces = {};
+};
+/// What `interior` finds of each.
+void interiors(const Kernel& k, std::span<const LocalTriangle> all, std::span<Recovered> to);
+
 /// The same for several traces without a body force (columns), one elimination.
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m);
 
@@ -157,6 +176,9 @@ LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& mat
 Eigen::VectorXd interior_of(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& local,
                             const SkeletonVector& m);
 
+/// Four, the last ones again where there are fewer.
+using PackedTriangles = std::array<const LocalTriangle*, 4>;
+
 /// How local.cpp reaches the code of an element.
 struct Operations {
   Condensed (*condense)(const Kernel&, const Triangle&, const Material&, const ForceMoments&, const Penalty&);
@@ -177,6 +199,9 @@ struct Operations {
   void (*interiors_lanes)(const Kernel&, const Triangle&, const Material&, const double*, double*) = nullptr;
   void (*evaluate_lanes)(const Triangle&, const double*, const Points&, double*) = nullptr;
   void (*loaded)(const Kernel&, const Triangle&, const Material&, const Eigen::MatrixXd&, Loaded&) = nullptr;
+  // Of straight triangles without an eigenstrain; not of every element. The last: how many are wanted.
+  void (*condense_packed)(const Kernel&, const PackedTriangles&, int, Condensed* const*) = nullptr;
+  void (*interior_packed)(const Kernel&, const PackedTriangles&, int, Recovered* const*) = nullptr;
 };
 
 /// s11, s12, s21, s22 as a matrix.

@@ -5,16 +5,6 @@
 
 namespace kerf {
 
-// Filled by plain loops: each expression of Eigen on each size is some ten classes to compile, and there are eleven
-// elements with five sizes each.
-template <int Rows, int Columns>
-using Rowwise = Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
-template <class Array>
-void set_zero(Array& a) {
-  std::fill_n(a.data(), a.size(), 0.0);
-}
-
 // A s : t = dev s : dev t / (2 mu) + c tr s tr t on the components 11, 12, 21, 22.
 Eigen::Matrix4d compliance(const Material& material);
 
@@ -34,15 +24,15 @@ struct Rows {
 void restrict_to(const Eigen::MatrixXd& n, const Rows<const double>& full, const Rows<double>& cut);
 
 // `N` stress functions: those of the full tensors and bubbles (F), or those that the cut leaves (S).
-template <const Element& E, int N>
+template <const Element& E, int N, class Number = double>
 struct LocalArrays : Space<E> {
   using Space<E>::B, Space<E>::X;
-  Rowwise<N, N> M;      // (A s, t) / h^2
-  Rowwise<N, B> Bt;     // transposed constraints: divergence, then asymmetry
-  Rowwise<N, X> Ct;     // transposed moments of s n, and of -as s against the rotations at vertices
-  Rowwise<B, 1> given;  // right-hand side of the constraints
-  Rowwise<N, 1> trace;  // int tr s
-  double area = 0.5;    // of the triangle, in xi
+  Grid<Number, N, N> M;      // (A s, t) / h^2
+  Grid<Number, N, B> Bt;     // transposed constraints: divergence, then asymmetry
+  Grid<Number, N, X> Ct;     // transposed moments of s n, and of -as s against the rotations at vertices
+  Grid<Number, B, 1> given;  // right-hand side of the constraints
+  Grid<Number, N, 1> trace;  // int tr s
+  double area = 0.5;         // of the triangle, in xi
 };
 
 template <const Element& E>
@@ -51,40 +41,59 @@ struct LocalProblem : Space<E> {
   using Base::P, Base::W, Base::F, Base::S, Base::U, Base::R, Base::B, Base::G, Base::V, Base::X, Base::Monomials,
       Base::monomials_at, Base::curls_at;
   using typename Base::Values;
-  using Full = LocalArrays<E, F>;
+  template <class Number>
+  using FullOf = LocalArrays<E, F, Number>;
+  using Full = FullOf<double>;
+  template <class Number>
+  using Compliance = std::array<std::array<Number, 4>, 4>;
 
   // Of products of monomials, of monomials with the curls (column 2 w + axis), of curls with each other.
+  template <class Number>
   struct Moments {
-    Eigen::Matrix<double, Monomials, Monomials> monomials;
-    Eigen::Matrix<double, Monomials, 2 * W> with_curl;
-    Eigen::Matrix<double, 2 * W, 2 * W> curl_curl;
+    Grid<Number, Monomials, Monomials> monomials;
+    Grid<Number, Monomials, 2 * W> with_curl;
+    Grid<Number, 2 * W, 2 * W> curl_curl;
   };
-  static Moments moments(const Kernel& k, const Scaled& s) {
-    Moments of;
+  template <class Number>
+  static void add_moments(const ScaledOf<Number>& s, const Vec2& l, double w, Moments<Number>& of) {
+    const Plane<Number> xi = point<Number>(s, l.x(), l.y());
+    const auto v = Base::template monomials_of<Number>(xi);
+    for (int m = 0; m < Monomials; ++m) {
+      const Number weighted = w * v[m];
+      for (int n = m; n < Monomials; ++n) of.monomials(m, n) += weighted * v[n];
+    }
+    if constexpr (W > 0) {
+      const auto curl = Base::template curls_at<Number>(s, xi, v);
+      for (int m = 0; m < Monomials; ++m) {
+        const Number weighted = w * v[m];
+        for (int i = 0; i < 2 * W; ++i) of.with_curl(m, i) += weighted * curl(i / 2, i % 2);
+      }
+      for (int i = 0; i < 2 * W; ++i) {
+        const Number weighted = w * curl(i / 2, i % 2);
+        for (int j = i; j < 2 * W; ++j) of.curl_curl(i, j) += weighted * curl(j / 2, j % 2);
+      }
+    }
+  }
+  template <class Number>
+  static Moments<Number> moments(const Kernel& k, const ScaledOf<Number>& s) {
+    Moments<Number> of;
     set_zero(of.monomials);
     set_zero(of.with_curl);
     set_zero(of.curl_curl);
-    for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
-      const double w = 0.5 * k.rule.w[q];
-      const Vec2 xi = point(s, k.rule.x(0, q), k.rule.x(1, q));
-      const Values v = monomials_at(xi);
-      of.monomials += w * v * v.transpose();
-      if constexpr (W > 0) {
-        const auto curl = curls_at(s, xi, v);
-        Eigen::Matrix<double, 2 * W, 1> flat;
-        for (int i = 0; i < 2 * W; ++i) flat[i] = curl(i / 2, i % 2);
-        of.with_curl += w * v * flat.transpose();
-        of.curl_curl += w * flat * flat.transpose();
-      }
-    }
+    for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) add_moments<Number>(s, k.rule.x.col(q), 0.5 * k.rule.w[q], of);
+    for (int m = 0; m < Monomials; ++m)
+      for (int n = 0; n < m; ++n) of.monomials(m, n) = of.monomials(n, m);
+    for (int i = 0; i < 2 * W; ++i)
+      for (int j = 0; j < i; ++j) of.curl_curl(i, j) = of.curl_curl(j, i);
     return of;
   }
 
-  static void add_tensors(const Moments& of, const Eigen::Matrix4d& A, Full& a) {
+  template <class Number>
+  static void add_tensors(const Moments<Number>& of, const Compliance<Number>& A, FullOf<Number>& a) {
     for (int m = 0; m < P; ++m) {
       for (int n = 0; n < P; ++n)
         for (int i = 0; i < 4; ++i)
-          for (int j = 0; j < 4; ++j) a.M(4 * m + i, 4 * n + j) = of.monomials(m, n) * A(i, j);
+          for (int j = 0; j < 4; ++j) a.M(4 * m + i, 4 * n + j) = of.monomials(m, n) * A[i][j];
       a.trace[4 * m] = a.trace[4 * m + 3] = of.monomials(m, 0);
       for (int r = 0; r < R; ++r) {
         a.Bt(4 * m + 1, U + r) = of.monomials(m, r);
@@ -94,49 +103,75 @@ struct LocalProblem : Space<E> {
   }
 
   // The bubbles have neither divergence nor normal trace.
-  static void add_bubbles(const Moments& of, const Eigen::Matrix4d& A, Full& a) {
+  template <class Number>
+  static void add_bubbles(const Moments<Number>& of, const Compliance<Number>& A, FullOf<Number>& a) {
     for (int b = 0; b < W; ++b)
       for (int row = 0; row < 2; ++row) {
         const int i = 4 * P + 2 * b + row;
-        for (int m = 0; m < P; ++m) {
-          const Vec2 curl(of.with_curl(m, 2 * b), of.with_curl(m, 2 * b + 1));
-          const Eigen::Vector4d column = A.middleCols<2>(2 * row) * curl;
-          for (int c = 0; c < 4; ++c) a.M(4 * m + c, i) = a.M(i, 4 * m + c) = column[c];
-        }
-        for (int d = 0; d < W; ++d) {
-          Mat2 curls;
-          for (int c = 0; c < 4; ++c) curls(c % 2, c / 2) = of.curl_curl(2 * b + c % 2, 2 * d + c / 2);
-          for (int other = 0; other < 2; ++other)
-            a.M(i, 4 * P + 2 * d + other) = A.block<2, 2>(2 * row, 2 * other).cwiseProduct(curls).sum();
-        }
+        for (int m = 0; m < P; ++m)
+          for (int c = 0; c < 4; ++c)
+            a.M(4 * m + c, i) = a.M(i, 4 * m + c) =
+                A[c][2 * row] * of.with_curl(m, 2 * b) + A[c][2 * row + 1] * of.with_curl(m, 2 * b + 1);
+        for (int d = 0; d < W; ++d)
+          for (int other = 0; other < 2; ++other) {
+            Number sum{};
+            for (int c = 0; c < 4; ++c)
+              sum += A[2 * row + c % 2][2 * other + c / 2] * of.curl_curl(2 * b + c % 2, 2 * d + c / 2);
+            a.M(i, 4 * P + 2 * d + other) = sum;
+          }
         a.trace[i] = of.with_curl(0, 2 * b + row);
         // as: component 12 of row 0 minus component 21 of row 1
-        for (int r = 0; r < R; ++r) a.Bt(i, U + r) = row == 0 ? of.with_curl(r, 2 * b + 1) : -of.with_curl(r, 2 * b);
+        for (int r = 0; r < R; ++r) {
+          if (row == 0)
+            a.Bt(i, U + r) = of.with_curl(r, 2 * b + 1);
+          else
+            a.Bt(i, U + r) = -of.with_curl(r, 2 * b);
+        }
       }
   }
 
   // div of monomial x^i y^j in component (row, axis) adds its derivative along axis to that row.
-  static void add_divergence(const Moments& of, Full& a) {
+  template <class Number>
+  static void add_divergence(const Moments<Number>& of, FullOf<Number>& a) {
     for (int degree = 1; degree <= E.stress; ++degree)
       for (int j = 0; j <= degree; ++j) {
         const int i = degree - j, m = place(i, j);
         for (int b = 0; b < U / 2; ++b)
           for (int row = 0; row < 2; ++row) {
-            if (i > 0) a.Bt(4 * m + 2 * row, 2 * b + row) = i * of.monomials(place(i - 1, j), b);
-            if (j > 0) a.Bt(4 * m + 2 * row + 1, 2 * b + row) = j * of.monomials(place(i, j - 1), b);
+            if (i > 0) a.Bt(4 * m + 2 * row, 2 * b + row) = static_cast<double>(i) * of.monomials(place(i - 1, j), b);
+            if (j > 0)
+              a.Bt(4 * m + 2 * row + 1, 2 * b + row) = static_cast<double>(j) * of.monomials(place(i, j - 1), b);
           }
       }
   }
 
-  static void add_edge(const Kernel& k, const Triangle& t, const Scaled& s, int e, Full& a) {
+  // What an edge is to the local problems: the directions of its components at the Gauss points, and where its own
+  // direction begins.
+  template <class Number>
+  struct Side {
+    std::array<std::array<Plane<Number>, 2>, G> frame;
+    Number forward;  // 1, or 0
+  };
+  static Side<double> side_of(const Triangle& t, int e) {
+    Side<double> side;
+    for (int g = 0; g < G; ++g)
+      for (int d = 0; d < 2; ++d)
+        side.frame[static_cast<std::size_t>(g)][static_cast<std::size_t>(d)] = frame_at(t, e, g).col(d);
+    side.forward = t.forward[e] ? 1 : 0;
+    return side;
+  }
+
+  template <class Number>
+  static void add_edge(const Kernel& k, const Side<Number>& own, const ScaledOf<Number>& s, int e, FullOf<Number>& a) {
     const int from = (e + 1) % 3, to = (e + 2) % 3;
-    const Vec2 side = s.x[to] - s.x[from];
-    const Vec2 n(side.y(), -side.x());  // outward, times the length
-    const auto add = [&](int g, double share, const Values& v) {
+    const Plane<Number> side = s.x[to] - s.x[from];
+    const Number nx = side.y(), ny = -side.x();  // outward, times the length
+    const auto add = [&](int g, double share, const auto& v) {
       for (int d = 0; d < 2; ++d) {
         const int column = 2 * (G * e + g) + d;
-        const Vec2 f = share * frame_at(t, e, g).col(d);
-        const double weight[4] = {f.x() * n.x(), f.x() * n.y(), f.y() * n.x(), f.y() * n.y()};
+        const Plane<Number>& f = own.frame[static_cast<std::size_t>(g)][static_cast<std::size_t>(d)];
+        const Number fx = share * f.x(), fy = share * f.y();
+        const Number weight[4] = {fx * nx, fx * ny, fy * nx, fy * ny};
         for (int m = 0; m < P; ++m)
           for (int c = 0; c < 4; ++c) a.Ct(4 * m + c, column) += v[m] * weight[c];
       }
@@ -145,8 +180,9 @@ struct LocalProblem : Space<E> {
     constexpr bool fine = E.at_vertices == AtVertices::Stress;
     const EdgeRule& rule = fine ? k.edge : k.trace;
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const double along = t.forward[e] ? rule.s[q] : 1 - rule.s[q];
-      const Values v = monomials_at(s.x[from] + along * side);
+      const Number along = own.forward * rule.s[q] + (1.0 - own.forward) * (1 - rule.s[q]);
+      const Plane<Number> at = s.x[from] + along * side;
+      const auto v = Base::template monomials_of<Number>(at);
       if constexpr (fine)
         for (int g = 0; g < G; ++g) add(g, rule.w[q] * k.trace_at_edge(g, q), v);
       else
@@ -154,7 +190,7 @@ struct LocalProblem : Space<E> {
     }
   }
 
-  static void add_vertex(const Moments& of, const Scaled& s, int v, Full& a) {
+  static void add_vertex(const Moments<double>& of, const Scaled& s, int v, Full& a) {
     // l_v = 1/3 + gradient . xi
     const Vec2& slope = s.gradient[v];
     const Eigen::Vector3d hat(1.0 / 3, slope.x(), slope.y());
@@ -201,20 +237,32 @@ struct LocalProblem : Space<E> {
   }
 
   // Of the means of the force, on the right-hand side of the constraints: the triangle's area in xi is 1/2.
-  static double share_of_force(const Scaled& s) {
+  template <class Number>
+  static Number share_of_force(const ScaledOf<Number>& s) {
     return -0.5 * s.h;
   }
 
-  static Full assemble_full(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
-                            const ForceMoments& force) {
-    Full a;
+  // Of a triangle with straight edges.
+  template <class Number>
+  static void add_straight(const Moments<Number>& of, const Compliance<Number>& A, FullOf<Number>& a) {
+    add_tensors<Number>(of, A, a);
+    if constexpr (W > 0) add_bubbles<Number>(of, A, a);
+  }
+  template <class Number>
+  static void clear(FullOf<Number>& a) {
     set_zero(a.M);
     set_zero(a.Bt);
     set_zero(a.Ct);
     set_zero(a.trace);
     set_zero(a.given);
+  }
+
+  static Full assemble_full(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
+                            const ForceMoments& force) {
+    Full a;
+    clear(a);
     for (int i = 0; i < U && force.size() > 0; ++i) a.given[i] = share_of_force(s) * force[i];
-    const Moments of = moments(k, s);
+    const Moments<double> of = moments<double>(k, s);
     const Eigen::Matrix4d A = compliance(material);
     bool straight = true;
     if constexpr (can_be_curved(E)) {
@@ -222,11 +270,13 @@ struct LocalProblem : Space<E> {
       if (!straight) add_curved(k, t, s, A, a);
     }
     if (straight) {
-      add_tensors(of, A, a);
-      if constexpr (W > 0) add_bubbles(of, A, a);
+      Compliance<double> rows;
+      for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = A(i, j);
+      add_straight<double>(of, rows, a);
     }
-    add_divergence(of, a);
-    for (int e = 0; e < 3; ++e) add_edge(k, t, s, e, a);
+    add_divergence<double>(of, a);
+    for (int e = 0; e < 3; ++e) add_edge<double>(k, side_of(t, e), s, e, a);
     if constexpr (V > 0)
       for (int v = 0; v < 3; ++v) add_vertex(of, s, v, a);
     return a;

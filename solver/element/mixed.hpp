@@ -39,8 +39,9 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                             const Penalty& penalty) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, force);
-    const Elimination<E> e(a, material, penalty);
-    Condensed result = e.condensed(s, force, penalty);
+    const Compliant<double> is = compliant(material, penalty);
+    const Elimination<E> e(a, is);
+    Condensed result = e.shares(s, force.size() > 0, is).of(0);
     if (has_eigenstrain(force)) {
       const Strained more = reduced_eigenstrain(e, k, s, force);
       result.F += e.pull(a, s, more.stress, more.low);
@@ -54,30 +55,112 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                                   TraceForces* forces) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, force);
-    const Reduction<E> e(a, material, penalty);
+    const Compliant<double> is = compliant(material, penalty);
+    const Reduction<E> e(a, is);
     const bool strained = has_eigenstrain(force);
     const Strained more = strained ? reduced_eigenstrain(e, k, s, force) : Strained{};
-    const auto found = strained ? e.back(a, scaled(s, m), e.given + more.low, a.given, &more.stress, penalty)
-                                : e.back(a, scaled(s, m), e.given, a.given, nullptr, penalty);
+    const auto found = strained ? e.back(a, scaled(s, m), e.given + more.low, a.given, &more.stress, is)
+                                : e.back(a, scaled(s, m), e.given, a.given, nullptr, is);
     if (forces) {
       forces->given = SkeletonVector::Zero(X);
       if (force.size() > 0) forces->given = e.pull(a, s, Rowwise<S, 1>::Zero(), e.given);
       if (strained) forces->given += e.pull(a, s, more.stress, more.low);
-      forces->of_trace = s.h * a.Ct.transpose().lazyProduct(found.stress);
-      if constexpr (V > 0) forces->of_trace.template tail<V>() *= s.h;
+      forces->of_trace = e.tractions(a, s, found.stress, s.h);
       forces->of_trace += forces->given;
     }
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
+  }
+
+  // Four straight triangles side by side; `count` of them are wanted.
+  static constexpr bool CanBePacked = !Space<E>::IsCut && V == 0 && !is_symmetric(E);
+  struct Packed {
+    ScaledOf<Pack> s;
+    Compliant<Pack> is;
+    LocalArrays<E, S, Pack> a;
+  };
+  static void pack(const Kernel& k, const PackedTriangles& all, Packed& to) {
+    using Problem = LocalProblem<E>;
+    typename Problem::template Compliance<Pack> A;
+    std::array<typename Problem::template Side<Pack>, 3> sides;
+    Problem::template clear<Pack>(to.a);
+    to.is.penalized = all[0]->penalty.a > 0;
+    for (int at = 0; at < pack_size; ++at) {
+      const LocalTriangle& one = *all[static_cast<std::size_t>(at)];
+      const Scaled s = scale(one.shape);
+      to.s.center.set(at, s.center);
+      to.s.h[at] = s.h;
+      const Compliant<double> is = compliant(*one.material, one.penalty);
+      to.is.gamma[at] = is.gamma, to.is.a[at] = is.a, to.is.theta[at] = is.theta;
+      const Eigen::Matrix4d compliance_here = compliance(*one.material);
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j)
+          A[i][j][at] = compliance_here(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      for (std::size_t e = 0; e < 3; ++e) {
+        to.s.x[e].set(at, s.x[e]);
+        to.s.gradient[e].set(at, s.gradient[e]);
+        const auto side = Problem::side_of(one.shape, static_cast<int>(e));
+        for (std::size_t g = 0; g < side.frame.size(); ++g)
+          for (std::size_t d = 0; d < 2; ++d) sides[e].frame[g][d].set(at, side.frame[g][d]);
+        sides[e].forward[at] = side.forward;
+      }
+      for (int i = 0; i < Space<E>::U && one.force.size() > 0; ++i)
+        to.a.given[i][at] = Problem::share_of_force(s) * one.force[i];
+    }
+    const auto of = Problem::template moments<Pack>(k, to.s);
+    Problem::template add_straight<Pack>(of, A, to.a);
+    Problem::template add_divergence<Pack>(of, to.a);
+    for (std::size_t e = 0; e < 3; ++e) Problem::template add_edge<Pack>(k, sides[e], to.s, static_cast<int>(e), to.a);
+  }
+
+  static void condense_packed(const Kernel& k, const PackedTriangles& all, int count, Condensed* const* to) {
+    if constexpr (CanBePacked) {
+      Packed p;
+      pack(k, all, p);
+      const Elimination<E, Pack> e(p.a, p.is);
+      const auto shares = e.shares(p.s, all[0]->force.size() > 0, p.is);
+      for (int i = 0; i < count; ++i) *to[i] = shares.of(i);
+    }
+  }
+
+  static void interior_packed(const Kernel& k, const PackedTriangles& all, int count, Recovered* const* to) {
+    if constexpr (CanBePacked) {
+      constexpr int F = Space<E>::F, U = Space<E>::U;
+      Packed p;
+      pack(k, all, p);
+      const Reduction<E, Pack> e(p.a, p.is);
+      Grid<Pack, X, 1> m;
+      set_zero(m);
+      for (int at = 0; at < count; ++at)
+        for (int i = 0; i < X; ++i) m[i][at] = to[at]->m[i] / p.s.h[at];
+      const auto found = e.back(p.a, m, e.given, p.a.given, nullptr, p.is);
+      Grid<Pack, S, 1> nothing;
+      set_zero(nothing);
+      Grid<Pack, X, 1> given;
+      set_zero(given);
+      if (all[0]->force.size() > 0) given = e.pull(p.a, p.s, nothing, e.given);
+      const Grid<Pack, X, 1> of_trace = e.tractions(p.a, p.s, found.stress, p.s.h);
+      for (int at = 0; at < count; ++at) {
+        Recovered& r = *to[at];
+        for (int i = 0; i < F; ++i) r.interior[i] = found.stress[i][at];
+        for (int b = 0; b < B; ++b) r.interior[F + b] = (b < U ? p.s.h[at] : 1) * found.inner[b][at];
+        r.forces.given.resize(X);
+        r.forces.of_trace.resize(X);
+        for (int i = 0; i < X; ++i) {
+          r.forces.given[i] = given[i][at];
+          r.forces.of_trace[i] = of_trace[i][at] + given[i][at];
+        }
+      }
+    }
   }
 
   static Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material,
                                    const Eigen::MatrixXd& m) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-    const Reduction<E> e(a, material, {});
+    const Reduction<E> e(a, compliant(material, {}));
     Eigen::MatrixXd all(interior_count(E), m.cols());
     for (Eigen::Index i = 0; i < m.cols(); ++i) {
-      const auto found = e.back(a, scaled(s, m.col(i)), e.given, a.given, nullptr, {});
+      const auto found = e.back(a, scaled(s, m.col(i)), e.given, a.given, nullptr, compliant(material, {}));
       all.col(i) = unpack(k, s, material, found.stress.data(), found.inner.data(), m.col(i));
     }
     return all;
@@ -92,7 +175,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
           interiors(k, t, material, traces);
     } else {
       const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-      const Reduction<E> e(a, material, {});
+      const Reduction<E> e(a, compliant(material, {}));
       Rowwise<X, lanes> scaled_m;
       for (int i = 0; i < X * lanes; ++i) scaled_m.data()[i] = m[i] / s.h;
       typename Reduction<E>::template Solutions<lanes> found;
@@ -108,7 +191,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                      Loaded& to) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-    const Reduction<E> e(a, material, {});
+    const Reduction<E> e(a, compliant(material, {}));
     const Rowwise<X, 1> at_rest = Rowwise<X, 1>::Zero();
     const SkeletonVector nothing = SkeletonVector::Zero(X);
     for (Eigen::Index i = 0; i < forces.cols(); ++i) {
@@ -124,7 +207,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
         more = reduced_eigenstrain(e, k, s, force);
         to.given.col(i) += e.pull(a, s, more.stress, more.low);
       }
-      const auto found = e.back(a, at_rest, low + more.low, right, &more.stress, {});
+      const auto found = e.back(a, at_rest, low + more.low, right, &more.stress, compliant(material, {}));
       to.interior.col(i) = unpack(k, s, material, found.stress.data(), found.inner.data(), nothing);
     }
   }
@@ -133,7 +216,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                                 const Penalty& penalty) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-    const Reduction<E> e(a, material, penalty);
+    const Reduction<E> e(a, compliant(material, penalty));
     auto load = acting(k, s, material, J);
     const Rowwise<B, 1> low = e.reduce(load.stress, load.given);
     DualLoad result{e.pull(a, s, load.stress, low), 0};
@@ -146,11 +229,11 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
                                        const Eigen::VectorXd& J, const SkeletonVector& m, const Penalty& penalty) {
     const Scaled s = scale(t);
     const LocalArrays<E, S> a = assemble(k, t, s, material, {});
-    const Reduction<E> e(a, material, penalty);
+    const Reduction<E> e(a, compliant(material, penalty));
     auto load = acting(k, s, material, J);
     const Rowwise<B, 1> given = load.given;
     load.given = e.reduce(load.stress, load.given);
-    const auto found = e.back(a, scaled(s, m), load.given, given, &load.stress, penalty);
+    const auto found = e.back(a, scaled(s, m), load.given, given, &load.stress, compliant(material, penalty));
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
   }
 
@@ -177,10 +260,21 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
 template <const Element& E>
 constexpr Operations mixed_operations() {
   using Sized = MixedTriangle<E>;
-  return {&Sized::condense,      &Sized::interior,     &Sized::evaluate,        &Sized::stress_at_point,
-          &Sized::weigh,         &Sized::local_system, &Sized::interior_of,     &Sized::condense_dual,
-          &Sized::interior_dual, &Sized::interiors,    &Sized::interiors_lanes, &Sized::evaluate_lanes,
-          &Sized::loaded};
+  return {&Sized::condense,
+          &Sized::interior,
+          &Sized::evaluate,
+          &Sized::stress_at_point,
+          &Sized::weigh,
+          &Sized::local_system,
+          &Sized::interior_of,
+          &Sized::condense_dual,
+          &Sized::interior_dual,
+          &Sized::interiors,
+          &Sized::interiors_lanes,
+          &Sized::evaluate_lanes,
+          &Sized::loaded,
+          Sized::CanBePacked ? &Sized::condense_packed : nullptr,
+          Sized::CanBePacked ? &Sized::interior_packed : nullptr};
 }
 
 }  // namespace kerf

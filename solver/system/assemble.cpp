@@ -74,15 +74,35 @@ void set_force(const Assembly& from, Index t, System& a) {
     a.force.col(t).tail(stress_count(from.kernel.element)) = strain_moments(from, shape, t);
 }
 
-// One triangle's share, and what the way back needs to know about it.
-Condensed condense_triangle(const Assembly& from, Index t, System& a) {
-  set_force(from, t, a);
-  const Triangle shape = triangle(from.mesh, from.skeleton, t);
-  const Material& material = material_of(from.mesh, from.scene, t);
-  Condensed c = condense(from.kernel, shape, material, force_of(a, t), {.a = a.penalty / material.mu});
-  if (a.penalty > 0) a.traces.col(t) << c.trace, c.own, c.by_theta;
-  return c;
-}
+// Triangles that are eliminated side by side, and what that finds.
+class Group {
+ public:
+  static constexpr Index most = 8;
+
+  // The shares of `count` triangles from `first` on; a.traces keeps what the way back needs to know.
+  void condense(const Assembly& from, Index first, Index count, System& a) {
+    for (Index i = 0; i < count; ++i) {
+      const Index t = first + i;
+      set_force(from, t, a);
+      const Material& material = material_of(from.mesh, from.scene, t);
+      locals_[static_cast<std::size_t>(i)] = {
+          triangle(from.mesh, from.skeleton, t), &material, force_of(a, t), {.a = a.penalty / material.mu}};
+    }
+    const auto n = static_cast<std::size_t>(count);
+    kerf::condense(from.kernel, std::span(locals_).first(n), std::span(shares_).first(n));
+    for (Index i = 0; a.penalty > 0 && i < count; ++i) {
+      const Condensed& c = share(i);
+      a.traces.col(first + i) << c.trace, c.own, c.by_theta;
+    }
+  }
+  Condensed& share(Index i) {
+    return shares_[static_cast<std::size_t>(i)];
+  }
+
+ private:
+  std::array<LocalTriangle, most> locals_;
+  std::array<Condensed, most> shares_;
+};
 
 // Without unknowns at vertices every entry gets at most two contributions, one from each side of an edge: their sum
 // does not depend on the order, so that adding them atomically is deterministic.
@@ -139,9 +159,11 @@ void scatter(const Assembly& from, Index t, Condensed& c, System& a) {
 void condense_and_scatter(const Assembly& from, System& a) {
   const Index triangles = static_cast<Index>(from.mesh.triangles.size());
   parallel_for(triangles, from.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      Condensed c = condense_triangle(from, t, a);
-      scatter(from, t, c, a);
+    Group group;
+    for (Index first = begin; first < end; first += Group::most) {
+      const Index count = std::min(Group::most, end - first);
+      group.condense(from, first, count, a);
+      for (Index i = 0; i < count; ++i) scatter(from, first + i, group.share(i), a);
     }
   });
 }
@@ -154,7 +176,11 @@ void condense_then_scatter(const Assembly& from, System& a) {
   for (Index first = 0; first < triangles; first += batch) {
     const Index size = std::min(batch, triangles - first);
     parallel_for(size, from.threads, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) condensed[i] = condense_triangle(from, first + i, a);
+      Group group;
+      for (Index i = begin; i < end; ++i) {
+        group.condense(from, first + i, 1, a);
+        condensed[i] = group.share(0);
+      }
     });
     for (Index i = 0; i < size; ++i) scatter(from, first + i, condensed[i], a);
   }
@@ -214,10 +240,11 @@ System assemble_loads(const Assembly& from, const System& like, bool with_matrix
   if (with_matrix) a.K = like.K;
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   const auto add = [&](Index begin, Index end) {
+    Group group;
     for (Index t = begin; t < end; ++t) {
       if (!is_loaded(from, t, a)) continue;
-      Condensed c = condense_triangle(from, t, a);
-      scatter_loads(from, t, c, a);
+      group.condense(from, t, 1, a);
+      scatter_loads(from, t, group.share(0), a);
     }
   };
   const bool held_at_rest = std::ranges::all_of(from.skeleton.prescribed, [](double u) { return u == 0; });

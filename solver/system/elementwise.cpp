@@ -211,18 +211,35 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
   Eigen::MatrixXd forces(count, triangles), given(count, loaded ? triangles : 0);
   Eigen::MatrixXd sums(2, triangles);
   field.interior.resize(interior_count(m.element), triangles);
+  constexpr Index most = 8;  // side by side
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Strained s = strained(m, values, t);
-      const Material& material = material_of(m.mesh, m.scene, t);
-      TraceForces f;
-      field.interior.col(t) = interior(m.inner->kernel, triangle(m, t), material, force_of(m.inner->system, t), s.rest,
-                                       {.a = penalty_at(m, t), .theta = penalized ? theta[t] : 0}, f);
-      add_motion(m, t, s.motion, field.interior.col(t));
-      forces.col(t) = s.without_motions(f.of_trace);
-      if (loaded) given.col(t) = f.given;
-      const double size = material.mu * trace_seen(m.mesh, m.inner->skeleton, values.high, t).squaredNorm();
-      sums.col(t) << s.rest.dot(f.of_trace), size;
+    std::array<LocalTriangle, most> locals;
+    std::array<Recovered, most> found;
+    std::array<Strained, most> strains;
+    for (Index first = begin; first < end; first += most) {
+      const auto count = static_cast<std::size_t>(std::min(most, end - first));
+      for (std::size_t i = 0; i < count; ++i) {
+        const Index t = first + static_cast<Index>(i);
+        strains[i] = strained(m, values, t);
+        locals[i] = {triangle(m, t),
+                     &material_of(m.mesh, m.scene, t),
+                     force_of(m.inner->system, t),
+                     {.a = penalty_at(m, t), .theta = penalized ? theta[t] : 0}};
+        found[i].m = strains[i].rest;
+        found[i].interior = field.interior.col(t).data();
+      }
+      interiors(m.inner->kernel, std::span(locals).first(count), std::span(found).first(count));
+      for (std::size_t i = 0; i < count; ++i) {
+        const Index t = first + static_cast<Index>(i);
+        const Strained& s = strains[i];
+        const TraceForces& f = found[i].forces;
+        add_motion(m, t, s.motion, field.interior.col(t));
+        forces.col(t) = s.without_motions(f.of_trace);
+        if (loaded) given.col(t) = f.given;
+        const double size =
+            locals[i].material->mu * trace_seen(m.mesh, m.inner->skeleton, values.high, t).squaredNorm();
+        sums.col(t) << s.rest.dot(f.of_trace), size;
+      }
     }
   });
   Balance b{scattered(m, forces), m.inner->system.tractions};
@@ -238,12 +255,20 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   lower_.resize(n * (n + 1) / 2, triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const SkeletonMatrix K =
-          condense(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, {.a = penalty_at(m, t)}).K;
-      double* to = lower_.col(t).data();
-      for (int j = 0; j < n; ++j)
-        for (int i = j; i < n; ++i) *to++ = K(i, j);
+    std::array<LocalTriangle, 4> locals;
+    std::array<Condensed, 4> found;
+    for (Index first = begin; first < end; first += 4) {
+      const auto count = static_cast<std::size_t>(std::min<Index>(4, end - first));
+      for (std::size_t i = 0; i < count; ++i) {
+        const Index t = first + static_cast<Index>(i);
+        locals[i] = {triangle(m, t), &material_of(m.mesh, m.scene, t), {}, {.a = penalty_at(m, t)}};
+      }
+      condense(m.inner->kernel, std::span(locals).first(count), std::span(found).first(count));
+      for (std::size_t at = 0; at < count; ++at) {
+        double* to = lower_.col(first + static_cast<Index>(at)).data();
+        for (int j = 0; j < n; ++j)
+          for (int i = j; i < n; ++i) *to++ = found[at].K(i, j);
+      }
     }
   });
 }

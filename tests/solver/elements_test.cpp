@@ -90,7 +90,7 @@ TEST(Elements, ReproduceTheReferenceNumbersOfTheCrackCases) {
     const Model m = prepare(exact::crack_mesh(row.n), e, scene_of(field, {0, 1, 2, 3}, {{}}), 1);
     const State s = solve(m);
     EXPECT_TRUE(certified(s));
-    EXPECT_LT(s.certificate.kkt, 1e-12) << which;
+    EXPECT_LT(s.certificate.kkt, 1e-11) << which;  // rounding, not the same on every processor
     const auto compare = [&](const char* key, double found, double tolerance) {
       if (!row.value.contains(key) || row.value.at(key) < 1e-9) return;
       EXPECT_NEAR(found / row.value.at(key), 1, tolerance) << key << ' ' << which;
