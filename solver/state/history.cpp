@@ -11,7 +11,8 @@ namespace kerf {
 namespace {
 
 // What the supports exert, per skeleton unknown: the moments of the tractions, which the Gauss points of the trace
-// integrate exactly on straight edges.
+// integrate exactly on straight edges, less those of the loads. Where a motion is stopped that no support stops, these
+// are all.
 Eigen::VectorXd support_forces(const Model& m, const Field& s) {
   const Skeleton& skeleton = m.inner->skeleton;
   const EdgeRule& trace = m.inner->kernel.trace;
@@ -29,7 +30,7 @@ Eigen::VectorXd support_forces(const Model& m, const Field& s) {
                             (tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), p.x)) * normal_at(p, outward)),
                  along = frame_at(skeleton, e, g).transpose() * traction;
       for (int d = 0; d < 2; ++d)
-        if (skeleton.fixed[first + 2 * g + d]) force[first + 2 * g + d] = along[d];
+        if (const Index u = first + 2 * g + d; skeleton.fixed[u]) force[u] = along[d] - m.inner->system.tractions[u];
     }
   }
   return force;

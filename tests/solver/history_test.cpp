@@ -239,6 +239,29 @@ TEST(PartialSlip, FollowsMasingsRule) {
 }
 
 // Without loads nothing presses the faces: no friction, no stress, no slip.
+// Nothing slides: the body is linear, and all work is stored. Some traces of a body without supports are held to solve
+// it, and the loads act there as elsewhere.
+TEST(Work, OfABodyThatNothingHoldsIsStored) {
+  const Shape shape{.outline = polygon("outline", {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, 0),
+                    .cracks = {{"c", {{-0.6, 0}, {0.6, 0}}}},
+                    .labels = {"outer"}};
+  for (const Element& e : {bdms(1), afw(2)}) {
+    History h(shape, {.size = 0.4}, e);
+    const auto at = [](double pressure, double shear) {
+      Scene s{.material = plane_strain(1, 0.3)};
+      s.tractions = {
+          {0, [=](const Vec2&, const Vec2& n) { return Vec2(shear * n.y(), shear * n.x() - pressure * n.y()); }}};
+      s.laws = {{.friction = 10}};
+      return s;
+    };
+    for (const auto& [pressure, shear] : {std::pair(1.0, 0.0), std::pair(1.0, 0.3), std::pair(1.0, -0.2)}) {
+      h.step(at(pressure, shear));
+      EXPECT_NEAR(h.work, strain_energy(h.model(), h.state()), 1e-12) << shear;
+    }
+    EXPECT_EQ(h.dissipated, 0);
+  }
+}
+
 TEST(Release, LeavesNothing) {
   const auto loaded = [](double load) {
     Scene s{.material = plane_strain(1, 0.3)};
