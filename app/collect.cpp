@@ -12,11 +12,15 @@
 
 namespace kerf {
 
-PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
-  PlotData d;
-  d.corners = split_for_stress(model.mesh);
-  const std::vector<Material> materials = corner_materials(model, d.corners);
+PlotData plot_corners(const Model& model) {
+  PlotData d{.corners = split_for_stress(model.mesh)};
   for (const Index v : d.corners.vertex) d.points.push_back(model.mesh.points[v]);
+  return d;
+}
+
+PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
+  PlotData d = plot_corners(model);
+  const std::vector<Material> materials = corner_materials(model, d.corners);
   d.values = corner_values(model, state, d.corners);
   const Eigen::RowVectorXd e33 = corner_eigenstrains(model, d.corners).row(4);
   d.von_mises.resize(d.values.stress.cols());
@@ -25,8 +29,7 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   return d;
 }
 
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
-                         const EnergyBounds& bounds) {
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
   StateResult r;
   r.element = model.inner->kernel.element.name;
   r.degree = model.inner->kernel.element.degree;
@@ -37,13 +40,16 @@ StateResult state_result(const Model& model, const State& state, const Indicator
   r.energy = potential_energy(model, state);
   r.compliance = work_of_loads(model, state);
   r.area = area(model);
-  if (std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
+  if (indicator.eta.size() > 0 && std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
   r.work_error = state.certificate.work;
   r.notes = model.notes;
   if (const std::string note = lost_digits(state); !note.empty()) r.notes.push_back(note);
-  if (std::isfinite(bounds.lower) && std::isfinite(bounds.upper)) r.energy_bounds = {bounds.lower, bounds.upper};
-  if (!bounds.note.empty()) r.notes.push_back(bounds.note);
   return r;
+}
+
+void add_energy_bounds(const EnergyBounds& bounds, StateResult& state) {
+  if (std::isfinite(bounds.lower) && std::isfinite(bounds.upper)) state.energy_bounds = {bounds.lower, bounds.upper};
+  if (!bounds.note.empty()) state.notes.push_back(bounds.note);
 }
 
 namespace {
@@ -70,9 +76,10 @@ std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& 
 
 }  // namespace
 
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape) {
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool with_tips) {
   std::vector<CrackResult> results;
-  const std::vector<TipIntensity> tips = crack_tips(model, state);
+  std::vector<TipIntensity> tips;
+  if (with_tips) tips = crack_tips(model, state);
   for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
     CrackResult r;
     r.name = shape.cracks[c].name;
@@ -210,8 +217,8 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
                                  {"principal_stress_1", false, first},
                                  {"principal_stress_2", false, second},
                                  {"gamma", false, data.values.rotation},
-                                 {"sigma_raw", true, raw},
-                                 {"error_indicator", true, indicator.eta.transpose()}};
+                                 {"sigma_raw", true, raw}};
+  if (indicator.eta.size() > 0) fields.push_back({"error_indicator", true, indicator.eta.transpose()});
   if (!model.mesh.region.empty()) {
     Eigen::MatrixXd region(1, cells);
     for (Index t = 0; t < static_cast<Index>(cells); ++t) region(0, t) = 1 + model.mesh.region[t];

@@ -17,12 +17,15 @@ struct PlotData {
   Eigen::VectorXd von_mises;  // at corners
 };
 
+/// Corners and points alone: where a map is drawn.
+PlotData plot_corners(const Model& model);
 PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator,
-                         const EnergyBounds& bounds);
+StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
+void add_energy_bounds(const EnergyBounds& bounds, StateResult& state);
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape);
+/// `tips`: with K, G and T at the tips.
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);
 
 /// What the extrema of a map leave out, per corner or triangle.
 enum class LeftOut : unsigned char { No, Masked, Singular };

@@ -66,7 +66,7 @@ Trial try_out(const Case& c, Job job, int threads, const fs::path& folder) {
 }
 
 double of_state(const Seconds& s) {
-  return s.mesh + s.assemble + s.factor + s.solve + s.contact;
+  return s.mesh + s.assemble + s.factor + s.solve + s.contact + s.estimate + s.energy_bounds + s.tips + s.recover;
 }
 
 /// Seconds on n triangles from those of a trial. Measured from 2,000 to 190,000 triangles: nested dissection should
@@ -81,7 +81,9 @@ Seconds continued(const Trial& trial, const Seconds& of_trial, double n) {
   s.factor *= std::pow(growth, 1.2);
   s.solve *= std::pow(growth, 1.1);
   s.contact *= std::pow(growth, 1.1);
-  s.map *= growth;
+  for (double Seconds::*phase :
+       {&Seconds::estimate, &Seconds::energy_bounds, &Seconds::tips, &Seconds::recover, &Seconds::map})
+    s.*phase *= growth;
   const double more = of_state(s) - of_state(of_trial);
   if (s.validate > 0) s.validate += 3 * more;
   s.output += 0.05 * more;
@@ -92,7 +94,8 @@ Seconds continued(const Trial& trial, const Seconds& of_trial, double n) {
 /// Phase by phase the smaller time: what else the machine does makes times longer only.
 Seconds lesser(Seconds a, const Seconds& b) {
   for (double Seconds::*phase :
-       {&Seconds::mesh, &Seconds::assemble, &Seconds::factor, &Seconds::solve, &Seconds::contact})
+       {&Seconds::mesh, &Seconds::assemble, &Seconds::factor, &Seconds::solve, &Seconds::contact, &Seconds::estimate,
+        &Seconds::energy_bounds, &Seconds::tips, &Seconds::recover})
     a.*phase = std::min(a.*phase, b.*phase);
   a.total = of_state(a) + a.map + a.validate + a.output;
   return a;
@@ -144,7 +147,7 @@ Forecast forecast(const Case& c, Job job, int threads) {
   const auto coarse = [&](double n) { return coarser(plain, std::max(c.adapt ? 0.0 : 1.0, std::sqrt(uniform / n))); };
   const Case larger = coarse(aim);
   Case quiet = larger;
-  quiet.output = {.vtk = false, .png = false, .html = false};
+  quiet.output.vtk = quiet.output.png = quiet.output.html = false;
   try_out(coarse(300), Job::Solve, threads, scratch.path / "warm");  // modules and fonts are loaded once
   const Trial trial = try_out(larger, job, threads, scratch.path / "trial");
   Seconds seconds = trial.result.seconds;

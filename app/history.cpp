@@ -23,7 +23,7 @@ std::string in_words(const LoadStep& step) {
 }
 
 StepResult result_of(const LoadStep& step, const Solved& now, const Solved* before, const StepResult* last,
-                     const Shape& shape) {
+                     const Case& c) {
   StepResult r{.name = step.name, .part = step.part, .parts = step.parts, .values = step.values};
   const InHistory here{now.model, now.state};
   r.energy = potential_energy(now.model, now.state);
@@ -36,7 +36,7 @@ StepResult result_of(const LoadStep& step, const Solved& now, const Solved* befo
   const SlipLengths lengths = slip_lengths(now.model, now.state);
   r.stick_length = lengths.stick;
   r.slip_length = lengths.slip;
-  for (const CrackResult& crack : crack_results(now.model, now.state, shape)) {
+  for (const CrackResult& crack : crack_results(now.model, now.state, c.shape, c.output.tips)) {
     r.open_length += crack.open_length;
     r.closed_length += crack.closed_length;
     for (const TipResult& tip : crack.tips) r.tips.push_back({crack.name, tip.at, tip.K_I, tip.K_II});
@@ -74,12 +74,14 @@ Adapted solve_steps(const Case& c, const Adaptation& how, Journal& journal, std:
     if (!certified(state))
       throw Error(Fault::Numerics, fmt::format("{} could not be solved: {}", in_words(step), failure(model, state)));
     Solved next{std::move(model), std::move(state)};
-    out.push_back(result_of(step, next, now ? &*now : nullptr, out.empty() ? nullptr : &out.back(), c.shape));
+    out.push_back(result_of(step, next, now ? &*now : nullptr, out.empty() ? nullptr : &out.back(), c));
     write_steps_csv(journal.file("steps.csv"), out);  // what is done stays when the next one fails
     now = std::move(next);
     journal.seconds.solve += journal.lap();
   }
-  Indicator indicator = error_indicator(now->model, now->state);
+  Indicator indicator;
+  if (c.output.estimate) indicator = error_indicator(now->model, now->state);
+  journal.seconds.estimate += journal.lap();
   Adapted last{.model = std::move(now->model), .state = std::move(now->state), .indicator = std::move(indicator)};
   last.sizing = c.sizing;
   return last;

@@ -35,6 +35,11 @@ std::string note_on_friction(const Scene& scene, const Shape& shape) {
   return {};
 }
 
+/// "the gap in a crack" of one with a name.
+std::string in_crack(std::string_view what, const std::string& name) {
+  return fmt::format("{} crack \"{}\"", what.substr(0, what.rfind(" a crack")), name);
+}
+
 }  // namespace
 
 std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
@@ -44,7 +49,7 @@ std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, con
     notes.push_back(fmt::format(
         "{} {} near ({:.6g}, {:.6g}): {}",
         u.label != none   ? fmt::format("{} on \"{}\"", u.what, shape.labels[u.label])
-        : u.crack != none ? fmt::format("the pressure in crack \"{}\"", shape.cracks[u.crack].name)
+        : u.crack != none ? in_crack(u.what, shape.cracks[u.crack].name)
                           : u.what,
         u.how, u.at.x(), u.at.y(),
         u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
@@ -67,8 +72,9 @@ void add_seconds(const Adapted& adapted, Seconds& seconds) {
     seconds.mesh += round.mesh;
     seconds.assemble += round.assemble;
     seconds.factor += round.factor;
-    seconds.solve += round.solve - round.contact + round.estimate;
+    seconds.solve += round.solve - round.contact;
     seconds.contact += round.contact;
+    seconds.estimate += round.estimate;
   }
 }
 
@@ -123,12 +129,18 @@ void add_resultants(const Model& model, const State& state, const Shape& shape, 
   out.balance = ResultantResult{"", sum.force, sum.moment};
 }
 
-StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactMethod method) {
+StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
-  StateSection s{state_result(model, state, adapted.indicator, energy_bounds(model, state)),
-                 crack_results(model, state, shape),
-                 {}};
+  const Shape& shape = c.shape;
+  StateSection s{state_result(model, state, adapted.indicator), {}, {}};
+  journal.seconds.recover += journal.lap();
+  if (c.output.energy_bounds) {
+    add_energy_bounds(energy_bounds(model, state), s.state);
+    journal.seconds.energy_bounds += journal.lap();
+  }
+  s.cracks = crack_results(model, state, shape, c.output.tips);
+  (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
   s.state.of_polygon = !arcs_of(shape).empty() && model.mesh.arc.empty();
   add_resultants(model, state, shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
@@ -141,8 +153,9 @@ StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactM
                       crack.name, crack.penetration));
   if (const std::string note = note_on_friction(model.scene, shape); !note.empty()) s.state.notes.push_back(note);
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
-  const ContactMethod used = has_large_contact(model)        ? ContactMethod::ActiveSet
-                             : model.inner->standing.empty() ? method
+  const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
+  const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet
+                             : model.inner->standing.empty() ? c.contact
                                                              : ContactMethod::DualQp;
   if (may_touch(model.scene)) s.contact = contact_result(state, used, s.cracks);
   return s;

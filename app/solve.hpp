@@ -34,8 +34,8 @@ struct StateSection {
   std::vector<CrackResult> cracks;
   std::optional<ContactResultSummary> contact;
 };
-/// `method`: of the contact.
-StateSection describe_state(const Adapted& adapted, const Shape& shape, ContactMethod method);
+/// As much of it as the case asks for.
+StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal);
 
 /// The files and pictures of a state.
 void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,

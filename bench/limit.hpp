@@ -24,6 +24,8 @@ struct LimitRow {
   bool certified = true;
 
   double wall() const;
+  /// Of a map alone: without what [output] can leave out (estimate, bounds, tips, corners).
+  double wall_of_map() const;
   double processor() const;
   /// Seconds that the flops of the factor take at dgemm's speed, on one thread.
   double limit() const {

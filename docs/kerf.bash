@@ -168,6 +168,10 @@ bounds.line[0].to
 output.vtk
 output.png
 output.html
+output.estimate
+output.energy_bounds
+output.tips
+output.peaks
 optimize.method
 optimize.volume.at_most
 optimize.volume.penalty

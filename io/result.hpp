@@ -19,9 +19,29 @@
 namespace kerf {
 
 struct Seconds {
-  double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, map = 0, validate = 0, optimize = 0, output = 0,
-         total = 0, bounds = 0;
+  double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0, energy_bounds = 0, tips = 0,
+         recover = 0, map = 0, bounds = 0, validate = 0, optimize = 0, output = 0, total = 0;
 };
+struct TimedPhase {
+  const char* name;
+  double Seconds::*of;
+  bool always;  // in result.json; else where it took any time
+};
+/// All but the total, in the order of tables.
+inline constexpr std::array<TimedPhase, 14> timed_phases{{{"mesh", &Seconds::mesh, true},
+                                                          {"assemble", &Seconds::assemble, true},
+                                                          {"factor", &Seconds::factor, true},
+                                                          {"solve", &Seconds::solve, true},
+                                                          {"contact", &Seconds::contact, true},
+                                                          {"estimate", &Seconds::estimate, false},
+                                                          {"energy_bounds", &Seconds::energy_bounds, false},
+                                                          {"tips", &Seconds::tips, false},
+                                                          {"recover", &Seconds::recover, false},
+                                                          {"bounds", &Seconds::bounds, false},
+                                                          {"map", &Seconds::map, true},
+                                                          {"validate", &Seconds::validate, true},
+                                                          {"optimize", &Seconds::optimize, true},
+                                                          {"output", &Seconds::output, true}}};
 
 struct PlacedValue {
   Vec2 at = Vec2::Zero();

@@ -284,7 +284,7 @@ py::dict arrays(const py::object& self) {
   out["stress"] = rows_of(self, state.values.stress);
   out["rotation"] = window(self, state.values.rotation.data(), state.values.rotation.size());
   out["von_mises"] = window(self, state.von_mises);
-  out["error_indicator"] = window(self, indicator);
+  if (indicator.size() > 0) out["error_indicator"] = window(self, indicator);
   if (map.at_corners.size() > 0) {
     out["topological_derivative"] = window(self, map.at_corners);
     out["masked"] = copy_of(map.masked_corner);

@@ -121,7 +121,7 @@ const std::vector<Index>& labeled(const SceneData& data, Index label);
 
 /// Data that the rules do not resolve, or that are black boxes: the worst place of each condition.
 struct UnseenData {
-  Index label = none;  // none: the body force, or the pressure in a crack
+  Index label = none;  // none: the body force, or the pressure or the gap in a crack
   Vec2 at;
   const char* what;          // "the traction"
   const char* how;           // "is not resolved"

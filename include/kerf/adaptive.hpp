@@ -24,9 +24,9 @@ struct Indicator {
 /// bound; not a number for displacement elements.
 Indicator error_indicator(const Model& model, const State& state);
 
-/// What refines for a bounded quantity: `eta` are the indicators of its dual solutions. The half width is the product of
-/// what the state and a dual solution lack, and falls the most where the sum of both, each relative to its own whole,
-/// does. `relative`: half the width over the middle.
+/// What refines for a bounded quantity: `eta` are the indicators of its dual solutions. The half width is the product
+/// of what the state and a dual solution lack, and falls the most where the sum of both, each relative to its own
+/// whole, does. `relative`: half the width over the middle.
 Indicator refine_for(const Indicator& state, const Bounded& quantity, const std::vector<Eigen::VectorXd>& eta);
 
 /// Remesh: a new mesh with the sizes that the indicator asks for; few rounds, curved sides stay exact. Bisect: halve
@@ -47,6 +47,7 @@ struct Adaptation {
   Refinement refinement = Refinement::Remesh;
   ContactMethod contact = ContactMethod::DualQp;
   bool saddle_point = false;  // solve_saddle_point instead of solve
+  bool estimate = true;       // solve_graded: else the indicator stays empty
   int threads = 1;
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
@@ -74,7 +75,7 @@ std::vector<Vec2> contact_ends(const Model& model, const Field& state);
 /// coarse mesh (where that is much cheaper), graded, and the mesh is made anew where contact ends elsewhere after all.
 /// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh;
 /// a given mesh is solved once as it is.
-/// Uses `contact`, `saddle_point`, `threads` of the adaptation. Throws as triangulate and prepare do.
+/// Uses `contact`, `saddle_point`, `estimate`, `threads` of the adaptation. Throws as triangulate and prepare do.
 Adapted solve_graded(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
                      const Adaptation& how);
 

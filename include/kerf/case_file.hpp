@@ -61,6 +61,9 @@ struct BoundsRequest {
 
 struct OutputRequest {
   bool vtk = true, png = true, html = true;
+  // What is found of the state beside the solution, and takes its time: the estimated error, the interval of the
+  // energy, K, G and T at tips, the largest stress and displacement.
+  bool estimate = true, energy_bounds = true, tips = true, peaks = true;
 };
 
 /// What solves: factors of the condensed matrix or of the saddle point that is not condensed; or processes that have a

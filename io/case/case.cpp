@@ -91,6 +91,13 @@ void read_output(const Value& document, Case& c) {
   take(*output, "vtk", c.output.vtk);
   take(*output, "png", c.output.png);
   take(*output, "html", c.output.html);
+  take(*output, "estimate", c.output.estimate);
+  take(*output, "energy_bounds", c.output.energy_bounds);
+  take(*output, "tips", c.output.tips);
+  take(*output, "peaks", c.output.peaks);
+  if (const auto estimate = find(*output, "estimate"); !c.output.estimate && c.adapt)
+    fail(estimate->node->position,
+         estimate->name + " = false does not go with mesh.adapt, which refines by the estimate; leave one of them out");
 }
 
 /// Of keys, and of the entries of lists that are no numbers.

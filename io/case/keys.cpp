@@ -607,10 +607,32 @@ constexpr Key rows[] = {
     {"bounds.line[].from", Pair, {.required = true}, "Where it begins.", "[0.2, 0.5]"},
     {"bounds.line[].to", Pair, {.required = true}, "Where it ends.", "[0.8, 0.5]"},
 
-    {"output", Table, {}, "Which files are written beside result.json and the tables."},
+    {"output",
+     Table,
+     {},
+     "Which files are written beside result.json and the tables, and what is found of a state beside its solution: "
+     "each "
+     "takes time, its own line of time_s."},
     {"output.vtk", Boolean, {}, "Fields for ParaView.", "false", "true"},
     {"output.png", Boolean, {}, "Pictures.", "false", "true"},
     {"output.html", Boolean, {}, "The report, one page.", "false", "true"},
+    {"output.estimate",
+     Boolean,
+     {},
+     "The estimated error of the stress; mesh.adapt needs it. Without it nothing says how fine the mesh should be.",
+     "false",
+     "true"},
+    {"output.energy_bounds", Boolean, {}, "The interval that contains the energy.", "false", "true"},
+    {"output.tips", Boolean, {}, "K_I, K_II, G and T at the tips of cracks.", "false", "true"},
+    {"output.peaks",
+     Boolean,
+     {},
+     "The largest von Mises stress, displacement and pressure in contact, and the notes on large strains. Without "
+     "peaks, "
+     "vtk, png and html "
+     "no field is recovered at corners.",
+     "false",
+     "true"},
 
     {"optimize", Table, {}, "The best body: J of [functional], which must be there, as small as it can be."},
     {"optimize.method",

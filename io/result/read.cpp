@@ -358,17 +358,10 @@ StepResult step(const Json& from) {
 }
 
 Seconds seconds(const Json& from) {
-  return {number(from, "mesh"),
-          number(from, "assemble"),
-          number(from, "factor"),
-          number(from, "solve"),
-          number(from, "contact"),
-          number(from, "map"),
-          number(from, "validate"),
-          number(from, "optimize"),
-          number(from, "output"),
-          number(from, "total"),
-          from.contains("bounds") ? number(from, "bounds") : 0};
+  Seconds s{.total = number(from, "total")};
+  for (const TimedPhase& phase : timed_phases)
+    s.*phase.of = phase.always || from.contains(phase.name) ? number(from, phase.name) : 0;
+  return s;
 }
 
 Result from_json(const Json& from) {

@@ -457,11 +457,10 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
 }
 
 Json time_section(const Seconds& s) {
-  Json out = {{"mesh", number(s.mesh)},         {"assemble", number(s.assemble)}, {"factor", number(s.factor)},
-              {"solve", number(s.solve)},       {"contact", number(s.contact)},   {"map", number(s.map)},
-              {"validate", number(s.validate)}, {"optimize", number(s.optimize)}, {"output", number(s.output)},
-              {"total", number(s.total)}};
-  if (s.bounds > 0) out["bounds"] = number(s.bounds);
+  Json out = Json::object();
+  for (const TimedPhase& phase : timed_phases)
+    if (phase.always || s.*phase.of > 0) out[phase.name] = number(s.*phase.of);
+  out["total"] = number(s.total);
   return out;
 }
 

@@ -288,13 +288,8 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
 void add_times(std::string& out, const Result& result) {
   const Seconds& s = result.seconds;
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
-  for (const auto& [name, value] :
-       {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
-        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds),
-        std::pair("map", s.map), std::pair("validate", s.validate), std::pair("optimize", s.optimize),
-        std::pair("output", s.output)}) {
-    if (value > 0) items.push_back(fmt::format("{} {:.3f}", name, value));
-  }
+  for (const TimedPhase& phase : timed_phases)
+    if (s.*phase.of > 0) items.push_back(fmt::format("{} {:.3f}", phase.name, s.*phase.of));
   add(out, "time", items);
   if (result.peak_memory_mb > 0) add(out, "memory", {fmt::format("peak {:.1f} MB", result.peak_memory_mb)});
 }

@@ -9,12 +9,8 @@ namespace kerf {
 
 std::string time_bars(const Seconds& s) {
   std::vector<std::pair<std::string, double>> phases;
-  for (const auto& [name, value] :
-       {std::pair("mesh", s.mesh), std::pair("assemble", s.assemble), std::pair("factor", s.factor),
-        std::pair("solve", s.solve), std::pair("contact", s.contact), std::pair("bounds", s.bounds), std::pair("map", s.map),
-        std::pair("validate", s.validate), std::pair("optimize", s.optimize), std::pair("output", s.output)}) {
-    if (std::isfinite(value) && value > 0) phases.emplace_back(name, value);
-  }
+  for (const TimedPhase& phase : timed_phases)
+    if (const double value = s.*phase.of; std::isfinite(value) && value > 0) phases.emplace_back(phase.name, value);
   if (phases.empty()) return {};
   std::stable_sort(phases.begin(), phases.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   double sum = 0;

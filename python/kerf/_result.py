@@ -21,7 +21,7 @@ class Result:
     ``displacement``             (k,2)
     ``stress``                   (k,4)     s11, s12, s21, s22
     ``rotation``, ``von_mises``  (k,)
-    ``error_indicator``          (m,)      per triangle
+    ``error_indicator``          (m,)      per triangle; not with ``output.estimate = false``
     ``topological_derivative``   (k,)      with a map everywhere; also ``masked``, where the expansion cannot hold
     ``lower``, ``upper``         (k,)      with bounds of the map
     ============================ ========= ==================================================
@@ -91,6 +91,9 @@ class Result:
         names = ("displacement", "stress", "rotation", "von_mises", "topological_derivative", "masked", "lower", "upper")
         return {name: self._arrays[name] for name in names if name in self._arrays}
 
+    def _on_triangles(self):
+        return {name: self._arrays[name] for name in ("error_indicator",) if name in self._arrays}
+
     def to_meshio(self):
         """A meshio.Mesh with the fields."""
         import meshio
@@ -98,8 +101,8 @@ class Result:
         points = numpy.column_stack([self.corner_points, numpy.zeros(len(self.corner_points))])
         data = {name: numpy.array(a, dtype=float) for name, a in self._at_corners().items()}
         data["displacement"] = numpy.column_stack([data["displacement"], numpy.zeros(len(points))])
-        return meshio.Mesh(points, [("triangle", numpy.array(self.corner_triangles))], point_data=data,
-                           cell_data={"error_indicator": [numpy.array(self.error_indicator)]})
+        cells = {name: [numpy.array(a)] for name, a in self._on_triangles().items()}
+        return meshio.Mesh(points, [("triangle", numpy.array(self.corner_triangles))], point_data=data, cell_data=cells)
 
     def to_vtk(self):
         """A vtkUnstructuredGrid with the fields."""
@@ -118,7 +121,8 @@ class Result:
         grid.SetCells(VTK_TRIANGLE, cells)
         for name, values in self._at_corners().items():
             _add(grid.GetPointData(), name, numpy_to_vtk(numpy.array(values, dtype=float), deep=True))
-        _add(grid.GetCellData(), "error_indicator", numpy_to_vtk(numpy.array(self.error_indicator), deep=True))
+        for name, values in self._on_triangles().items():
+            _add(grid.GetCellData(), name, numpy_to_vtk(numpy.array(values), deep=True))
         return grid
 
 

@@ -36,6 +36,33 @@ void add_unseen(const Mesh& mesh, const std::vector<EdgeValues>& values, bool pr
   if (found) all.push_back(*found);
 }
 
+// Where a gap does more along an edge than a straight line, by more than a tenth of its size along the crack: contact
+// takes it at two points or so of each edge.
+void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vector<UnseenData>& all) {
+  const EdgeRule rule = gauss(data_points), ends = gauss(2);
+  double whole = 0, size = 0, worst = -1, left_out = 0;
+  UnseenData found{.at = {}, .what = "the gap in a crack", .how = "does more than the mesh follows,", .crack = crack};
+  for (const CrackEdge& c : mesh.cracks[static_cast<std::size_t>(crack)]) {
+    const EdgeLine line = edge_line(mesh, c.edge);
+    const double l = length(mesh, c.edge);
+    const EdgeValues v = edge_values(law.gap, line, "gap of a crack");
+    const auto value = [&](double s) { return law.gap(line.a + s * (line.b - line.a), line.n).x(); };
+    const double first = value(ends.s[0]), slope = (value(ends.s[1]) - first) / (ends.s[1] - ends.s[0]);
+    double beyond = v.rest.x();
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q)
+      beyond += rule.w[q] * std::pow(v.at(0, q) - first - slope * (rule.s[q] - ends.s[0]), 2);
+    whole += l;
+    left_out += l * beyond;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) size += l * rule.w[q] * std::pow(v.at(0, q), 2);
+    size += l * v.rest.x();
+    if (l * beyond <= worst) continue;
+    worst = l * beyond;
+    found.at = line.a + v.worst * (line.b - line.a);
+  }
+  constexpr double much = 0.1;
+  if (whole > 0 && left_out > much * much * size) all.push_back(found);
+}
+
 // A body force in a curved triangle, at the points of the rule.
 TriangleValues curved_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule) {
   TriangleValues v;
@@ -89,6 +116,8 @@ std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const 
     }
     if (found) all.push_back(*found);
   };
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
+    if (has_gap(scene.laws[c])) add_unseen_gap(mesh, scene.laws[c], static_cast<Index>(c), all);
   if (scene.body)
     add_worst(data.body.size(), "the body force",
               [&](std::size_t t) { return data.body[t].how == Resolution::Open ? data.body[t].error : 0; });

@@ -274,9 +274,12 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   Sizing sizing = wanted;
   if (sizing.ends.empty()) sizing.ends = grading.guess(sizing);
   Adapted a = grading.solve(std::move(sizing), 3, true);
+  a.rounds = std::move(grading.rounds);
+  if (!how.estimate) return a;
+  Stopwatch watch;
   a.indicator = error_indicator(a.model, a.state);
   add_chords(shape, a.model, a.state, a.indicator);
-  a.rounds = std::move(grading.rounds);
+  a.rounds.back().estimate = watch.lap();
   return a;
 }
 

@@ -6,6 +6,8 @@
 #include "kerf/mesher.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/state.hpp"
+#include "solver/data.hpp"
+#include "solver/system.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -206,6 +208,34 @@ TEST(Gap, PressFitsADisc) {
 
 // An interference as large as the opening of a crack under a uniform pressure leaves the same stress as that pressure:
 // gap and fluid are two loads of one problem.
+// Contact takes a gap at a few points of each edge: what lies between them would pass in silence.
+TEST(Gap, ThatTheMeshDoesNotFollowIsNamed) {
+  const auto bump = [](double width) -> BoundaryField {
+    return [width](const Vec2& x, const Vec2&) {
+      return Vec2(-0.02 * std::exp(-std::pow((x.x() - 0.017) / width, 2)), 0);
+    };
+  };
+  const BoundaryField parabola = [](const Vec2& x, const Vec2&) { return Vec2(0.1 * x.x() * x.x(), 0); };
+  const auto unseen = [](const BoundaryField& gap, double size) {
+    const Model m = prepare(triangulate(blocks(), {.size = size}), bdms(1), pressed(plane_strain(1, 0.3), 0.1, gap), 1);
+    std::vector<UnseenData> all = unseen_data(m.mesh, m.scene, m.inner->data);
+    std::erase_if(all, [](const UnseenData& u) { return u.crack == none; });  // supports, known at sampled points
+    return all;
+  };
+  for (const double width : {0.05, 0.004}) {
+    const std::vector<UnseenData> found = unseen(bump(width), 0.5);
+    ASSERT_EQ(found.size(), 1u) << width;
+    EXPECT_EQ(found[0].crack, 0);
+    EXPECT_TRUE(found[0].stops_bounds);
+    EXPECT_STREQ(found[0].what, "the gap in a crack");
+    EXPECT_NEAR(found[0].at.x(), 0.017, 0.5);
+    EXPECT_NEAR(found[0].at.y(), 0, 1e-15);
+  }
+  EXPECT_TRUE(unseen(bump(0.3), 0.1).empty());
+  EXPECT_TRUE(unseen(parabola, 0.5).empty());
+  EXPECT_TRUE(unseen(uniform(-0.01), 0.5).empty());
+}
+
 TEST(Gap, InterferenceIsAWedge) {
   const Material m = plane_strain(1, 0.3);
   const Shape shape = square({-0.4, 0}, {0.4, 0});
