@@ -351,10 +351,14 @@ Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
   const CrackLaw& law = m.scene.laws[crack];
   if (!has_friction(law)) return found;
   const std::vector<CrackPoint> profile = crack_profile(m, state, crack);
-  double most = 0;
-  for (const CrackPoint& p : profile)
+  double most = 0, length = 0;
+  for (const CrackPoint& p : profile) {
     most = std::max({most, std::abs(p.sigma_t), law.friction * p.contact_pressure(), law.slip_bound});
-  constexpr double rounding = 1e-8;
+    length += p.length;
+  }
+  // Of tractions; and of a slip, of which a crack of this length has about most * length/mu.
+  constexpr double rounding = 1e-8, no_slip = 1e-10;
+  const double slip_size = most * length / m.scene.material.mu;
   std::size_t point = 0;
   const int points = m.inner->skeleton.per_edge / 2;
   for (const CrackEdge& c : m.mesh.cracks[crack])
@@ -365,7 +369,9 @@ Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
       const bool sticks = state.skeleton[slip] == m.inner->skeleton.prescribed[slip],
                  touches = p.status == CrackPoint::Status::Biactive;
       const double limit = law.slip_bound + law.friction * std::max(p.contact_pressure(), 0.0);
-      const bool used_up = sticks && limit > 0 && limit - std::abs(p.sigma_t) <= rounding * most;
+      const double slid = std::abs(state.skeleton[slip] - m.inner->skeleton.prescribed[slip]);
+      const bool used_up =
+          limit > 0 && (sticks ? limit - std::abs(p.sigma_t) <= rounding * most : slid <= no_slip * slip_size);
       if (!touches && !used_up) continue;
       if (found.length == 0) {
         found.at = p.at;
