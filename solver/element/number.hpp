@@ -8,25 +8,21 @@
 #include <cmath>
 #include <type_traits>
 
+// Without AVX a pack is two registers, and passed in another way: within a file that does not matter.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace kerf {
 
 using Pack = double __attribute__((vector_size(32)));
 inline constexpr int pack_size = 4;
-
-template <class Number>
-inline constexpr int lanes_of = std::is_same_v<Number, double> ? 1 : pack_size;
 
 inline double lane(double x, int) {
   return x;
 }
 inline double lane(const Pack& x, int i) {
   return x[i];
-}
-inline void set_lane(double& x, int, double value) {
-  x = value;
-}
-inline void set_lane(Pack& x, int i, double value) {
-  x[i] = value;
 }
 
 inline double one_over_root(double x) {
