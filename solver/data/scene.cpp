@@ -40,7 +40,7 @@ void add_unseen(const Mesh& mesh, const std::vector<EdgeValues>& values, bool pr
 // takes it at two points or so of each edge.
 void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vector<UnseenData>& all) {
   const EdgeRule rule = gauss(data_points), ends = gauss(2);
-  double whole = 0, size = 0, worst = -1, left_out = 0;
+  double size = 0, worst = -1, left_out = 0;
   UnseenData found{.at = {}, .what = "the gap in a crack", .how = "does more than the mesh follows,", .crack = crack};
   for (const CrackEdge& c : mesh.cracks[static_cast<std::size_t>(crack)]) {
     const EdgeLine line = edge_line(mesh, c.edge);
@@ -48,19 +48,19 @@ void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vec
     const EdgeValues v = edge_values(law.gap, line, "gap of a crack");
     const auto value = [&](double s) { return law.gap(line.a + s * (line.b - line.a), line.n).x(); };
     const double first = value(ends.s[0]), slope = (value(ends.s[1]) - first) / (ends.s[1] - ends.s[0]);
-    double beyond = v.rest.x();
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q)
+    double square = v.rest.x(), beyond = square;
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
+      square += rule.w[q] * std::pow(v.at(0, q), 2);
       beyond += rule.w[q] * std::pow(v.at(0, q) - first - slope * (rule.s[q] - ends.s[0]), 2);
-    whole += l;
+    }
+    size += l * square;
     left_out += l * beyond;
-    for (Eigen::Index q = 0; q < rule.w.size(); ++q) size += l * rule.w[q] * std::pow(v.at(0, q), 2);
-    size += l * v.rest.x();
     if (l * beyond <= worst) continue;
     worst = l * beyond;
     found.at = line.a + v.worst * (line.b - line.a);
   }
   constexpr double much = 0.1;
-  if (whole > 0 && left_out > much * much * size) all.push_back(found);
+  if (left_out > much * much * size) all.push_back(found);
 }
 
 // A body force in a curved triangle, at the points of the rule.

@@ -122,10 +122,6 @@ inline __attribute__((always_inline)) void backward_rows(const Rowwise<N, N>& u,
   }
 }
 
-// Elimination of s and (u, r), as far as every right-hand side needs it. M alone is singular at nu = 1/2; on the kernel
-// of B it is not, but for a constant pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for
-// every nu < 1/2:
-//   L L' = M + gamma B'B (L' stored),  YB = L^-1 B',  LB LB' = YB'YB.
 // Of each triangle: gamma = 1/(2 mu), the penalty.
 template <class Number>
 struct Compliant {
@@ -137,6 +133,10 @@ inline Compliant<double> compliant(const Material& material, const Penalty& pena
   return {1 / (2 * material.mu), penalty.a, penalty.theta, penalty.a > 0};
 }
 
+// Elimination of s and (u, r), as far as every right-hand side needs it. M alone is singular at nu = 1/2; on the kernel
+// of B it is not, but for a constant pressure, so M + gamma B'B, which has the same solution, has a Cholesky factor for
+// every nu < 1/2:
+//   L L' = M + gamma B'B (L' stored),  YB = L^-1 B',  LB LB' = YB'YB.
 template <const Element& E, class Number = double>
 struct Reduction : Space<E> {
   using Space<E>::S, Space<E>::B, Space<E>::X, Space<E>::V;

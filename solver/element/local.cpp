@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace kerf {
 
@@ -286,21 +285,22 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
 
 namespace {
 
-/// Straight triangles by fours through `packed`, the others one by one: what is done with a triangle depends on itself.
-template <class Result, class Packed, class Alone>
-void by_fours(const Element& e, std::span<const LocalTriangle> all, std::span<Result> to, const Packed& packed,
-              const Alone& alone) {
+/// Straight triangles by fours through `packed`, where the element has it, the others one by one: what is done with a
+/// triangle depends on itself.
+template <class Result, class Alone>
+void by_fours(const Kernel& k, std::span<const LocalTriangle> all, std::span<Result> to,
+              void (*packed)(const Kernel&, const PackedTriangles&, int, Result* const*), const Alone& alone) {
   PackedTriangles four{};
   std::array<Result*, four.size()> results{};
   std::size_t count = 0;
   const auto flush = [&] {
     if (count == 0) return;
     for (std::size_t i = count; i < four.size(); ++i) four[i] = four[count - 1];
-    packed(four, static_cast<int>(count), results.data());
+    packed(k, four, static_cast<int>(count), results.data());
     count = 0;
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool strained = all[i].force.size() > displacement_count(e);
+    const bool strained = all[i].force.size() > displacement_count(k.element);
     if (!packed || strained || is_curved(all[i].shape)) {
       alone(all[i], to[i]);
       continue;
@@ -315,25 +315,13 @@ void by_fours(const Element& e, std::span<const LocalTriangle> all, std::span<Re
 }  // namespace
 
 void condense(const Kernel& k, std::span<const LocalTriangle> all, std::span<Condensed> to) {
-  using Packed = std::function<void(const PackedTriangles&, int, Condensed* const*)>;
-  Packed packed;
-  if (k.run->condense_packed)
-    packed = [&](const PackedTriangles& four, int count, Condensed* const* results) {
-      k.run->condense_packed(k, four, count, results);
-    };
-  by_fours<Condensed>(k.element, all, to, packed, [&](const LocalTriangle& t, Condensed& result) {
+  by_fours(k, all, to, k.run->condense_packed, [&](const LocalTriangle& t, Condensed& result) {
     result = condense(k, t.shape, *t.material, t.force, t.penalty);
   });
 }
 
 void interiors(const Kernel& k, std::span<const LocalTriangle> all, std::span<Recovered> to) {
-  using Packed = std::function<void(const PackedTriangles&, int, Recovered* const*)>;
-  Packed packed;
-  if (k.run->interior_packed)
-    packed = [&](const PackedTriangles& four, int count, Recovered* const* results) {
-      k.run->interior_packed(k, four, count, results);
-    };
-  by_fours<Recovered>(k.element, all, to, packed, [&](const LocalTriangle& t, Recovered& result) {
+  by_fours(k, all, to, k.run->interior_packed, [&](const LocalTriangle& t, Recovered& result) {
     const Eigen::VectorXd found = interior(k, t.shape, *t.material, t.force, result.m, t.penalty, result.forces);
     Eigen::Map<Eigen::VectorXd>(result.interior, found.size()) = found;
   });
