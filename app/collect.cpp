@@ -243,6 +243,12 @@ std::vector<NamedField> design_fields(const Model& model, const PlotData& data) 
   return fields;
 }
 
+std::size_t held(const std::vector<Vec2>& points, const Corners& corners, const std::vector<NamedField>& fields) {
+  std::size_t bytes = points.size() * sizeof(Vec2) + corners.of.size() * sizeof corners.of[0];
+  for (const NamedField& field : fields) bytes += sizeof(double) * static_cast<std::size_t>(field.values.size());
+  return bytes;
+}
+
 std::vector<NamedField> crack_fields(const CrackResult& crack) {
   const Eigen::Index n = static_cast<Eigen::Index>(crack.rows.size());
   std::vector<NamedField> fields;

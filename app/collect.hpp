@@ -47,6 +47,8 @@ std::vector<NamedField> state_fields(const Model& model, const State& state, con
                                      const Indicator& indicator);
 /// Of an iterate of an optimization.
 std::vector<NamedField> design_fields(const Model& model, const PlotData& data);
+/// Bytes that they take.
+std::size_t held(const std::vector<Vec2>& points, const Corners& corners, const std::vector<NamedField>& fields);
 std::vector<NamedField> crack_fields(const CrackResult& crack);
 
 }  // namespace kerf

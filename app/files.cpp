@@ -39,8 +39,21 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
   return angle;
 }
 
+/// With copies of what the data go on to be used for.
+void write_fields(const Journal& journal, const std::string& name, const PlotData& data,
+                  std::vector<NamedField> fields) {
+  const std::size_t bytes = held(data.points, data.corners, fields);
+  journal.later([path = journal.file(name), points = data.points, triangles = data.corners.of,
+                 fields = std::move(fields)] { write_vtu(path, points, triangles, fields); },
+                bytes);
+}
+
+void write_text(const Journal& journal, const std::string& name, std::string text) {
+  journal.later([path = journal.file(name), text = std::move(text)] { write_file(path, text); });
+}
+
 /// Fields at the corners and at the centroids.
-void write_map_vtu(const std::filesystem::path& path, const Mapped& mapped, const PlotData& data) {
+std::vector<NamedField> map_fields(const Mapped& mapped) {
   const FullMap& map = mapped.full;
   std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
                                  {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
@@ -55,7 +68,7 @@ void write_map_vtu(const std::filesystem::path& path, const Mapped& mapped, cons
     fields.push_back({"valid_radius", false, map.valid_radius.transpose()});
   }
   if (map.angle.size() > 0) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
-  write_vtu(path, data.points, data.corners.of, fields);
+  return fields;
 }
 
 std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const FullMap& map) {
@@ -102,14 +115,16 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks) {
   if (journal.vtk)
-    write_vtu(journal.file("state.vtu"), data.points, data.corners.of,
-              state_fields(adapted.model, adapted.state, data, adapted.indicator));
+    write_fields(journal, "state.vtu", data, state_fields(adapted.model, adapted.state, data, adapted.indicator));
   for (const CrackResult& crack : cracks) {
-    write_crack_csv(journal.file("crack_" + crack.name + ".csv"), crack);
+    const std::string name = "crack_" + crack.name;
+    journal.later([path = journal.file(name + ".csv"), crack] { write_crack_csv(path, crack); });
     if (!journal.vtk) continue;
     std::vector<std::vector<Vec2>> line(1);
     for (const CrackRow& row : crack.rows) line[0].push_back(row.at);
-    write_vtp(journal.file("crack_" + crack.name + ".vtp"), line, crack_fields(crack));
+    journal.later([path = journal.file(name + ".vtp"), line = std::move(line), fields = crack_fields(crack)] {
+      write_vtp(path, line, fields);
+    });
   }
 }
 
@@ -130,7 +145,7 @@ std::vector<Elastic> elastics_of(const Case& c, const OptimizeResult& r) {
 }  // namespace
 
 void write_bounds_files(const Journal& journal, const BoundsResult& bounds) {
-  write_bounds_csv(journal.file("bounds.csv"), bounds);
+  journal.later([path = journal.file("bounds.csv"), bounds] { write_bounds_csv(path, bounds); });
   if (!journal.vtk || bounds.points.empty()) return;
   struct Quantity {
     const char* name;
@@ -160,7 +175,9 @@ void write_bounds_files(const Journal& journal, const BoundsResult& bounds) {
     fields.push_back({name + "_upper", false, std::move(upper)});
     fields.push_back({name + "_guaranteed", false, std::move(guaranteed)});
   }
-  write_vtp(journal.file("bounds.vtp"), places, fields);
+  journal.later([path = journal.file("bounds.vtp"), places = std::move(places), fields = std::move(fields)] {
+    write_vtp(path, places, fields);
+  });
 }
 
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r) {
@@ -172,14 +189,14 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
                           regions,
                           {fmt::format("The design that kerf optimize found for \"{}\": {}.", c.title, r.stopped),
                            fmt::format("J = {:.12g}, volume fraction {:.8g}.", r.objective, r.volume_fraction)}};
-  write_file(journal.file("design.toml"), design_case(c, design, journal.options.folder));
-  write_file(journal.file("design.svg"), design_svg(r.shape, frozen, c.title));
-  write_file(journal.file("design.dxf"), design_dxf(r.shape, frozen));
+  write_text(journal, "design.toml", design_case(c, design, journal.options.folder));
+  write_text(journal, "design.svg", design_svg(r.shape, frozen, c.title));
+  write_text(journal, "design.dxf", design_dxf(r.shape, frozen));
 }
 
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
-  if (journal.vtk && is_everywhere(map.full)) write_map_vtu(journal.file("map.vtu"), map, data);
+  if (journal.vtk && is_everywhere(map.full)) write_fields(journal, "map.vtu", data, map_fields(map));
   const bool bounds = task.request.bounds, second = task.request.second, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});
@@ -196,7 +213,9 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
     row.push_back(everywhere ? static_cast<double>(map.left_out_corner[rows.size()]) : p.masked ? 1 : 0);
     rows.push_back(std::move(row));
   }
-  write_csv(journal.file("map.csv"), columns, rows);
+  journal.later([path = journal.file("map.csv"), columns = std::move(columns), rows = std::move(rows)] {
+    write_csv(path, columns, rows);
+  });
 }
 
 namespace {
@@ -214,8 +233,8 @@ void append_bounds(std::vector<double>& row, const BoundedStress* b) {
 
 }  // namespace
 
-void write_probe_file(const std::filesystem::path& path, const Probe& probe, const Adapted& adapted,
-                      const MapTask& task, const Analysis* analysis, const std::vector<BoundedStress>& bounded) {
+void write_probe_file(const Journal& journal, const Probe& probe, const Adapted& adapted, const MapTask& task,
+                      const Analysis* analysis, const std::vector<BoundedStress>& bounded) {
   const std::span<const Vec2> points = probe.points;
   const Model& model = adapted.model;
   const State& state = adapted.state;
@@ -245,7 +264,8 @@ void write_probe_file(const std::filesystem::path& path, const Probe& probe, con
     for (const char* name :
          {"s_xx_lower", "s_xx_upper", "s_yy_lower", "s_yy_upper", "s_xy_lower", "s_xy_upper", "guaranteed"})
       columns.emplace_back(name);
-  write_csv(path, columns, rows);
+  journal.later([path = journal.file("probe_" + probe.name + ".csv"), columns = std::move(columns),
+                 rows = std::move(rows)] { write_csv(path, columns, rows); });
 }
 
 }  // namespace kerf

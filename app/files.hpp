@@ -27,7 +27,7 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
 
 /// A probe_<name>.csv: the state at the points and, unless `analysis` is null, the map of the task. Where the probe
 /// asks for bounds, those of the stresses, which are not there without a state that can be trusted.
-void write_probe_file(const std::filesystem::path& path, const Probe& probe, const Adapted& adapted,
-                      const MapTask& task, const Analysis* analysis, const std::vector<BoundedStress>& bounded);
+void write_probe_file(const Journal& journal, const Probe& probe, const Adapted& adapted, const MapTask& task,
+                      const Analysis* analysis, const std::vector<BoundedStress>& bounded);
 
 }  // namespace kerf

@@ -105,12 +105,13 @@ Seconds lesser(Seconds a, const Seconds& b) {
   return a;
 }
 
-/// Measured on six elements from 13,000 to 190,000 triangles, within 13 %: the program, the factor, the matrix, fields.
-double memory_of_state(double n, const Trial& trial) {
+/// Measured on six elements from 10,000 to 350,000 triangles, within 20 %: the program, the factor, the matrix, fields.
+double memory_of_state(double n, const Trial& trial, bool single) {
   const StateResult& s = *trial.result.state;
   const double condensed = static_cast<double>(s.condensed_unknowns) / trial.n,
                all = static_cast<double>(s.unknowns) / trial.n, N = condensed * n;
-  return 48 + 1e-6 * (33.3 * N * std::log2(std::max(N, 2.0)) + 49.8 * condensed * condensed * n + 35.3 * all * n);
+  const double factor = single ? 16.5 : 31;
+  return 48 + 1e-6 * (factor * N * std::log2(std::max(N, 2.0)) + 49.8 * condensed * condensed * n + 35.3 * all * n);
 }
 
 /// Solves that an optimization makes at most, each with its mesh; a step of a level set counts for its derivatives and
@@ -174,17 +175,24 @@ Forecast forecast(const Case& c, Job job, int threads) {
   if (optimizes) f.seconds += solves_of(*c.optimize) * of_state(s);
   f.at_most = c.adapt || optimizes;
   // What a trial needed beyond its state (a validation: its balls), the run will need, too.
-  const double before = memory_of_state(trial.n, trial), state = memory_of_state(f.triangles, trial);
-  f.memory_mb = state + std::max(0.0, trial.result.peak_memory_mb - before);
-  if (seconds.validate > 0) f.memory_mb += 3 * (state - before);
+  const auto memory = [&](bool single) {
+    const double before = memory_of_state(trial.n, trial, single), state = memory_of_state(f.triangles, trial, single);
+    const double balls = seconds.validate > 0 ? 3 * (state - before) : 0;
+    return state + balls + std::max(0.0, trial.result.peak_memory_mb - before);
+  };
+  f.memory_mb = memory(c.precision == FactorPrecision::Single);
+  if (c.precision == FactorPrecision::Auto && c.backend == Backend::Cholmod && !optimizes && seconds.validate == 0 &&
+      !has_unseen_traces(c.element))
+    f.single_mb = memory(true);
   f.taken = watch.lap();
   return f;
 }
 
 std::string in_words(const Forecast& f) {
-  return fmt::format("{}{:.0f} triangles, {} of memory, {}{}", f.exact ? "" : "about ",
+  return fmt::format("{}{:.0f} triangles, {} of memory{}, {}{}", f.exact ? "" : "about ",
                      f.exact ? f.triangles : std::round(f.triangles / 100) * 100, memory_words(f.memory_mb),
-                     f.at_most ? "at most " : "", duration(f.seconds));
+                     f.single ? " with the factor in single precision" : "", f.at_most ? "at most " : "",
+                     duration(f.seconds));
 }
 
 double available_memory_mb() {
@@ -196,7 +204,7 @@ double available_memory_mb() {
   return mb;
 }
 
-void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c) {
+void refuse_larger(Forecast& f, const Allowed& limits, const Case& c) {
   const auto refuse = [&](const std::string& why, double share) {
     throw Error(Fault::Numerics,
                 fmt::format("{}: {}; {} would fit", why, in_words(f),
@@ -204,6 +212,10 @@ void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c) {
                                     : fmt::format("mesh.size = {:.2g}", size_for(c, share))));
   };
   const double memory = limits.memory_mb.value_or(available_memory_mb());
+  if (f.memory_mb > memory && f.single_mb) {
+    f.single = true;
+    f.memory_mb = *f.single_mb;
+  }
   constexpr double margin = 0.8;  // memory grows a little faster than the number of triangles, seconds more
   if (f.memory_mb > memory)
     refuse(fmt::format("this needs more memory than the {} that {}", memory_words(memory),

@@ -11,8 +11,10 @@ struct Forecast {
   double triangles = 0;
   bool exact = false;  // they were counted on the mesh itself
   double memory_mb = 0, seconds = 0;
-  bool at_most = false;  // an optimization or a refinement may end earlier
-  double taken = 0;      // seconds for the forecast itself
+  std::optional<double> single_mb = {};  // with the factor in single precision, where the case leaves that open
+  bool single = false;                   // that is what it takes
+  bool at_most = false;                  // an optimization or a refinement may end earlier
+  double taken = 0;                      // seconds for the forecast itself
 };
 
 /// Runs the jobs on coarser meshes in a folder of their own, the largest with a twelfth of the triangles. Throws what
@@ -31,8 +33,9 @@ double available_memory_mb();
 struct Allowed {
   std::optional<double> memory_mb, seconds;  // as asked for; memory otherwise: what there is
 };
-/// Throws Error(Numerics) when it would take more, with the size that would fit.
-void refuse_larger(const Forecast& f, const Allowed& limits, const Case& c);
+/// Throws Error(Numerics) when it would take more, with the size that would fit. Takes the factor in single precision
+/// where double does not fit.
+void refuse_larger(Forecast& f, const Allowed& limits, const Case& c);
 
 /// What the run will take, where it is asked for or limits are given; of long runs that of the state at least, for the
 /// memory that there is. Throws Error(Numerics) when it is more than there is or may be used.

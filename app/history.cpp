@@ -68,14 +68,16 @@ Adapted solve_steps(const Case& c, const Adaptation& how, Journal& journal, std:
   std::optional<Solved> now;
   for (const LoadStep& step : c.steps) {
     journal.begin(in_words(step));
-    Model model = now ? continued(now->model, step.scene, now->state)
-                      : prepare(std::move(mesh), c.element, step.scene, journal.options.threads);
+    Model model =
+        now ? continued(now->model, step.scene, now->state)
+            : prepare(std::move(mesh), c.element, step.scene, journal.options.threads, {.precision = how.precision});
     State state = solve(model, c.contact);
     if (!certified(state))
       throw Error(Fault::Numerics, fmt::format("{} could not be solved: {}", in_words(step), failure(model, state)));
     Solved next{std::move(model), std::move(state)};
     out.push_back(result_of(step, next, now ? &*now : nullptr, out.empty() ? nullptr : &out.back(), c));
-    write_steps_csv(journal.file("steps.csv"), out);  // what is done stays when the next one fails
+    // What is done stays when the next one fails.
+    journal.later([path = journal.file("steps.csv"), out] { write_steps_csv(path, out); });
     now = std::move(next);
     journal.seconds.solve += journal.lap();
   }

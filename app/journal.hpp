@@ -1,6 +1,7 @@
 #pragma once
 // What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
 
+#include "app/writer.hpp"
 #include "io/arrays.hpp"
 #include "io/files.hpp"
 #include "io/result.hpp"
@@ -22,6 +23,7 @@ struct RunOptions {
   std::function<void(const std::string& phase)> on_phase;   // called as each phase begins
   std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
   RunFields* fields = nullptr;                              // where they are kept; none: in files alone
+  bool in_single = false;                                   // the factor, whatever the case says
   Processes* processes = nullptr;                           // for backend = "petsc"; none: it is refused
 };
 
@@ -35,6 +37,7 @@ struct Journal {
   Stopwatch since_start = {}, since_lap = {};
   std::string phase = {};    // the present one
   std::string missing = {};  // files that are wanted and cannot be had, and why; empty mostly
+  std::shared_ptr<Writer> writer = std::make_shared<Writer>();  // of the files, result.json and the page aside
 
   std::filesystem::path file(const std::string& name) const {
     return options.folder / name;
@@ -45,13 +48,21 @@ struct Journal {
   double lap() {
     return since_lap.lap();
   }
-  /// Draws what `make` returns, if pictures are wanted.
+  /// Writes it while the run goes on. `write` has copies of what it needs, about so many bytes.
+  void later(std::function<void()> write, std::size_t bytes = 0) const {
+    writer->put({std::move(write), bytes});
+  }
+  /// Draws what `make` returns, if pictures are wanted, while the run goes on.
   template <typename Make>
   void picture(const std::string& name, const Make& make) const {
     if (!png) return;
     auto drawn = make();
-    if constexpr (std::is_same_v<decltype(drawn), Picture>) drawn.units = units;
-    draw(file(name), drawn);
+    std::size_t bytes = 0;
+    if constexpr (std::is_same_v<decltype(drawn), Picture>) {
+      drawn.units = units;
+      bytes = held(drawn);
+    }
+    later([path = file(name), drawn = std::move(drawn)] { draw(path, drawn); }, bytes);
   }
 };
 

@@ -35,6 +35,7 @@ struct Arguments {
   std::string command, case_file, folder;
   std::vector<std::string> overrides;
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
+  int processes = 1;
   bool quiet = false, force = false, resume = false;
   std::string log_level;       // empty: info, or warn when quiet
   std::string template_name;   // of init
@@ -137,6 +138,10 @@ void declare(CLI::App& app, Arguments& arguments) {
     if (command.name == "run" || command.name == "optimize")
       sub->add_flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
+    if (command.name == "run" || command.name == "solve" || command.name == "map")
+      sub->add_option("--processes", arguments.processes,
+                      "Start so many by mpiexec, for solver.backend = \"petsc\"; default 1")
+          ->check(CLI::Range(1, 4096));
     sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
     sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
         ->check(CLI::IsMember(log_levels()));
@@ -279,6 +284,7 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   if (expected && !expected->at_most) progress.expect(expected->seconds);
   options.threads = arguments.threads;
+  options.in_single = expected && expected->single;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
   const Result result = run(c, job, options);
   progress.finish();
@@ -396,7 +402,12 @@ int start(int argc, char** argv) {
     return 0;
   }
   const auto arguments = parse(argc, argv);
-  return arguments ? perform(*arguments, processes) : 0;
+  if (!arguments) return 0;
+  if (arguments->processes > 1 && started_processes() == 1) return run_by_mpiexec(arguments->processes, argv);
+  if (arguments->processes > 1 && arguments->processes != started_processes())
+    throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, --processes says {}; leave out one of them",
+                                          started_processes(), arguments->processes));
+  return perform(*arguments, processes);
 }
 
 }  // namespace

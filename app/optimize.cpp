@@ -164,7 +164,10 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   Recorder recorder(task, out.names, journal);
   const RunOptions& options = journal.options;
   if (options.resume && has_checkpoint(options.folder)) recorder.restore();
-  const CheckpointPlace place{checkpoint_file(options.folder), task.fingerprint, options.resume};
+  const CheckpointPlace place{checkpoint_file(options.folder), task.fingerprint, options.resume,
+                              [&journal](std::function<void()> write) {
+                                journal.writer->put_last({std::move(write), 0, "checkpoint.bin"});
+                              }};
   const Observer see = [&recorder](const Iterate& iterate) {
     recorder.see(iterate);
     return true;

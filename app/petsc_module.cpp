@@ -8,10 +8,13 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -41,6 +44,7 @@ constexpr int tag = 77;
 const char* start(int* rank, int* count) {
   // Open MPI loads parts of its own that look for its names among all that is loaded.
   dlopen("libmpi.so.40", RTLD_NOW | RTLD_GLOBAL);
+  setenv("SCOTCH_PTHREAD_NUMBER", "1", 1);  // its threads would make another partition in every run
   int there = 0, level = 0;
   MPI_Initialized(&there);
   if (!there && MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
@@ -151,10 +155,7 @@ PetscErrorCode fill(const KerfPetscPart& p, Solver& s) {
   KERF_TRY(MatCreateIS(PETSC_COMM_WORLD, 1, p.owned, p.owned, p.total, p.total, map, map, &s.matrix));
   KERF_TRY(ISLocalToGlobalMappingDestroy(&map));
   Mat local = nullptr;
-  KERF_TRY(MatCreate(PETSC_COMM_SELF, &local));
-  KERF_TRY(MatSetSizes(local, p.rows, p.rows, p.rows, p.rows));
-  KERF_TRY(MatSetType(local, MATSEQAIJ));
-  KERF_TRY(MatSeqAIJSetPreallocationCSR(local, p.start, p.columns, p.values));
+  KERF_TRY(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, p.rows, p.rows, p.start, p.columns, p.values, &local));
   KERF_TRY(MatSetOption(local, MAT_SYMMETRIC, PETSC_TRUE));
   KERF_TRY(MatSetOption(local, MAT_SPD, PETSC_TRUE));
   KERF_TRY(MatISSetLocalMat(s.matrix, local));
@@ -166,26 +167,8 @@ PetscErrorCode fill(const KerfPetscPart& p, Solver& s) {
   return MatCreateVecs(s.matrix, &s.x, &s.right);
 }
 
-PetscErrorCode set_modes(const KerfPetscPart& p, Solver& s) {
-  std::vector<Vec> modes(static_cast<std::size_t>(p.mode_count));
-  for (int k = 0; k < p.mode_count; ++k) {
-    KERF_TRY(VecDuplicate(s.x, &modes[k]));
-    PetscScalar* values = nullptr;
-    KERF_TRY(VecGetArray(modes[k], &values));
-    std::copy_n(p.modes + static_cast<std::size_t>(k) * p.owned, p.owned, values);
-    KERF_TRY(VecRestoreArray(modes[k], &values));
-  }
-  MatNullSpace space = nullptr;
-  KERF_TRY(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, p.mode_count, modes.data(), &space));
-  KERF_TRY(MatSetNearNullSpace(s.matrix, space));
-  KERF_TRY(MatNullSpaceDestroy(&space));
-  for (Vec& mode : modes) KERF_TRY(VecDestroy(&mode));
-  return 0;
-}
-
 PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s) {
   KERF_TRY(fill(p, s));
-  KERF_TRY(set_modes(p, s));
   KERF_TRY(KSPCreate(PETSC_COMM_WORLD, &s.ksp));
   KERF_TRY(KSPSetType(s.ksp, KSPCG));
   KERF_TRY(KSPSetOperators(s.ksp, s.matrix, s.matrix));
@@ -201,7 +184,23 @@ PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s) 
   KERF_TRY(KSPSetResidualHistory(s.ksp, nullptr, most + 1, PETSC_TRUE));
   KERF_TRY(KSPSetComputeSingularValues(s.ksp, PETSC_TRUE));
   KERF_TRY(KSPSetFromOptions(s.ksp));
-  return KSPSetUp(s.ksp);
+  // A part that nothing holds is free to move: what BDDC inverts of it alone needs the shift, on what it shares. (BDDC
+  // counts on the insides being those of the matrix.) What it made stays.
+  std::vector<std::pair<int, double>> there;  // place of a value, the value
+  ISLocalToGlobalMapping map = nullptr;
+  KERF_TRY(MatISGetLocalToGlobalMapping(s.matrix, &map, nullptr));
+  PetscInt rows = 0, *counts = nullptr, **sharing = nullptr;
+  KERF_TRY(ISLocalToGlobalMappingGetNodeInfo(map, &rows, &counts, &sharing));
+  for (int row = 0; row < p.rows; ++row)
+    if (counts[row] > 1) {
+      const auto at = std::lower_bound(p.columns + p.start[row], p.columns + p.start[row + 1], row) - p.columns;
+      there.emplace_back(static_cast<int>(at), p.values[at]);
+      p.values[at] += p.shift[row];
+    }
+  KERF_TRY(ISLocalToGlobalMappingRestoreNodeInfo(map, &rows, &counts, &sharing));
+  KERF_TRY(KSPSetUp(s.ksp));
+  for (const auto& [at, value] : there) p.values[at] = value;
+  return KSPSetReusePreconditioner(s.ksp, PETSC_TRUE);
 }
 
 void drop(void* solver) {
@@ -212,14 +211,50 @@ void drop(void* solver) {
   VecDestroy(&s->x);
 }
 
-const char* make(const KerfPetscPart* part, double tolerance, void** solver) {
+// BDDC keeps its sizes to itself, but prints them: "Global dofs sizes: all 840 interface 112 coarse 24".
+PetscErrorCode read_sizes(const Solver& s, int& interface_rows, int& primal) {
+  PC pc = nullptr;
+  KERF_TRY(KSPGetPC(s.ksp, &pc));
+  char* words = nullptr;
+  std::size_t length = 0;
+  std::FILE* const file = open_memstream(&words, &length);
+  if (!file) return 0;
+  PetscViewer viewer = nullptr;
+  KERF_TRY(PetscViewerASCIIOpenWithFILE(PETSC_COMM_WORLD, file, &viewer));
+  KERF_TRY(PCView(pc, viewer));
+  KERF_TRY(PetscViewerDestroy(&viewer));
+  std::fclose(file);
+  if (const char* at = length > 0 ? std::strstr(words, "Global dofs sizes") : nullptr) {
+    int all = 0;
+    if (std::sscanf(at, "Global dofs sizes: all %d interface %d coarse %d", &all, &interface_rows, &primal) != 3)
+      interface_rows = primal = 0;
+  }
+  std::free(words);
+  return 0;
+}
+
+const char* make(const KerfPetscPart* part, double tolerance, void** solver, int* interface_rows, int* primal) {
   auto s = std::make_unique<Solver>();
-  const PetscErrorCode code = make_solver(*part, tolerance, *s);
+  PetscErrorCode code = make_solver(*part, tolerance, *s);
+  if (!code) code = read_sizes(*s, *interface_rows, *primal);
   *solver = s.release();
   return code ? failed(code) : nullptr;
 }
 
+/// The largest resident memory of this process so far.
+double peak_mb() {
+  double kilobytes = 0;
+  if (std::FILE* const status = std::fopen("/proc/self/status", "r")) {
+    char line[256];
+    while (std::fgets(line, sizeof line, status))
+      if (std::sscanf(line, "VmHWM: %lf", &kilobytes) == 1) break;
+    std::fclose(status);
+  }
+  return kilobytes / 1024;
+}
+
 PetscErrorCode solve_with(Solver& s, const double* right, double* x, KerfPetscSolved& how) {
+  const double sent = petsc_send_len + petsc_isend_len, begin = MPI_Wtime();
   PetscScalar* values = nullptr;
   PetscInt owned = 0;
   KERF_TRY(VecGetLocalSize(s.right, &owned));
@@ -240,8 +275,21 @@ PetscErrorCode solve_with(Solver& s, const double* right, double* x, KerfPetscSo
   PetscInt count = 0;
   KERF_TRY(KSPGetResidualHistory(s.ksp, &history, &count));
   if (iterations > 0) KERF_TRY(KSPComputeExtremeSingularValues(s.ksp, &largest, &smallest));
-  how = {static_cast<int>(iterations), static_cast<int>(reason), smallest > 0 ? largest / smallest : 0,
-         count > 0 && history[0] > 0 ? rest / history[0] : 0};
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  const double seconds = MPI_Wtime() - begin, peak = peak_mb();
+  double own[3] = {(petsc_send_len + petsc_isend_len - sent) / std::max<PetscInt>(iterations, 1), seconds,
+                   rank == 0 ? 0 : peak};
+  double most[3];
+  MPI_Allreduce(own, most, 3, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  how = {static_cast<int>(iterations),
+         static_cast<int>(reason),
+         smallest > 0 ? largest / smallest : 0,
+         count > 0 && history[0] > 0 ? rest / history[0] : 0,
+         most[0],
+         most[1],
+         peak,
+         most[2]};
   return 0;
 }
 

@@ -6,22 +6,25 @@
 
 extern "C" {
 
-/// What this process has of the matrix, in its own rows, and of what all of them own.
+/// What this process has of the matrix, in its own rows, and of what all of them own. The matrix itself is not copied:
+/// its arrays must outlive the solver.
 struct KerfPetscPart {
   int rows;
-  const int *start, *columns;  // both triangles
-  const double* values;
-  const int* number;  // of its rows among all
+  int *start, *columns;  // both triangles
+  double* values;
+  const double* shift;  // of the diagonal, for the preconditioner alone
+  const int* number;    // of its rows among all
   int owned, total;
   const int *near_start, *near_rows;
-  int mode_count;
-  const double* modes;
 };
 
 struct KerfPetscSolved {
   int iterations, reason;  // of KSPConvergedReason
   double condition;
-  double left;  // of the residual at first
+  double left;                // of the residual at first
+  double sent;                // bytes that a process sends per iteration, the most of all
+  double seconds;             // until the last process is done
+  double first_mb, other_mb;  // peaks so far: of the first process, and the largest of the others
 };
 
 /// All functions but `wait` and those that say otherwise are called by all processes together. Those that return text
@@ -41,7 +44,8 @@ struct KerfPetsc {
   const char* (*options)(const char* text);
   /// Of the first process alone: names of options of `text` that nothing has used yet, one a line; null: none.
   const char* (*unused)(const char* text);
-  const char* (*make)(const KerfPetscPart* part, double tolerance, void** solver);
+  /// `interface_rows`, `primal`: of the unknowns that parts share, of the small problem; 0: PETSc does not say.
+  const char* (*make)(const KerfPetscPart* part, double tolerance, void** solver, int* interface_rows, int* primal);
   /// `right` and `x`: of what the process owns.
   const char* (*solve)(void* solver, const double* right, double* x, KerfPetscSolved* how);
   void (*drop)(void* solver);

@@ -2,17 +2,22 @@
 
 #include "app/petsc_module.hpp"
 #include "io/module.hpp"
+#include "solver/factor.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <numeric>
+#include <utility>
 
 namespace kerf {
 
@@ -37,10 +42,14 @@ enum class Order : char { Options, Make, Solve, Drop, End };
 
 constexpr double tolerance = 1e-10;  // of the residual of a solve; the rounds of the state refine it
 
-// BDDC as measured for this matrix [theory: E.30].
+constexpr double shift_of_shear = 1e-5;  // far above the rounding of K_p, far below what holds the body
+
+// BDDC [theory: E.30]. Of what parts share, all motions go into the small problem of which the energy of a part, the
+// rest relaxed, differs from their average by more than the threshold: the condition is bounded by it, whatever the
+// materials, cracks and shapes of parts are.
 constexpr const char* defaults =
-    "-pc_bddc_use_local_mat_graph 0 -pc_bddc_use_faces -pc_bddc_use_change_of_basis -pc_bddc_use_change_on_faces "
-    "-pc_bddc_use_deluxe_scaling -sub_schurs_mat_solver_type mumps "
+    "-pc_bddc_use_local_mat_graph 0 -pc_bddc_use_faces "
+    "-pc_bddc_use_deluxe_scaling -pc_bddc_adaptive_threshold 5 -sub_schurs_mat_solver_type mumps "
     "-pc_bddc_dirichlet_pc_type cholesky -pc_bddc_dirichlet_pc_factor_mat_solver_type mumps "
     "-pc_bddc_neumann_pc_type cholesky -pc_bddc_neumann_pc_factor_mat_solver_type mumps "
     "-pc_bddc_coarse_pc_type redundant";
@@ -73,13 +82,25 @@ auto together(int rank, const Work& work) {
 /// The part of this process in one system.
 class Share {
  public:
-  Share(const std::string& packed, int total) {
-    const RankPart part = condensed_part(packed);
-    owned_ = part.owned;
-    const KerfPetscPart view{
-        part.rows, part.start.data(),      part.columns.data(),   part.values.data(), part.number.data(), part.owned,
-        total,     part.near_start.data(), part.near_rows.data(), part.mode_count,    part.modes.data()};
-    need(loaded().call->make(&view, tolerance, &solver_));
+  Share(std::string packed, int total) {
+    part_ = condensed_part(packed);
+    packed = {};
+    packed.shrink_to_fit();
+    return_freed_memory();
+    std::vector<double> shift = std::exchange(part_.shear, {});
+    for (double& s : shift) s *= shift_of_shear;
+    const KerfPetscPart view{.rows = part_.rows,
+                             .start = part_.start.data(),
+                             .columns = part_.columns.data(),
+                             .values = part_.values.data(),
+                             .shift = shift.data(),
+                             .number = part_.number.data(),
+                             .owned = part_.owned,
+                             .total = total,
+                             .near_start = part_.near_start.data(),
+                             .near_rows = part_.near_rows.data()};
+    need(loaded().call->make(&view, tolerance, &solver_, &interface_rows, &primal));
+    part_.near_start = part_.near_rows = part_.number = {};
   }
   Share(const Share&) = delete;
   Share& operator=(const Share&) = delete;
@@ -90,16 +111,17 @@ class Share {
   /// `b`, `x`, `counts`: of the first process, of all; else null.
   KerfPetscSolved solve(const double* b, double* x, const int* counts) {
     const KerfPetsc& call = *loaded().call;
-    std::vector<double> right(static_cast<std::size_t>(owned_)), own(right.size());
+    std::vector<double> right(static_cast<std::size_t>(part_.owned)), own(right.size());
     KerfPetscSolved how{};
-    call.scatter(b, counts, right.data(), owned_);
+    call.scatter(b, counts, right.data(), part_.owned);
     need(call.solve(solver_, right.data(), own.data(), &how));
-    call.gather(own.data(), owned_, x, counts);
+    call.gather(own.data(), part_.owned, x, counts);
     return how;
   }
+  int interface_rows = 0, primal = 0;
 
  private:
-  Index owned_ = 0;
+  RankPart part_;  // the solver looks at its matrix
   void* solver_ = nullptr;
 };
 
@@ -130,8 +152,9 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
     return part;
   }
 
-  std::unique_ptr<PartedSolver> solver(std::vector<std::string> parts, std::vector<Index> owned) override {
-    return std::make_unique<Solver>(shared_from_this(), std::move(parts), std::move(owned));
+  std::unique_ptr<PartedSolver> solver(const std::function<std::string(Index)>& part,
+                                       std::vector<Index> owned) override {
+    return std::make_unique<Solver>(shared_from_this(), part, std::move(owned));
   }
 
  private:
@@ -141,7 +164,7 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
 
   class Solver : public PartedSolver {
    public:
-    Solver(std::shared_ptr<MpiRanks> ranks, std::vector<std::string> parts, std::vector<Index> owned)
+    Solver(std::shared_ptr<MpiRanks> ranks, const std::function<std::string(Index)>& part, std::vector<Index> owned)
         : ranks_(std::move(ranks)), owned_(std::move(owned)) {
       const std::scoped_lock lock(ranks_->one_at_a_time_);
       effort_.parts = ranks_->count_;
@@ -149,12 +172,13 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
       const int total = std::reduce(owned_.begin(), owned_.end());
       const std::string size(reinterpret_cast<const char*>(&total), sizeof total);
       for (int p = 1; p < ranks_->count_; ++p) {
-        std::string& part = parts[static_cast<std::size_t>(p)];
-        const std::string bytes = order(Order::Make, name_, size + part);
-        part = {};
+        const std::string head = order(Order::Make, name_, size), bytes = together(0, [&] { return part(p); });
+        loaded().call->send(p, head.data(), head.size());
         loaded().call->send(p, bytes.data(), bytes.size());
       }
-      share_ = together(0, [&] { return std::make_unique<Share>(parts[0], total); });
+      share_ = together(0, [&] { return std::make_unique<Share>(part(0), total); });
+      effort_.interface_rows = share_->interface_rows;
+      effort_.primal = share_->primal;
     }
     ~Solver() override {
       const std::scoped_lock lock(ranks_->one_at_a_time_);
@@ -171,6 +195,10 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
       ++effort_.solves;
       effort_.iterations = std::max(effort_.iterations, how.iterations);
       effort_.condition = std::max(effort_.condition, how.condition);
+      effort_.sent = std::max(effort_.sent, how.sent);
+      effort_.seconds += how.seconds;
+      effort_.first_mb = how.first_mb;
+      effort_.other_mb = how.other_mb;
       ranks_->check_options();
       constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
       if (how.reason < 0 && !(how.left <= enough))
@@ -222,7 +250,7 @@ class Alone : public Ranks {
   std::vector<Index> partition(const std::vector<Index>& start, const std::vector<Index>&) override {
     return std::vector<Index>(start.size() - 1, 0);
   }
-  std::unique_ptr<PartedSolver> solver(std::vector<std::string>, std::vector<Index>) override {
+  std::unique_ptr<PartedSolver> solver(const std::function<std::string(Index)>&, std::vector<Index>) override {
     throw std::logic_error("one process has no parts");
   }
 };
@@ -246,6 +274,54 @@ int started_processes() {
   return 1;
 }
 
+namespace {
+
+pid_t launcher = 0;
+
+// mpiexec passes it on to its processes, of which the first one ends cleanly.
+extern "C" void pass_on(int signal) {
+  kill(launcher, signal);
+}
+
+}  // namespace
+
+int run_by_mpiexec(int count, char** argv) {
+  require_module();
+  std::error_code unknown;
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe", unknown).string(),
+                    processes = std::to_string(count);
+  // More processes than cores is for the user to say; they are not tied to cores that others have been given, too.
+  std::vector<const char*> words{
+      "mpiexec", "--oversubscribe", "--bind-to", "none", "-n", processes.c_str(), unknown ? argv[0] : program.c_str()};
+  for (char** word = argv + 1; *word; ++word) words.push_back(*word);
+  words.push_back(nullptr);
+  launcher = fork();
+  if (launcher == 0) {
+    execvp(words[0], const_cast<char**>(words.data()));
+    _exit(127);
+  }
+  if (launcher < 0) throw Error(Fault::Files, "no further process can be started");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    action.sa_handler = pass_on;
+    sigaction(signal, &action, nullptr);
+  }
+  int status = 0;
+  while (waitpid(launcher, &status, 0) < 0 && errno == EINTR) {
+  }
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  if (code == 127) throw Error(Fault::Files, "mpiexec cannot be started; is openmpi-bin installed?");
+  // kerf itself has no code 1.
+  if (code == 1) throw Error(Fault::Files, "mpiexec did not start the processes; it says why above");
+  constexpr int killed = 128;
+  if (code > killed)
+    throw Error(Fault::Files,
+                fmt::format("one of {} processes was killed (signal {}), which ends all of them; what was "
+                            "written before stays",
+                            count, code - killed));
+  return code;
+}
+
 int Processes::start() {
   if (rank_ >= 0) return rank_;
   require_module();
@@ -259,9 +335,13 @@ int Processes::start() {
 void Processes::serve() {
   const KerfPetsc& call = *loaded().call;
   std::map<int, std::unique_ptr<Share>> shares;
-  const auto obey = [&] {
+  const auto next = [&call] {
     std::string bytes(call.wait(), '\0');
     call.receive(bytes.data(), bytes.size());
+    return bytes;
+  };
+  const auto obey = [&] {
+    std::string bytes = next();
     const auto what = static_cast<Order>(bytes[0]);
     int name = 0, total = 0;
     std::memcpy(&name, bytes.data() + 1, sizeof name);
@@ -269,7 +349,7 @@ void Processes::serve() {
     if (what == Order::Options) need(call.options(bytes.c_str()));
     if (what == Order::Make) {
       std::memcpy(&total, bytes.data(), sizeof total);
-      shares[name] = std::make_unique<Share>(bytes.substr(sizeof total), total);
+      shares[name] = std::make_unique<Share>(next(), total);
     }
     if (what == Order::Solve) shares.at(name)->solve(nullptr, nullptr, nullptr);
     if (what == Order::Drop) shares.erase(name);

@@ -9,6 +9,10 @@ namespace kerf {
 /// How many mpiexec started, as the environment says; 1 without it.
 int started_processes();
 
+/// The program that runs, with the same arguments, as `count` processes by mpiexec; waits for their end. Returns their
+/// exit code. One that is killed ends all of them: then throws Error(Files), as when mpiexec cannot be started.
+int run_by_mpiexec(int count, char** argv);
+
 /// From the first process to the last of its calls: starts what backend = "petsc" needs when it is first asked for.
 class Processes {
  public:

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 namespace kerf {
 
@@ -20,12 +21,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path snapshots_file(const fs::path& folder) {
-  return folder / "checkpoint.strip";
-}
+constexpr const char* snapshots_file = "checkpoint.strip";
 
 std::string design_name(int number) {
   return fmt::format("design_{:04}.vtu", number);
+}
+
+/// Designs of other iterations.
+void remove_but(const fs::path& folder, const std::set<int>& numbers) {
+  std::vector<fs::path> stale;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    int number = -1;
+    if (name.starts_with("design_") && name.ends_with(".vtu"))
+      std::from_chars(name.data() + 7, name.data() + name.size() - 4, number);
+    if (number >= 0 && !numbers.contains(number)) stale.push_back(entry.path());
+  }
+  std::error_code ignored;
+  for (const fs::path& path : stale) fs::remove(path, ignored);
 }
 
 /// Without the weak phase and what is mostly of it; the whole body without such phases.
@@ -58,7 +71,7 @@ void Recorder::restore() {
     }
   }
   try {
-    const auto kept = read_checkpoint(snapshots_file(journal_.options.folder));
+    const auto kept = read_checkpoint(journal_.file(snapshots_file));
     if (kept && kept->fingerprint == task_.fingerprint) snapshots_ = from_checkpoint(*kept);
   } catch (const Error&) {
     // Pictures can do without.
@@ -69,18 +82,36 @@ void Recorder::start() {
   since_start_.lap();
 }
 
+void Recorder::write_anew(const std::string& name, std::function<void(const fs::path&)> write) const {
+  journal_.writer->put({[path = journal_.file(name), write = std::move(write)] { write(path); }, 0, name});
+}
+
 void Recorder::write_history() const {
   std::string out = history_header(names_);
   for (const auto& [number, line] : lines_) out += line;
-  write_file(journal_.file("history.csv"), out);
+  write_anew("history.csv", [out = std::move(out)](const fs::path& path) { write_file(path, out); });
 }
 
 void Recorder::write_designs() const {
   if (!journal_.vtk) return;
-  std::vector<std::pair<int, std::string>> files;
-  for (const auto& [number, line] : lines_)
-    if (fs::exists(journal_.file(design_name(number)))) files.emplace_back(number, design_name(number));
-  write_collection(journal_.file("optimize.pvd"), files);
+  std::vector<int> numbers;
+  for (const auto& [number, line] : lines_) numbers.push_back(number);
+  write_anew("optimize.pvd", [numbers = std::move(numbers)](const fs::path& path) {
+    std::vector<std::pair<int, std::string>> files;
+    for (const int number : numbers)
+      if (fs::exists(path.parent_path() / design_name(number))) files.emplace_back(number, design_name(number));
+    write_collection(path, files);
+  });
+}
+
+void Recorder::write_design(const Iterate& iterate) const {
+  PlotData data = plot_data(iterate.model, iterate.state, task_.problem.plane_strain);
+  std::vector<NamedField> fields = design_fields(iterate.model, data);
+  const std::size_t bytes = held(data.points, data.corners, fields);
+  journal_.later([path = journal_.file(design_name(iterate.row.number)), points = std::move(data.points),
+                  triangles = std::move(data.corners.of),
+                  fields = std::move(fields)] { write_vtu(path, points, triangles, fields); },
+                 bytes);
 }
 
 std::string Recorder::progress(const Iteration& row) {
@@ -104,16 +135,16 @@ void Recorder::write_iterate(const Iterate& iterate) {
   const Iteration& row = iterate.row;
   lines_.erase(lines_.upper_bound(row.number), lines_.end());  // of an interrupted run
   lines_[row.number] = history_line(row, names_);
-  if (journal_.vtk) {
-    const PlotData data = plot_data(iterate.model, iterate.state, task_.problem.plane_strain);
-    write_vtu(journal_.file(design_name(row.number)), data.points, data.corners.of, design_fields(iterate.model, data));
-  }
+  if (journal_.vtk) write_design(iterate);
   write_designs();
   write_history();
   if (journal_.png || journal_.html) {
     add(snapshots_, {row.number, row.objective, row.volume_fraction,
                      contours(strong_part(iterate.model.mesh, task_.request.level_set.ersatz > 0))});
-    write_checkpoint(snapshots_file(journal_.options.folder), to_checkpoint(snapshots_, task_.fingerprint));
+    // Pictures can do without: it is not flushed to the disk.
+    write_anew(snapshots_file, [c = to_checkpoint(snapshots_, task_.fingerprint)](const fs::path& path) {
+      write_checkpoint(path, c, Flush::Buffers);
+    });
   }
 }
 
@@ -125,6 +156,7 @@ void Recorder::see(const Iterate& iterate) {
     if (journal_.options.on_phase) journal_.options.on_phase(text);
     Stopwatch watch;
     write_iterate(iterate);
+    if (journal_.options.on_iteration) journal_.writer->finish();
     output_ += watch.lap();
     if (journal_.options.on_iteration) journal_.options.on_iteration(row);
   }
@@ -135,17 +167,11 @@ void Recorder::finish(const std::vector<Iteration>& history) {
   Stopwatch watch;
   lines_.clear();
   for (const Iteration& row : history) lines_[row.number] = history_line(row, names_);
-  write_history_csv(journal_.file("history.csv"), history, names_);
-  std::vector<fs::path> stale;
-  for (const auto& entry : fs::directory_iterator(journal_.options.folder)) {
-    const std::string name = entry.path().filename().string();
-    int number = -1;
-    if (name.starts_with("design_") && name.ends_with(".vtu"))
-      std::from_chars(name.data() + 7, name.data() + name.size() - 4, number);
-    if (number >= 0 && lines_.count(number) == 0) stale.push_back(entry.path());
-  }
-  std::error_code ignored;
-  for (const fs::path& path : stale) fs::remove(path, ignored);
+  write_anew("history.csv",
+             [history, names = names_](const fs::path& path) { write_history_csv(path, history, names); });
+  std::set<int> numbers;
+  for (const Iteration& row : history) numbers.insert(row.number);
+  journal_.later([folder = journal_.options.folder, numbers = std::move(numbers)] { remove_but(folder, numbers); });
   write_designs();
   const auto unknown = [&](const Snapshot& s) { return lines_.count(s.iteration) == 0; };
   std::erase_if(snapshots_.kept, unknown);

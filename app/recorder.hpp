@@ -37,7 +37,10 @@ class Recorder {
  private:
   void write_history() const;
   void write_designs() const;
+  void write_design(const Iterate& iterate) const;
   void write_iterate(const Iterate& iterate);
+  /// A file that every iterate has anew.
+  void write_anew(const std::string& name, std::function<void(const std::filesystem::path&)> write) const;
   std::string progress(const Iteration& row);
 
   const OptimizeTask& task_;

@@ -49,6 +49,7 @@ Adaptation adaptation(const Case& c, const RunOptions& options) {
                  .saddle_point = c.backend == Backend::Umfpack,
                  .estimate = c.output.estimate,
                  .threads = options.threads};
+  if (c.precision == FactorPrecision::Single || options.in_single) how.precision = Precision::Single;
   if (c.backend == Backend::Petsc) how.ranks = options.processes->ranks(c.petsc);
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
   how.given = c.mesh;
@@ -249,7 +250,12 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
   if (const auto effort = parted_effort(adapted.model))
-    r.solver = SolverResult{effort->parts, effort->solves, effort->iterations, effort->condition};
+    r.solver =
+        SolverResult{effort->parts,  effort->solves, effort->iterations, effort->condition, effort->interface_rows,
+                     effort->primal, effort->sent,   effort->first_mb,   effort->other_mb};
+  if (journal.options.in_single && r.solver)  // else it did not serve, which a note says
+    r.state->notes.emplace_back(
+        "the factor is kept in single precision: in double it would take more memory than there is or may be used");
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
   if (has_functions(*c.document))
     r.state->notes.emplace_back(
@@ -308,6 +314,7 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   }
   Case design = designed(c, found.result);
   write_design_files(journal, c, found.result);
+  journal.writer->finish();  // gmsh gets a child of this process, which is made while no other thread is at work
   try {
     if (has_gmsh()) write_step(journal.file("design.step"), found.result.shape);
   } catch (const Error& e) {  // the design is not lost with it
@@ -321,6 +328,10 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   return design;
 }
 
+void write_design_mesh(const Journal& journal, const Mesh& mesh, const Shape& shape) {
+  journal.later([path = journal.file("design.msh"), mesh, shape] { write_mesh(path, mesh, shape); });
+}
+
 /// After a state, a map or a validation of the given body the design is drawn alone: the last design_NNNN.vtu has its
 /// state.
 void draw_design(const Case& design, Journal& journal, Result& r) {
@@ -328,7 +339,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
   journal.begin("draw the design");
   const Body body = body_of(design);
   const Mesh mesh = triangulate(body.shape, body.sizing);
-  write_mesh(journal.file("design.msh"), mesh, design.shape);
+  write_design_mesh(journal, mesh, design.shape);
   journal.picture("design.png", [&] { return picture_of(design, mesh); });
   journal.seconds.output += journal.lap();
 }
@@ -336,7 +347,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 /// The state of the optimal design; J is what the optimization says, over all load cases.
 Solved solve_design(const Case& design, Journal& journal, Result& r) {
   Solved solved = solve_state(design, journal, r);
-  write_mesh(journal.file("design.msh"), solved.adapted.model.mesh, design.shape);
+  write_design_mesh(journal, solved.adapted.model.mesh, design.shape);
   journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });
   r.functional = {design.functional.kind, r.optimize->objective};
   journal.seconds.output += journal.lap();
@@ -351,6 +362,7 @@ void sum_up(Journal& journal, Result& r) {
 
 /// Nothing further can be had. What there is goes to disk.
 void fail(const Error& e, Journal& journal, Result& r) {
+  journal.writer->finish();
   r.status = "failed";
   r.reason = e.what();
   sum_up(journal, r);
@@ -463,13 +475,13 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   journal.begin("write");
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
-    write_probe_file(journal.file("probe_" + c.probes[i].name + ".csv"), c.probes[i], adapted, map_task(c), mapped,
-                     bounded[i]);
+    write_probe_file(journal, c.probes[i], adapted, map_task(c), mapped, bounded[i]);
   if (!certified(adapted.state)) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);
   }
   if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
+  journal.writer->finish();
   journal.seconds.output += journal.lap();
   if (RunFields* const fields = journal.options.fields) {
     fields->mesh = adapted.model.mesh;
@@ -477,7 +489,8 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     fields->indicator = adapted.indicator.eta;
   }
   sum_up(journal, r);
-  write_json(journal.file("result.json"), r);  // before the page: a disk may be full
+  // Before the page: a disk may be full.
+  write_json(journal.file("result.json"), r, journal.html ? Flush::Buffers : Flush::Disk);
   if (journal.html) {
     add_state(journal.arrays, adapted, out->solved.data,
               design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
@@ -486,7 +499,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     write_report(journal.options.folder);
     journal.seconds.output += journal.lap();
     sum_up(journal, r);
-    write_json(journal.file("result.json"), r);
+    write_json(journal.file("result.json"), r, Flush::Disk);
   }
   return r;
 }
@@ -518,8 +531,12 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   try {
     return complete(read, jobs, journal);
   } catch (const Stopped&) {
+    journal.writer->finish();
     throw Error(Fault::Numerics, fmt::format("stopped in \"{}\"; what was done before is in {}", journal.phase,
                                              options.folder.string()));
+  } catch (...) {
+    journal.writer->finish();  // what could not be written came before
+    throw;
   }
 }
 

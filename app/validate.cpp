@@ -14,7 +14,7 @@ ValidationResult validate_expansion(const Body& body, const Functional& j, Valid
                                 validate({body.shape, body.sizing}, body.element, body.scene, j, request)};
   journal.seconds.validate = journal.lap();
   if (!stop_requested()) journal.begin("write the validation");
-  write_validation_csv(journal.file("validate.csv"), result);
+  journal.later([path = journal.file("validate.csv"), result] { write_validation_csv(path, result); });
   journal.picture("validate.png", [&] { return validation_chart(result, journal.title); });
   journal.seconds.output += journal.lap();
   check_stop();

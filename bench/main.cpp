@@ -2,9 +2,11 @@
 
 #include "app/program.hpp"
 #include "app/progress.hpp"
+#include "app/ranks.hpp"
 #include "bench/contact.hpp"
 #include "bench/hard.hpp"
 #include "bench/limit.hpp"
+#include "bench/machines.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/proof.hpp"
@@ -53,6 +55,8 @@ const std::vector<Bench>& benches() {
        proof_case_names()},
       {"limit", "each phase's time, the factor against dgemm's speed, memory per triangle, one thread and two",
        limit_case_names()},
+      {"machines", "several processes: iterations, condition, what is sent, memory and time on 4 to 64 parts",
+       machine_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()},
       {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
@@ -134,6 +138,11 @@ void check(const Arguments& arguments) {
 }
 
 int perform(int argc, char** argv) {
+  Processes processes;
+  if (started_processes() > 1 && processes.start() > 0) {
+    processes.serve();
+    return 0;
+  }
   const auto arguments = parse(argc, argv);
   if (!arguments) return 0;
   if (arguments->list) {
@@ -141,6 +150,9 @@ int perform(int argc, char** argv) {
     return 0;
   }
   check(*arguments);
+  if (started_processes() > 1 && arguments->name != "machines")
+    throw Error(Fault::Usage,
+                fmt::format("kerf bench {} runs on one process; start it without mpiexec", arguments->name));
   BenchOptions options = arguments->options;
   options.folder = arguments->folder.empty() ? std::filesystem::path("out") / ("bench_" + arguments->name)
                                              : std::filesystem::path(arguments->folder);
@@ -171,6 +183,8 @@ int perform(int argc, char** argv) {
       throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
   } else if (arguments->name == "limit") {
     finish(run_limit_bench(options, arguments->large));
+  } else if (arguments->name == "machines") {
+    finish(run_machine_bench(options, processes));
   } else if (arguments->name == "contact") {
     finish(run_contact_bench(options));
   } else if (arguments->name == "optimize") {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -84,6 +85,57 @@ Json contact_section(const ContactRow& r) {
           {"kkt", number(r.kkt)},
           {"certified", r.certified},
           {"refused", r.refused}};
+}
+
+Json machine_section(const MachineRow& r) {
+  return {{"family", r.family},
+          {"parts", r.parts},
+          {"element", r.element},
+          {"degree", r.degree},
+          {"poisson", r.poisson},
+          {"contrast", r.contrast},
+          {"cracks", r.cracks},
+          {"across", number(r.across)},
+          {"triangles", r.triangles},
+          {"unknowns", r.unknowns},
+          {"iterations", r.iterations},
+          {"condition", number(r.condition)},
+          {"interface_unknowns", r.interface_unknowns},
+          {"primal_unknowns", r.primal_unknowns},
+          {"bytes_per_iteration", number(r.sent)},
+          {"first_mb", number(r.first_mb)},
+          {"others_mb", number(r.others_mb)},
+          {"parts_s", number(r.parts_s)},
+          {"iterate_s", number(r.iterate_s)},
+          {"factor_s", number(r.factor_s)},
+          {"off", number(r.off)},
+          {"refused", r.refused}};
+}
+
+MachineRow machine_row(const Json& from) {
+  const auto real = [&from](const char* name) { return from[name].is_number() ? from[name].get<double>() : nan; };
+  return {.family = from["family"],
+          .parts = from["parts"],
+          .element = from["element"],
+          .degree = from["degree"],
+          .poisson = from["poisson"],
+          .contrast = from["contrast"],
+          .cracks = from["cracks"],
+          .across = real("across"),
+          .triangles = from["triangles"],
+          .unknowns = from["unknowns"],
+          .iterations = from["iterations"],
+          .condition = real("condition"),
+          .interface_unknowns = from["interface_unknowns"],
+          .primal_unknowns = from["primal_unknowns"],
+          .sent = real("bytes_per_iteration"),
+          .first_mb = real("first_mb"),
+          .others_mb = real("others_mb"),
+          .parts_s = real("parts_s"),
+          .iterate_s = real("iterate_s"),
+          .factor_s = real("factor_s"),
+          .off = real("off"),
+          .refused = from["refused"]};
 }
 
 Json second_section(const SecondTermRow& r) {
@@ -443,6 +495,28 @@ void write_limit_json(const std::filesystem::path& path, const LimitBench& bench
       {"rows", Json::array()}};
   for (const LimitRow& r : bench.rows) out["rows"].push_back(limit_section(r));
   write_file(path, out.dump(2) + "\n");
+}
+
+void write_machines_csv(const std::filesystem::path& path, const MachineBench& bench) {
+  std::vector<Json> rows;
+  for (const MachineRow& r : bench.rows) rows.push_back(machine_section(r));
+  write_file(path, csv(machine_section({}), rows));
+}
+
+void write_machines_json(const std::filesystem::path& path, const MachineBench& bench) {
+  Json out = {{"schema", 1},          {"bench", "machines"},  {"status", bench.stopped ? "stopped" : "ok"},
+              {"quick", bench.quick}, {"notes", bench.notes}, {"rows", Json::array()}};
+  for (const MachineRow& r : bench.rows) out["rows"].push_back(machine_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+std::vector<MachineRow> read_machines_json(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  const Json all = Json::parse(file, nullptr, false);
+  std::vector<MachineRow> rows;
+  if (!all.is_discarded() && all.contains("rows"))
+    for (const Json& row : all["rows"]) rows.push_back(machine_row(row));
+  return rows;
 }
 
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench) {

@@ -4,6 +4,7 @@
 #include "bench/contact.hpp"
 #include "bench/hard.hpp"
 #include "bench/limit.hpp"
+#include "bench/machines.hpp"
 #include "bench/map.hpp"
 #include "bench/optimize.hpp"
 #include "bench/proof.hpp"
@@ -26,6 +27,10 @@ void write_proof_json(const std::filesystem::path& path, const ProofBench& bench
 /// A row per run and phase.
 void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench);
 void write_limit_json(const std::filesystem::path& path, const LimitBench& bench);
+void write_machines_csv(const std::filesystem::path& path, const MachineBench& bench);
+void write_machines_json(const std::filesystem::path& path, const MachineBench& bench);
+/// The rows of such a file, none where there is none.
+std::vector<MachineRow> read_machines_json(const std::filesystem::path& path);
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench);
 void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench);

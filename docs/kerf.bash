@@ -15,9 +15,9 @@ _kerf() {
     -o | --output | --peers | --write) COMPREPLY=($(compgen -d -- "$word")) && return ;;
   esac
   case ${COMP_WORDS[1]} in
-    run) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    solve) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    map) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    run) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    solve) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    map) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
@@ -114,6 +114,7 @@ solver.element
 solver.degree
 solver.contact
 solver.backend
+solver.precision
 solver.petsc
 functional.kind
 functional.on

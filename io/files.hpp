@@ -1,6 +1,8 @@
 #pragma once
 // Whole files at once. A file appears under its name complete or not at all.
 
+#include "geometry/whole_file.hpp"
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -8,7 +10,7 @@
 namespace kerf {
 
 /// Through a temporary file beside `path` that is renamed. Throws Error(Files) naming the path and the reason.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+void write_file(const std::filesystem::path& path, std::string_view bytes, Flush flush = Flush::Buffers);
 
 /// Throws Error(Files) naming the path and the reason.
 std::string read_file(const std::filesystem::path& path);

@@ -1,6 +1,7 @@
 #pragma once
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
+#include "geometry/whole_file.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
@@ -99,10 +100,13 @@ struct ResultantResult {
   double moment = 0;
 };
 
-/// Of backend = "petsc".
+/// Of backend = "petsc", and of a factor in single precision: one part.
 struct SolverResult {
   int parts = 0, solves = 0, iterations = 0;  // the most iterations of a solve
   double condition = 0;                       // the largest estimate
+  int interface_unknowns = 0, primal_unknowns = 0;
+  double sent = 0;                     // bytes per iteration of the process that sends most
+  double first_mb = 0, others_mb = 0;  // peaks of memory: of the first process, the largest of the others
 };
 
 struct StateResult {
@@ -247,7 +251,7 @@ struct Result {
 };
 
 /// result.json, schema 1 of the interface: 17 digits, written to a temporary file and renamed.
-void write_json(const std::filesystem::path& path, const Result& result);
+void write_json(const std::filesystem::path& path, const Result& result, Flush flush = Flush::Buffers);
 
 /// Comma-separated table, 17 digits; a value that is not finite is an empty cell.
 void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,

@@ -1,6 +1,9 @@
 #pragma once
 // Everything a loop needs to go on as if it had never stopped.
 
+#include "geometry/whole_file.hpp"
+#include "kerf/optimize.hpp"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
@@ -18,9 +21,12 @@ struct Checkpoint {
   std::map<std::string, std::string> texts;
 };
 
-/// Binary, with a checksum; written to a temporary file beside it, flushed to disk and renamed: after a kill at any
-/// moment the file is the old or the new one. Throws Error(Files).
-void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+/// Binary, with a checksum; written to a temporary file beside it, flushed to disk if asked for and renamed: after a
+/// kill at any moment the file is the old or the new one. Throws Error(Files).
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, Flush flush = Flush::Disk);
+
+/// At the place, by who writes there.
+void keep(const CheckpointPlace& place, Checkpoint checkpoint);
 
 /// Nothing when there is no file. Throws Error(Files) when it cannot be read or its checksum is wrong.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path);

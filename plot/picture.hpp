@@ -53,6 +53,9 @@ struct Picture {
   std::vector<Trace> traces;
 };
 
+/// Bytes that its points, triangles and values take.
+std::size_t held(const Picture& picture);
+
 /// Throws Error(Files) naming the path. Values that are not finite are drawn in gray.
 void draw(const std::filesystem::path& path, const Picture& picture);
 

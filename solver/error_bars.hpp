@@ -11,12 +11,15 @@ struct ErrorBars {
   Eigen::VectorXd around;  // per corner: what the two solutions typically differ by around it
 };
 
-/// The better solution comes from `better_element` on triangulate(shape, sizing, {&mesh, better_sizes(...)}): edges as
-/// in `mesh`, but 8 times shorter at singular corners, whose error reaches everywhere and which a higher degree alone
-/// hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all degrees. 2.5 to 4
-/// times the work of the solution itself. Throws Error(Usage) when there is no better element.
+/// The better solution comes from `better_element` on triangulate(shape, sizing, {&mesh, better_sizes(...)}), the size
+/// and the edges of `mesh` times longer_edges: as many unknowns as the solution itself has, which the higher degree makes
+/// up for. But edges are 8 times shorter at singular corners, whose error reaches everywhere and which a higher degree
+/// alone hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all degrees.
+/// Throws Error(Usage) when there is no better element.
 const Element& better_element(const Element& e);
-std::vector<double> better_sizes(const Mesh& mesh, const Corners& corners, const std::vector<bool>& singular);
+double longer_edges(const Element& own);
+std::vector<double> better_sizes(const Mesh& mesh, const Corners& corners, const std::vector<bool>& singular,
+                                 double longer = 1);
 
 /// Where the two solutions are compared: for every corner a point of one of its triangles next to it, then the
 /// centroids. `better`: triangles of the better mesh.

@@ -1,7 +1,7 @@
 #pragma once
-// A factorized sparse symmetric matrix. CHOLMOD lives in factor.cpp and nowhere else.
+// A factorized sparse symmetric matrix.
 
-#include "solver/ranks.hpp"
+#include "kerf/types.hpp"
 #include "solver/system/lu.hpp"
 #include "solver/system/multifrontal.hpp"
 
@@ -13,8 +13,8 @@ namespace kerf {
 
 /// Fill-reducing order of the nodes of an undirected graph (nested dissection, METIS), postordered. `start` and
 /// `neighbors` list the neighbors of each node, both directions, without the node itself. Returns order[k] = node
-/// k-th to be eliminated.
-std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors);
+/// k-th to be eliminated. The same for any number of threads, in every program.
+std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors, int threads = 1);
 
 /// The BLAS and OpenMP on one thread each, from here on: processes and threads of kerf share the cores themselves.
 void use_one_thread();
@@ -22,15 +22,21 @@ void use_one_thread();
 /// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
 void return_freed_memory();
 
+struct PartedEffort;  // solver/ranks.hpp
+
 /// Solves with the rows of a matrix that no contact law acts on, by other means than a factor.
 class LeadingSolver {
  public:
   virtual ~LeadingSolver() = default;
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
   virtual PartedEffort effort() const = 0;
+  /// The lower Cholesky factor of S, where it is known without solves.
+  virtual const Eigen::MatrixXd* contact_factor() const {
+    return nullptr;
+  }
 };
 
-/// P' K P = L L' by CHOLMOD's analysis and solves and a numeric phase of our own, in the order in which K comes: rows
+/// P' K P = L L' by CHOLMOD's analysis and a numeric phase of our own, in the order in which K comes: rows
 /// in contact last, before them those of an interface. The last block of L is the Cholesky factor of the Schur
 /// complement S = D - B K^-1 B' onto its rows. A matrix that is not definite goes to UMFPACK, without such rows.
 class Factor {
@@ -41,8 +47,9 @@ class Factor {
          int threads = 1);
   /// Of a definite matrix whose rows may be eliminated in any order: `sequence[k]` is the k-th. There is no last block.
   Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads = 1);
-  /// Of a definite matrix whose leading rows `leading` solves: S by a solve per row in contact, then two for each solve
-  /// [theory: E.31]. The halves below are those of a block elimination, which `backward` undoes.
+  /// Of a definite matrix whose leading rows `leading` solves: S by a solve per row in contact, unless it is
+  /// known, then two for each solve [theory: E.31]. The halves below are those of a block elimination, which `backward`
+  /// undoes.
   Factor(const LowerTriangle& lower, Index contact_rows, std::unique_ptr<LeadingSolver> leading);
   ~Factor();
   Factor(Factor&&) noexcept;
@@ -69,19 +76,19 @@ class Factor {
   Eigen::VectorXd backward(const Eigen::VectorXd& y, const std::vector<bool>& fronts) const;
   std::vector<bool> fronts_above(const std::vector<Index>& rows) const;
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  double energy(const Eigen::VectorXd& b) const;  // b' K^-1 b
+  double energy(const Eigen::VectorXd& b) const;              // b' K^-1 b
   Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;  // of a definite matrix, column by column
 
   /// L of a definite matrix as it lies in memory, and its order: place k is that of row order[k].
   struct Columns {
-    Supernodes blocks;
+    const Multifrontal& blocks;
     const double* values;
-    const Index* order;
+    const std::vector<Index>& order;
   };
   Columns columns() const;
 
-  double entries() const;  // nonzeros of L
-  double flops() const;
+  double entries() const;                // nonzeros of L
+  double flops() const;                  // of the factorization; both as if all nodes of a front were of one size
   const LeadingSolver* leading() const;  // null with a factor
 
  private:

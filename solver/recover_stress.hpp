@@ -4,6 +4,9 @@
 #include "kerf/model.hpp"
 #include "kerf/state.hpp"
 
+#include <span>
+#include <vector>
+
 namespace kerf {
 
 /// The symmetric part (s11, s22, s12) of a recovered stress. Per corner a polynomial: the least squares fit to the
@@ -23,14 +26,24 @@ struct RecoveredStress {
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& corners);
 
 /// Of order 2: cubics fitted to the means over the triangles of two rings, more at boundaries; order 1: quadratics;
-/// above: quartics fitted to point values in one ring [Zienkiewicz, Zhu 1992, with means for point values; theory:
-/// R.2]. Any solved field will do: nothing is asked of its divergence or its strains. `load`: f with div s + f = 0,
-/// where it is known and not constant; elements whose displacements are constant then get what they do not see of it,
-/// which halves the error. Bits do not depend on model.threads.
-/// The order stays that of the element on general meshes (one more where they are regular), the error falls by 3 to 10
-/// for order 2 unless a rough load or a coarse tip dominates it.
+/// above: quartics, for order 5 quintics, fitted to point values in one ring [Zienkiewicz, Zhu 1992, with means for
+/// point values; theory: R.2]. Any solved field will do: nothing is asked of its divergence or its strains. `load`: f
+/// with div s + f = 0, where it is known and not constant; elements whose displacements are constant then get what they
+/// do not see of it, which halves the error. Bits do not depend on model.threads. The order stays that of the element
+/// on general meshes (one more where they are regular), the error falls by 3 to 10 for order 2 unless a rough load or a
+/// coarse tip dominates it.
 RecoveredStress recover_stress(const Model& model, const Field& field, const Corners& corners,
                                const std::vector<bool>& singular, const VectorField& load = {});
+
+/// The same of several fields of one mesh and element, whose fits share their matrices: little more than one takes.
+/// `wanted`: per triangle, all if empty. At points of others, their corners and centroids nothing is known then.
+struct FieldToRecover {
+  const Model& model;
+  const Field& field;
+  VectorField load = {};
+};
+std::vector<RecoveredStress> recover_stresses(std::span<const FieldToRecover> fields, const Corners& corners,
+                                              const std::vector<bool>& singular, const std::vector<bool>& wanted = {});
 
 /// At a point of a triangle.
 struct PointIn {

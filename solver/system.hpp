@@ -26,6 +26,8 @@ struct Inner {
   std::vector<Motion> start = {};          // per row in contact: the set to begin with there, or nothing
 };
 
+class Ranks;  // solver/ranks.hpp
+
 /// `prepare` (kerf/model.hpp), the condensed system solved in parts by `ranks`, or here alone when there are none.
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
               std::shared_ptr<Ranks> ranks);

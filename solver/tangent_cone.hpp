@@ -4,6 +4,7 @@
 #include "kerf/adjoint.hpp"
 #include "solver/contact/sliding.hpp"
 
+#include <optional>
 #include <utility>
 
 namespace kerf {
@@ -25,11 +26,28 @@ TangentCone tangent_cone(const Model& model, const Field& state);
 /// share of the dual slip [theory: A.15].
 TangentField solve_adjoint(const Model& model, const Sensitivity& dJ, const TangentCone& cone);
 
+/// Many linear problems whose loads lie on few unknowns of the skeleton, those of a boundary say: a column per problem.
+struct FewLoads {
+  std::vector<Index> unknowns;
+  Eigen::MatrixXd load, prescribed;  // a row per unknown; prescribed: where supports fix it, 0 elsewhere
+};
+/// A number that is linear in the solution of problem `of`: weights . its interior in triangle t.
+struct Reading {
+  Eigen::Index of;
+  Index t;
+  Eigen::VectorXd weights;
+};
+
 /// TangentSolver on a cone with friction; the model must outlive it.
 class ConeSolver {
  public:
   ConeSolver(const Model& model, TangentCone cone);
   ~ConeSolver();
+  /// What is read, without the solutions: loads and readings meet half way, each substituted on the way from its
+  /// unknowns to the root alone, all at once [theory: T.38]. Not refined. Nothing where one substitution is no
+  /// solution: with a penalty, with forces that follow pressures, with large contact, without a factor of a definite
+  /// matrix.
+  std::optional<Eigen::VectorXd> read(const FewLoads& loads, std::span<const Reading> readings) const;
   TangentField solve(const Eigen::VectorXd& load, const std::vector<double>& prescribed,
                      double enough = TangentSolver::to_rounding, std::span<const Index> only = {});
   std::vector<TangentField> solve_all(std::size_t count, const std::function<Eigen::VectorXd(std::size_t)>& load);

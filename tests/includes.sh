@@ -74,7 +74,7 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
   done < <(grep -rlE "^#include <$1" include geometry solver topo optimize io plot bench app python --include=*.cpp --include=*.hpp)
 }
 only CGAL/ geometry/mesher/mesher.cpp
-only cholmod solver/system/factor.cpp
+only cholmod solver/system/symbolic.cpp
 only umfpack solver/system/lu.cpp
 only nlopt optimize/parametric/minimize.cpp
 only 'toml\+\+' io/case/reader.cpp

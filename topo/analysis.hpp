@@ -6,8 +6,9 @@
 namespace kerf {
 
 /// The recovered stresses of the state, the adjoint and the others, for Analysis::fields: once for several maps.
-/// `corners`: those of split_for_stress, where they are known already.
-std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners = {});
+/// `corners`: those of split_for_stress, where they are known already. `wanted`: as recover_stresses has it.
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners = {},
+                                                const std::vector<bool>& wanted = {});
 
 /// Throws Error(Usage) where J sees rigid motions that the supports leave free: the solver takes them out of the mean,
 /// which a change of the body moves.

@@ -55,6 +55,7 @@ struct Adaptation {
   /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
   std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
   std::shared_ptr<Ranks> ranks = {};  // solve the condensed system in parts
+  Precision precision = Precision::Double;
 };
 
 struct Adapted {

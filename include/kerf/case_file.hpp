@@ -70,9 +70,13 @@ struct OutputRequest {
 /// part of the condensed matrix each.
 enum class Backend { Cholmod, Umfpack, Petsc };
 
+/// Auto: double, or single where double is more than the memory that there is or may be used.
+enum class FactorPrecision { Auto, Double, Single };
+
 // The words of case files, results and messages for values of enums, in the order of the values.
 inline constexpr std::array<std::string_view, 3> contact_method_words{"dual-qp", "active-set", "uzawa"};
 inline constexpr std::array<std::string_view, 3> backend_words{"cholmod", "umfpack", "petsc"};
+inline constexpr std::array<std::string_view, 3> precision_words{"auto", "double", "single"};
 inline constexpr std::array<std::string_view, 3> crack_law_words{"unilateral", "open", "bonded"};
 constexpr std::string_view word(ContactMethod method) {
   return contact_method_words[static_cast<std::size_t>(method)];
@@ -120,6 +124,7 @@ struct Case {
   Element element = bdms(1);
   ContactMethod contact = ContactMethod::DualQp;
   Backend backend = Backend::Cholmod;
+  FactorPrecision precision = FactorPrecision::Auto;
   std::optional<AdaptRequest> adapt;
   Functional functional;
   MapRequest map_request;       // perturbation, radius and bounds of a map, asked for in the case or not

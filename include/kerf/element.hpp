@@ -56,7 +56,8 @@ constexpr Element bdms(int k) {
           .trace = k,
           .efficiency = k == 1   ? 5.2
                         : k == 2 ? 8
-                                 : 11};
+                        : k == 3 ? 11
+                                 : 26};
 }
 /// [Arnold, Falk, Winther 2007]: no bubbles, the rotation one degree lower, and with it the order.
 constexpr Element afw(int k) {
@@ -69,7 +70,8 @@ constexpr Element afw(int k) {
           .trace = k,
           .efficiency = k == 1   ? 1.7
                         : k == 2 ? 6.3
-                                 : 8.5};
+                        : k == 3 ? 8.5
+                                 : 14.5};
 }
 
 /// [Arnold, Brezzi, Douglas 1984]
@@ -126,11 +128,13 @@ constexpr Element displacement_element(int k) {
 inline constexpr std::array elements{bdms(1),
                                      bdms(2),
                                      bdms(3),
+                                     bdms(4),
                                      bdms_continuous,
                                      peers,
                                      afw(1),
                                      afw(2),
                                      afw(3),
+                                     afw(4),
                                      arnold_winther,
                                      arnold_winther_conforming,
                                      arnold_winther_nonconforming,
@@ -217,9 +221,9 @@ constexpr bool can_bound_energy(const Element& e) {
 constexpr bool can_estimate_error(const Element& e) {
   return is_mixed(e);
 }
-/// Error bars, from an element of higher order: bdms of that degree, up to 3.
+/// Error bars, from an element of higher order: bdms of that degree, up to 4.
 constexpr bool can_be_bettered(const Element& e) {
-  return e.order <= 3;
+  return e.order <= 4;
 }
 
 using Ability = bool (*)(const Element&);

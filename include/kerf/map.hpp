@@ -57,9 +57,9 @@ struct Maps {
   std::span<MapPoint> points;
 };
 /// Error bars for maps of a: lower and upper at the corners and at the points. They come from a better solution (a
-/// higher degree on a finer mesh, 2.5 to 4 times the work of the state), are asymptotically right, cover at least 95 %
-/// of the points of known solutions, and are no guarantee. Throws Error(Usage) for elements without a
-/// better one, Error(Numerics) when that solution fails.
+/// higher degree, finer where the body is singular or curved, 2 to 6 times the work of the state), are asymptotically
+/// right, cover at least 95 % of the points of known solutions, and are no guarantee. Throws Error(Usage) for elements
+/// without a better one, Error(Numerics) when that solution fails.
 void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Meshing& meshing, const Maps& maps);
 
 }  // namespace kerf

@@ -33,6 +33,10 @@ struct FaceMotion {
 };
 using ContactGuess = std::vector<std::vector<FaceMotion>>;  // per crack
 
+/// In which the factor lies in memory. Single takes half of it, and a few steps of conjugate gradients for each solve,
+/// which is as exact; where it does not serve (bodies thousands of times as long as wide) the factor is double, with a note.
+enum class Precision { Double, Single };
+
 /// Numbers, assembles and factorizes. Throws Error(Numerics) when the supports leave a rigid motion free on which the
 /// loads do work, naming the motion, or when a crack cuts off a piece that the supports do not hold.
 /// `factorize`: for `solve`; solve_saddle_point (solver/saddle_point.hpp) does without.
@@ -44,6 +48,7 @@ struct Preparation {
   std::vector<Index> interface_edges = {};
   Index most_dense = 3000;
   ContactGuess contact = {};
+  Precision precision = Precision::Double;
 };
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how = {});
 

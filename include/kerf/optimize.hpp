@@ -212,11 +212,13 @@ struct OptimizeResult {
 // The loops.
 
 /// Where a loop keeps what it needs to go on. An empty path: nowhere. `fingerprint`: of the case, made by the caller; a
-/// checkpoint of another one is refused with Error(Usage).
+/// checkpoint of another one is refused with Error(Usage). `write` is given what writes a checkpoint, to be called
+/// once, at any time and by any thread, one after the other; none: the loop writes before it goes on.
 struct CheckpointPlace {
   std::filesystem::path path;
   std::string fingerprint;
   bool resume = false;  // false: what lies there is overwritten
+  std::function<void(std::function<void()>)> write = {};
 };
 
 /// Minimizes J + penalty * area over the boundary: a level set on a mesh of the frame, its design meshed anew in every

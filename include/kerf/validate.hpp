@@ -5,6 +5,7 @@
 #include "kerf/mesher.hpp"
 #include "kerf/second_order.hpp"
 
+#include <string>
 #include <string_view>
 
 namespace kerf {
@@ -32,7 +33,7 @@ std::string_view word(Verdict verdict);
 /// the two give together; of a crack its normal and tangential tractions), displacement under a body force, local (the
 /// change of the density itself).
 struct Mode {
-  std::string_view name;
+  std::string name;
   double value = 0;
 };
 

@@ -78,6 +78,9 @@ void read_solver(const Value& document, Case& c) {
   c.element = read_element(*solver, degree ? *degree : *solver, c.element);
   take(*solver, "contact", c.contact);
   take(*solver, "backend", c.backend);
+  take(*solver, "precision", c.precision);
+  if (c.precision == FactorPrecision::Single && c.backend != Backend::Cholmod)
+    fail(find(*solver, "precision")->node->position, "solver.precision = \"single\" goes with backend = \"cholmod\"");
   if (const auto options = find(*solver, "petsc")) {
     c.petsc = text(*options);
     if (c.backend != Backend::Petsc) fail(options->node->position, options->name + " goes with backend = \"petsc\"");

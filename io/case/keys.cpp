@@ -388,7 +388,7 @@ constexpr Key rows[] = {
      "are the common elements for displacements.",
      "\"afw\"",
      "\"bdms\""},
-    {"solver.degree", Whole, {.range = {1, 3}}, "Of bdms and afw; the others have none but 1.", "2", "1"},
+    {"solver.degree", Whole, {.range = {1, 4}}, "Of bdms and afw; the others have none but 1.", "2", "1"},
     {"solver.contact",
      Word,
      {.words = contact_method_words},
@@ -404,6 +404,15 @@ constexpr Key rows[] = {
      "the body each; for kerf built with PETSc. One process solves as cholmod does.",
      "\"petsc\"",
      "\"cholmod\""},
+    {"solver.precision",
+     Word,
+     {.words = precision_words},
+     "In which the factor is kept, which is most of the memory; all is computed in double precision. single takes half "
+     "of it, and a few steps of conjugate gradients for each solve, to the same residual; where it does not serve "
+     "(bodies thousands of times as long as wide) it is double, with a note. auto: double, or single where double is "
+     "more than the memory that there is or --max-memory allows. The loops of optimizations keep double.",
+     "\"single\"",
+     "\"auto\""},
     {"solver.petsc",
      Text,
      {},
@@ -493,8 +502,8 @@ constexpr Key rows[] = {
     {"map.bounds",
      Boolean,
      {},
-     "A lower and an upper value for every value of the map: error bars from a better solution (2.5 to 4 times the "
-     "work), no guarantee. Not for bdms of degree 3.",
+     "A lower and an upper value for every value of the map: error bars from a better solution (2 to 6 times the "
+     "work), no guarantee. Not for bdms of degree 4.",
      "true",
      "false"},
     {"map.second",
@@ -929,7 +938,7 @@ constexpr Key rows[] = {
      "Other than solver.element or of another degree (no inverse crime).",
      "\"p2\"",
      "\"afw\" of degree 2, or \"bdms\""},
-    {"synthetic.degree", Whole, {.range = {1, 3}}, "Its degree.", "3", "1 with element, else 2"},
+    {"synthetic.degree", Whole, {.range = {1, 4}}, "Its degree.", "3", "1 with element, else 2"},
     {"synthetic.size", Number, {.range = positive}, "Target edge length of its mesh.", "0.02", "0.7 times mesh.size"},
     {"synthetic.crack_tip_size",
      Number,

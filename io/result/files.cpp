@@ -1,6 +1,5 @@
 #include "io/files.hpp"
 
-#include "geometry/whole_file.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/core.h>
@@ -29,8 +28,8 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 }  // namespace
 
-void write_file(const std::filesystem::path& path, std::string_view bytes) {
-  if (const int problem = write_whole_file(path, bytes, Flush::Buffers))
+void write_file(const std::filesystem::path& path, std::string_view bytes, Flush flush) {
+  if (const int problem = write_whole_file(path, bytes, flush))
     throw Error(Fault::Files, fmt::format("cannot write '{}': {}; choose a folder that exists and may be written to",
                                           path.string(), std::strerror(problem)));
 }

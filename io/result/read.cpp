@@ -115,6 +115,22 @@ StateResult state(const Json& from) {
   return s;
 }
 
+SolverResult solver(const Json& from) {
+  SolverResult s;
+  s.parts = from.value("parts", 1);
+  s.solves = from.value("solves", 0);
+  s.iterations = from.value("iterations", 0);
+  s.condition = number(from, "condition");
+  s.interface_unknowns = from.value("interface_unknowns", 0);
+  s.primal_unknowns = from.value("primal_unknowns", 0);
+  s.sent = number(from, "bytes_per_iteration");
+  if (const Json& peaks = list(from, "peak_memory_mb"); peaks.size() == 2) {
+    s.first_mb = number(peaks[0]);
+    s.others_mb = number(peaks[1]);
+  }
+  return s;
+}
+
 CrackResult crack(const Json& from) {
   CrackResult out;
   out.name = text(from, "name");
@@ -227,6 +243,8 @@ Validation validation(const Json& from) {
     v.drawn.coefficient = number(drawn, "formula");
     v.drawn.intercept = number(drawn, "intercept");
   }
+  if (from.contains("modes"))
+    for (const auto& [name, value] : from["modes"].items()) v.modes.push_back({name, number(value)});
   for (const Json& row : list(from, "rows"))
     v.rows.push_back({number(row, "radius"), number(row, "J"), number(row, "difference"), number(row, "predicted"),
                       number(row, "remainder"), number(row, "order"), row.value("same_contact", true),
@@ -265,6 +283,31 @@ LeastSquares fit(const Json& from) {
     out.ellipses.push_back(
         {text(e, "name"), place(e.at("at")), place(e.at("semi_axes")), number(e, "angle_deg") * pi / 180});
   return out;
+}
+
+/// Without the designs, which result.json does not have.
+Count defects(const Json& from) {
+  Count out;
+  for (const Json& one : list(from, "tried")) {
+    Counted& c = out.tried.emplace_back();
+    c.count = one.value("count", 0);
+    c.criterion = number(one, "criterion");
+    c.fit.end = number(one, "squares");
+    c.fit.variables = numbers(list(one, "variables"));
+    c.failure = text(one, "failure");
+    if (c.count == from.value("count", 0)) out.chosen = out.tried.size() - 1;
+  }
+  return out;
+}
+
+StartTried start_tried(const Json& from) {
+  return {.from = numbers(list(from, "from")),
+          .variables = numbers(list(from, "reached")),
+          .merit = number(from, "merit"),
+          .violation = number(from, "violation"),
+          .in_full = from.value("in_full", false),
+          .state_solves = from.value("state_solves", 0),
+          .failure = text(from, "failure")};
 }
 
 FinerDesign finer(const Json& from) {
@@ -320,6 +363,7 @@ void read_optimize(const Json& from, Result& r) {
   }
   if (from.contains("finer")) o.finer = finer(from["finer"]);
   for (const Json& h : list(from, "nucleated")) o.nucleated.push_back(nucleated_hole(h));
+  for (const Json& t : list(from, "starts")) o.starts.push_back(start_tried(t));
   o.notes = texts(from, "notes");
   OptimizeNames& names = r.optimize_names;
   names.volume_at_most = maybe(from, "volume_at_most");
@@ -334,6 +378,7 @@ void read_optimize(const Json& from, Result& r) {
     o.variables[static_cast<Eigen::Index>(i)] = number(variables[i], "value");
   }
   if (from.contains("least_squares")) r.fit = fit(from["least_squares"]);
+  if (from.contains("defects")) r.counted = defects(from["defects"]);
   for (const Json& i : list(from, "identified")) r.identified.push_back(identified(i));
   r.optimize = std::move(o);
 }
@@ -378,7 +423,10 @@ Result from_json(const Json& from) {
       r.functional_dimension = Dimension{number(powers[0]), number(powers[1])};
   }
   if (from.contains("mesh")) read_mesh(from["mesh"], r);
-  if (from.contains("state")) r.state = state(from["state"]);
+  if (from.contains("state")) {
+    r.state = state(from["state"]);
+    if (from["state"].contains("solver")) r.solver = solver(from["state"]["solver"]);
+  }
   if (from.contains("contact")) {
     const Json& c = from["contact"];
     r.contact = ContactResultSummary{

@@ -272,7 +272,7 @@ Json validate_section(const ValidationResult& validation) {
   Json points = Json::array();
   for (const Validation& v : validation.points) {
     Json rows = Json::array(), modes = Json::object();
-    for (const Mode& m : v.modes) modes[std::string(m.name)] = number(m.value);
+    for (const Mode& m : v.modes) modes[m.name] = number(m.value);
     for (const ValidationRow& row : v.rows)
       rows.push_back({{"radius", number(row.radius)},
                       {"J", number(row.J)},
@@ -466,17 +466,24 @@ Json time_section(const Seconds& s) {
 
 }  // namespace
 
-void write_json(const std::filesystem::path& path, const Result& result) {
+void write_json(const std::filesystem::path& path, const Result& result, Flush flush) {
   Json out = {{"schema", 1}, {"version", result.version}, {"case", result.case_name}, {"status", result.status}};
   if (result.units.given()) out["units"] = units_section(result);
   if (result.triangles > 0) out["mesh"] = mesh_section(result);
   if (result.state) out["state"] = state_section(*result.state);
-  if (const auto& s = result.solver; s && result.state)
+  if (const auto& s = result.solver; s && result.state && s->parts == 1)
+    out["state"]["solver"] = {
+        {"backend", "cholmod"}, {"precision", "single"}, {"solves", s->solves}, {"iterations", s->iterations}};
+  else if (s && result.state)
     out["state"]["solver"] = {{"backend", "petsc"},
                               {"parts", s->parts},
                               {"solves", s->solves},
                               {"iterations", s->iterations},
-                              {"condition", number(s->condition)}};
+                              {"condition", number(s->condition)},
+                              {"interface_unknowns", s->interface_unknowns},
+                              {"primal_unknowns", s->primal_unknowns},
+                              {"bytes_per_iteration", number(s->sent)},
+                              {"peak_memory_mb", {number(s->first_mb), number(s->others_mb)}}};
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
   for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));
@@ -493,7 +500,7 @@ void write_json(const std::filesystem::path& path, const Result& result) {
   if (!result.title.empty()) out["title"] = result.title;
   if (result.reason) out["reason"] = *result.reason;
   // Names come from users: bytes that are no UTF-8 are replaced, not thrown about.
-  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', flush);
 }
 
 }  // namespace kerf

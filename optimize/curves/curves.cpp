@@ -152,6 +152,7 @@ class CurvesRun {
   std::vector<double> share_;         // per chain, of the radius: less where it gets into its own way
   double last_step_ = 0, reach_ = 0;  // of the last step: its length; how much of the radius it uses
   bool stopped_ = false;
+  std::shared_ptr<Evaluated> spare_;  // the last one solved; unless it is still shown its memory serves the next one
   FinishedCurves out_;
 };
 
@@ -187,7 +188,8 @@ void CurvesRun::solve(Point& x) {
 /// Values and derivatives on a mesh that follows the curves.
 void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, Mesh mesh) {
   solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
-  auto e = std::make_shared<Evaluated>(evaluate_mesh(p, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of));
+  auto e = std::make_shared<Evaluated>(
+      evaluate_mesh(p, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of, model_to_reuse(spare_)));
   x.J = e->J;
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
@@ -206,6 +208,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
       x.by_bound.col(k) = pull_back(follows, x.curves, shape_gradient(of_bound, e->bounded[b])) / unit;
     }
   }
+  spare_ = e;
   x.solved = std::move(e);
 }
 
@@ -426,10 +429,14 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
 bool CurvesRun::show() {
   out_.rows.back().accepted = true;
   const auto cost = [&](const Point& x) { return x.J + r_.volume_penalty * x.area; };
-  if (violation(x_) < feasible_violation && (!best_ || cost(x_) < cost(*best_))) best_ = x_;
-  if (!see_ || !x_.solved) return true;
-  const SolvedCase& c = x_.solved->cases.front();
-  if (see_({out_.rows, x_.solved->shape, c.model, c.state})) return true;
+  if (violation(x_) < feasible_violation && (!best_ || cost(x_) < cost(*best_))) {
+    best_ = x_;
+    best_->solved = nullptr;
+  }
+  const std::shared_ptr<const Evaluated> solved = std::exchange(x_.solved, nullptr);
+  if (!see_ || !solved) return true;
+  const SolvedCase& c = solved->cases.front();
+  if (see_({out_.rows, solved->shape, c.model, c.state})) return true;
   out_.why = "stopped as asked";
   stopped_ = true;
   return false;
@@ -603,7 +610,9 @@ void CurvesRun::look_closer() try {
   const CurveMesh follows = curve_mesh(x_.curves, finer.sizing);
   Point y{.curves = x_.curves};
   const int before = solves_;  // it is the judge's solve
+  spare_ = nullptr;
   solve_on(y, finer, follows, follows.mesh);
+  spare_ = nullptr;
   y.area = area_of(y.curves, &y.by_area);
   solves_ = before;
   weigh(y);

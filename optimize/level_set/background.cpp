@@ -31,19 +31,31 @@ Carried carry(const BackgroundMesh& b, std::span<const std::pair<Index, Index>> 
     }
   };
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> front;
-  for (const auto& [v, i] : seeds) front.push({distance_to(v, i), v, i});
+  // The first of each vertex that waits: no later one will be taken.
+  struct First {
+    double distance = infinity;
+    Index source = none;
+  };
+  std::vector<First> first(n);
+  const auto push = [&](double d, Index v, Index i) {
+    First& f = first[static_cast<std::size_t>(v)];
+    if (d > reach || std::tie(f.distance, f.source) <= std::tie(d, i)) return;
+    f = {d, i};
+    front.push({d, v, i});
+  };
+  for (const auto& [v, i] : seeds) push(distance_to(v, i), v, i);
   while (!front.empty()) {
     const Candidate at = front.top();
     front.pop();
-    if (at.distance > reach) break;
     if (!(at.distance < c.distance[at.vertex])) continue;
     c.distance[at.vertex] = at.distance;
     c.source[static_cast<std::size_t>(at.vertex)] = at.source;
     for (Index k = b.start[static_cast<std::size_t>(at.vertex)]; k < b.start[static_cast<std::size_t>(at.vertex) + 1];
          ++k) {
       const Index v = b.around[static_cast<std::size_t>(k)];
+      if (first[static_cast<std::size_t>(v)].source == at.source) continue;
       const double d = distance_to(v, at.source);
-      if (d < c.distance[v]) front.push({d, v, at.source});
+      if (d < c.distance[v]) push(d, v, at.source);
     }
   }
   return c;

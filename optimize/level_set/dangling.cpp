@@ -15,19 +15,19 @@ using Flags = std::vector<char>;
 /// Vertices of the material that discs of radius half_width inside it cover, up to an edge of the canvas.
 Flags thick_parts(const BackgroundMesh& b, double half_width, const Eigen::VectorXd& phi) {
   Flags thick(b.mesh.points.size(), 0);
-  std::vector<Index> seen;
+  std::vector<Index> seen, looked_from(thick.size(), none);  // which center looked at a vertex last
   const double reach = half_width + b.size;
   for (std::size_t center = 0; center < thick.size(); ++center) {
     if (!(phi[static_cast<Eigen::Index>(center)] < -half_width)) continue;
     // The disc around it, within the material: across a slit lies something else.
     seen.assign(1, static_cast<Index>(center));
+    looked_from[center] = static_cast<Index>(center);
     thick[center] = 1;
     for (std::size_t k = 0; k < seen.size(); ++k)
       for (const Index w : neighbors(b, seen[k])) {
         const auto at = static_cast<std::size_t>(w);
-        if (!(phi[w] < 0) || (b.mesh.points[at] - b.mesh.points[center]).norm() > reach ||
-            std::find(seen.begin(), seen.end(), w) != seen.end())
-          continue;
+        if (std::exchange(looked_from[at], static_cast<Index>(center)) == static_cast<Index>(center)) continue;
+        if (!(phi[w] < 0) || (b.mesh.points[at] - b.mesh.points[center]).norm() > reach) continue;
         seen.push_back(w);
         thick[at] = 1;
       }

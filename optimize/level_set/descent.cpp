@@ -241,11 +241,19 @@ StepLimits Descent::limits(double radius, double allowed) const {
   return l;
 }
 
-BoundaryStep Descent::measure() const {
+const Eigen::VectorXd& Descent::distance() const {
+  if (!distance_) distance_ = signed_distance(g_.background, s_.phi);
+  return *distance_;
+}
+
+MovingDesign Descent::moving() const {
   const Rates& r = rates();
-  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
-  return constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
-                          limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity), nullptr);
+  return {g_.background, distance(), r.objective, r.bounded, g_.free_label()};
+}
+
+double Descent::residual() const {
+  const MovingDesign of = moving();
+  return shape_residual(of, limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity));
 }
 
 void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
@@ -285,12 +293,10 @@ void Descent::move_boundary(Tried& t) {
   const Rates& r = rates();
   if (r.objective.curve.edges.empty() && how.nucleate_every == 0)
     throw Error(Fault::Geometry, "no boundary is free to move; ask for optimize.nucleate or optimize.start");
-  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
-  t.step = constrained_step({g_.background, distance, r.objective, r.bounded, g_.free_label()},
-                            limits(s_.radius, t.allowed), g_.elastic.get());
+  t.step = constrained_step(moving(), limits(s_.radius, t.allowed), g_.elastic.get());
   s_.residual = t.step.residual;
-  t.phi = distance - t.step.on_background;
-  if (appearing() && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0) nucleate(t, distance);
+  t.phi = distance() - t.step.on_background;
+  if (appearing() && how.nucleate_every > 0 && s_.iteration % how.nucleate_every == 0) nucleate(t, distance());
   t.phi = constrained(g_.background, t.phi);
   drop_islands(g_.background, g_.loaded, t.phi);
   drop_idle(t.phi);
@@ -357,7 +363,7 @@ void Descent::judge(Tried& t) {
 double Descent::own_residual() const {
   if (g_.turns()) return nan;
   try {
-    return measure().residual;
+    return residual();
   } catch (const Error& error) {  // the step from here will say so
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     return nan;
@@ -367,6 +373,7 @@ double Descent::own_residual() const {
 void Descent::show(Design design, std::vector<std::string> notes) {
   design_ = std::move(design);
   rates_.reset();
+  distance_.reset();
   s_.rows.push_back({.number = s_.iteration,
                      .objective = design_->J,
                      .merit = merit(),
@@ -513,9 +520,8 @@ bool Descent::try_nucleation() {
   rates();
   Tried t;
   t.step.price = pays * s_.price;
-  const Eigen::VectorXd distance = signed_distance(g_.background, s_.phi);
-  t.phi = distance;
-  nucleate(t, distance);
+  t.phi = distance();
+  nucleate(t, distance());
   if (!t.nucleated) return false;
   try {
     t.phi = constrained(g_.background, t.phi);

@@ -48,8 +48,8 @@ class Descent {
   /// T of the merit at the centroids of the first load case's mesh, less the price of area in J; a weak phase: minus
   /// that of becoming solid.
   Eigen::VectorXd derivative() const;
-  /// Price and shape residual of the present design as it is, without a step.
-  BoundaryStep measure() const;
+  /// Shape residual of the present design as it is, without a step.
+  double residual() const;
 
  private:
   using Design = std::shared_ptr<const Evaluated>;
@@ -72,6 +72,8 @@ class Descent {
 
   void begin(const Eigen::VectorXd& start);
   const Rates& rates() const;
+  const Eigen::VectorXd& distance() const;
+  MovingDesign moving() const;
   StepLimits limits(double radius, double allowed) const;
   Tried attempt();
   void drop_idle(Eigen::VectorXd& phi) const;
@@ -105,7 +107,9 @@ class Descent {
   DescentRules rules_;
   DescentState s_;
   Design design_, best_, anchored_;
-  mutable std::optional<Rates> rates_;  // of the present design, once asked for
+  // Of the present design, once asked for.
+  mutable std::optional<Rates> rates_;
+  mutable std::optional<Eigen::VectorXd> distance_;  // signed, to its boundary
 };
 
 }  // namespace kerf

@@ -65,8 +65,7 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
   const DescentState& s = end.descent.progress();
   LoopEnd out{.row = last_taken(result.history), .kind = "shape residual"};
   out.asked = end.last ? of_curves : elsewhere;
-  if (go_on && (end.last || !end.g.turns()))
-    out.residual = end.last ? end.curves.residual : end.descent.measure().residual;
+  if (go_on && (end.last || !end.g.turns())) out.residual = end.last ? end.curves.residual : end.descent.residual();
   // What the level set ended with is no longer true of its curves.
   const std::string of_curves_why = end.curves.why.empty() ? "" : "curves: " + end.curves.why;
   out.why = end.last ? of_curves_why : join({s.ended, of_curves_why});

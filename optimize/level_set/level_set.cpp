@@ -3,6 +3,7 @@
 #include "optimize/level_set/finishing.hpp"
 #include "optimize/level_set/starts.hpp"
 #include "optimize/refuse.hpp"
+#include "solver/kept_memory.hpp"
 
 #include <fmt/core.h>
 
@@ -21,6 +22,7 @@ class LevelSetRun {
   bool restore();
   bool show_new();
   bool make_curves(FinishedCurves& finished);
+  bool descend(FinishedCurves& finished);
   void show_last(LevelSetEnd& end, bool go_on) const;
   void save() const;
 
@@ -82,7 +84,9 @@ bool LevelSetRun::make_curves(FinishedCurves& finished) {
   return go_on;
 }
 
-OptimizeResult LevelSetRun::run() {
+/// All the way down, then the curves. Whether to go on.
+bool LevelSetRun::descend(FinishedCurves& finished) {
+  const KeptMemory kept;
   bool go_on = true;
   if (!restore()) {
     begin();
@@ -95,8 +99,13 @@ OptimizeResult LevelSetRun::run() {
   }
   if (go_on) go_on = show_new();
   save();
-  FinishedCurves finished;
   if (go_on && can_finish(ground_, *descent_)) go_on = make_curves(finished);
+  return go_on;
+}
+
+OptimizeResult LevelSetRun::run() {
+  FinishedCurves finished;
+  const bool go_on = descend(finished);
   LevelSetEnd end{ground_, *descent_, finished, finishing_};
   if (!finishing_.empty()) show_last(end, go_on);
   return result_of(end, go_on);
@@ -143,8 +152,7 @@ void LevelSetRun::save() const {
   if (place_.path.empty()) return;
   Checkpoint c = packed(descent_->progress());
   write_curves(c, curves_);
-  c.fingerprint = place_.fingerprint;
-  write_checkpoint(place_.path, c);
+  keep(place_, std::move(c));
 }
 
 bool LevelSetRun::restore() {

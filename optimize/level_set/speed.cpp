@@ -243,6 +243,13 @@ double shape_residual(const Eigen::VectorXd& gain, double price, const Members& 
 
 }  // namespace
 
+double shape_residual(const MovingDesign& of, const StepLimits& limits) {
+  if (of.objective.density.size() == 0) return 0;
+  const Members m = members_of(of, limits);
+  const Eigen::VectorXd multiplier = multipliers_of(m);
+  return shape_residual(m.total(m.gain, multiplier), price_at(multiplier, m), m);
+}
+
 BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, const ElasticProduct* elastic) {
   const BoundaryRate& rate = of.objective;
   BoundaryStep s{.price = limits.price, .multiplier = std::vector<double>(of.bounded.size(), 0), .bounded = {}};

@@ -55,4 +55,7 @@ struct BoundaryStep {
 /// the motion; null: constant along normals.
 BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, const ElasticProduct* elastic);
 
+/// The residual of that step alone: nothing moves.
+double shape_residual(const MovingDesign& of, const StepLimits& limits);
+
 }  // namespace kerf

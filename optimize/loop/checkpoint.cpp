@@ -1,6 +1,5 @@
 #include "optimize/checkpoint.hpp"
 
-#include "geometry/whole_file.hpp"
 #include "kerf/types.hpp"
 
 #include <fcntl.h>
@@ -155,12 +154,18 @@ std::uint64_t checksum(std::string_view bytes) {
   return sum;
 }
 
-void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, Flush flush) {
   const auto refuse = [&](int reason) {
     return Error(Fault::Files,
                  fmt::format("cannot write the checkpoint '{}': {}", path.string(), std::strerror(reason)));
   };
-  if (const int problem = write_whole_file(path, encode(checkpoint), Flush::Disk)) throw refuse(problem);
+  if (const int problem = write_whole_file(path, encode(checkpoint), flush)) throw refuse(problem);
+}
+
+void keep(const CheckpointPlace& place, Checkpoint checkpoint) {
+  checkpoint.fingerprint = place.fingerprint;
+  if (!place.write) return write_checkpoint(place.path, checkpoint);
+  place.write([path = place.path, checkpoint = std::move(checkpoint)] { write_checkpoint(path, checkpoint); });
 }
 
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {

@@ -1,9 +1,11 @@
 #include "optimize/loop/evaluate.hpp"
 
 #include "kerf/mesher.hpp"
+#include "solver/moved.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace kerf {
 
@@ -59,8 +61,13 @@ Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shap
   return e;
 }
 
+Model model_to_reuse(std::shared_ptr<Evaluated>& design) {
+  const std::shared_ptr<Evaluated> last = std::exchange(design, nullptr);
+  return last.use_count() == 1 ? std::move(last->cases.front().model) : Model{};
+}
+
 Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
-                        const std::vector<Index>& crack_of) {
+                        const std::vector<Index>& crack_of, Model before) {
   Stopwatch watch;
   Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
@@ -69,7 +76,10 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   e.by_case.resize(r.bounds.size());
   const std::vector<Scene> scenes = scenes_of(p, r);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    Model model = prepare(mesh, p.element, with_cracks(scenes[i], crack_of), p.threads);
+    Scene scene = with_cracks(scenes[i], crack_of);
+    // Load cases differ in their loads alone: one factor for all.
+    Model model = i == 0 ? prepare_moved(std::move(mesh), p.element, std::move(scene), p.threads, std::move(before))
+                         : with_loads(e.cases.front().model, std::move(scene));
     State state = solve(model, p.contact);
     if (!certified(state))
       throw Error(Fault::Numerics, "the state of the design could not be solved: its residual stays large");

@@ -44,9 +44,12 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of);
 /// Meshes and solves. Throws Error(Geometry | Numerics); a state that is not certified is Error(Numerics).
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of);
 
-/// The same on a mesh that is there.
+/// The same on a mesh that is there. `before`: a model that is not needed any more; of the same mesh with its points
+/// elsewhere it saves ordering and analysis (solver/moved.hpp).
 Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
-                        const std::vector<Index>& crack_of);
+                        const std::vector<Index>& crack_of, Model before = {});
+/// That of a design which nobody else has, or nothing.
+Model model_to_reuse(std::shared_ptr<Evaluated>& design);
 
 /// Per load case the analysis of a functional, and its share in a sum: weights of the cases, or 1 for the worst.
 struct WeightedAnalysis {

@@ -5,6 +5,7 @@
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/parametric/followers.hpp"
 #include "optimize/parametric/start.hpp"
+#include "solver/moved.hpp"
 #include "solver/system.hpp"
 #include "topo/young_gradient.hpp"
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kerf {
 
@@ -74,7 +76,7 @@ struct Evaluations::Impl {
   int round = -1;
   std::vector<Base> bases, before;  // of this round and the one before
   int clock = 0;
-  std::shared_ptr<const SolvedDesign> last;
+  std::shared_ptr<const SolvedDesign> last, spare;  // spare: the one before, whose memory serves the next one
   VectorXd last_at;
 
   Impl(const Problem& p, const OptimizeRequest& r) : problem(p), request(r), design(r.design) {
@@ -200,6 +202,12 @@ struct Evaluations::Impl {
       if (!(bound_scale[b] > 0)) bound_scale[b] = values[b] != 0 ? std::abs(values[b]) : 1;
   }
 
+  /// That of the design before, unless somebody else has it.
+  Model model_to_reuse() {
+    const auto design = std::const_pointer_cast<SolvedDesign>(std::exchange(spare, nullptr));
+    return design.use_count() == 1 ? std::move(design->model) : Model{};
+  }
+
   /// Everything that needs the state, on a mesh that fits x. Throws Error(Numerics) when it cannot be solved.
   void solve_on(const Mesh& mesh, const Base::Built& base, const VectorXd& x, bool gradients,
                 DesignEvaluation& result) {
@@ -215,7 +223,9 @@ struct Evaluations::Impl {
       Scene scene = body.scene;
       scene.tractions = loads[l].tractions;
       scene.body = loads[l].body;
-      Model model = prepare(mesh, problem.element, scene, problem.threads);
+      // Load cases differ in their loads alone: one factor for all.
+      Model model = l == 0 ? prepare_moved(mesh, problem.element, std::move(scene), problem.threads, model_to_reuse())
+                           : with_loads(last->model, std::move(scene));
       State state = kerf::solve(model, problem.contact);
       ++result.state_solves;
       if (!certified(state))
@@ -294,7 +304,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   Impl& s = *impl_;
   DesignEvaluation result;
   result.round = s.round;
-  s.last.reset();
+  s.spare = std::exchange(s.last, nullptr);
   s.constrain(x, gradients, result);
   Evaluation& e = result.evaluation;
   if (const std::string close = s.worst_constraint(e); !close.empty() && !s.bases.empty()) {

@@ -207,9 +207,8 @@ void Rounds::keep() {
 
 void Rounds::write() {
   if (place_.path.empty()) return;
-  checkpoint_.fingerprint = place_.fingerprint;
   checkpoint_.texts["method"] = word(request_.method);
-  write_checkpoint(place_.path, checkpoint_);
+  kerf::keep(place_, checkpoint_);
 }
 
 DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {

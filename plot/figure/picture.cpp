@@ -283,6 +283,11 @@ void check(const Picture& picture) {
 
 }  // namespace
 
+std::size_t held(const Picture& p) {
+  return p.points.size() * sizeof(Vec2) + p.triangles.size() * sizeof p.triangles[0] +
+         sizeof(double) * static_cast<std::size_t>(p.values.size() + p.margin.size());
+}
+
 void draw(const std::filesystem::path& path, const Picture& picture) {
   check(picture);
   const Limits scale = limits(picture);

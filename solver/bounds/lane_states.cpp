@@ -32,7 +32,7 @@ bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
     std::vector<Eigen::VectorXd> rests;
     double worst = 0;
     for (const Eigen::Index i : left) {
-      Eigen::VectorXd rest = F.col(i) - multiply(m.inner->system.K, x.col(i));
+      Eigen::VectorXd rest = F.col(i) - multiply(*m.inner->system.K, x.col(i));
       const double error = rest.cwiseAbs().maxCoeff() / F.col(i).cwiseAbs().maxCoeff();
       if (!std::isfinite(error)) return false;
       if (error <= enough) continue;

@@ -95,7 +95,7 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
   }
   const bool large = has_large_contact(m);
   std::shared_ptr<const Factor> open = m.inner->factor;
-  if (large) open = m.inner->held->of(m.inner->system.K, std::vector<bool>(contact_rows, false));
+  if (large) open = m.inner->held->of(*m.inner->system.K, std::vector<bool>(contact_rows, false));
   if (contact_rows > 0) {
     const Eigen::VectorXd jumps = couple.size() > 0 && !large ? Eigen::VectorXd(open->solve(load).tail(contact_rows))
                                                               : Eigen::VectorXd::Zero(contact_rows);

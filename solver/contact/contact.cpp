@@ -1,5 +1,6 @@
 #include "solver/contact/contact.hpp"
 
+#include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
 
 #include <Eigen/QR>
@@ -105,6 +106,7 @@ void respond(Search& s, const std::vector<ContactPoint>& points, Trial& t, doubl
   for (std::size_t i = 0; i < free.size(); ++i)
     if (free[i] && t.motion[i] == Motion::Held) t.motion[i] = Motion::Forward;
   const auto solve = [&](const Eigen::VectorXd& pressure) -> Response {
+    check_stop();
     ++s.solves;
     return s.system.solve(t.motion, known_forces(points, t.motion, pressure));
   };

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace kerf {
@@ -96,7 +97,7 @@ class OpenRows {
  private:
   std::vector<bool> closed_;
   std::vector<Index> open_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  std::optional<Eigen::LLT<Eigen::MatrixXd>> factor_;
 };
 
 }  // namespace kerf

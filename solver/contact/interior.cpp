@@ -1,5 +1,7 @@
 #include "solver/contact/contact.hpp"
 
+#include "kerf/stop.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -131,6 +133,7 @@ class Interior {
   }
 
   bool advance() {
+    check_stop();
     Eigen::MatrixXd raised = S_;
     for (std::size_t k = 0; k < rows_.size(); ++k)
       if (!rows_[k].is_free) raised.diagonal()[static_cast<Eigen::Index>(k)] += 1 / rows_[k].ease();

@@ -1,3 +1,4 @@
+#include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -63,6 +64,7 @@ Contact uzawa(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vec
   double floor = 0;  // of kkt, by the rounding of S x
   c.converged = false;
   while (!c.converged && std::isfinite(c.kkt) && c.iterations < most) {
+    check_stop();
     ++c.iterations;
     const Eigen::VectorXd raw = y - step * (product_y - r);
     Eigen::VectorXd next = raw;

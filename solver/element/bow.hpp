@@ -1,5 +1,5 @@
 #pragma once
-// Curved edges of cells: polynomials of degree k + 1 that are tangent to the true curve at their ends.
+// Curved edges of cells: polynomials of degree k + 1, 4 at most, that are tangent to the true curve at their ends.
 
 #include "kerf/element.hpp"
 #include "kerf/mesh.hpp"
@@ -20,7 +20,7 @@ inline Vec2 height_slope(const Bow& b, double s) {
   return b.q[1] + 2 * s * b.q[2];
 }
 
-/// Of degree 2 to 4, for a piece of an ellipse: farther from it than rounding by O(h^(2 degree)) [theory: E.24].
+/// Of degree 2, 3 or (above) 4, for a piece of an ellipse: farther from it than rounding by O(h^(2 degree)) [theory: E.24].
 Bow bow_of(const Arc& piece, int degree);
 
 /// The curved edges of a mesh as an element sees them.

@@ -1,4 +1,5 @@
 #include "solver/element/local.hpp"
+#include "solver/element/shared_shape.hpp"
 
 #include "solver/polynomial.hpp"
 
@@ -11,6 +12,11 @@
 #include <cmath>
 
 namespace kerf {
+
+// Eigen looks at the room of vectors in builds with assertions only.
+static_assert(std::ranges::all_of(elements, [](const Element& e) {
+  return skeleton_count(e) <= max_skeleton && displacement_count(e) + stress_count(e) <= max_moments;
+}));
 
 // One file per family instantiates the kernel.
 const Operations* bdms_operations(int degree);
@@ -285,11 +291,12 @@ Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& mat
 
 namespace {
 
-/// Straight triangles by fours through `packed`, where the element has it, the others one by one: what is done with a
-/// triangle depends on itself.
-template <class Result, class Alone>
+/// Triangles with a shared shape by that; straight ones by fours through `packed`, where the element has it, the others
+/// one by one: what is done with a triangle depends on itself.
+template <class Result, class Alone, class Shared>
 void by_fours(const Kernel& k, std::span<const LocalTriangle> all, std::span<Result> to,
-              void (*packed)(const Kernel&, const PackedTriangles&, int, Result* const*), const Alone& alone) {
+              void (*packed)(const Kernel&, const PackedTriangles&, int, Result* const*), const Alone& alone,
+              const Shared& shared) {
   PackedTriangles four{};
   std::array<Result*, four.size()> results{};
   std::size_t count = 0;
@@ -300,6 +307,10 @@ void by_fours(const Kernel& k, std::span<const LocalTriangle> all, std::span<Res
     count = 0;
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].shared) {
+      shared(*all[i].shared, all[i], to[i]);
+      continue;
+    }
     const bool strained = all[i].force.size() > displacement_count(k.element);
     if (!packed || strained || is_curved(all[i].shape)) {
       alone(all[i], to[i]);
@@ -315,16 +326,22 @@ void by_fours(const Kernel& k, std::span<const LocalTriangle> all, std::span<Res
 }  // namespace
 
 void condense(const Kernel& k, std::span<const LocalTriangle> all, std::span<Condensed> to) {
-  by_fours(k, all, to, k.run->condense_packed, [&](const LocalTriangle& t, Condensed& result) {
-    result = condense(k, t.shape, *t.material, t.force, t.penalty);
-  });
+  by_fours(
+      k, all, to, k.run->condense_packed,
+      [&](const LocalTriangle& t, Condensed& result) {
+        result = condense(k, t.shape, *t.material, t.force, t.penalty);
+      },
+      [&](const SharedShape& s, const LocalTriangle& t, Condensed& result) { result = s.condensed(k, t); });
 }
 
 void interiors(const Kernel& k, std::span<const LocalTriangle> all, std::span<Recovered> to) {
-  by_fours(k, all, to, k.run->interior_packed, [&](const LocalTriangle& t, Recovered& result) {
-    const Eigen::VectorXd found = interior(k, t.shape, *t.material, t.force, result.m, t.penalty, result.forces);
-    Eigen::Map<Eigen::VectorXd>(result.interior, found.size()) = found;
-  });
+  by_fours(
+      k, all, to, k.run->interior_packed,
+      [&](const LocalTriangle& t, Recovered& result) {
+        const Eigen::VectorXd found = interior(k, t.shape, *t.material, t.force, result.m, t.penalty, result.forces);
+        Eigen::Map<Eigen::VectorXd>(result.interior, found.size()) = found;
+      },
+      [&](const SharedShape& s, const LocalTriangle& t, Recovered& result) { s.recover(k, t, result); });
 }
 
 Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& m) {

@@ -43,7 +43,7 @@ inline const Mat2& frame_at(const Triangle& t, int edge, int point) {
 
 /// Skeleton unknowns of one triangle: per edge, per Gauss point in the edge's direction, two components in its frame;
 /// then per vertex.
-inline constexpr int max_skeleton = 24;
+inline constexpr int max_skeleton = 30;
 using SkeletonMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_skeleton, max_skeleton>;
 using SkeletonVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_skeleton, 1>;
@@ -68,7 +68,8 @@ Kernel kernel(const Element& e);
 /// With stresses at vertices the data of supported edges follow, whose normal stress is cubic but whose trace is
 /// linear: per edge the x, y components of the Legendre coefficients 2 and 3 of the prescribed displacement, along the
 /// edge. With an eigenstrain its means against the stress functions follow (stress_count of them).
-using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 64, 1>;
+inline constexpr int max_moments = 88;
+using ForceMoments = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_moments, 1>;
 inline constexpr int cubic_trace_count = 12;
 /// The means alone, from the values of f at the points of Kernel::load.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force);
@@ -110,15 +111,19 @@ struct TraceForces {
 Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                          const SkeletonVector& m, const Penalty& penalty, TraceForces& forces);
 
+struct SharedShape;  // element/shared_shape.hpp
+
 /// One of several triangles that are eliminated side by side: four straight ones of bdms or afw without an eigenstrain
-/// take little more time than one.
+/// take little more time than one; one whose shape has been eliminated already takes next to none.
 struct LocalTriangle {
   Triangle shape;
   const Material* material = nullptr;
   ForceMoments force = {};  // of all triangles, or of none
   Penalty penalty = {};     // likewise
+  const SharedShape* shared = nullptr;
+  int turn = 0;  // vertex i of the shared shape is vertex (i + turn) % 3
 };
-/// What `condense` finds of each. The bits of a triangle do not depend on the others.
+/// What `condense` finds of each. The bits of a triangle do not depend on the others, but for its shared shape.
 void condense(const Kernel& k, std::span<const LocalTriangle> all, std::span<Condensed> to);
 struct Recovered {
   SkeletonVector m;            // given

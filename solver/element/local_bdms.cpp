@@ -8,9 +8,10 @@ constexpr std::array<Operations, 3> run{mixed_operations<first>(), mixed_operati
                                         mixed_operations<third>()};
 }  // namespace
 
+const Operations* fourth_bdms_operations();
 const Operations* bdms_operations(int degree);
 const Operations* bdms_operations(int degree) {
-  return &run.at(static_cast<std::size_t>(degree) - 1);
+  return degree == 4 ? fourth_bdms_operations() : &run.at(static_cast<std::size_t>(degree) - 1);
 }
 
 }  // namespace kerf

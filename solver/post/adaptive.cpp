@@ -211,7 +211,7 @@ class Grading {
 
   Adapted on(Mesh mesh, const Sizing& sizing, double meshing) {
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
-    Preparation preparation;
+    Preparation preparation{.precision = how_.precision};
     const Index rows = rows_in_contact(mesh);
     if (rows > preparation.most_dense) {
       look_coarser(sizing, rows, round.triangles);
@@ -302,7 +302,7 @@ struct Solved {
 Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
-  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known}, of.wanted.ranks);
+  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known, .precision = of.wanted.precision}, of.wanted.ranks);
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
   Stopwatch watch;
@@ -323,7 +323,6 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGue
 void drop_factor(Model& m) {
   const Inner& inner = *m.inner;
   System system{.penalty = inner.system.penalty,
-                .K = {},
                 .force = inner.system.force,
                 .F = inner.system.F,
                 .tractions = inner.system.tractions,

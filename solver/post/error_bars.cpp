@@ -9,7 +9,7 @@ namespace kerf {
 
 namespace {
 
-// Measured on 31 exact solutions on three meshes each: 97 % of the points are covered, most often 99.9 %.
+// Measured on 31 exact solutions on two meshes each: 95.6 % of the points are covered, of all but one 98.9 %.
 constexpr double own = 1.5, of_neighbors = 1.3;
 
 /// Means over the triangles at each corner of a quantity per triangle.
@@ -33,7 +33,7 @@ Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corne
 
 }  // namespace
 
-std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::vector<bool>& singular) {
+std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::vector<bool>& singular, double longer) {
   constexpr double at_singular = 8, at_curved = 4;
   std::vector<double> size(mesh.points.size(), 0), count(mesh.points.size(), 0);
   // Two edges of the boundary or of a crack that meet at a small angle belong to a curve.
@@ -53,9 +53,12 @@ std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::
       along[v] = direction;
     }
   }
-  for (std::size_t v = 0; v < size.size(); ++v) size[v] /= std::max(count[v], 1.0) * (curved[v] ? at_curved : 1);
+  std::vector<double> shorter(size.size(), 1 / longer);
+  for (std::size_t v = 0; v < size.size(); ++v)
+    if (curved[v]) shorter[v] = at_curved;
   for (std::size_t i = 0; i < c.vertex.size(); ++i)
-    if (singular[i]) size[c.vertex[i]] /= at_singular;
+    if (singular[i]) shorter[c.vertex[i]] = at_singular * (curved[c.vertex[i]] ? at_curved : 1);
+  for (std::size_t v = 0; v < size.size(); ++v) size[v] /= std::max(count[v], 1.0) * shorter[v];
   return size;
 }
 
@@ -103,6 +106,12 @@ double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, 
 const Element& better_element(const Element& e) {
   require(e, can_be_bettered);
   return element("bdms", e.order);
+}
+
+double longer_edges(const Element& own) {
+  // The unknowns of mixed elements are on edges, one and a half per triangle; others keep theirs elsewhere.
+  if (!is_mixed(own) || per_edge(own) == 0) return 1;
+  return std::sqrt(std::max(1.0, static_cast<double>(per_edge(better_element(own))) / per_edge(own)));
 }
 
 }  // namespace kerf

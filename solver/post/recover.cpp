@@ -9,7 +9,9 @@
 
 #include <Eigen/Cholesky>
 
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace kerf {
 
@@ -73,9 +75,102 @@ void add_orthotropic(const Material& m, const Eigen::Vector4d& s, Eigen::Ref<Eig
   to += Eigen::Vector4d(more[0], more[2], more[2], more[1]);
 }
 
+// Straight triangles: u* = mean + sum_k c_k (v_k - mean v_k), v_k the monomials of degree 1 to D in scaled barycentric
+// coordinates, in which all that does not depend on the triangle's shape is tabled. D lies above the degree of the
+// strains, which is that of the stresses without their bubbles.
+template <int D>
+struct Tables {
+  static constexpr int n = Monomials<D>::count;
+  using Matrix = Eigen::Matrix<double, n, n>;
+  std::array<Matrix, 3> stiffness;  // of the products of derivatives 1 1, 1 2 and 2 1, 2 2
+  Eigen::Matrix<double, n, 1> mean;
+  std::vector<Eigen::Matrix<double, n, 2>> weighted;  // per point of the rule the gradients, times the weight
+
+  static constexpr double scale = 1.5;  // coordinates up to 1
+  static Vec2 coordinates(const Vec2& l) {
+    return scale * (l - Vec2::Constant(1.0 / 3));
+  }
+  explicit Tables(const TriangleRule& rule) {
+    for (Matrix& s : stiffness) s.setZero();
+    mean.setZero();
+    for (Eigen::Index q = 0; q < rule.w.size(); ++q) {
+      const Monomials<D> v(coordinates(rule.x.col(q)));
+      const Eigen::Matrix<double, n, 2> g = scale * v.gradient.transpose();
+      mean += rule.w[q] * v.value;
+      stiffness[0] += rule.w[q] * g.col(0) * g.col(0).transpose();
+      stiffness[1] += rule.w[q] * (g.col(0) * g.col(1).transpose() + g.col(1) * g.col(0).transpose());
+      stiffness[2] += rule.w[q] * g.col(1) * g.col(1).transpose();
+      weighted.push_back(rule.w[q] * g);
+    }
+  }
+  // Of the kernel's rule, which follows from the degree of the stresses: D - 1, or D with bubbles of higher degree.
+  static const Tables& of(const Kernel& k) {
+    static const std::array<Tables, 2> all = {Tables(triangle_rule(2 * (D - 1))), Tables(triangle_rule(2 * D))};
+    return all[static_cast<std::size_t>(stress_degree(k.element) - (D - 1))];
+  }
+};
+
+template <int D>
+struct StraightProjection {
+  static constexpr int n = Tables<D>::n;
+  const Tables<D>& tables;
+  Vec2 origin;
+  Mat2 inverse;  // of the map from barycentric coordinates
+  Eigen::LLT<typename Tables<D>::Matrix> stiffness;
+
+  StraightProjection(const Kernel& k, const Triangle& t) : tables(Tables<D>::of(k)), origin(t.x[0]) {
+    Mat2 sides;
+    sides << t.x[1] - t.x[0], t.x[2] - t.x[0];
+    inverse = sides.inverse();
+    const Mat2 metric = inverse * inverse.transpose();
+    stiffness.compute(metric(0, 0) * tables.stiffness[0] + metric(0, 1) * tables.stiffness[1] +
+                      metric(1, 1) * tables.stiffness[2]);
+  }
+  // v - mean v
+  Eigen::Matrix<double, n, 1> at(const Vec2& x) const {
+    const Vec2 l = Tables<D>::coordinates(inverse * (x - origin));
+    Eigen::Matrix<double, n, 1> v;
+    v[0] = l.x();
+    v[1] = l.y();
+    for (int degree = 2, k = 2; degree <= D; ++degree) {
+      const int before = k - degree;
+      for (int j = 0; j < degree; ++j) v[k + j] = v[before + j] * l.x();
+      v[k + degree] = v[before + degree - 1] * l.y();
+      k += degree + 1;
+    }
+    return v - tables.mean;
+  }
+};
+
+template <int D>
+Points recovered_straight(const Model& model, const Triangle& shape, const Eigen::Ref<const Eigen::VectorXd>& interior,
+                          Index t, const Points& x, double eigenstrain) {
+  const StraightProjection<D> p(model.inner->kernel, shape);
+  const TriangleRule& rule = model.inner->kernel.rule;
+  const Points q = rule_points(rule, shape);
+  const Fields f = evaluate(model.inner->kernel, shape, interior, q);
+  const bool strained = !model.inner->data.strain.empty();
+  const Eigen::Matrix4Xd free = strained ? eigenstrain_at(model, eigenstrain, t, q) : Eigen::Matrix4Xd();
+  Eigen::Matrix<double, p.n, 2> load = Eigen::Matrix<double, p.n, 2>::Zero();
+  Vec2 mean = Vec2::Zero();
+  const Material& material = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    Eigen::Vector4d d = displacement_gradient(material, f.stress.col(i), f.rotation[i]);
+    if (strained) d += free.col(i);
+    load += p.tables.weighted[static_cast<std::size_t>(i)] * (p.inverse * Eigen::Map<const Mat2>(d.data()));
+    mean += rule.w[i] * f.displacement.col(i);
+  }
+  const Eigen::Matrix<double, p.n, 2> c = p.stiffness.solve(load);
+  Points u(2, x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i) u.col(i) = mean + c.transpose() * p.at(x.col(i));
+  return u;
+}
+
 template <int D>
 Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t, const Points& x,
                  double eigenstrain) {
+  if (const Triangle shape = triangle(model, t); !is_curved(shape))
+    return recovered_straight<D>(model, shape, interior, t, x, eigenstrain);
   const Projection<D> p(model, t);
   const Fields f = evaluate(model.inner->kernel, p.shape, interior, p.q);
   const Eigen::Matrix4Xd free = eigenstrain_at(model, eigenstrain, t, p.q);
@@ -132,9 +227,45 @@ void recovered_side_by_side(const Model& model, Index t, const double* fields, c
   }
 }
 
+// By the stresses, from the derivative by the gradient d1 u1, d2 u1, d1 u2, d2 u2.
+Eigen::Vector4d by_stress(const Material& m, const Eigen::Vector4d& d) {
+  const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
+  Eigen::Vector4d s(difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference);
+  add_orthotropic(m, d, s);
+  return s;
+}
+
 // The transpose, step by step backwards.
 template <int D>
+Eigen::VectorXd weigh_straight(const Model& model, const Triangle& shape, Index t, const Points& x,
+                               const Points& weights) {
+  const StraightProjection<D> p(model.inner->kernel, shape);
+  const TriangleRule& rule = model.inner->kernel.rule;
+  const Points q = rule_points(rule, shape);
+  Eigen::Matrix<double, p.n, 2> by_c = Eigen::Matrix<double, p.n, 2>::Zero();
+  Vec2 by_mean = Vec2::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    by_c += p.at(x.col(i)) * weights.col(i).transpose();
+    by_mean += weights.col(i);
+  }
+  const Eigen::Matrix<double, p.n, 2> by_load = p.stiffness.solve(by_c);
+  Fields w{Eigen::Matrix4Xd(4, q.cols()), Points(2, q.cols()), Eigen::RowVectorXd(q.cols())};
+  const Material& m = material_of(model.mesh, model.scene, t);
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    const Mat2 gradient =
+        p.inverse.transpose() * (p.tables.weighted[static_cast<std::size_t>(i)].transpose() * by_load);
+    const Eigen::Vector4d d = Eigen::Map<const Eigen::Vector4d>(gradient.data());
+    w.stress.col(i) = by_stress(m, d);
+    w.rotation[i] = d[1] - d[2];
+    w.displacement.col(i) = rule.w[i] * by_mean;
+  }
+  return weigh(model.inner->kernel, shape, q, w);
+}
+
+template <int D>
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
+  if (const Triangle shape = triangle(model, t); !is_curved(shape))
+    return weigh_straight<D>(model, shape, t, x, weights);
   const Projection<D> p(model, t);
   Eigen::Matrix<double, p.n, 2> by_c = Eigen::Matrix<double, p.n, 2>::Zero();
   for (Eigen::Index i = 0; i < x.cols(); ++i) by_c += (p.at(x.col(i)).value - p.mean) * weights.col(i).transpose();
@@ -143,18 +274,30 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
   Fields w{Eigen::Matrix4Xd(4, p.q.cols()), Points(2, p.q.cols()), Eigen::RowVectorXd(p.q.cols())};
   const Material& m = material_of(model.mesh, model.scene, t);
   for (Eigen::Index i = 0; i < p.q.cols(); ++i) {
-    const double share = p.w[i];
     const Monomials<D> v = p.at(p.q.col(i));
     Eigen::Vector4d d;  // by the gradient d1 u1, d2 u1, d1 u2, d2 u2
     d << v.gradient * by_load.col(0), v.gradient * by_load.col(1);
-    d *= share;
-    const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
-    w.stress.col(i) << difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference;
-    add_orthotropic(m, d, w.stress.col(i));
+    d *= p.w[i];
+    w.stress.col(i) = by_stress(m, d);
     w.rotation[i] = d[1] - d[2];
     w.displacement.col(i) = p.rule.w[i] * by_mean;
   }
   return weigh(model.inner->kernel, p.shape, p.q, w);
+}
+
+/// visit<D>(), D the degree of u*.
+template <class Visit>
+auto by_degree(const Model& model, const Visit& visit) {
+  switch (model.element.stress) {
+    case 1:
+      return visit.template operator()<2>();
+    case 2:
+      return visit.template operator()<3>();
+    case 3:
+      return visit.template operator()<4>();
+    default:
+      return visit.template operator()<5>();
+  }
 }
 
 }  // namespace
@@ -176,25 +319,11 @@ Points recovered_displacement(const Model& model, const Field& state, Index t, c
 Points recovered_displacement(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& interior, Index t,
                               const Points& x, double eigenstrain) {
   if (!is_mixed(model.element)) return evaluate(model.inner->kernel, triangle(model, t), interior, x).displacement;
-  switch (model.element.stress) {
-    case 1:
-      return recovered<2>(model, interior, t, x, eigenstrain);
-    case 2:
-      return recovered<3>(model, interior, t, x, eigenstrain);
-    default:
-      return recovered<4>(model, interior, t, x, eigenstrain);
-  }
+  return by_degree(model, [&]<int D>() { return recovered<D>(model, interior, t, x, eigenstrain); });
 }
 
 void recovered_lanes(const Model& model, Index t, const double* fields, const Points& x, double* u) {
-  switch (model.element.stress) {
-    case 1:
-      return recovered_side_by_side<2>(model, t, fields, x, u);
-    case 2:
-      return recovered_side_by_side<3>(model, t, fields, x, u);
-    default:
-      return recovered_side_by_side<4>(model, t, fields, x, u);
-  }
+  by_degree(model, [&]<int D>() { recovered_side_by_side<D>(model, t, fields, x, u); });
 }
 
 Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, const Points& weights) {
@@ -202,14 +331,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
     const Fields w{Eigen::Matrix4Xd::Zero(4, x.cols()), weights, Eigen::RowVectorXd::Zero(x.cols())};
     return weigh(model.inner->kernel, triangle(model, t), x, w);
   }
-  switch (model.element.stress) {
-    case 1:
-      return weigh_recovered<2>(model, t, x, weights);
-    case 2:
-      return weigh_recovered<3>(model, t, x, weights);
-    default:
-      return weigh_recovered<4>(model, t, x, weights);
-  }
+  return by_degree(model, [&]<int D>() { return weigh_recovered<D>(model, t, x, weights); });
 }
 
 CornerValues corner_values(const Model& model, const Field& state, const Corners& corners) {

@@ -6,6 +6,7 @@
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
+#include "solver/element/pack_kernels.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 #include "solver/stress.hpp"
@@ -20,37 +21,31 @@ namespace {
 template <int P>
 using Monomial = Eigen::Matrix<double, dim(P), 1>;
 
-template <int P>
-Monomial<P> monomial(double x, double y) {
-  Monomial<P> m;
-  m[0] = 1;
+template <int P, class Number>
+void set_monomials(const Number& x, const Number& y, Number* m) {
+  m[0] = Number{} + 1.0;
   for (int degree = 1, at = 1; degree <= P; ++degree) {
     const int before = at - degree;
     for (int j = 0; j < degree; ++j) m[at + j] = m[before + j] * x;
     m[at + degree] = m[before + degree - 1] * y;
     at += degree + 1;
   }
+}
+template <int P>
+Monomial<P> monomial(double x, double y) {
+  Monomial<P> m;
+  set_monomials<P>(x, y, m.data());
   return m;
 }
 
-// What is known about the stress in a triangle: its mean, or values at points.
-constexpr int gauss_points = 6;
-struct Mean {
-  Vec2 center;
-  double area;
-  Eigen::Vector3d stress;
-  Eigen::Vector3d second;  // means of x^2, x y, y^2 about the centroid
-  Eigen::Vector4d third;   // of x^3, x^2 y, x y^2, y^3
-};
-struct Values {
-  Vec2 center;
-  double area;
-  Eigen::Matrix<double, 2, gauss_points> x;
-  Eigen::Matrix<double, 3, gauss_points> stress;
-};
-
 // The moments of a triangle, from its corners about the centroid.
-void set_moments(Mean& m, const Triangle& t) {
+struct Moments {
+  Vec2 center = Vec2::Zero();
+  double area = 0;
+  Eigen::Vector3d second = Eigen::Vector3d::Zero();  // means of x^2, x y, y^2 about the centroid
+  Eigen::Vector4d third = Eigen::Vector4d::Zero();   // of x^3, x^2 y, x y^2, y^3
+};
+void set_moments(Moments& m, const Triangle& t) {
   m.second.setZero();
   m.third.setZero();
   for (const Vec2& corner : t.x) {
@@ -62,40 +57,151 @@ void set_moments(Mean& m, const Triangle& t) {
   }
 }
 
-Mean mean(const Model& m, const Field& s, Index t, const VectorField& load) {
+Eigen::Vector3d mean_stress_of(const FieldToRecover& of, Index t) {
+  const Model& m = of.model;
   const Triangle shape = triangle(m, t);
-  const auto coefficients = s.interior.col(t);
-  Mean r;
-  r.center = centroid(shape);
-  r.area = area(shape);
-  set_moments(r, shape);
+  const auto coefficients = of.field.interior.col(t);
+  const Vec2 center = centroid(shape);
   const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
                                       0.5 * (shape.x[0] + shape.x[1])};
+  Eigen::Vector3d stress = Eigen::Vector3d::Zero();
   if (m.element.stress <= 1) {  // bubbles have no mean, and vanish at the centroid
-    r.stress = symmetric_part(stress_at(m.inner->kernel, shape, coefficients, r.center));
+    stress = symmetric_part(stress_at(m.inner->kernel, shape, coefficients, center));
   } else {
-    r.stress.setZero();
-    for (const Vec2& x : middle) r.stress += symmetric_part(stress_at(m.inner->kernel, shape, coefficients, x)) / 3;
+    for (const Vec2& x : middle) stress += symmetric_part(stress_at(m.inner->kernel, shape, coefficients, x)) / 3;
   }
-  if (load && m.element.displacement == 0 && is_mixed(m.element)) {
+  if (of.load && m.element.displacement == 0 && is_mixed(m.element)) {
     // |T| mean(s) = int_dT (s n) x^T - int_T (div s) x^T: the element has the means of f for f.
     Mat2 missing = Mat2::Zero();
-    for (const Vec2& x : middle) missing += load(x) * (x - r.center).transpose() / 3;
-    r.stress += Eigen::Vector3d(missing(0, 0), missing(1, 1), 0.5 * (missing(0, 1) + missing(1, 0)));
+    for (const Vec2& x : middle) missing += of.load(x) * (x - center).transpose() / 3;
+    stress += Eigen::Vector3d(missing(0, 0), missing(1, 1), 0.5 * (missing(0, 1) + missing(1, 0)));
   }
-  return r;
+  return stress;
 }
 
-Values values(const Model& m, const Field& s, Index t, const TriangleRule& rule) {
-  const Triangle shape = triangle(m, t);
-  Values r{centroid(shape), area(shape), {}, {}};
-  for (int q = 0; q < gauss_points; ++q) {
-    const Vec2 x = shape.x[0] + rule.x(0, q) * (shape.x[1] - shape.x[0]) + rule.x(1, q) * (shape.x[2] - shape.x[0]);
-    r.x.col(q) = x;
-    r.stress.col(q) = symmetric_part(stress_at(m.inner->kernel, shape, s.interior.col(t), x));
+using Fields3 = std::vector<Eigen::Matrix3Xd>;  // stresses per field, a column per sample
+
+// What is known about the stresses in the triangles: their means, a sample each, or values at points. What is asked of
+// samples: the triangle's center; and of four of them, one beside each of four corners, the monomials m of
+// (x - corner) / reach and the weights. No triangle: a weight of 0.
+struct FourSamples {
+  std::array<Index, pack_size> triangle;  // or none
+  int of_triangle;                        // which of its samples
+};
+struct FourCorners {
+  Pack x, y, reach;
+};
+
+class Means {
+ public:
+  static constexpr int per_triangle = 1;
+  Fields3 stress;
+
+  Means(std::span<const FieldToRecover> fields, Index triangles)
+      : stress(fields.size(), Eigen::Matrix3Xd(3, triangles)), of_(static_cast<std::size_t>(triangles)) {
+    const Model& m = fields[0].model;
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const Triangle shape = triangle(m, t);
+        Moments& moments = of_[t];
+        moments.center = centroid(shape);
+        moments.area = area(shape);
+        set_moments(moments, shape);
+        for (std::size_t f = 0; f < fields.size(); ++f) stress[f].col(t) = mean_stress_of(fields[f], t);
+      }
+    });
   }
-  return r;
-}
+  const Vec2& center(Index t) const {
+    return of_[t].center;
+  }
+  template <int P>
+  Pack set(const FourSamples& at, const FourCorners& corners, Pack* m) const {
+    static const Moments nothing;
+    Pack x, y, area, second[3], third[4];
+    for (int lane = 0; lane < pack_size; ++lane) {
+      const Index t = at.triangle[static_cast<std::size_t>(lane)];
+      const Moments& of = t == none ? nothing : of_[t];
+      x[lane] = of.center.x();
+      y[lane] = of.center.y();
+      area[lane] = of.area;
+      for (int i = 0; i < 3; ++i) second[i][lane] = of.second[i];
+      if constexpr (P == 3)
+        for (int i = 0; i < 4; ++i) third[i][lane] = of.third[i];
+    }
+    const Pack scale = 1.0 / corners.reach, square = scale * scale;
+    x = scale * (x - corners.x);
+    y = scale * (y - corners.y);
+    set_monomials<P>(x, y, m);
+    for (int i = 0; i < 3; ++i) {
+      second[i] *= square;
+      m[3 + i] += second[i];
+    }
+    if constexpr (P == 3) {
+      const Pack cube = square * scale;
+      m[6] += 3.0 * x * second[0] + cube * third[0];
+      m[7] += 2.0 * x * second[1] + y * second[0] + cube * third[1];
+      m[8] += 2.0 * y * second[1] + x * second[2] + cube * third[2];
+      m[9] += 3.0 * y * second[2] + cube * third[3];
+    }
+    return area * square / (0.1 + x * x + y * y);
+  }
+
+ private:
+  std::vector<Moments> of_;
+};
+
+class Values {
+ public:
+  static constexpr int per_triangle = 6;
+  Fields3 stress;
+
+  Values(std::span<const FieldToRecover> fields, Index triangles)
+      : stress(fields.size(), Eigen::Matrix3Xd(3, Eigen::Index{per_triangle} * triangles)),
+        x_(2, Eigen::Index{per_triangle} * triangles),
+        weight_(Eigen::Index{per_triangle} * triangles),
+        center_(static_cast<std::size_t>(triangles)) {
+    const Model& m = fields[0].model;
+    const TriangleRule rule = triangle_rule(4);
+    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        const Triangle shape = triangle(m, t);
+        center_[t] = centroid(shape);
+        for (int q = 0; q < per_triangle; ++q) {
+          const Vec2 x =
+              shape.x[0] + rule.x(0, q) * (shape.x[1] - shape.x[0]) + rule.x(1, q) * (shape.x[2] - shape.x[0]);
+          const Eigen::Index k = Eigen::Index{per_triangle} * t + q;
+          x_.col(k) = x;
+          weight_[k] = rule.w[q] * area(shape);
+          for (std::size_t f = 0; f < fields.size(); ++f)
+            stress[f].col(k) =
+                symmetric_part(stress_at(fields[f].model.inner->kernel, shape, fields[f].field.interior.col(t), x));
+        }
+      }
+    });
+  }
+  const Vec2& center(Index t) const {
+    return center_[t];
+  }
+  template <int P>
+  Pack set(const FourSamples& at, const FourCorners& corners, Pack* m) const {
+    Pack x = corners.x, y = corners.y, weight{};
+    for (int lane = 0; lane < pack_size; ++lane) {
+      const Index t = at.triangle[static_cast<std::size_t>(lane)];
+      if (t == none) continue;
+      const Eigen::Index k = Eigen::Index{per_triangle} * t + at.of_triangle;
+      x[lane] = x_(0, k);
+      y[lane] = x_(1, k);
+      weight[lane] = weight_[k];
+    }
+    set_monomials<P>(Pack((x - corners.x) / corners.reach), Pack((y - corners.y) / corners.reach), m);
+    return weight / (corners.reach * corners.reach);
+  }
+
+ private:
+  Points x_;
+  Eigen::VectorXd weight_;
+  std::vector<Vec2> center_;
+};
 
 // Where each corner is one of a triangle's three: place / 3 is the triangle.
 Lists places_of(const Corners& c) {
@@ -160,21 +266,21 @@ class Patch {
   std::vector<Index> seen_, passed_, triangles_;
 };
 
-// Weighted least squares; falls back to lower degrees where the samples do not determine the fit. Padded to whole
-// registers; of the normal matrix what is below the diagonal, and a little more.
+// Weighted least squares; falls back to lower degrees where the samples do not determine the fit. Of the normal matrix
+// what is below the diagonal.
 template <int P>
 class Fit {
  public:
+  static constexpr double least_pivot = 1e-6;  // of the diagonal
+
   void add(const Monomial<P>& m, const Eigen::Vector3d& value, double weight) {
-    Eigen::Matrix<double, rows, 1> padded = Eigen::Matrix<double, rows, 1>::Zero();
-    padded.template head<n>() = m;
-    accumulate<0>(padded, weight * m);
-    for (int k = 0; k < 3; ++k) load_.col(k) += (weight * value[k]) * padded;
+    for (int j = 0; j < n; ++j)
+      for (int i = j; i < n; ++i) normal_(i, j) += weight * m[j] * m[i];
+    for (int k = 0; k < 3; ++k) load_.col(k) += (weight * value[k]) * m;
   }
   /// Coefficients, 3 x dim(P).
   Eigen::Matrix<double, 3, dim(P)> solve() {
-    constexpr double least_pivot = 1e-6;  // of the diagonal
-    const Eigen::Matrix<double, rows, 1> diagonal = normal_.diagonal();
+    const Monomial<P> diagonal = normal_.diagonal();
     int rank = n;
     for (int j = 0; j < n; ++j) {
       if (normal_(j, j) <= least_pivot * diagonal[j]) {
@@ -200,43 +306,128 @@ class Fit {
   }
 
  private:
-  static constexpr int n = dim(P), rows = (n + 3) / 4 * 4;
-  template <int J>
-  void accumulate(const Eigen::Matrix<double, rows, 1>& m, const Monomial<P>& weighted) {
-    if constexpr (J < n) {
-      constexpr int from = J / 4 * 4;
-      normal_.col(J).template tail<rows - from>() += weighted[J] * m.template tail<rows - from>();
-      accumulate<J + 1>(m, weighted);
-    }
-  }
-  Eigen::Matrix<double, rows, rows> normal_ = Eigen::Matrix<double, rows, rows>::Zero();
-  Eigen::Matrix<double, rows, 3> load_ = Eigen::Matrix<double, rows, 3>::Zero();
+  static constexpr int n = dim(P);
+  Eigen::Matrix<double, n, n> normal_ = Eigen::Matrix<double, n, n>::Zero();
+  Eigen::Matrix<double, n, 3> load_ = Eigen::Matrix<double, n, 3>::Zero();
 };
 
-template <int P>
-void add(Fit<P>& fit, const Mean& s, const Vec2& corner, double reach) {
-  const double scale = 1 / reach;
-  const Vec2 d = scale * (s.center - corner);
-  Monomial<P> m = monomial<P>(d.x(), d.y());
-  const Eigen::Vector3d second = scale * scale * s.second;
-  m.template segment<3>(3) += second;
-  if constexpr (P == 3) {
-    const Eigen::Vector4d third = scale * scale * scale * s.third;
-    m[6] += 3 * d.x() * second[0] + third[0];
-    m[7] += 2 * d.x() * second[1] + d.y() * second[0] + third[1];
-    m[8] += 2 * d.y() * second[1] + d.x() * second[2] + third[2];
-    m[9] += 3 * d.y() * second[2] + third[3];
-  }
-  fit.add(m, s.stress, s.area * scale * scale / (0.1 + d.squaredNorm()));
-}
+// The fits at four corners side by side, of all fields: the normal matrix is one for them. What a corner gets does not
+// depend on the other three.
+template <int P, class Samples>
+class FourFits {
+ public:
+  FourFits(const Samples& samples, const std::vector<Vec2>& points) : samples_(samples), points_(points) {}
 
-template <int P>
-void add(Fit<P>& fit, const Values& s, const Vec2& corner, double reach, const TriangleRule& rule) {
-  for (int q = 0; q < gauss_points; ++q) {
-    const Vec2 d = (s.x.col(q) - corner) / reach;
-    fit.add(monomial<P>(d.x(), d.y()), s.stress.col(q), rule.w[q] * s.area / (reach * reach));
+  /// `around`: the triangles around each corner, which are at points[vertex].
+  void set(const std::array<std::vector<Index>, pack_size>& around, const std::array<Index, pack_size>& vertex) {
+    around_ = &around;
+    std::size_t triangles = 0;
+    for (int lane = 0; lane < pack_size; ++lane) {
+      const auto at = static_cast<std::size_t>(lane);
+      const Vec2& x = points_[static_cast<std::size_t>(vertex[at])];
+      corners_.x[lane] = x.x();
+      corners_.y[lane] = x.y();
+      double reach = 0;
+      for (const Index t : around[at]) reach = std::max(reach, (samples_.center(t) - x).squaredNorm());
+      corners_.reach[lane] = std::sqrt(reach);
+      triangles = std::max(triangles, around[at].size());
+    }
+    terms_ = static_cast<int>(triangles) * Samples::per_triangle;
+    monomials_.resize(static_cast<std::size_t>(terms_) * n);
+    weighted_.resize(monomials_.size());
+    stress_.resize(static_cast<std::size_t>(terms_) * 3);
+    for (int k = 0; k < terms_; ++k) {
+      Pack* m = &monomials_[static_cast<std::size_t>(k) * n];
+      Pack* weighted = &weighted_[static_cast<std::size_t>(k) * n];
+      const Pack weight = samples_.template set<P>(samples_at(k), corners_, m);
+      for (int i = 0; i < n; ++i) weighted[i] = weight * m[i];
+    }
+    set_zero(factor_);
+    add_products<Wanted::Upper>(factor_, terms_, by(weighted_, n), by(monomials_, n), ones);
+    for (int i = 0; i < n; ++i) diagonal_[i] = factor_(i, i);
+    cholesky_packs<n>(factor_);
+    for (int lane = 0; lane < pack_size; ++lane) {
+      determined_[static_cast<std::size_t>(lane)] = true;
+      for (int i = 0; i < n; ++i) {  // 1/factor^2 are the pivots
+        const double share = factor_(i, i)[lane] * factor_(i, i)[lane] * Fit<P>::least_pivot * diagonal_[i][lane];
+        if (!(share < 1)) determined_[static_cast<std::size_t>(lane)] = false;
+      }
+    }
   }
-}
+  double reach(int lane) const {
+    return corners_.reach[lane];
+  }
+  /// Of one field, at the first `count` corners: coefficients into to[lane].
+  void solve(std::size_t field, int count, const std::array<double*, pack_size>& to) {
+    const Eigen::Matrix3Xd& stress = samples_.stress[field];
+    for (int k = 0; k < terms_; ++k) {
+      const FourSamples at = samples_at(k);
+      Pack* s = &stress_[static_cast<std::size_t>(k) * 3];
+      for (int lane = 0; lane < pack_size; ++lane) {
+        const Index t = at.triangle[static_cast<std::size_t>(lane)];
+        const double* of =
+            t == none ? nothing.data() : stress.data() + 3 * (Eigen::Index{Samples::per_triangle} * t + at.of_triangle);
+        for (int i = 0; i < 3; ++i) s[i][lane] = of[i];
+      }
+    }
+    PackGrid<n, 3> x;
+    set_zero(x);
+    add_products<Wanted::All>(x, terms_, by(weighted_, n), by(stress_, 3), ones);
+    forward_packs<n, 3>(factor_, x);
+    for (int i = n - 1; i >= 0; --i)
+      for (int j = 0; j < 3; ++j) {
+        Pack sum = x(i, j);
+        for (int k = i + 1; k < n; ++k) sum -= factor_(i, k) * x(k, j);
+        x(i, j) = sum * factor_(i, i);
+      }
+    for (int lane = 0; lane < count; ++lane) {
+      double* c = to[static_cast<std::size_t>(lane)];
+      if (!determined_[static_cast<std::size_t>(lane)])
+        solve_alone(lane, c);
+      else
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < 3; ++j) c[3 * i + j] = x(i, j)[lane];
+    }
+  }
+
+ private:
+  static constexpr int n = dim(P);
+  static constexpr Pack ones = {1, 1, 1, 1};
+  static constexpr std::array<double, 3> nothing = {0, 0, 0};
+
+  FourSamples samples_at(int k) const {
+    const auto place = static_cast<std::size_t>(k / Samples::per_triangle);
+    FourSamples at{{}, k % Samples::per_triangle};
+    for (std::size_t lane = 0; lane < at.triangle.size(); ++lane)
+      at.triangle[lane] = place < (*around_)[lane].size() ? (*around_)[lane][place] : none;
+    return at;
+  }
+  static auto by(const std::vector<Pack>& rows, int columns) {
+    return [data = rows.data(), columns](int k, int i) { return data[k * columns + i]; };
+  }
+  void solve_alone(int lane, double* to) const {
+    Fit<P> fit;
+    const auto terms = static_cast<int>((*around_)[static_cast<std::size_t>(lane)].size()) * Samples::per_triangle;
+    for (int k = 0; k < terms; ++k) {
+      Monomial<P> m;
+      for (int i = 0; i < n; ++i) m[i] = by(monomials_, n)(k, i)[lane];
+      Eigen::Vector3d s;
+      for (int i = 0; i < 3; ++i) s[i] = by(stress_, 3)(k, i)[lane];
+      fit.add(m, s, by(weighted_, n)(k, 0)[lane]);  // the first monomial is 1
+    }
+    Eigen::Map<Eigen::Matrix<double, 3, n>>(to).noalias() = fit.solve();
+  }
+
+  const Samples& samples_;
+  const std::vector<Vec2>& points_;
+  const std::array<std::vector<Index>, pack_size>* around_ = nullptr;
+  FourCorners corners_;
+  int terms_ = 0;
+  std::vector<Pack> monomials_, weighted_, stress_;
+  PackGrid<n, n> factor_;  // U with U'U the normal matrix, one over its diagonal on it
+  std::array<Pack, n> diagonal_;
+  std::array<bool, pack_size> determined_ = {};
+};
 
 template <int P>
 Eigen::Vector3d value(const RecoveredStress& r, Index corner, const Vec2& from_corner) {
@@ -259,89 +450,88 @@ Eigen::Vector3d blended(const Model& m, const Field& s, const Corners& c, const 
   return sum / share.whole;
 }
 
-// What is to be fitted, and where not.
-struct Fitting {
-  const Model& model;
-  const Field& field;
-  const Corners& corners;
-  const std::vector<bool>& singular;
-};
-
 // Of the discrete stresses of the triangles at a corner, weighted by area.
-Eigen::Vector3d average(const Fitting& f, const Lists& places, Index corner) {
-  const Vec2& x = f.model.mesh.points[f.corners.vertex[corner]];
+Eigen::Vector3d average(const FieldToRecover& of, std::span<const Index> places, const Vec2& x) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double weight = 0;
-  for (const Index place : places[corner]) {
+  for (const Index place : places) {
     const Index t = place / 3;
-    const Triangle shape = triangle(f.model, t);
-    sum += area(shape) * symmetric_part(stress_at(f.model.inner->kernel, shape, f.field.interior.col(t), x));
+    const Triangle shape = triangle(of.model, t);
+    sum += area(shape) * symmetric_part(stress_at(of.model.inner->kernel, shape, of.field.interior.col(t), x));
     weight += area(shape);
   }
   return sum / weight;
 }
 
-template <class Samples>
-double reach_of(const std::vector<Index>& patch, const std::vector<Samples>& samples, const Vec2& corner) {
-  double reach = 0;
-  for (const Index t : patch) reach = std::max(reach, (samples[t].center - corner).squaredNorm());
-  return std::sqrt(reach);
+// The corners of wanted triangles.
+std::vector<bool> wanted_corners(const Corners& c, const std::vector<bool>& wanted) {
+  std::vector<bool> at(c.vertex.size(), wanted.empty());
+  for (std::size_t t = 0; t < wanted.size(); ++t)
+    if (wanted[t])
+      for (const Index i : c.of[t]) at[i] = true;
+  return at;
 }
 
-// `add_to`(fit, sample, corner, reach) adds what is known about a triangle to the fit at a corner.
-template <int P, class Samples, class Add>
-RecoveredStress fitted(const Fitting& f, const std::vector<Samples>& samples, const PatchSize& size,
-                       const Add& add_to) {
-  const Corners& c = f.corners;
+template <int P, class Samples>
+std::vector<RecoveredStress> fitted(std::span<const FieldToRecover> fields, const Corners& c,
+                                    const std::vector<bool>& singular, const std::vector<bool>& wanted,
+                                    const PatchSize& size) {
+  const Model& m = fields[0].model;
   const Index corners = static_cast<Index>(c.vertex.size()), triangles = static_cast<Index>(c.of.size());
-  RecoveredStress r{Eigen::Matrix3Xd(3, corners),         Eigen::Matrix3Xd(3, triangles), P,
-                    Eigen::MatrixXd(3 * dim(P), corners), Eigen::VectorXd(corners),       {}};
-  r.kept = with_neighbors(c, f.singular);
+  const Samples samples(fields, triangles);
   const Lists places = places_of(c);
-  parallel_for(corners, f.model.threads, [&](Index begin, Index end) {
-    Patch patch(c, places, f.singular);
+  const std::vector<bool> kept = with_neighbors(c, singular), at_corner = wanted_corners(c, wanted);
+  std::vector<RecoveredStress> all(
+      fields.size(), RecoveredStress{Eigen::Matrix3Xd(3, corners), Eigen::Matrix3Xd(3, triangles), P,
+                                     Eigen::MatrixXd(3 * dim(P), corners), Eigen::VectorXd(corners), kept});
+  parallel_for(corners, m.threads, [&](Index begin, Index end) {
+    Patch patch(c, places, singular);
+    FourFits<P, Samples> fits(samples, m.mesh.points);
+    std::array<std::vector<Index>, pack_size> around;
+    std::array<Index, pack_size> vertex{}, corner{};
+    int count = 0;
+    const auto flush = [&] {
+      if (count == 0) return;
+      for (auto lane = static_cast<std::size_t>(count); lane < vertex.size(); ++lane) {
+        around[lane].clear();
+        vertex[lane] = vertex[0];
+      }
+      fits.set(around, vertex);
+      for (std::size_t f = 0; f < all.size(); ++f) {
+        std::array<double*, pack_size> to{};
+        for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+          to[lane] = all[f].coefficients.col(corner[lane]).data();
+          all[f].reach[corner[lane]] = fits.reach(static_cast<int>(lane));
+        }
+        fits.solve(f, count, to);
+        for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane)
+          all[f].at_corners.col(corner[lane]) = Eigen::Map<const Eigen::Vector3d>(to[lane]);
+      }
+      count = 0;
+    };
     for (Index i = begin; i < end; ++i) {
-      if (r.kept[i]) {
-        r.at_corners.col(i) = average(f, places, i);
+      if (!at_corner[i]) continue;
+      if (kept[i]) {
+        for (std::size_t f = 0; f < all.size(); ++f)
+          all[f].at_corners.col(i) = average(fields[f], places[i], m.mesh.points[c.vertex[i]]);
         continue;
       }
-      const Vec2& corner = f.model.mesh.points[c.vertex[i]];
-      const auto& around = patch.around(i, size);
-      r.reach[i] = reach_of(around, samples, corner);
-      Fit<P> fit;
-      for (const Index t : around) add_to(fit, samples[t], corner, r.reach[i]);
-      Eigen::Map<Eigen::Matrix<double, 3, dim(P)>> coefficients(r.coefficients.col(i).data());
-      coefficients = fit.solve();
-      r.at_corners.col(i) = coefficients.col(0);
+      const auto lane = static_cast<std::size_t>(count);
+      around[lane] = patch.around(i, size);
+      vertex[lane] = c.vertex[i];
+      corner[lane] = i;
+      if (++count == pack_size) flush();
+    }
+    flush();
+  });
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      if (!wanted.empty() && !wanted[t]) continue;
+      for (std::size_t f = 0; f < all.size(); ++f)
+        all[f].at_centroids.col(t) = blended<P>(fields[f].model, fields[f].field, c, all[f], {t, samples.center(t)});
     }
   });
-  parallel_for(triangles, f.model.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t)
-      r.at_centroids.col(t) = blended<P>(f.model, f.field, c, r, {t, samples[t].center});
-  });
-  return r;
-}
-
-template <int P>
-RecoveredStress from_means(const Fitting& f, const VectorField& load) {
-  std::vector<Mean> means(f.corners.of.size());
-  parallel_for(static_cast<Index>(means.size()), f.model.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) means[t] = mean(f.model, f.field, t, load);
-  });
-  return fitted<P>(f, means, {.rings = 2, .triangles = dim(P) + 4},
-                   [](Fit<P>& fit, const Mean& of, const Vec2& corner, double reach) { add(fit, of, corner, reach); });
-}
-
-template <int P>
-RecoveredStress from_values(const Fitting& f) {
-  const TriangleRule rule = triangle_rule(4);
-  std::vector<Values> samples(f.corners.of.size());
-  parallel_for(static_cast<Index>(samples.size()), f.model.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) samples[t] = values(f.model, f.field, t, rule);
-  });
-  return fitted<P>(
-      f, samples, {.rings = 1, .triangles = 5},
-      [&](Fit<P>& fit, const Values& of, const Vec2& corner, double reach) { add(fit, of, corner, reach, rule); });
+  return all;
 }
 
 // Per vertex whether contact begins or ends there.
@@ -394,17 +584,27 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
   return result;
 }
 
+std::vector<RecoveredStress> recover_stresses(std::span<const FieldToRecover> fields, const Corners& c,
+                                              const std::vector<bool>& singular, const std::vector<bool>& wanted) {
+  if (fields.empty()) return {};
+  const auto from_means = [](int degree) { return PatchSize{.rings = 2, .triangles = dim(degree) + 4}; };
+  switch (fields[0].model.element.order) {
+    case 1:
+      return fitted<2, Means>(fields, c, singular, wanted, from_means(2));
+    case 2:
+      return fitted<3, Means>(fields, c, singular, wanted, from_means(3));
+    case 3:
+    case 4:
+      return fitted<4, Values>(fields, c, singular, wanted, {.rings = 1, .triangles = 5});
+    default:
+      return fitted<5, Values>(fields, c, singular, wanted, {.rings = 1, .triangles = 7});
+  }
+}
+
 RecoveredStress recover_stress(const Model& m, const Field& s, const Corners& c, const std::vector<bool>& singular,
                                const VectorField& load) {
-  const Fitting fitting{m, s, c, singular};
-  switch (m.element.order) {
-    case 1:
-      return from_means<2>(fitting, load);
-    case 2:
-      return from_means<3>(fitting, load);
-    default:
-      return from_values<4>(fitting);
-  }
+  const FieldToRecover alone{m, s, load};
+  return std::move(recover_stresses({&alone, 1}, c, singular).front());
 }
 
 Shares shares_at(const Mesh& mesh, const PointIn& at) {
@@ -425,8 +625,10 @@ Eigen::Vector3d recovered_at(const Model& m, const Field& s, const Corners& c, c
       return blended<2>(m, s, c, r, at);
     case 3:
       return blended<3>(m, s, c, r, at);
-    default:
+    case 4:
       return blended<4>(m, s, c, r, at);
+    default:
+      return blended<5>(m, s, c, r, at);
   }
 }
 

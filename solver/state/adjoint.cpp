@@ -5,6 +5,7 @@
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/solve.hpp"
+#include "solver/system/half_solved.hpp"
 #include "solver/system/refine.hpp"
 
 #include <fmt/core.h>
@@ -102,7 +103,7 @@ double size_of_load(const Tangent& of) {
   if (of.jump.isZero(0)) return scale;
   Eigen::VectorXd given = Eigen::VectorXd::Zero(rows);
   given.tail(of.jump.size()) = of.jump;
-  return std::max(scale, multiply(m.inner->system.K, given).cwiseAbs().maxCoeff());
+  return std::max(scale, multiply(*m.inner->system.K, given).cwiseAbs().maxCoeff());
 }
 
 // The solution again with products that do not lose what the rounding of K loses.
@@ -135,7 +136,7 @@ double energy_of(const Tangent& of, const PenaltyIterate& s) {
   const Model& m = of.condensed.m;
   const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
   const Eigen::VectorXd forces =                        // without a penalty K x = F on the rows that move
-      m.inner->system.penalty > 0 ? multiply(m.inner->system.K, s.x) : Eigen::VectorXd(of.loads.F + s.force);
+      m.inner->system.penalty > 0 ? multiply(*m.inner->system.K, s.x) : Eigen::VectorXd(of.loads.F + s.force);
   double energy = s.x.dot(forces + 2 * moved);
   const std::vector<double>& prescribed = of.loads.prescribed;
   for (const Index t : beside_prescribed(
@@ -161,7 +162,7 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
     const bool first = s.x.size() == 0;
     if (first) s.x.setZero(rows);
     Eigen::VectorXd rest = F;
-    if (!first) rest -= multiply(m.inner->system.K, s.x);
+    if (!first) rest -= multiply(*m.inner->system.K, s.x);
     const Eigen::VectorXd to_go = first ? of.jump : Eigen::VectorXd::Zero(contact_rows).eval();
     s.x += of.condensed.solve_frozen(rest, s.motion, &to_go);
     for (Index i = 0; i < contact_rows; ++i)
@@ -171,7 +172,7 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
     ++result.linear_solves;
   };
   const auto judge = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
-    Eigen::VectorXd rest = F - multiply(m.inner->system.K, s.x);
+    Eigen::VectorXd rest = F - multiply(*m.inner->system.K, s.x);
     s.force = Eigen::VectorXd::Zero(rows);
     for (Index i = leading; i < rows; ++i)
       if (of.cone.held[i - leading]) s.force[i] = -std::exchange(rest[i], 0);
@@ -508,6 +509,98 @@ TangentField ConeSolver::solve(const Eigen::VectorXd& load, const std::vector<do
       for (Index t = begin; t < end; ++t) impl_->fill(traced, t);
     });
   return std::move(traced.field);
+}
+
+namespace {
+
+using Columns = std::vector<HalfSolved::Column>;
+
+// What a substitution takes of a cone's problem: the loads less what the prescribed values do, a column per problem.
+class Halves {
+ public:
+  Halves(const Model& m, const FewLoads& loads)
+      : m_(m), loads_(loads), place_(static_cast<std::size_t>(m.inner->skeleton.total), none) {
+    for (std::size_t i = 0; i < loads.unknowns.size(); ++i) place_[loads.unknowns[i]] = static_cast<Index>(i);
+  }
+
+  Columns of_loads() const {
+    Columns columns(static_cast<std::size_t>(loads_.load.cols()));
+    for (std::size_t i = 0; i < loads_.unknowns.size(); ++i)
+      add(loads_.unknowns[i], loads_.load.row(static_cast<Eigen::Index>(i)), columns);
+    const Eigen::VectorXd largest = loads_.prescribed.cwiseAbs().rowwise().maxCoeff();
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(m_.inner->skeleton.total);
+    for (std::size_t i = 0; i < loads_.unknowns.size(); ++i)
+      moved[loads_.unknowns[i]] = largest[static_cast<Eigen::Index>(i)];
+    for (const Index t : beside_prescribed(m_, moved)) {
+      const SkeletonMatrix K = condense(m_.inner->kernel, triangle(m_, t), material_of(m_.mesh, m_.scene, t), {}).K;
+      const Seen view = seen(m_.mesh, m_.inner->skeleton, t);
+      const Eigen::MatrixXd force = -(K * prescribed(view));
+      for (int i = 0; i < view.count; ++i)
+        for (const Index u : {view.base[i], view.jump[i]})
+          if (u != none) add(u, force.row(i), columns);
+    }
+    return columns;
+  }
+
+  /// The reading by the skeleton, and what it finds in the prescribed values.
+  std::pair<HalfSolved::Column, double> of_reading(const Reading& r) const {
+    const SkeletonVector by =
+        condense_dual(m_.inner->kernel, triangle(m_, r.t), material_of(m_.mesh, m_.scene, r.t), r.weights).F;
+    const Seen view = seen(m_.mesh, m_.inner->skeleton, r.t);
+    Columns column(1);
+    for (int i = 0; i < view.count; ++i)
+      for (const Index u : {view.base[i], view.jump[i]})
+        if (u != none) add(u, Eigen::RowVectorXd::Constant(1, by[i]), column);
+    return {column[0], by.dot(prescribed(view).col(r.of))};
+  }
+
+ private:
+  void add(Index u, const Eigen::RowVectorXd& values, Columns& columns) const {
+    const Index row = m_.inner->ordering.row[u];
+    if (row == none) return;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (const double value = values[static_cast<Eigen::Index>(k)]; value != 0) columns[k].emplace_back(row, value);
+  }
+  Eigen::MatrixXd prescribed(const Seen& view) const {
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(view.count, loads_.load.cols());
+    for (int i = 0; i < view.count; ++i)
+      if (const Index at = place_[view.base[i]]; at != none) values.row(i) = loads_.prescribed.row(at);
+    return values;
+  }
+
+  const Model& m_;
+  const FewLoads& loads_;
+  std::vector<Index> place_;  // of each unknown of the skeleton among those of the loads
+};
+
+}  // namespace
+
+std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span<const Reading> readings) const {
+  const Model& m = impl_->condensed.m;
+  const Ordering& o = m.inner->ordering;
+  if (m.inner->system.penalty > 0 || impl_->condensed.sliding || !is_definite(m.element) || !m.inner->factor ||
+      m.inner->factor->leading() || o.size == 0 || m.inner->standing.slides.cols() > 0)
+    return std::nullopt;
+  const Halves halves(m, loads);
+  Columns columns = halves.of_loads();
+  const Eigen::Index problems = loads.load.cols(), count = static_cast<Eigen::Index>(readings.size());
+  Eigen::VectorXd found(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    auto [column, known] = halves.of_reading(readings[static_cast<std::size_t>(i)]);
+    columns.push_back(std::move(column));
+    found[i] = known;
+  }
+  for (Index i = 0; i < o.contact_rows; ++i)
+    if (impl_->cone.held[i]) columns.push_back({{o.size - o.contact_rows + i, 1.0}});
+  // All rows moving, less the forces that keep those that are held.
+  Eigen::MatrixXd products = HalfSolved(*m.inner->factor).add(columns);
+  if (const Eigen::Index held = products.rows() - problems - count; held > 0) {
+    const Eigen::MatrixXd forces =
+        products.bottomRightCorner(held, held).llt().solve(Eigen::MatrixXd(products.bottomLeftCorner(held, problems)));
+    products.block(problems, 0, count, problems) -= products.block(problems, problems + count, count, held) * forces;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) found[i] += products(problems + i, readings[static_cast<std::size_t>(i)].of);
+  return found;
 }
 
 std::vector<TangentField> ConeSolver::solve_all(std::size_t count,

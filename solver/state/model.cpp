@@ -2,11 +2,14 @@
 
 #include "geometry/topology.hpp"
 #include "solver/history.hpp"
+#include "solver/kept_memory.hpp"
+#include "solver/moved.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
 #include "solver/system/lost_definiteness.hpp"
 #include "solver/system/parted.hpp"
+#include "solver/system/rounded.hpp"
 
 #include "solver/parallel.hpp"
 #include "solver/stopwatch.hpp"
@@ -249,6 +252,14 @@ bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::strin
   return false;
 }
 
+constexpr const char* stays_double =
+    "a factor in single precision does not serve here: the factor is kept in double precision";
+
+/// Whether its matrix is definite as it is, and nobody asks for the factor itself.
+bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& how) {
+  return is_definite(e) && made.skeleton.unseen.empty() && how.interface_edges.empty();
+}
+
 /// With the springs that hold what contact alone holds.
 LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
   LowerTriangle held = k;
@@ -256,6 +267,47 @@ LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& 
     held.values[held.start[o.size - o.contact_rows + i]] += standing.springs[i];
   return held;
 }
+
+}  // namespace
+
+namespace {
+
+/// All that `order` looks at.
+bool same_topology(const Mesh& m, const Skeleton& s, const Mesh& n, const Skeleton& o) {
+  const auto same_cracks = [&] {
+    return std::ranges::equal(m.cracks, n.cracks, [](const auto& a, const auto& b) {
+      return std::ranges::equal(
+          a, b, [](const CrackEdge& c, const CrackEdge& d) { return c.edge == d.edge && c.forward == d.forward; });
+    });
+  };
+  return m.points.size() == n.points.size() && m.triangles == n.triangles && m.edges == n.edges && m.sides == n.sides &&
+         m.edges_of == n.edges_of && s.per_edge == o.per_edge && s.per_vertex == o.per_vertex && s.total == o.total &&
+         s.base == o.base && s.fixed == o.fixed && s.jump == o.jump && s.bounded == o.bounded &&
+         s.frictional == o.frictional && s.sliding == o.sliding && s.corners.of == o.corners.of &&
+         s.corners.vertex == o.corners.vertex && same_cracks();
+}
+
+/// The factor of a model that nobody else has, or null.
+std::shared_ptr<Factor> taken_from(Model model) {
+  if (model.inner.use_count() != 1 || model.inner->factor.use_count() != 1) return nullptr;
+  return std::const_pointer_cast<Factor>(model.inner->factor);
+}
+
+/// The factor of K in the memory of one with its pattern; anew where that is lost.
+std::shared_ptr<Factor> factor_in(std::shared_ptr<Factor> there, const LowerTriangle& K, const Element& e,
+                                  const Ordering& ordering, int threads) {
+  if (there) try {
+      there->refactor(K);
+      return there;
+    } catch (const LostDefiniteness&) {
+      there.reset();
+    }
+  return std::make_shared<Factor>(factor_of(K, e, ordering, threads));
+}
+
+/// `prepare`, with what may be taken over, or null.
+Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
+                   std::shared_ptr<Ranks> ranks, Model* before);
 
 }  // namespace
 
@@ -270,6 +322,17 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
               std::shared_ptr<Ranks> ranks) {
+  return prepare_from(std::move(mesh), e, std::move(scene), threads, how, std::move(ranks), nullptr);
+}
+
+Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model before) {
+  return prepare_from(std::move(mesh), e, std::move(scene), threads, {}, nullptr, before.inner ? &before : nullptr);
+}
+
+namespace {
+
+Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
+                   std::shared_ptr<Ranks> ranks, Model* before) {
   if (ranks) check_parted(e, how);
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   for (const CrackLaw& law : scene.laws)
@@ -280,9 +343,11 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
       throw std::invalid_argument("prepare: one material per region is needed");
   Stopwatch watch;
   Prepared made(std::move(mesh), kernel(e), std::move(scene), threads);
-  Ordering ordering = order(made.mesh, made.skeleton, how.interface_edges);
+  const bool again = before && before->inner->ordering.interface_rows == 0 && how.interface_edges.empty() &&
+                     same_topology(made.mesh, made.skeleton, before->mesh, before->inner->skeleton);
+  Ordering ordering = again ? before->inner->ordering : order(made.mesh, made.skeleton, how.interface_edges, threads);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
-  if (made.mesh.triangles.size() > large) return_freed_memory();
+  if (made.mesh.triangles.size() > large && !again && !keeps_memory()) return_freed_memory();
   const bool by_factors = made.is_large(ordering.contact_rows, how);
   if (!by_factors) check_contact(made.mesh, made.scene, ordering.contact_rows);
   ModelSeconds seconds;
@@ -291,13 +356,14 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
       assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
   if (!made.standing.empty())
-    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
+    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing, made.notes);
   if (by_factors && ranks) refuse_parted_contact(ordering.contact_rows, how.most_dense);
   if (by_factors) {
+    if (how.precision == Precision::Single) made.notes.emplace_back(stays_double);
     made.held = std::make_shared<HeldFactors>(sequence_within(made.mesh, made.skeleton, ordering),
                                               ordering.contact_rows, threads);
     made.start = motions_of(made.mesh, made.skeleton, ordering, made.kernel, how.contact);
-    made.held->of(system.K, held_by(made.start, ordering.contact_rows));
+    made.held->of(*system.K, held_by(made.start, ordering.contact_rows));
     seconds.factor = watch.lap();
     made.notes.push_back(
         fmt::format("the cracks in contact have {} unknowns, too many for a dense matrix: contact is "
@@ -305,24 +371,33 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
                     ordering.contact_rows));
     return std::move(made).model(std::move(ordering), std::move(system), nullptr, seconds);
   }
+  const std::shared_ptr<const LowerTriangle> K =
+      made.standing.empty() ? system.K
+                            : std::make_shared<const LowerTriangle>(sprung(*system.K, ordering, made.standing));
   if (ranks && is_worth_parts(made.mesh, *ranks, made.notes)) {
-    const LowerTriangle K = made.standing.empty() ? system.K : sprung(system.K, ordering, made.standing);
     const Assembly from{made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain};
     auto factor =
-        std::make_shared<const Factor>(K, ordering.contact_rows, parted(from, system.penalty, std::move(ranks)));
+        std::make_shared<const Factor>(*K, ordering.contact_rows, parted(from, system.penalty, std::move(ranks)));
     seconds.factor = watch.lap();
     return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
   }
-  auto factor = std::make_shared<const Factor>(
-      !how.factorize                  ? Factor(LowerTriangle{}, 0)
-      : !made.skeleton.unseen.empty() ? Factor(lifted(system.K, made.skeleton, ordering), ordering.contact_rows)
-      : !made.standing.empty()        ? factor_of(sprung(system.K, ordering, made.standing), e, ordering, threads)
-                                      : factor_of(system.K, e, ordering, threads));
+  std::unique_ptr<LeadingSolver> in_single;
+  if (how.factorize && how.precision == Precision::Single) {
+    if (can_be_rounded(made, e, how)) in_single = rounded(K, ordering.contact_rows, system.F, threads);
+    if (!in_single) made.notes.emplace_back(stays_double);
+  }
+  std::shared_ptr<Factor> factor;
+  if (!how.factorize)
+    factor = std::make_shared<Factor>(LowerTriangle{}, 0);
+  else if (in_single)
+    factor = std::make_shared<Factor>(*K, ordering.contact_rows, std::move(in_single));
+  else if (!made.skeleton.unseen.empty())
+    factor = std::make_shared<Factor>(lifted(*K, made.skeleton, ordering), ordering.contact_rows);
+  else
+    factor = factor_in(again && is_definite(e) ? taken_from(std::move(*before)) : nullptr, *K, e, ordering, threads);
   seconds.factor = watch.lap();
   return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
 }
-
-namespace {
 
 // `before`: the state whose slips go on, or nothing.
 Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matrix = true) {
@@ -338,7 +413,7 @@ Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matri
       assemble_loads({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false},
                      m.inner->system, with_matrix);
   if (!made.standing.empty())
-    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, system.K, system.F, made.standing, made.notes);
+    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing, made.notes);
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
   made.held = m.inner->held;

@@ -4,6 +4,7 @@
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
+#include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/solve.hpp"
@@ -21,6 +22,8 @@
 namespace kerf {
 
 namespace {
+
+constexpr Index few = 64;  // triangles between two looks for a request to stop
 
 // Unknowns: under the numbers of the base unknowns of the skeleton the traction that goes with each (sigma n at the
 // Gauss points, n from left to right, outward on the boundary) and the rotations at vertices; then per triangle the
@@ -159,6 +162,7 @@ Saddle assemble_saddle(const Model& m, const Layout& layout) {
   saddle.load = Eigen::VectorXd::Zero(layout.size);
   std::vector<Entry> entries;
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+    if (t % few == 0) check_stop();
     const Local l = local(m, layout, t);
     const auto add = [&](Index i, Index j, double value) {
       if (value != 0) entries.push_back({std::max(i, j), std::min(i, j), value});
@@ -341,6 +345,7 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
   state.interior.resize(interior_count(m.element), triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
+      if (t % few == 0) check_stop();
       const Local l = local(m, layout, t);
       const Eigen::Index stress = l.basis.cols(), inner = l.system.Bt.cols(),
                          corners = l.system.Ct.cols() - layout.edge;

@@ -58,7 +58,7 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
   const Eigen::VectorXd r = condensed.load(y);
   const auto respond = [&](const std::vector<Motion>& motion, const Eigen::VectorXd& force) -> Response {
     const Eigen::VectorXd jump = condensed.moving_jumps(r + force, motion);
-    const Eigen::VectorXd rest = multiply(condensed.m.inner->system.K, condensed.complete(y, jump)) - b;
+    const Eigen::VectorXd rest = multiply(*condensed.m.inner->system.K, condensed.complete(y, jump)) - b;
     return {jump, rest.tail(jump.size())};
   };
   return active_set({condensed.m.inner->ordering.contact_rows, respond}, condensed.points, guess);
@@ -94,7 +94,7 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
     throw Error(Fault::Usage, fmt::format("\"uzawa\" needs the dense matrix of contact, which {} unknowns are too many "
                                           "for; use \"dual-qp\"",
                                           rows));
-  const ForcesInContact forces(inner.system.K, rows);
+  const ForcesInContact forces(*inner.system.K, rows);
   const bool begins = s.x.size() == 0;
   if (begins) s.x.setZero(inner.ordering.size);
   // From nothing, where a set is judged by rows in contact and those beside them, and the last is solved as a whole;
@@ -108,7 +108,7 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
     given = force;
     for (Index i = 0; i < rows; ++i)
       if (motion[i] == Motion::Held) s.x[s.x.size() - rows + i] = 0;
-    Eigen::VectorXd missing = begins ? F : F - multiply(inner.system.K, s.x);
+    Eigen::VectorXd missing = begins ? F : F - multiply(*inner.system.K, s.x);
     missing.tail(rows) += force;
     if (begins)
       s.x = condensed.solve_at_contact(missing, motion);
@@ -163,7 +163,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
   // The correction solves for x as a whole on the rows in contact: their part of the guess is dropped first.
   const bool guess = s.x.size() > 0;
   if (guess) s.x.tail(contact_rows).setZero();
-  const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(m.inner->system.K, s.x)) : F;
+  const Eigen::VectorXd rest = guess ? Eigen::VectorXd(F - multiply(*m.inner->system.K, s.x)) : F;
   const Eigen::VectorXd y = m.inner->factor->forward(rest);
   ++state.linear_solves;
   Eigen::VectorXd correction;
@@ -203,7 +203,7 @@ double force_of_rounding(const Model& m) {
   const double largest = largest_of(m.inner->skeleton.prescribed);
   if (largest == 0) return 0;
   double stiffness = 0;
-  const LowerTriangle& K = m.inner->system.K;
+  const LowerTriangle& K = *m.inner->system.K;
   for (Index j = 0; j < K.size; ++j)
     if (K.start[j] < K.start[j + 1]) stiffness = std::max(stiffness, std::abs(K.values[K.start[j]]));
   return std::numeric_limits<double>::epsilon() * stiffness * largest;
@@ -220,7 +220,7 @@ Remembered remembered(const Model& m) {
   for (Index u = skeleton.base; u < skeleton.total; ++u)
     if (skeleton.frictional[u]) slip[m.inner->ordering.row[u]] = skeleton.prescribed[u];
   if (slip.isZero(0)) return {};
-  const Eigen::VectorXd force = multiply(m.inner->system.K, slip);
+  const Eigen::VectorXd force = multiply(*m.inner->system.K, slip);
   return {few_digits * force.cwiseAbs().maxCoeff(), few_digits * slip.dot(force)};
 }
 
@@ -439,7 +439,7 @@ State solve(const Model& m, ContactMethod method) {
     solve_contact(condensed, method, F, s, state);
   };
   const auto assembled = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
-    const Eigen::VectorXd rest = multiply(m.inner->system.K, s.x) - F;
+    const Eigen::VectorXd rest = multiply(*m.inner->system.K, s.x) - F;
     certify(condensed, {rest, size_of_load(m)}, s);
   };
   const bool penalized = m.inner->system.penalty > 0;

@@ -85,8 +85,9 @@ class Group {
       const Index t = first + i;
       set_force(from, t, a);
       const Material& material = material_of(from.mesh, from.scene, t);
-      locals_[static_cast<std::size_t>(i)] = {
-          triangle(from.mesh, from.skeleton, t), &material, force_of(a, t), {.a = a.penalty / material.mu}};
+      LocalTriangle& local = locals_[static_cast<std::size_t>(i)];
+      local = {triangle(from.mesh, from.skeleton, t), &material, force_of(a, t), {.a = a.penalty / material.mu}};
+      a.alike->share(t, local);
     }
     const auto n = static_cast<std::size_t>(count);
     kerf::condense(from.kernel, std::span(locals_).first(n), std::span(shares_).first(n));
@@ -145,7 +146,7 @@ void scatter(const Assembly& from, Index t, Condensed& c, System& a) {
   for (int p = 0; p < used; ++p) {
     for (int q = 0; q < used; ++q) {
       if (entries[p].row < entries[q].row) continue;
-      double& target = a.K.values[place(o, a.K, entries[p].row, entries[q].row)];
+      double& target = a.K->values[place(o, *a.K, entries[p].row, entries[q].row)];
       const double value = c.K(entries[p].local, entries[q].local);
       // Only a base unknown's own edge is shared by two triangles.
       if (!in_sequence && entries[p].local / s.per_edge == entries[q].local / s.per_edge)
@@ -236,7 +237,7 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
 }  // namespace
 
 System assemble_loads(const Assembly& from, const System& like, bool with_matrix) {
-  System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces};
+  System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces, .alike = like.alike};
   if (with_matrix) a.K = like.K;
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   const auto add = [&](Index begin, Index end) {
@@ -264,7 +265,9 @@ System assemble(const Assembly& from) {
   if (a.penalty > 0)
     a.traces.resize(skeleton_count(from.kernel.element) + 2, static_cast<Eigen::Index>(from.mesh.triangles.size()));
   a.force = empty_force(from);
-  a.K = pattern(from.ordering);
+  a.alike = std::make_shared<const Alike>(from.mesh, from.kernel, from.skeleton, from.scene, from.data, a.penalty,
+                                          from.threads);
+  *a.K = pattern(from.ordering);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   if (from.skeleton.per_vertex > 0)
     condense_then_scatter(from, a);

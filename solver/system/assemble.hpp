@@ -2,6 +2,7 @@
 // The global condensed system: values of its matrix and right-hand side.
 
 #include "solver/factor.hpp"
+#include "solver/system/alike.hpp"
 #include "solver/system/ordering.hpp"
 
 namespace kerf {
@@ -11,11 +12,12 @@ namespace kerf {
 /// vertices); on the jumps in contact the solution satisfies their law instead of K x = F.
 struct System {
   double penalty = 0;  // Penalty::a in K times the mu of each triangle; not 0 when c mu would lose digits
-  LowerTriangle K;
+  std::shared_ptr<LowerTriangle> K = std::make_shared<LowerTriangle>();  // shared where loads alone differ
   Eigen::MatrixXd force;  // ForceMoments, a column per triangle; no columns without body force and eigenstrain
   Eigen::VectorXd F;
   Eigen::VectorXd tractions;  // their loads, per skeleton unknown
   Eigen::MatrixXd traces;     // with a penalty, per triangle Condensed::trace, own, by_theta
+  std::shared_ptr<const Alike> alike = std::make_shared<const Alike>();  // shared where loads alone differ
 };
 
 /// What a system is assembled from.

@@ -2,8 +2,6 @@
 
 #include "solver/parallel.hpp"
 
-#include <Eigen/LU>
-
 #include <cmath>
 
 namespace kerf {
@@ -39,36 +37,6 @@ Twice along(const RigidMotion& motion, const Twice& dx, const Twice& dy, const V
   const Twice u = dy * -motion.rotation + Twice{motion.translation.x(), 0},
               v = dx * motion.rotation + Twice{motion.translation.y(), 0};
   return u * direction.x() + v * direction.y();
-}
-
-// visit(first unknown, frame, from, to, s, beyond) for every pair of unknowns that are displacements at the point from
-// + s (to - from) + beyond. Edges go in their own direction, so that both sides of an edge agree on its points to the
-// last bit.
-template <class Visit>
-void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
-  const int points = points_per_edge(k.element);
-  for (int e = 0; e < 3; ++e) {
-    const Vec2 &a = t.x[(e + (t.forward[e] ? 1 : 2)) % 3], &b = t.x[(e + (t.forward[e] ? 2 : 1)) % 3];
-    for (int g = 0; g < points; ++g) {
-      const double s = k.trace.s[g];
-      visit(2 * (points * e + g), frame_at(t, e, g), a, b, s,
-            t.bow[e] ? Vec2(s * (1 - s) * height(*t.bow[e], s)) : Vec2::Zero().eval());
-    }
-  }
-  if (k.element.at_vertices == AtVertices::Displacement)
-    for (int v = 0; v < 3; ++v)
-      visit(6 * points + 2 * v, Mat2(t.corner[v].topLeftCorner<2, 2>()), t.x[v], t.x[v], 0.0, Vec2::Zero().eval());
-}
-
-// Traces of the translations and of the rotation by 1/h about the center.
-void span_motions(const Kernel& k, const Triangle& t, const Vec2& center, double h, Strained& s) {
-  s.span.setZero(skeleton_count(k.element), 3);
-  for_each_point(k, t, [&](int first, const Mat2& frame, const Vec2& a, const Vec2& b, double at, const Vec2& beyond) {
-    const Vec2 d = (a + at * (b - a) + beyond - center) / h;
-    for (int c = 0; c < 2; ++c) s.span.row(first + c) << frame(0, c), frame(1, c), cross(d, frame.col(c));
-  });
-  if (k.element.at_vertices == AtVertices::Rotation) s.span.bottomRightCorner<3, 1>().setConstant(-1 / h);
-  s.inverse = Eigen::Matrix3d(s.span.transpose() * s.span).inverse();
 }
 
 struct Traced {
@@ -122,7 +90,7 @@ Strained strained(const Model& m, const Twofold& values, Index t) {
   const Vec2 center = centroid(shape);
   const double h = std::sqrt(2 * area(shape));
   Strained s;
-  span_motions(k, shape, center, h, s);
+  static_cast<MotionTraces&>(s) = motion_traces(k, shape, center, h);
   const Eigen::Vector3d most = s.inverse * (s.span.transpose() * trace.high);
   s.motion = {center, most.head<2>(), most[2] / h};
   s.rest = trace.high;
@@ -167,8 +135,7 @@ void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<E
 
 LaneMotions strain_lanes(const Kernel& k, const Triangle& t, double* traces) {
   const double h = std::sqrt(2 * area(t));
-  Strained s;
-  span_motions(k, t, centroid(t), h, s);
+  const MotionTraces s = motion_traces(k, t, centroid(t), h);
   const Eigen::Index n = s.span.rows();
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, lanes, Eigen::RowMajor>> rest(traces, n, lanes);
   LaneMotions all = LaneMotions::Zero();
@@ -225,6 +192,7 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
                      &material_of(m.mesh, m.scene, t),
                      force_of(m.inner->system, t),
                      {.a = penalty_at(m, t), .theta = penalized ? theta[t] : 0}};
+        m.inner->system.alike->share(t, locals[i]);
         found[i].m = strains[i].rest;
         found[i].interior = field.interior.col(t).data();
       }
@@ -262,6 +230,7 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
       for (std::size_t i = 0; i < count; ++i) {
         const Index t = first + static_cast<Index>(i);
         locals[i] = {triangle(m, t), &material_of(m.mesh, m.scene, t), {}, {.a = penalty_at(m, t)}};
+        m.inner->system.alike->share(t, locals[i]);
       }
       condense(m.inner->kernel, std::span(locals).first(count), std::span(found).first(count));
       for (std::size_t at = 0; at < count; ++at) {

@@ -3,6 +3,7 @@
 // motion to rounding times its own size instead of to nothing; a slender body bends by motions so much larger than its
 // strains that this rounding is felt as a force [theory: E.17, E.18].
 
+#include "solver/element/motions.hpp"
 #include "solver/system.hpp"
 
 namespace kerf {
@@ -17,13 +18,10 @@ struct Twofold {
 /// x + share y, without rounding at the size of x.
 void add(Twofold& x, double share, const Eigen::VectorXd& y);
 
-/// What one triangle sees: a rigid motion, and the rest, which alone strains it. `span` holds the traces of the three
-/// motions, `inverse` that of their Gram matrix.
-struct Strained {
+/// What one triangle sees: a rigid motion, and the rest, which alone strains it.
+struct Strained : MotionTraces {
   RigidMotion motion;
   SkeletonVector rest;
-  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, max_skeleton, 3> span;
-  Eigen::Matrix3d inverse;
   /// v less its share in the span.
   SkeletonVector without_motions(const SkeletonVector& v) const {
     return v - span * (inverse * (span.transpose() * v));

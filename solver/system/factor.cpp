@@ -4,8 +4,8 @@
 #include "solver/system/blas.hpp"
 #include "solver/system/lost_definiteness.hpp"
 #include "solver/system/multifrontal.hpp"
+#include "solver/system/symbolic.hpp"
 
-#include <cholmod.h>
 #include <dlfcn.h>
 #include <fmt/core.h>
 #include <malloc.h>
@@ -14,46 +14,10 @@
 
 #include <algorithm>
 #include <array>
-#include <mutex>
 #include <numeric>
 #include <optional>
 
 namespace kerf {
-
-namespace {
-
-// Views of arrays that Eigen or a vector owns; CHOLMOD only reads them.
-cholmod_sparse view(Index n, Index* start, Index* rows, double* values, int stype) {
-  cholmod_sparse a{};
-  a.nrow = a.ncol = static_cast<std::size_t>(n);
-  a.nzmax = static_cast<std::size_t>(start[n]);
-  a.p = start;
-  a.i = rows;
-  a.x = values;
-  a.stype = stype;
-  a.itype = CHOLMOD_INT;
-  a.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
-  a.dtype = CHOLMOD_DOUBLE;
-  a.sorted = 1;
-  a.packed = 1;
-  return a;
-}
-
-struct Session {  // a CHOLMOD workspace with its lifetime
-  cholmod_common c{};
-  Session() {
-    cholmod_start(&c);
-    c.print = 0;
-    c.error_handler = nullptr;
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  ~Session() {
-    cholmod_finish(&c);
-  }
-};
-
-}  // namespace
 
 // OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k
 // triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
@@ -63,30 +27,6 @@ void use_one_thread() {
   if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
 }
 
-std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors) {
-  check_stop();
-  const Index n = static_cast<Index>(start.size()) - 1;
-  std::vector<Index> order(n);
-  if (n == 0) return order;
-  // METIS seeds and draws from the C library's generator: two orderings at once would disturb each other.
-  static std::mutex one_at_a_time;
-  const std::scoped_lock lock(one_at_a_time);
-  Session session;
-  // An unsymmetric pattern stands for A A' in CHOLMOD; stype 1 with both triangles stored reads the upper one.
-  std::vector<Index> upper_start(n + 1, 0), upper;
-  upper.reserve(neighbors.size() / 2);
-  for (Index j = 0; j < n; ++j) {
-    for (Index p = start[j]; p < start[j + 1]; ++p)
-      if (neighbors[p] < j) upper.push_back(neighbors[p]);
-    upper_start[j + 1] = static_cast<Index>(upper.size());
-  }
-  if (upper.empty()) upper.push_back(0);
-  cholmod_sparse a = view(n, upper_start.data(), upper.data(), nullptr, 1);
-  a.sorted = 0;
-  if (!cholmod_metis(&a, nullptr, 0, 1, order.data(), &session.c)) out_of_memory();
-  return order;
-}
-
 void return_freed_memory() {
 #ifdef __GLIBC__
   malloc_trim(0);
@@ -94,99 +34,50 @@ void return_freed_memory() {
 }
 
 struct Factor::Impl {
-  Session session;
-  cholmod_factor* factor = nullptr;
   Index size = 0;
   double entries = 0, flops = 0;
   Eigen::MatrixXd contact_factor, interface_factor;
-  bool permuted = false;  // by the factor, not by whoever made the matrix
-  std::optional<Lu> lu;   // instead of a Cholesky factor
+  std::vector<Index> order;  // order[k] is the k-th row to be eliminated
+  bool permuted = false;     // by the factor, not by whoever made the matrix
+  std::optional<Lu> lu;      // instead of a Cholesky factor
   std::optional<Multifrontal> numeric;
+  std::unique_ptr<double[]> values;        // L
   std::unique_ptr<LeadingSolver> leading;  // instead of both, with the rows of the matrix that are in contact
   LowerTriangle coupling;                  // its entries in these rows, by columns
   int threads = 1;
 
-  ~Impl() {
-    if (factor) cholmod_free_factor(&factor, &session.c);
-  }
-
   void analyze(const LowerTriangle& lower, std::span<const Index> sequence) {
-    cholmod_common& c = session.c;
-    c.supernodal = CHOLMOD_SUPERNODAL;
-    c.nmethods = 1;
-    c.method[0].ordering = sequence.empty() ? CHOLMOD_NATURAL : CHOLMOD_GIVEN;
-    // Fewer zeros in merged supernodes than by default: 4 to 7 % less memory; speed within the noise of the
-    // measurement. Small matrices spend their time on the calls per supernode, not inside: 6600 unknowns of a lattice
-    // take 9.2 ms with the narrow ones, 6.1 by default, 4.7 with wide ones.
-    constexpr std::array<std::size_t, 3> narrow{1, 4, 12}, wide{8, 32, 96};
-    std::copy_n((size < 30000 ? wide : narrow).begin(), 3, c.nrelax);
-    // `dissection` is a postorder already, and last rows must stay where they are.
     permuted = !sequence.empty();
-    c.postorder = permuted ? 1 : 0;
-    cholmod_sparse a = view(size, const_cast<Index*>(lower.start.data()), const_cast<Index*>(lower.rows.data()),
-                            const_cast<double*>(lower.values.data()), -1);
-    factor = cholmod_analyze_p(&a, permuted ? const_cast<Index*>(sequence.data()) : nullptr, nullptr, 0, &c);
-    if (!factor) out_of_memory();
-    entries = c.lnz;
-    flops = c.fl;
-    numeric.emplace(supernodes());
+    Symbolic found = analyze_pattern(lower, sequence);
+    order = std::move(found.order);
+    entries = found.entries;
+    flops = found.flops;
+    numeric.emplace(std::move(found.supernodes));
   }
 
-  Supernodes supernodes() const {
-    return {static_cast<Index>(factor->nsuper), static_cast<const Index*>(factor->super),
-            static_cast<const Index*>(factor->pi), static_cast<const Index*>(factor->px),
-            static_cast<const Index*>(factor->s)};
-  }
-
-  /// In the order of the factor.
-  LowerTriangle reordered(const LowerTriangle& lower) const {
-    const auto* order = static_cast<const Index*>(factor->Perm);
-    std::vector<Index> place(static_cast<std::size_t>(size));
-    for (Index k = 0; k < size; ++k) place[static_cast<std::size_t>(order[k])] = k;
-    LowerTriangle r{size, std::vector<Index>(lower.start.size(), 0), std::vector<Index>(lower.rows.size()),
-                    std::vector<double>(lower.values.size())};
-    const auto each = [&](const auto& visit) {
-      for (Index j = 0; j < size; ++j)
-        for (Index p = lower.start[j]; p < lower.start[j + 1]; ++p)
-          visit(p, place[static_cast<std::size_t>(lower.rows[p])], place[static_cast<std::size_t>(j)]);
-    };
-    each([&](Index, Index row, Index column) { ++r.start[std::min(row, column) + 1]; });
-    std::partial_sum(r.start.begin(), r.start.end(), r.start.begin());
-    std::vector<Index> next(r.start.begin(), r.start.end() - 1);
-    each([&](Index p, Index row, Index column) {
-      const Index to = next[std::min(row, column)]++;
-      r.rows[to] = std::max(row, column);
-      r.values[to] = lower.values[p];
-    });
-    return r;
-  }
-
-  void factorize(const LowerTriangle& lower) {
+  void factorize(const LowerTriangle& lower, Index last) {
     check_stop();
-    if (!factor->x && !cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor, &session.c)) out_of_memory();
-    auto* values = static_cast<double*>(factor->x);
-    if (!(permuted ? numeric->factorize(reordered(lower), values, threads)
-                   : numeric->factorize(lower, values, threads)))
+    if (!values) values.reset(new double[static_cast<std::size_t>(numeric->entries())]);
+    interface_factor.setZero(last, last);
+    const auto made = [&](const LowerTriangle& k) {
+      return numeric->factorize(k, values.get(), interface_factor, threads);
+    };
+    if (!(permuted ? made(reordered(lower, order)) : made(lower)))
       throw LostDefiniteness(
           "rounding has eaten the stiffness of the body: it is slender or nearly free to move, triangles are very "
           "flat, or materials differ too much; support it more firmly, or refine the mesh there");
-  }
-
-  const double* values() const {
-    return static_cast<const double*>(factor->x);
   }
 
   /// In the order of the factor, and back.
   template <typename Dense>
   Dense permute(const Dense& b, bool back) const {
     Dense out(b.rows(), b.cols());
-    const auto* order = static_cast<const Index*>(factor->Perm);
     for (Eigen::Index c = 0; c < b.cols(); ++c)
       for (Index k = 0; k < size; ++k)
         if (back)
-          out(order[k], c) = b(k, c);
+          out(order[static_cast<std::size_t>(k)], c) = b(k, c);
         else
-          out(k, c) = b(order[k], c);
+          out(k, c) = b(order[static_cast<std::size_t>(k)], c);
     return out;
   }
 
@@ -244,6 +135,10 @@ struct Factor::Impl {
       coupling.start.push_back(static_cast<Index>(coupling.rows.size()));
     }
     if (contact == 0) return;
+    if (leading->contact_factor()) {
+      contact_factor = interface_factor = *leading->contact_factor();
+      return;
+    }
     Eigen::MatrixXd S(contact, contact);
     for (Index i = 0; i < contact; ++i) {
       check_stop();
@@ -269,38 +164,15 @@ struct Factor::Impl {
   Dense forward(const Dense& b) const {
     check_stop();
     Dense x = permuted ? permute(b, false) : b;
-    numeric->forward(values(), x, threads);
+    numeric->forward(values.get(), x, threads);
     return x;
   }
 
   template <typename Dense>
   Dense backward(Dense x, const std::vector<bool>* fronts = nullptr) const {
     check_stop();
-    numeric->backward(values(), x, threads, fronts);
+    numeric->backward(values.get(), x, threads, fronts);
     return permuted ? permute(x, true) : x;
-  }
-
-  // The supernodes hold the columns of L as dense blocks; the last one may begin before these columns.
-  Eigen::MatrixXd last_block(Index count) const {
-    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
-    const Index first = size - count;
-    const auto* super = static_cast<const Index*>(factor->super);
-    const auto* rows_start = static_cast<const Index*>(factor->pi);
-    const auto* values_start = static_cast<const Index*>(factor->px);
-    const auto* rows = static_cast<const Index*>(factor->s);
-    const auto* values = static_cast<const double*>(factor->x);
-    for (std::size_t s = 0; s < factor->nsuper; ++s) {
-      if (super[s + 1] <= first) continue;
-      const Index height = rows_start[s + 1] - rows_start[s];
-      for (Index j = std::max(super[s], first); j < super[s + 1]; ++j) {
-        const double* column = values + values_start[s] + std::int64_t{j - super[s]} * height;
-        for (Index i = j - super[s]; i < height; ++i) {
-          const Index row = rows[rows_start[s] + i];
-          if (row >= j) block(row - first, j - first) = column[i];
-        }
-      }
-    }
-    return block;
   }
 };
 
@@ -317,9 +189,7 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
     return;
   }
   impl_->analyze(lower, {});
-  impl_->factorize(lower);
-  if (impl_->factor->ordering != CHOLMOD_NATURAL) throw std::logic_error("CHOLMOD did not keep the given order");
-  impl_->interface_factor = impl_->last_block(contact_rows + interface_rows);
+  impl_->factorize(lower, contact_rows + interface_rows);
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
 }
 
@@ -330,7 +200,7 @@ Factor::Factor(const LowerTriangle& lower, std::span<const Index> sequence, int 
   impl_->threads = threads;
   if (impl_->size == 0) return;
   impl_->analyze(lower, sequence);
-  impl_->factorize(lower);
+  impl_->factorize(lower, 0);
 }
 
 Factor::Factor(const LowerTriangle& lower, Index contact_rows, std::unique_ptr<LeadingSolver> leading)
@@ -346,9 +216,7 @@ void Factor::refactor(const LowerTriangle& lower) {
     throw std::invalid_argument("Factor: refactor with another pattern");
   if (impl_->size == 0) return;
   const Eigen::Index rows = impl_->interface_factor.rows(), contact = impl_->contact_factor.rows();
-  impl_->factorize(lower);
-  if (impl_->permuted) return;
-  impl_->interface_factor = impl_->last_block(static_cast<Index>(rows));
+  impl_->factorize(lower, static_cast<Index>(rows));
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact, contact);
 }
 
@@ -420,12 +288,11 @@ Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y, const std::vector<boo
 
 std::vector<bool> Factor::fronts_above(const std::vector<Index>& rows) const {
   if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
-  const auto* order = static_cast<const Index*>(impl_->factor->Perm);
   std::vector<bool> asked(static_cast<std::size_t>(impl_->size), false);
   for (const Index row : rows) asked[static_cast<std::size_t>(row)] = true;
   std::vector<Index> columns;
   for (Index k = 0; k < impl_->size; ++k)
-    if (asked[static_cast<std::size_t>(order[k])]) columns.push_back(k);
+    if (asked[static_cast<std::size_t>(impl_->order[static_cast<std::size_t>(k)])]) columns.push_back(k);
   return impl_->numeric->fronts_above(columns);
 }
 
@@ -457,9 +324,8 @@ const Eigen::MatrixXd& Factor::contact_factor() const {
 }
 
 Factor::Columns Factor::columns() const {
-  if (!impl_->factor) throw std::invalid_argument("Factor: columns of a definite matrix only");
-  return {impl_->supernodes(), static_cast<const double*>(impl_->factor->x),
-          static_cast<const Index*>(impl_->factor->Perm)};
+  if (!impl_->numeric) throw std::invalid_argument("Factor: columns of a definite matrix only");
+  return {*impl_->numeric, impl_->values.get(), impl_->order};
 }
 
 double Factor::entries() const {

@@ -5,30 +5,24 @@
 namespace kerf {
 
 HalfSolved::HalfSolved(const Factor& factor) : l_(factor.columns()) {
-  const Supernodes& s = l_.blocks;
-  const auto rows = static_cast<std::size_t>(s.count > 0 ? s.first[s.count] : 0);
+  const Supernodes& s = l_.blocks.supernodes();
+  const auto rows = static_cast<std::size_t>(s.first.back());
   place_.resize(rows);
   supernode_of_.resize(rows);
   for (std::size_t k = 0; k < rows; ++k) place_[static_cast<std::size_t>(l_.order[k])] = static_cast<Index>(k);
-  for (Index n = 0; n < s.count; ++n)
+  for (Index n = 0; n < s.count(); ++n)
     std::fill(supernode_of_.begin() + s.first[n], supernode_of_.begin() + s.first[n + 1], n);
-}
-
-Index HalfSolved::parent(Index n) const {
-  const Supernodes& s = l_.blocks;
-  const Index width = s.first[n + 1] - s.first[n], behind = s.rows_start[n] + width;
-  return behind == s.rows_start[n + 1] ? none : supernode_of_[static_cast<std::size_t>(s.rows[behind])];
 }
 
 // Room on the way of each, with the columns themselves in it.
 void HalfSolved::enter(const std::vector<Column>& columns) {
-  const Supernodes& s = l_.blocks;
+  const Supernodes& s = l_.blocks.supernodes();
   std::map<Index, Eigen::Index> old;
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Index number = count_ + static_cast<Index>(k);
     for (const auto& [row, value] : columns[k])
       for (Index n = supernode_of_[static_cast<std::size_t>(place_[static_cast<std::size_t>(row)])]; n != none;
-           n = parent(n)) {
+           n = l_.blocks.parent(n)) {
         Block& block = blocks_[n];
         if (!block.which.empty() && block.which.back() == number) break;
         block.which.push_back(number);
@@ -51,14 +45,21 @@ void HalfSolved::enter(const std::vector<Column>& columns) {
 
 // What the new columns of a supernode leave on the rows behind it.
 void HalfSolved::pass_on(Index n, Eigen::Index first_new) {
-  const Supernodes& s = l_.blocks;
-  const Index width = s.first[n + 1] - s.first[n], height = s.rows_start[n + 1] - s.rows_start[n];
-  const Eigen::Map<const Eigen::MatrixXd> l(l_.values + s.values_start[n], height, width);
+  const Supernodes& s = l_.blocks.supernodes();
+  const FrontPanel<double> panel = l_.blocks.panel(n, l_.values);
+  const Index width = panel.width, height = panel.height;
   Block& block = blocks_.at(n);
   auto here = block.values.rightCols(block.values.cols() - first_new);
-  l.topRows(width).triangularView<Eigen::Lower>().solveInPlace(here);
+  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(height - width, here.cols());
+  for (Index from = 0; from < width; from += FrontPanel<double>::together) {
+    const Index to = std::min(width, from + FrontPanel<double>::together);
+    const Eigen::Map<const Eigen::MatrixXd> l(panel.column(from) + from, height - from, to - from);
+    auto own = here.middleRows(from, to - from);
+    l.topRows(to - from).triangularView<Eigen::Lower>().solveInPlace(own);
+    here.middleRows(to, width - to).noalias() -= l.middleRows(to - from, width - to) * own;
+    left.noalias() += l.bottomRows(height - width) * own;
+  }
   if (height == width) return;
-  const Eigen::MatrixXd left = l.bottomRows(height - width) * here;
   std::vector<Eigen::Index> to(static_cast<std::size_t>(left.cols()));
   Index above = none;
   Block* target = nullptr;
@@ -98,7 +99,8 @@ Eigen::MatrixXd HalfSolved::add(const std::vector<Column>& columns) {
 Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(count_);
   for (const auto& [n, block] : blocks_) {
-    const Eigen::VectorXd here = block.values.transpose() * y.segment(l_.blocks.first[n], block.values.rows());
+    const Eigen::VectorXd here =
+        block.values.transpose() * y.segment(l_.blocks.supernodes().first[n], block.values.rows());
     for (std::size_t k = 0; k < block.which.size(); ++k) sum[block.which[k]] += here[static_cast<Eigen::Index>(k)];
   }
   return sum;
@@ -107,7 +109,7 @@ Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
 void HalfSolved::subtract(const Eigen::VectorXd& share, Eigen::VectorXd& y) const {
   for (const auto& [n, block] : blocks_) {
     const Eigen::VectorXd here = share(block.which);
-    y.segment(l_.blocks.first[n], block.values.rows()).noalias() -= block.values * here;
+    y.segment(l_.blocks.supernodes().first[n], block.values.rows()).noalias() -= block.values * here;
   }
 }
 

@@ -32,7 +32,6 @@ class HalfSolved {
     std::vector<Index> which;  // columns that pass it, increasing
     Eigen::MatrixXd values;    // its rows x these
   };
-  Index parent(Index supernode) const;
   void enter(const std::vector<Column>& columns);
   void pass_on(Index supernode, Eigen::Index first_new);
 

@@ -107,33 +107,45 @@ void small_square(Index n, Index k, const double* a, Index lda, double* c) {
 
 }  // namespace
 
-/// What one thread needs: where each row of L is in the front, and the stack of what fronts leave.
+/// What one thread needs: where each row of L is in the front, the stack of what fronts leave, and the front's panel.
 struct Multifrontal::Arena {
   std::vector<Index> place;
-  std::unique_ptr<double[]> stack;
-  Arena(Index columns, std::size_t room) : place(static_cast<std::size_t>(columns)), stack(new double[room]) {}
+  std::unique_ptr<double[]> stack, panel;
+  Arena(Index columns, const Room& room)
+      : place(static_cast<std::size_t>(columns)), stack(new double[room.stack]), panel(new double[room.panel]) {}
 };
 
 /// One factorization.
+template <typename Scalar>
 struct Multifrontal::Run {
+  struct Work : Front {  // in the making
+    double* panel;       // height x width
+  };
   const Multifrontal& of;
   const LowerTriangle& K;
-  double* values;
+  Scalar* values;
+  Eigen::MatrixXd& last;  // rows and columns of L
   Team& team;
   std::vector<double*> left = {};                    // per front what it leaves: lower, rest x rest
   std::vector<std::unique_ptr<double[]>> kept = {};  // of roots of subtrees
   Spares<Arena> free = {};
   std::atomic<bool> definite = true;
 
-  Run(const Multifrontal& m, const LowerTriangle& k, double* v, Team& t)
-      : of(m), K(k), values(v), team(t), left(static_cast<std::size_t>(m.s_.count), nullptr), kept(left.size()) {}
+  Run(const Multifrontal& m, const LowerTriangle& k, Scalar* v, Eigen::MatrixXd& l, Team& t)
+      : of(m),
+        K(k),
+        values(v),
+        last(l),
+        team(t),
+        left(static_cast<std::size_t>(m.s_.count()), nullptr),
+        kept(left.size()) {}
 
   static void find_places(const Front& f, std::vector<Index>& place) {
     for (Index i = 0; i < f.height; ++i) place[static_cast<std::size_t>(f.rows[i])] = i;
   }
 
   /// Columns from .. to of the front's own part of K.
-  void add_entries(const Front& f, const std::vector<Index>& place, Index from, Index to) const {
+  void add_entries(const Work& f, const std::vector<Index>& place, Index from, Index to) const {
     for (Index j = from; j < to; ++j) {
       double* column = f.panel + std::int64_t{j} * f.height;
       std::fill_n(column, f.height, 0.0);
@@ -143,7 +155,7 @@ struct Multifrontal::Run {
   }
 
   /// Columns from .. to of what the child leaves; `places`: of its rows in the front.
-  static void add_child(const Front& f, double* rest, const double* child, const std::vector<Index>& places, Index from,
+  static void add_child(const Work& f, double* rest, const double* child, const std::vector<Index>& places, Index from,
                         Index to) {
     const auto m = static_cast<Index>(places.size());
     for (Index j = from; j < to; ++j) {
@@ -155,14 +167,14 @@ struct Multifrontal::Run {
     }
   }
   std::vector<Index> places_of(Index child, const std::vector<Index>& place) const {
-    const Front c = of.front(child, values);
+    const Front c = of.front(child);
     std::vector<Index> places(static_cast<std::size_t>(c.rest()));
     for (Index i = 0; i < c.rest(); ++i)
       places[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(c.rows[c.width + i])];
     return places;
   }
 
-  bool eliminate(const Front& f, double* rest) const {
+  bool eliminate(const Work& f, double* rest) const {
     const int height = f.height, width = f.width, m = f.rest();
     constexpr Index narrow = 24;
     constexpr std::int64_t little = 40000, little_square = 65536;
@@ -192,7 +204,7 @@ struct Multifrontal::Run {
         break;
       }
     const Index root = of.sequence_[unit.end - 1];
-    const std::size_t size = of.front(root, values).rest_size();
+    const std::size_t size = of.front(root).rest_size();
     if (definite) {
       kept[root].reset(new double[size]);
       std::copy_n(left[root], size, kept[root].get());
@@ -221,7 +233,7 @@ struct Multifrontal::Run {
   }
 
   /// The columns and rows behind column `from + step` less what columns from .. from + step make of them.
-  void update_tiles(const Front& f, double* rest, Index from, Index step) const {
+  void update_tiles(const Work& f, double* rest, Index from, Index step) const {
     const Index begin = from + step, tiles = (f.height - begin + tile - 1) / tile;
     const double* made = f.panel + std::int64_t{from} * f.height;
     const auto update = [&](Index row, Index rows, Index column, Index columns, bool diagonal) {
@@ -249,7 +261,7 @@ struct Multifrontal::Run {
     });
   }
 
-  bool in_tiles(const Front& f, double* rest) const {
+  bool in_tiles(const Work& f, double* rest) const {
     for (Index from = 0; from < f.width; from += tile) {
       const Index step = std::min(tile, f.width - from), behind = f.height - from - step;
       double* diagonal = f.panel + std::int64_t{from} * f.height + from;
@@ -262,9 +274,26 @@ struct Multifrontal::Run {
     return true;
   }
 
+  /// Columns begin .. end of the front's panel, into L.
+  void store(const Work& f, Index s, Index begin, Index end) const {
+    Scalar* panel = values + of.place_[static_cast<std::size_t>(s)];
+    for (Index j = begin; j < end; ++j) {
+      const Index top = j / FrontPanel<double>::together * FrontPanel<double>::together;
+      const double* from = f.panel + std::int64_t{j} * f.height + top;
+      std::transform(from, from + f.height - top, panel + FrontPanel<double>::place(f.height, j) + top,
+                     [](double value) { return static_cast<Scalar>(value); });
+    }
+  }
+  void store_last(const Work& f) const {
+    const Index first = of.columns_ - static_cast<Index>(last.rows());
+    for (Index j = std::max<Index>(0, first - f.first); j < f.width; ++j)
+      for (Index i = j; i < f.height; ++i)
+        last(f.rows[i] - first, f.first + j - first) = f.panel[std::int64_t{j} * f.height + i];
+  }
+
   /// What the front leaves is made on top of the stack, then moved down to where that of its children was.
   bool perform(Index s, Arena& arena, std::size_t& top, bool together) {
-    const Front f = of.front(s, values);
+    const Work f{of.front(s), arena.panel.get()};
     double *rest = arena.stack.get() + top, *lowest = rest;
     find_places(f, arena.place);
     in_strips(f.width, together, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
@@ -281,6 +310,8 @@ struct Multifrontal::Run {
         lowest = std::min(lowest, left[c]);
     }
     if (!(together ? in_tiles(f, rest) : eliminate(f, rest))) return false;
+    in_strips(f.width, together, [&](Index from, Index to) { store(f, s, from, to); });
+    store_last(f);
     if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
     left[s] = lowest;
     top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
@@ -290,7 +321,7 @@ struct Multifrontal::Run {
   void single(Index s, Arena& arena, std::size_t& top) {
     if (!definite) return;
     check_stop();
-    definite = perform(s, arena, top, is_large(of.front(s, values)));
+    definite = perform(s, arena, top, is_large(of.front(s)));
   }
 
   bool operator()() {
@@ -316,18 +347,21 @@ struct Multifrontal::Run {
   }
 };
 
-Multifrontal::Multifrontal(const Supernodes& supernodes) : s_(supernodes) {
-  if (s_.count == 0) return;
-  columns_ = s_.first[s_.count];
-  const auto count = static_cast<std::size_t>(s_.count);
+Multifrontal::Multifrontal(Supernodes supernodes) : s_(std::move(supernodes)) {
+  if (s_.count() == 0) return;
+  columns_ = s_.first.back();
+  const auto count = static_cast<std::size_t>(s_.count());
   std::vector<Index> of(static_cast<std::size_t>(columns_));
-  for (Index s = 0; s < s_.count; ++s) std::fill(of.begin() + s_.first[s], of.begin() + s_.first[s + 1], s);
+  for (Index s = 0; s < s_.count(); ++s) {
+    const Front f = front(s);
+    std::fill_n(of.begin() + f.first, f.width, s);
+    place_.push_back(place_.back() + FrontPanel<double>::size(f.height, f.width));
+  }
   parent_.assign(count, none);
   first_child_.assign(count, none);
   next_.assign(count, none);
-  for (Index s = s_.count - 1; s >= 0; --s) {
-    const Front f = front<double>(s, nullptr);
-    entries_ += std::int64_t{f.width} * f.height;
+  for (Index s = s_.count() - 1; s >= 0; --s) {
+    const Front f = front(s);
     if (f.rest() == 0) continue;
     const Index p = parent_[s] = of[static_cast<std::size_t>(f.rows[f.width])];
     next_[s] = first_child_[p];
@@ -339,9 +373,9 @@ Multifrontal::Multifrontal(const Supernodes& supernodes) : s_(supernodes) {
 
 // The given order has children before parents, yet not always subtrees together, which the stack needs.
 void Multifrontal::order_depth_first() {
-  sequence_.reserve(static_cast<std::size_t>(s_.count));
+  sequence_.reserve(static_cast<std::size_t>(s_.count()));
   std::vector<Index> open;
-  for (Index root = 0; root < s_.count; ++root) {
+  for (Index root = 0; root < s_.count(); ++root) {
     if (parent_[root] != none) continue;
     Index s = root;
     while (true) {
@@ -361,12 +395,12 @@ void Multifrontal::order_depth_first() {
 // The stack of a subtree begins anew at its root, that of the fronts above passes them by.
 void Multifrontal::cut() {
   constexpr double per_front = 2e4, share = 1.0 / 64;  // flops that a front costs besides its own
-  const auto count = static_cast<std::size_t>(s_.count);
+  const auto count = static_cast<std::size_t>(s_.count());
   std::vector<double> work(count, 0);
   std::vector<Index> size(count, 1);  // fronts of the subtree
   double whole = 0;
   for (const Index s : sequence_) {
-    const Front f = front<double>(s, nullptr);
+    const Front f = front(s);
     double own = per_front;
     for (Index j = 0; j < f.width; ++j) own += double(f.height - j) * double(f.height - j);
     whole += own;
@@ -379,7 +413,7 @@ void Multifrontal::cut() {
   work_ = whole;
   std::vector<std::size_t> leaves(count, 0);  // on the stack, by the fronts of a subtree that are done
   std::size_t top = 0;
-  for (Index k = 0; k < s_.count; ++k) {
+  for (Index k = 0; k < s_.count(); ++k) {
     const Index s = sequence_[k];
     const bool is_above = above(s);
     if (is_above)
@@ -387,9 +421,11 @@ void Multifrontal::cut() {
     else if (parent_[s] == none || above(parent_[s]))
       units_.push_back({k + 1 - size[s], k + 1, true, work[s]});
   }
-  const auto push = [&](Index s, std::size_t& room, bool only_above) {
-    const std::size_t rest = front<double>(s, nullptr).rest_size();
-    room = std::max(room, top + rest);
+  const auto push = [&](Index s, Room& room, bool only_above) {
+    const Front f = front(s);
+    const std::size_t rest = f.rest_size();
+    room.stack = std::max(room.stack, top + rest);
+    room.panel = std::max(room.panel, static_cast<std::size_t>(f.width) * static_cast<std::size_t>(f.height));
     for (Index c = first_child_[s]; c != none; c = next_[c])
       if (!only_above || above(c)) top -= leaves[c];
     top += leaves[s] = rest;
@@ -404,11 +440,15 @@ void Multifrontal::cut() {
     if (!u.subtree) push(sequence_[u.begin], top_room_, true);
 }
 
-bool Multifrontal::factorize(const LowerTriangle& K, double* values, int threads) const {
+template <typename Scalar>
+bool Multifrontal::factorize(const LowerTriangle& K, Scalar* values, Eigen::MatrixXd& last, int threads) const {
   constexpr double worth_threads = 3e7;  // flops
-  if (s_.count == 0) return true;
+  if (s_.count() == 0) return true;
   Team team(work_ > worth_threads ? threads : 1);
-  return Run(*this, K, values, team)();
+  return Run<Scalar>(*this, K, values, last, team)();
 }
+
+template bool Multifrontal::factorize(const LowerTriangle&, double*, Eigen::MatrixXd&, int) const;
+template bool Multifrontal::factorize(const LowerTriangle&, float*, Eigen::MatrixXd&, int) const;
 
 }  // namespace kerf

@@ -12,11 +12,38 @@
 namespace kerf {
 
 /// Columns first[s] .. first[s + 1] of L have the rows rows[rows_start[s]] .. rows[rows_start[s + 1]], increasing,
-/// their own before all others; their values are dense by columns from values_start[s] on: CHOLMOD's arrays, only
-/// looked at.
+/// their own before all others.
 struct Supernodes {
-  Index count = 0;
-  const Index *first = nullptr, *rows_start = nullptr, *values_start = nullptr, *rows = nullptr;
+  std::vector<Index> first{0}, rows_start{0}, rows;
+  Index count() const {
+    return static_cast<Index>(first.size()) - 1;
+  }
+};
+
+/// The columns of L in a supernode, dense and eight by eight: each eight from their first row on, so that little of
+/// what is above the diagonal takes memory.
+template <typename Scalar>
+struct FrontPanel {
+  static constexpr Index together = 8;
+  const Scalar* values;
+  Index height, width;
+
+  /// Where row 0 of column k would be: rows from k on are there.
+  static std::int64_t place(Index height, Index k) {
+    const std::int64_t c = k / together * together;
+    return c * height - c * (c - together) / 2 + (k - c) * (height - c) - c;
+  }
+  static std::int64_t size(Index height, Index width) {
+    const std::int64_t c = width / together * together;
+    return c * height - c * (c - together) / 2 + (width - c) * (height - c);
+  }
+  const Scalar* column(Index k) const {
+    return values + place(height, k);
+  }
+  /// Rows from one column of the same eight to the next.
+  Index apart(Index k) const {
+    return height - k / together * together;
+  }
 };
 
 /// L L' = K, multifrontal [Duff, Reid 1983]: a front per supernode, which hands what it leaves of its other rows to its
@@ -25,26 +52,44 @@ struct Supernodes {
 /// that the bits are the same for any number of threads.
 class Multifrontal {
  public:
-  explicit Multifrontal(const Supernodes& supernodes);
+  explicit Multifrontal(Supernodes supernodes);
 
-  /// L into `values`. Returns false when a pivot is not positive: `values` are void then. Throws std::bad_alloc.
-  bool factorize(const LowerTriangle& K, double* values, int threads) const;
+  /// Numbers that L takes.
+  std::int64_t entries() const {
+    return place_.back();
+  }
+  /// L into `values`, and its last rows and columns, as many as `last` has, into `last`. Returns false when a pivot is
+  /// not positive: `values` are void then. Throws std::bad_alloc.
+  /// All is computed in double precision; L is rounded to that of Scalar, double or float, when it is stored.
+  template <typename Scalar>
+  bool factorize(const LowerTriangle& K, Scalar* values, Eigen::MatrixXd& last, int threads) const;
 
   /// x <- L^-1 x, and x <- L^-T x, of columns of the size of L; cut as the factorization is, with the same bits for any
   /// number of threads.
-  void forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
+  template <typename Scalar>
+  void forward(const Scalar* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
   /// `marked`: backwards on the columns of these fronts alone, the others stay as they are.
-  void backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
+  template <typename Scalar>
+  void backward(const Scalar* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
                 const std::vector<bool>* marked = nullptr) const;
   /// Marks the fronts that have these columns, and all above them: what a substitution backwards needs for them.
   std::vector<bool> fronts_above(const std::vector<Index>& columns) const;
 
+  const Supernodes& supernodes() const {
+    return s_;
+  }
+  Index parent(Index supernode) const {
+    return parent_[static_cast<std::size_t>(supernode)];
+  }
+  FrontPanel<double> panel(Index s, const double* values) const {
+    const Front f = front(s);
+    return {values + place_[static_cast<std::size_t>(s)], f.height, f.width};
+  }
+
  private:
-  template <typename Values>
-  struct FrontOf {
+  struct Front {
     Index first, width, height;  // columns; all rows
     const Index* rows;
-    Values* panel;
     Index rest() const {
       return height - width;
     }
@@ -52,9 +97,10 @@ class Multifrontal {
       return static_cast<std::size_t>(rest()) * static_cast<std::size_t>(rest());
     }
   };
-  using Front = FrontOf<double>;
   struct Arena;
+  template <typename Scalar>
   struct Run;
+  template <typename Scalar>
   struct Substitution;
   /// Fronts sequence_[begin] .. sequence_[end - 1]: a subtree, or one front above them.
   struct Unit {
@@ -63,10 +109,10 @@ class Multifrontal {
     double work;
   };
 
-  template <typename Values>
-  FrontOf<Values> front(Index s, Values* values) const {
-    return {s_.first[s], s_.first[s + 1] - s_.first[s], s_.rows_start[s + 1] - s_.rows_start[s],
-            s_.rows + s_.rows_start[s], values + s_.values_start[s]};
+  Front front(Index s) const {
+    const auto k = static_cast<std::size_t>(s);
+    return {s_.first[k], s_.first[k + 1] - s_.first[k], s_.rows_start[k + 1] - s_.rows_start[k],
+            s_.rows.data() + s_.rows_start[k]};
   }
   int threads_worth(int threads) const;  // of a substitution
   void order_depth_first();
@@ -77,9 +123,12 @@ class Multifrontal {
   std::vector<Index> sequence_;                     // children before parents, subtrees together
   std::vector<Unit> units_;
   Index columns_ = 0;
-  double work_ = 0;                              // flops, and what a front costs besides
-  std::int64_t entries_ = 0;                     // of the fronts' panels
-  std::size_t subtree_room_ = 0, top_room_ = 0;  // doubles on the stacks of what fronts leave
+  double work_ = 0;                     // flops, and what a front costs besides
+  std::vector<std::int64_t> place_{0};  // of the fronts' panels in memory
+  struct Room {                         // doubles: stack of what fronts leave, largest panel
+    std::size_t stack = 0, panel = 0;
+  };
+  Room subtree_room_, top_room_;
 };
 
 }  // namespace kerf

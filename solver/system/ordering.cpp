@@ -13,7 +13,7 @@ namespace {
 // Per vertex when it is eliminated, by nested dissection. Edges and corners follow their vertices: an edge goes with
 // that of its ends that is eliminated first, so that a separating path of vertices becomes the path of edges between
 // them. The graph is three times smaller than that of the edges.
-std::vector<Index> dissect_vertices(const Mesh& mesh) {
+std::vector<Index> dissect_vertices(const Mesh& mesh, int threads) {
   const Index vertices = static_cast<Index>(mesh.points.size());
   std::vector<Index> start(vertices + 1, 0);
   for (const auto& e : mesh.edges)
@@ -24,7 +24,7 @@ std::vector<Index> dissect_vertices(const Mesh& mesh) {
     neighbors[next[a]++] = b;
     neighbors[next[b]++] = a;
   }
-  const std::vector<Index> sequence = dissection(start, neighbors);
+  const std::vector<Index> sequence = dissection(start, neighbors, threads);
   std::vector<Index> position(vertices);
   for (Index k = 0; k < vertices; ++k) position[sequence[k]] = k;
   return position;
@@ -190,8 +190,8 @@ class Numbering {
 
 }  // namespace
 
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges) {
-  const std::vector<Index> position = dissect_vertices(mesh);
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges, int threads) {
+  const std::vector<Index> position = dissect_vertices(mesh, threads);
   const Lists edges = edges_in_sequence(mesh, s, position, interface_edges), corners = corners_in_sequence(s, position);
   Numbering numbering(mesh, s);
   for (Index k = 0; k < static_cast<Index>(position.size()); ++k) {

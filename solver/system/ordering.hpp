@@ -19,6 +19,6 @@ struct Ordering {
   std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
   std::vector<Index> adjacent_start;
 };
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {});
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {}, int threads = 1);
 
 }  // namespace kerf

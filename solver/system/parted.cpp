@@ -1,8 +1,8 @@
 #include "solver/system/parted.hpp"
 
+#include "geometry/topology.hpp"
 #include "kerf/stop.hpp"
 #include "solver/system/lists.hpp"
-#include "solver/system/rigid.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -121,19 +121,10 @@ class Parts {
     number(ranks.count());
   }
 
-  std::vector<std::string> packed() const {
-    const std::vector<Eigen::VectorXd> modes = orthonormal_modes();
+  std::unique_ptr<PartedSolver> solver(Ranks& ranks) const {
     const Lists triangles = file_under(static_cast<Index>(owned_.size()), part_);
-    std::vector<std::string> all;
-    Index first = 0;
-    for (Index p = 0; p < static_cast<Index>(owned_.size()); ++p) {
-      all.push_back(pack(triangles[p], p, first, modes));
-      first += owned_[p];
-    }
-    return all;
-  }
-  const std::vector<Index>& owned() const {
-    return owned_;
+    const Corners corners = corners_at_free_cracks();
+    return ranks.solver([&](Index p) { return pack(triangles[p], p, corners); }, owned_);
   }
   const std::vector<Index>& number() const {
     return number_;
@@ -175,6 +166,13 @@ class Parts {
     for (int k = 0; k < s.per_edge; ++k)
       if (const Index row = from.ordering.row[s.jump[e] + k]; row == none || row >= leading) return false;
     return true;
+  }
+
+  // Where a crack that parts freely ends or crosses what two parts share, that is in two pieces: each moves by itself.
+  Corners corners_at_free_cracks() const {
+    std::vector<bool> cut(from_.mesh.edges.size());
+    for (Index e = 0; e < static_cast<Index>(cut.size()); ++e) cut[e] = parts_freely(from_, leading_, e);
+    return split_at(from_.mesh, cut);
   }
 
   // What is cut off from the largest piece of its part goes to the part that it has most edges with.
@@ -253,66 +251,7 @@ class Parts {
     return rows;
   }
 
-  // A value for each leading row from that of each base unknown: on both sides of a crack the same.
-  Eigen::VectorXd on_leading(const Eigen::VectorXd& base) const {
-    Eigen::VectorXd value = Eigen::VectorXd::Zero(leading_);
-    const Skeleton& s = from_.skeleton;
-    const auto set = [&](Index unknown, double v) {
-      if (const Index row = from_.ordering.row[unknown]; row != none && row < leading_) value[row] = v;
-    };
-    for (Index e = 0; e < static_cast<Index>(from_.mesh.edges.size()); ++e)
-      for (int k = 0; k < s.per_edge; ++k) {
-        const Index unknown = edge_unknown(s, e) + k;
-        set(unknown, base[unknown]);
-        if (s.jump[e] != none) set(s.jump[e] + k, base[unknown]);
-      }
-    return value;
-  }
-
-  // Of the flux through what two parts share, out of the one of lower number.
-  Eigen::VectorXd flux() const {
-    const Skeleton& s = from_.skeleton;
-    Eigen::VectorXd base = Eigen::VectorXd::Zero(s.base);
-    for (Index e = 0; e < static_cast<Index>(from_.mesh.edges.size()); ++e) {
-      const auto& [left, right] = from_.mesh.sides[e];
-      if (left == none || right == none || part_[left] == part_[right]) continue;
-      const double sign = part_[left] < part_[right] ? 1 : -1;
-      for (int g = 0; g < s.per_edge / 2; ++g) {
-        const Vec2 slope = on_edge(from_.mesh, s.bows, e, from_.kernel.trace.s[g]).slope;
-        const Vec2 out(slope.y(), -slope.x());  // from left to right
-        base.segment<2>(edge_unknown(s, e) + 2 * g) =
-            sign * from_.kernel.trace.w[g] * (frame_at(s, e, g).transpose() * out);
-      }
-    }
-    return on_leading(base);
-  }
-
-  // The rigid motions and the flux, per number.
-  std::vector<Eigen::VectorXd> orthonormal_modes() const {
-    std::vector<Eigen::VectorXd> all;
-    Vec2 center = Vec2::Zero();
-    for (const Vec2& x : from_.mesh.points) center += x / static_cast<double>(from_.mesh.points.size());
-    for (const RigidMotion& motion :
-         {RigidMotion{center, Vec2(1, 0), 0}, RigidMotion{center, Vec2(0, 1), 0}, RigidMotion{center, Vec2::Zero(), 1}})
-      all.push_back(on_leading(trace(from_.mesh, from_.kernel, from_.skeleton, motion)));
-    all.push_back(flux());
-    std::vector<Eigen::VectorXd> kept;
-    for (Eigen::VectorXd& mode : all) {
-      const double size = mode.norm();
-      for (int twice = 0; twice < 2; ++twice)
-        for (const Eigen::VectorXd& other : kept) mode -= other.dot(mode) * other;
-      if (const double rest = mode.norm(); rest > 1e-8 * size) kept.push_back(mode / rest);
-    }
-    for (Eigen::VectorXd& mode : kept) {
-      Eigen::VectorXd numbered(mode.size());
-      for (Index row = 0; row < leading_; ++row) numbered[number_[row]] = mode[row];
-      mode = std::move(numbered);
-    }
-    return kept;
-  }
-
-  std::string pack(std::span<const Index> triangles, Index p, Index first,
-                   const std::vector<Eigen::VectorXd>& modes) const {
+  std::string pack(std::span<const Index> triangles, Index p, const Corners& corners) const {
     std::vector<Index> rows, local;  // leading rows that it sees, in the order of their numbers
     for (const Index t : triangles)
       for (const Index row : rows_of(t))
@@ -330,13 +269,11 @@ class Parts {
         elements.begin()));
     to.put(rows);
     to.put(owned_[p]);
-    to.put(static_cast<Index>(modes.size()));
-    for (const Eigen::VectorXd& mode : modes) to.put(Eigen::MatrixXd(mode.segment(first, owned_[p])));
     to.put(static_cast<Index>(triangles.size()));
     for (const Index t : triangles) {
       const Material& material = material_of(from_.mesh, from_.scene, t);
       put(triangle(from_.mesh, from_.skeleton, t), from_.skeleton.per_edge / 2, to);
-      to.put(from_.mesh.triangles[t]);
+      to.put(corners.of[t]);
       to.put(material);
       to.put(penalty_ / material.mu);
       for (const Index row : rows_of(t)) to.put(place(row));
@@ -355,7 +292,7 @@ class ByRanks : public LeadingSolver {
  public:
   ByRanks(const Parts& parts, std::shared_ptr<Ranks> ranks)
       : ranks_(std::move(ranks)), number_(parts.number()), split_(parts.split()) {
-    solver_ = ranks_->solver(parts.packed(), parts.owned());
+    solver_ = parts.solver(*ranks_);
   }
 
   // With z = (u, u + jump) on cracks: forces on u and the jump are those on z.
@@ -382,23 +319,44 @@ class ByRanks : public LeadingSolver {
   std::unique_ptr<PartedSolver> solver_;
 };
 
-/// The triangles of a part, one after the other.
-struct Local {
-  std::vector<Index> rows;
-  std::array<Index, 3> vertices;
+/// The triangles of a packed part, one after the other.
+struct PackedCell {
+  PackedTriangle t;
+  std::array<Index, 3> corners;
+  Material material;
+  double a = 0;  // Penalty::a
+  std::array<Index, max_skeleton> rows;
 };
 
-// For each row those of its own edge and of the edges that share a vertex with it.
-void connect_rows(const std::vector<Local>& all, int per_edge, RankPart& part) {
-  // Of each vertex the rows at edges that end there. Edge i of a triangle is opposite its vertex i.
-  std::vector<std::pair<Index, Index>> at;  // vertex, row
-  for (const Local& t : all)
-    for (int e = 0; e < 3; ++e)
-      for (int k = 0; k < per_edge; ++k)
-        if (const Index row = t.rows[static_cast<std::size_t>(e * per_edge + k)]; row != none)
-          for (const int end : {1, 2}) at.emplace_back(t.vertices[static_cast<std::size_t>((e + end) % 3)], row);
+void get(Unpacker& from, int count, PackedCell& cell) {
+  get(from, count / 6, cell.t);
+  cell.corners = from.get<std::array<Index, 3>>();
+  cell.material = from.get<Material>();
+  cell.a = from.get<double>();
+  for (int i = 0; i < count; ++i) cell.rows[i] = from.get<Index>();
+}
+
+/// The rows of all triangles, `count` each, and their corners.
+struct Seams {
+  std::vector<Index> rows;
+  std::vector<std::array<Index, 3>> corners;
+};
+
+// For each row that one triangle alone sees here, those like it at its own edge and at the edges that share a corner
+// with it: all others lie inside.
+void connect_rows(const Seams& all, int per_edge, RankPart& part) {
+  std::vector<char> seen(static_cast<std::size_t>(part.rows), 0);
+  for (const Index row : all.rows)
+    if (row != none) seen[row] = static_cast<char>(std::min(2, seen[row] + 1));
+  // Of each corner the rows at edges that end there. Edge i of a triangle is opposite its corner i.
+  std::vector<std::pair<Index, Index>> at;  // corner, row
+  for (std::size_t t = 0; t < all.corners.size(); ++t)
+    for (std::size_t e = 0; e < 3; ++e)
+      for (std::size_t k = 0; k < static_cast<std::size_t>(per_edge); ++k)
+        if (const Index row = all.rows[(3 * t + e) * static_cast<std::size_t>(per_edge) + k];
+            row != none && seen[row] == 1)
+          for (const std::size_t end : {1, 2}) at.emplace_back(all.corners[t][(e + end) % 3], row);
   std::ranges::sort(at);
-  at.erase(std::unique(at.begin(), at.end()), at.end());
   std::vector<std::vector<Index>> near(static_cast<std::size_t>(part.rows));
   for (auto begin = at.begin(); begin != at.end();) {
     auto end = begin;
@@ -414,6 +372,33 @@ void connect_rows(const std::vector<Local>& all, int per_edge, RankPart& part) {
     part.near_rows.insert(part.near_rows.end(), rows.begin(), rows.end());
     part.near_start.push_back(static_cast<Index>(part.near_rows.size()));
   }
+}
+
+// The pattern of K_p: per row the triangles that see it, then their rows.
+void set_pattern(const Seams& all, int count, RankPart& part) {
+  const std::size_t rows = static_cast<std::size_t>(part.rows), width = static_cast<std::size_t>(count);
+  std::vector<Index> start(rows + 1, 0), by(all.rows.size());
+  for (const Index row : all.rows)
+    if (row != none) ++start[static_cast<std::size_t>(row) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Index> next(start.begin(), start.end() - 1);
+  for (std::size_t i = 0; i < all.rows.size(); ++i)
+    if (all.rows[i] != none) by[next[all.rows[i]]++] = static_cast<Index>(i / width);
+  std::vector<Index> columns;
+  part.start.assign(1, 0);
+  for (std::size_t row = 0; row < rows; ++row) {
+    columns.clear();
+    for (Index i = start[row]; i < start[row + 1]; ++i)
+      for (std::size_t q = 0; q < width; ++q)
+        if (const Index column = all.rows[static_cast<std::size_t>(by[i]) * width + q]; column != none)
+          columns.push_back(column);
+    std::ranges::sort(columns);
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    part.columns.insert(part.columns.end(), columns.begin(), columns.end());
+    part.start.push_back(static_cast<Index>(part.columns.size()));
+  }
+  part.columns.shrink_to_fit();
+  part.values.assign(part.columns.size(), 0);
 }
 
 }  // namespace
@@ -435,43 +420,35 @@ RankPart condensed_part(std::string_view packed) {
   part.number = from.all<Index>();
   part.rows = static_cast<Index>(part.number.size());
   part.owned = from.get<Index>();
-  part.mode_count = from.get<Index>();
-  for (Index i = 0; i < part.mode_count * part.owned; ++i) part.modes.push_back(from.get<double>());
   const Index triangles = from.get<Index>();
-  const int count = skeleton_count(k.element), per_edge = count / 3;
-  std::vector<Local> all(static_cast<std::size_t>(triangles));
-  std::vector<SkeletonMatrix> matrices;
-  matrices.reserve(all.size());
-  PackedTriangle t;
-  for (Local& local : all) {
-    get(from, per_edge / 2, t);
-    local.vertices = from.get<std::array<Index, 3>>();
-    const Material material = from.get<Material>();
-    const double a = from.get<double>();
-    for (int i = 0; i < count; ++i) local.rows.push_back(from.get<Index>());
-    matrices.push_back(condense(k, t.shape, material, {}, {.a = a}).K);
+  const int count = skeleton_count(k.element);
+  PackedCell cell;
+  {
+    Seams all;
+    Unpacker first = from;
+    all.rows.reserve(static_cast<std::size_t>(triangles) * static_cast<std::size_t>(count));
+    for (Index t = 0; t < triangles; ++t) {
+      get(first, count, cell);
+      all.rows.insert(all.rows.end(), cell.rows.begin(), cell.rows.begin() + count);
+      all.corners.push_back(cell.corners);
+    }
+    set_pattern(all, count, part);
+    connect_rows(all, count / 3, part);
   }
-  // The pattern from triplets, row after row.
-  std::vector<std::vector<std::pair<Index, double>>> rows(static_cast<std::size_t>(part.rows));
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (int p = 0; p < count; ++p)
+  part.shear.assign(static_cast<std::size_t>(part.rows), 0);
+  for (Index t = 0; t < triangles; ++t) {
+    get(from, count, cell);
+    const SkeletonMatrix K = condense(k, cell.t.shape, cell.material, {}, {.a = cell.a}).K;
+    for (int p = 0; p < count; ++p) {
+      if (cell.rows[p] == none) continue;
+      part.shear[cell.rows[p]] += cell.material.mu;
+      const auto begin = part.columns.begin() + part.start[cell.rows[p]],
+                 end = part.columns.begin() + part.start[cell.rows[p] + 1];
       for (int q = 0; q < count; ++q)
-        if (all[i].rows[p] != none && all[i].rows[q] != none)
-          rows[all[i].rows[p]].emplace_back(all[i].rows[q], matrices[i](p, q));
-  part.start.assign(1, 0);
-  for (auto& row : rows) {
-    std::ranges::stable_sort(row, {}, &std::pair<Index, double>::first);
-    for (std::size_t p = 0; p < row.size(); ++p)
-      if (p > 0 && row[p].first == row[p - 1].first) {
-        part.values.back() += row[p].second;
-      } else {
-        part.columns.push_back(row[p].first);
-        part.values.push_back(row[p].second);
-      }
-    part.start.push_back(static_cast<Index>(part.columns.size()));
-    row = {};
+        if (cell.rows[q] != none)
+          part.values[std::lower_bound(begin, end, cell.rows[q]) - part.columns.begin()] += K(p, q);
+    }
   }
-  connect_rows(all, per_edge, part);
   return part;
 }
 

@@ -104,7 +104,7 @@ namespace {
 // With large contact. `given`: of the held rows, 0 on the others.
 Eigen::VectorXd solve_held(const Model& m, const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                            const Eigen::VectorXd* given) {
-  const LowerTriangle& K = m.inner->system.K;
+  const LowerTriangle& K = *m.inner->system.K;
   const std::vector<bool> held = held_by(motion, m.inner->ordering.contact_rows);
   if (!given || given->isZero(0)) return m.inner->held->solve(K, held, b);
   Eigen::VectorXd at = Eigen::VectorXd::Zero(b.size());
@@ -150,7 +150,7 @@ Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::
 }
 
 Eigen::VectorXd Condensation::solve_at_contact(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
-  return m.inner->held->solve(m.inner->system.K, held_by(motion, m.inner->ordering.contact_rows), b,
+  return m.inner->held->solve(*m.inner->system.K, held_by(motion, m.inner->ordering.contact_rows), b,
                               HeldFactors::On::Contact);
 }
 
@@ -276,7 +276,7 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
 }
 
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load) {
-  return std::numeric_limits<double>::epsilon() * multiply_sizes(m.inner->system.K, x).maxCoeff() / load;
+  return std::numeric_limits<double>::epsilon() * multiply_sizes(*m.inner->system.K, x).maxCoeff() / load;
 }
 
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,

@@ -47,7 +47,7 @@ class Frozen {
 }  // namespace
 
 double growth(const Model& m, const Eigen::VectorXd& x, double energy) {
-  const LowerTriangle& k = m.inner->system.K;
+  const LowerTriangle& k = *m.inner->system.K;
   double size = 0;
   for (Eigen::Index i = 0; i < x.size(); ++i) size += std::abs(k.values[k.start[i]]) * x[i] * x[i];
   return size > 0 ? 4 * std::numeric_limits<double>::epsilon() * size / std::abs(energy) : 0;

@@ -1,6 +1,8 @@
 #include "solver/system/sparse.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace kerf {
 
@@ -32,6 +34,27 @@ std::vector<EntryPlace> entries_of_last(const LowerTriangle& a, Index rows) {
     for (Index p = a.start[j]; p < a.start[j + 1]; ++p)
       if (a.rows[p] >= a.size - rows) all.push_back({a.rows[p], j, p});
   return all;
+}
+
+LowerTriangle reordered(const LowerTriangle& a, std::span<const Index> order) {
+  std::vector<Index> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
+  LowerTriangle r{a.size, std::vector<Index>(a.start.size(), 0), std::vector<Index>(a.rows.size()),
+                  std::vector<double>(a.values.size())};
+  const auto each = [&](const auto& visit) {
+    for (Index j = 0; j < a.size; ++j)
+      for (Index p = a.start[j]; p < a.start[j + 1]; ++p)
+        visit(p, place[static_cast<std::size_t>(a.rows[p])], place[static_cast<std::size_t>(j)]);
+  };
+  each([&](Index, Index row, Index column) { ++r.start[std::min(row, column) + 1]; });
+  std::partial_sum(r.start.begin(), r.start.end(), r.start.begin());
+  std::vector<Index> next(r.start.begin(), r.start.end() - 1);
+  each([&](Index p, Index row, Index column) {
+    const Index to = next[std::min(row, column)]++;
+    r.rows[to] = std::max(row, column);
+    if (!r.values.empty()) r.values[to] = a.values[p];
+  });
+  return r;
 }
 
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x) {

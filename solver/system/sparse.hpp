@@ -3,6 +3,7 @@
 
 #include "kerf/types.hpp"
 
+#include <span>
 #include <vector>
 
 namespace kerf {
@@ -19,6 +20,10 @@ struct EntryPlace {
   Index row, column, at;
 };
 std::vector<EntryPlace> entries_of_last(const LowerTriangle& a, Index rows);
+
+/// The matrix with rows and columns in another order: order[k] is the k-th. The rows of a column are not sorted then.
+/// Of a pattern, which has no values, the pattern.
+LowerTriangle reordered(const LowerTriangle& a, std::span<const Index> order);
 
 /// The whole symmetric matrix times x.
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x);

@@ -12,34 +12,40 @@ namespace kerf {
 
 namespace {
 
-constexpr Index block = 8, tile = 128, strip = 512;
+constexpr Index block = FrontPanel<double>::together, tile = 128, strip = 512;
 
 // By hand: sums of Eigen's begin where the memory is aligned, and their bits depend on that.
 
-/// y -= p a for the columns of p (rows x step, `apart` from each other).
-void push(const double* p, Index apart, Index rows, Index step, const double* a, double* __restrict y) {
-  const auto column = [=](Index k) { return p + std::int64_t{k} * apart; };
+/// y -= rows row .. of columns from .. of the panel, times a.
+template <typename Scalar>
+void push(const FrontPanel<Scalar>& panel, Index from, Index step, Index row, Index rows, const double* a,
+          double* __restrict y) {
+  const auto column = [&](Index k) { return panel.column(from + k) + row; };
   Index k = 0;
   for (; k + 4 <= step; k += 4) {
-    const double *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
+    const Scalar *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
     const double a0 = a[k], a1 = a[k + 1], a2 = a[k + 2], a3 = a[k + 3];
     for (Index i = 0; i < rows; ++i) y[i] -= p0[i] * a0 + p1[i] * a1 + p2[i] * a2 + p3[i] * a3;
   }
   for (; k < step; ++k) {
-    const double *p0 = column(k), a0 = a[k];
+    const Scalar* p0 = column(k);
+    const double a0 = a[k];
     for (Index i = 0; i < rows; ++i) y[i] -= p0[i] * a0;
   }
 }
 
-/// a -= p' y, four columns together, each in four sums.
-void pull(const double* p, Index apart, Index rows, Index step, const double* y, double* a) {
+/// a -= rows row .. of columns from .. of the panel, transposed, times y; four columns together, each in four sums.
+template <typename Scalar>
+void pull(const FrontPanel<Scalar>& panel, Index from, Index step, Index row, Index rows, const double* y, double* a) {
   using Four = Eigen::Array4d;
-  const auto four = [](const double* at) { return Eigen::Map<const Four>(at); };
-  const auto column = [=](Index k) { return p + std::int64_t{k} * apart; };
+  const auto four = [](const auto* at) {
+    return Four(Eigen::Map<const Eigen::Array<std::remove_cvref_t<decltype(*at)>, 4, 1>>(at).template cast<double>());
+  };
+  const auto column = [&](Index k) { return panel.column(from + k) + row; };
   const auto whole = [](const Four& sum) { return (sum[0] + sum[2]) + (sum[1] + sum[3]); };
   Index k = 0;
   for (; k + 4 <= step; k += 4) {
-    const double *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
+    const Scalar *p0 = column(k), *p1 = column(k + 1), *p2 = column(k + 2), *p3 = column(k + 3);
     Four s0 = Four::Zero(), s1 = s0, s2 = s0, s3 = s0;
     Index i = 0;
     for (; i + 4 <= rows; i += 4) {
@@ -54,7 +60,7 @@ void pull(const double* p, Index apart, Index rows, Index step, const double* y,
     for (Index j = 0; j < 4; ++j) a[k + j] -= sums[j];
   }
   for (; k < step; ++k) {
-    const double* p0 = column(k);
+    const Scalar* p0 = column(k);
     Four s0 = Four::Zero();
     Index i = 0;
     for (; i + 4 <= rows; i += 4) s0 += four(p0 + i) * four(y + i);
@@ -64,18 +70,20 @@ void pull(const double* p, Index apart, Index rows, Index step, const double* y,
   }
 }
 
-/// x <- l^-1 x for the lower triangle l of a panel with `apart` rows.
-void divide(const double* l, Index apart, Index n, double* x) {
+/// x <- l^-1 x for the diagonal block of columns from .. from + n, of one eight.
+template <typename Scalar>
+void divide(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
   for (Index k = 0; k < n; ++k) {
-    const double* column = l + std::int64_t{k} * apart;
+    const Scalar* column = panel.column(from + k) + from;
     const double value = x[k] /= column[k];
     for (Index i = k + 1; i < n; ++i) x[i] -= column[i] * value;
   }
 }
 /// x <- l^-T x.
-void divide_transposed(const double* l, Index apart, Index n, double* x) {
+template <typename Scalar>
+void divide_transposed(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
   for (Index k = n - 1; k >= 0; --k) {
-    const double* column = l + std::int64_t{k} * apart;
+    const Scalar* column = panel.column(from + k) + from;
     double value = x[k];
     for (Index i = k + 1; i < n; ++i) value -= column[i] * x[i];
     x[k] = value / column[k];
@@ -84,10 +92,13 @@ void divide_transposed(const double* l, Index apart, Index n, double* x) {
 
 }  // namespace
 
+template <typename Scalar>
 struct Multifrontal::Substitution {
-  using ConstFront = FrontOf<const double>;
+  struct ConstFront : Front {
+    FrontPanel<Scalar> panel;
+  };
   const Multifrontal& of;
-  const double* values;
+  const Scalar* values;
   double* x;  // of.columns_ x count
   Eigen::Index count;
   Team& team;
@@ -99,6 +110,10 @@ struct Multifrontal::Substitution {
   };
   Spares<Room> free = {};
 
+  ConstFront front(Index s) const {
+    const Front f = of.front(s);
+    return {f, {values + of.place_[static_cast<std::size_t>(s)], f.height, f.width}};
+  }
   double* columns_of(Room& room, const ConstFront& f) const {
     const std::size_t size = static_cast<std::size_t>(f.height) * static_cast<std::size_t>(count);
     if (room.own.size() < size) room.own.resize(size);
@@ -107,30 +122,26 @@ struct Multifrontal::Substitution {
 
   /// Rows row .. of `w` less what columns from .. make of them.
   void push_from(const ConstFront& f, double* w, Index from, Index step, Index row, Index rows) const {
-    const double* p = f.panel + std::int64_t{from} * f.height + row;
     for (Eigen::Index c = 0; c < count; ++c)
-      push(p, f.height, rows, step, w + c * f.height + from, w + c * f.height + row);
+      push(f.panel, from, step, row, rows, w + c * f.height + from, w + c * f.height + row);
   }
   void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (; from < to; from += block) {
       const Index step = std::min(block, to - from), behind = from + step;
-      for (Eigen::Index c = 0; c < count; ++c)
-        divide(f.panel + std::int64_t{from} * f.height + from, f.height, step, w + c * f.height + from);
+      for (Eigen::Index c = 0; c < count; ++c) divide(f.panel, from, step, w + c * f.height + from);
       if (behind < end) push_from(f, w, from, step, behind, end - behind);
     }
   }
   /// Rows from .. of `w` less what those behind .. end, seen through their columns, make of them.
   void pull_from(const ConstFront& f, double* w, Index from, Index step, Index behind, Index end) const {
-    const double* p = f.panel + std::int64_t{from} * f.height + behind;
     for (Eigen::Index c = 0; c < count; ++c)
-      pull(p, f.height, end - behind, step, w + c * f.height + behind, w + c * f.height + from);
+      pull(f.panel, from, step, behind, end - behind, w + c * f.height + behind, w + c * f.height + from);
   }
   void backward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (Index at = from + (to - from - 1) / block * block; at >= from; at -= block) {
       const Index step = std::min(block, to - at);
       pull_from(f, w, at, step, at + step, end);
-      for (Eigen::Index c = 0; c < count; ++c)
-        divide_transposed(f.panel + std::int64_t{at} * f.height + at, f.height, step, w + c * f.height + at);
+      for (Eigen::Index c = 0; c < count; ++c) divide_transposed(f.panel, at, step, w + c * f.height + at);
     }
   }
 
@@ -174,7 +185,7 @@ struct Multifrontal::Substitution {
 
   /// What the front adds to rows from `limit` on, which others have, too, goes into `outside`.
   void forward_front(Index s, Room& room, Index limit, double* outside, Index apart, bool together) const {
-    const ConstFront f = of.front(s, values);
+    const ConstFront f = front(s);
     double* w = columns_of(room, f);
     load_own(f, w);
     for (Eigen::Index c = 0; c < count; ++c) std::fill_n(w + c * f.height + f.width, f.rest(), 0.0);
@@ -189,7 +200,7 @@ struct Multifrontal::Substitution {
     }
   }
   void backward_front(Index s, Room& room, bool together) const {
-    const ConstFront f = of.front(s, values);
+    const ConstFront f = front(s);
     double* w = columns_of(room, f);
     load_own(f, w);
     for (Eigen::Index c = 0; c < count; ++c)
@@ -211,7 +222,7 @@ struct Multifrontal::Substitution {
     team.run(static_cast<Index>(all.size()), [&](Index k) {
       check_stop();
       const Unit& u = *all[static_cast<std::size_t>(k)];
-      const ConstFront root = of.front(of.sequence_[u.end - 1], values);
+      const ConstFront root = front(of.sequence_[u.end - 1]);
       std::unique_ptr<Room> room = free.take([] { return std::make_unique<Room>(); });
       room->place.resize(static_cast<std::size_t>(of.columns_));
       for (Index i = root.width; i < root.height; ++i)
@@ -223,7 +234,7 @@ struct Multifrontal::Substitution {
       free.give(std::move(room));
     });
     for (std::size_t k = 0; k < all.size(); ++k) {
-      const ConstFront root = of.front(of.sequence_[all[k]->end - 1], values);
+      const ConstFront root = front(of.sequence_[all[k]->end - 1]);
       for (Eigen::Index c = 0; c < count; ++c)
         for (Index i = 0; i < root.rest(); ++i)
           x[c * of.columns_ + root.rows[root.width + i]] += outside[k][static_cast<std::size_t>(c * root.rest() + i)];
@@ -252,26 +263,33 @@ struct Multifrontal::Substitution {
 
 int Multifrontal::threads_worth(int threads) const {
   constexpr std::int64_t worth_threads = 1000000;
-  return entries_ > worth_threads ? threads : 1;
+  return entries() > worth_threads ? threads : 1;
 }
 
-void Multifrontal::forward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
-  if (s_.count == 0 || x.cols() == 0) return;
+template <typename Scalar>
+void Multifrontal::forward(const Scalar* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const {
+  if (s_.count() == 0 || x.cols() == 0) return;
   Team team(threads_worth(threads));
-  Substitution{*this, values, x.data(), x.cols(), team}.forward();
+  Substitution<Scalar>{*this, values, x.data(), x.cols(), team}.forward();
 }
 
-void Multifrontal::backward(const double* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
+template <typename Scalar>
+void Multifrontal::backward(const Scalar* values, Eigen::Ref<Eigen::MatrixXd> x, int threads,
                             const std::vector<bool>* marked) const {
-  if (s_.count == 0 || x.cols() == 0) return;
+  if (s_.count() == 0 || x.cols() == 0) return;
   Team team(threads_worth(threads));
-  Substitution{*this, values, x.data(), x.cols(), team, marked}.backward();
+  Substitution<Scalar>{*this, values, x.data(), x.cols(), team, marked}.backward();
 }
+
+template void Multifrontal::forward(const double*, Eigen::Ref<Eigen::MatrixXd>, int) const;
+template void Multifrontal::forward(const float*, Eigen::Ref<Eigen::MatrixXd>, int) const;
+template void Multifrontal::backward(const double*, Eigen::Ref<Eigen::MatrixXd>, int, const std::vector<bool>*) const;
+template void Multifrontal::backward(const float*, Eigen::Ref<Eigen::MatrixXd>, int, const std::vector<bool>*) const;
 
 std::vector<bool> Multifrontal::fronts_above(const std::vector<Index>& columns) const {
-  std::vector<bool> marked(static_cast<std::size_t>(s_.count), false);
+  std::vector<bool> marked(static_cast<std::size_t>(s_.count()), false);
   for (const Index column : columns) {
-    Index s = static_cast<Index>(std::upper_bound(s_.first, s_.first + s_.count, column) - s_.first) - 1;
+    Index s = static_cast<Index>(std::ranges::upper_bound(s_.first, column) - s_.first.begin()) - 1;
     for (; s != none && !marked[static_cast<std::size_t>(s)]; s = parent_[static_cast<std::size_t>(s)])
       marked[static_cast<std::size_t>(s)] = true;
   }

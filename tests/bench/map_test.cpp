@@ -31,13 +31,13 @@ TEST_F(MapBenchTest, WritesItsFiles) {
   EXPECT_EQ(csv.substr(0, csv.find('\n')),
             "case,poisson,element,degree,mesh,level,triangles,mesh_s,assemble_s,factor_s,solve_s,contact_s,value_s,"
             "evaluate_s,evaluation_share,adjoint_s,evaluate_dual_s,work_s,memory_mb,value,map_error,certified");
-  ASSERT_EQ(bench.sequences.size(), 3u * 2);  // degrees, levels; the cantilever has no exact map
+  ASSERT_EQ(bench.sequences.size(), 4u * 2);  // degrees, levels; the cantilever has no exact map
   ASSERT_EQ(bench.sizes.size(), 2u);
-  EXPECT_EQ(lines(csv), 1 + 6 + 2u);
+  EXPECT_EQ(lines(csv), 1 + 8 + 2u);
 
   const auto json = nlohmann::json::parse(text("map.json"));
   EXPECT_EQ(json["status"], "ok");
-  ASSERT_EQ(json["sequences"].size(), 6u);
+  ASSERT_EQ(json["sequences"].size(), 8u);
   for (const auto& run : json["sequences"]) {
     EXPECT_GT(run["map_error"].get<double>(), 0);
     EXPECT_LT(run["map_error"].get<double>(), 0.2);

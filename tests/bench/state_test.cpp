@@ -30,7 +30,7 @@ TEST_F(StateBenchTest, WritesItsFiles) {
   std::size_t rows = 0;
   while (std::getline(csv, line)) ++rows;
   EXPECT_EQ(rows, bench.runs.size());
-  EXPECT_EQ(rows, 2u * 3 + 2 * 3 * 3);
+  EXPECT_EQ(rows, 2u * 4 + 2 * 3 * 4);
 
   const auto json = nlohmann::json::parse(text("state.json"));
   EXPECT_EQ(json["status"], "ok");

@@ -46,6 +46,16 @@ Result everything() {
   r.map->points[1].value = std::nan("");
   r.map->oriented = true;
   r.validate->points[2].verdict = Verdict::NothingSaid;
+  r.validate->points[0].modes = {{"trace", 1.5}, {"deviator", -0.25}, {"displacement", 0.125}};
+  r.solver = SolverResult{.parts = 4,
+                          .solves = 3,
+                          .iterations = 12,
+                          .condition = 2.5,
+                          .interface_unknowns = 100,
+                          .primal_unknowns = 15,
+                          .sent = 1000,
+                          .first_mb = 200,
+                          .others_mb = 100};
   OptimizeResult o;
   o.method = OptimizeMethod::Mma;
   o.iterations = 1;
@@ -65,6 +75,13 @@ Result everything() {
   o.nucleated = {{.iteration = 2, .at = {0.5, 0.25}, .radius = 0.1, .T = 3, .c2 = 4, .predicted = 0.1, .actual = 0.11},
                  {.iteration = 4, .at = {1, 0.25}, .note = "it became part of a larger hole"}};
   o.bumps.least = 0.25;
+  o.starts = {{.from = Eigen::Vector2d(0.5, 0.25),
+               .variables = Eigen::Vector2d(0.75, 0.25),
+               .merit = 2,
+               .violation = 0.5,
+               .in_full = true,
+               .state_solves = 7},
+              {.from = Eigen::Vector2d(1, 1), .failure = "the holes overlap"}};
   o.notes = {"a note, with \"quotes\""};
   o.variables = Eigen::Vector2d(0.5, 1.0 / 3);
   for (int i = 0; i < 2; ++i)
@@ -92,6 +109,16 @@ Result everything() {
   fit.stopped = "small";
   fit.ellipses = {{"hole 'h'", {1, 2}, {0.5, 0.25}, pi / 4}};
   r.fit = fit;
+  r.counted = Count{.chosen = 1};
+  r.counted->tried.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    Counted& c = r.counted->tried[static_cast<std::size_t>(i)];
+    c.count = i;
+    c.criterion = 100.0 / (i + 1);
+    c.fit.end = 3.0 - i;
+    c.fit.variables = Eigen::VectorXd::Constant(3 * i, 0.5);
+  }
+  r.counted->tried[2].failure = "two holes overlap";
   r.identified = {{.name = "hole 'h'",
                    .truth = "hole 't'",
                    .found = Eigen::Vector3d(1, 2, 0.5),
@@ -158,6 +185,17 @@ TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
   EXPECT_EQ(read.cracks[0].rows[20].fluid_pressure, 1);
   EXPECT_EQ(read.cracks[0].rows[20].gap, 2.001);
   EXPECT_EQ(unit(read.units, per_area(*read.functional_dimension)), "MPa");
+}
+
+TEST(ReadResult, ASolverInSinglePrecision) {
+  Result r = everything();
+  r.solver = SolverResult{.parts = 1, .solves = 3, .iterations = 5};
+  const Folder folder;
+  write(folder.path, r);
+  const Result read = read_result(folder.path);
+  ASSERT_TRUE(read.solver);
+  EXPECT_EQ(read.solver->parts, 1);
+  EXPECT_EQ(read.solver->iterations, 5);
 }
 
 TEST(ReadResult, StepsStandWhereTheyWere) {

@@ -80,8 +80,8 @@ TEST(ElementAbilities, AreThoseOfTheDocs) {
                                         yes(can_stay_uncondensed(e)), yes(can_adjoint(e)), yes(can_validate(e)),
                                         can_optimize(e) ? "yes" : "`cobyla` only"}))
         << e.name;
-    // "`map.bounds` works for all elements but `bdms` of degree 3."
-    EXPECT_EQ(can_be_bettered(e), e.name != "bdms" || e.degree != 3) << e.name << e.degree;
+    // "`map.bounds` works for all elements but `bdms` of degree 4."
+    EXPECT_EQ(can_be_bettered(e), e.name != "bdms" || e.degree != 4) << e.name << e.degree;
   }
   EXPECT_EQ(table.of.size(), names.size()) << "a row of an element that is none";
 }
@@ -101,9 +101,10 @@ TEST(ElementAbilities, RefusalsNameTheElementsThatCan) {
   EXPECT_EQ(refusal(element("arnold-winther-nc"), can_optimize),
             "element \"arnold-winther-nc\" has no derivatives by the shape, which optimization needs; use \"bdms\", "
             "\"bdms-c\", \"peers\" or \"afw\"");
-  const std::string best = refusal(element("bdms", 3), can_be_bettered).value();
-  EXPECT_EQ(best.substr(0, best.find(", \"bdms-c\"")),
-            "element \"bdms\" of degree 3 is the best: no other could give error bars; use \"bdms\" (degree 1 or 2)");
+  const std::string best = refusal(element("bdms", 4), can_be_bettered).value();
+  EXPECT_EQ(
+      best.substr(0, best.find(", \"bdms-c\"")),
+      "element \"bdms\" of degree 4 is the best: no other could give error bars; use \"bdms\" (degree 1, 2 or 3)");
   for (const Ability can :
        {can_open, can_contact, can_press_cracks, can_have_regions, can_be_strained, can_be_incompressible,
         can_be_enclosed, can_stay_uncondensed, can_adjoint, can_integrate_boundaries, can_clamp_holes, can_validate,

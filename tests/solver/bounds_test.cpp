@@ -134,7 +134,7 @@ TEST(RightInverse, WithoutNormalTraceHasTheDivergence) {
 TEST(EnergyBounds, CoincideInThePatchTest) {
   for (const double nu : {0.0, 0.3, 0.499999})
     for (const bool crack : {false, true})
-      for (const int degree : {1, 2, 3})
+      for (const int degree : {1, 2, 3, 4})
         for (const Held& held : {Held{0, 1, 2, 3}, Held{0, 3}}) {
           Mat2 stress;
           stress << 0.3, crack ? 0 : 0.4, crack ? 0 : 0.4, -0.7;
@@ -153,7 +153,7 @@ TEST(EnergyBounds, CoincideInThePatchTest) {
 
 TEST(EnergyBounds, ContainTheEnergyOfSmoothBodiesAndCloseAtTwiceTheOrder) {
   for (const double nu : {0.3, 0.499999})
-    for (const int degree : {1, 2, 3})
+    for (const int degree : {1, 2, 3, 4})
       for (const char* name : {"wave", "trig", "exp"})
         for (const Held& held : {Held{0, 1, 2, 3}, Held{0, 3}}) {
           const exact::ExactField f = std::string(name) == "wave"   ? exact::wave_field(nu)
@@ -166,8 +166,8 @@ TEST(EnergyBounds, ContainTheEnergyOfSmoothBodiesAndCloseAtTwiceTheOrder) {
             expect_bounds(r, which + " n " + std::to_string(n));
             gap.push_back(r.gap());
           }
-          if (gap[2] > 1e-10) {  // not rounding alone
-            EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + 1.3) << which;
+          if (gap[2] > (degree == 4 ? 1e-8 : 1e-10)) {  // not rounding alone
+            EXPECT_GT(std::log2(gap[1] / gap[2]), 2 * degree + (degree == 4 ? 1.1 : 1.3)) << which;
           }
         }
 }
@@ -371,7 +371,7 @@ TEST(EnergyBounds, LetFacesSlideOverRounding) {
 }
 
 TEST(EnergyBounds, ExistWithoutCompressibility) {
-  for (const int degree : {1, 2, 3}) {
+  for (const int degree : {1, 2, 3, 4}) {
     const exact::ExactField f = exact::wave_field(0.5);
     const Measured r = measure(exact::unit_square_mesh(4, 0.2), f, {0, 3}, degree);
     expect_bounds(r, "nu 0.5 degree " + std::to_string(degree));

@@ -2,6 +2,7 @@
 #include "solver/contact/law.hpp"
 
 #include "kerf/model.hpp"
+#include "kerf/stop.hpp"
 #include "solver/system.hpp"
 #include "tests/support/exact.hpp"
 
@@ -395,6 +396,19 @@ TEST(Contact, ABudgetEndsTheSearch) {
   const Problem indefinite{Eigen::Vector2d(1, -1).asDiagonal(), Eigen::Vector2d(1, 1), normal_points(2)};
   EXPECT_FALSE(dual_qp(indefinite.S, indefinite.r, indefinite.points).converged);
   EXPECT_FALSE(uzawa(indefinite.S, indefinite.r, indefinite.points).converged);
+}
+
+TEST(Contact, AllMethodsStopWhenAsked) {
+  const Problem p = crack(80, 0.4, 0.01, 0.3);
+  int calls = 0;
+  const Eliminated system = eliminated(p, calls);
+  request_stop();
+  EXPECT_THROW(dual_qp(p.S, p.r, p.points), Stopped);
+  EXPECT_THROW(uzawa(p.S, p.r, p.points), Stopped);
+  EXPECT_THROW(active_set(system, p.points), Stopped);
+  EXPECT_THROW(interior_set(p.S, p.r, p.points), Stopped);
+  forget_stop();
+  EXPECT_TRUE(dual_qp(p.S, p.r, p.points).converged);
 }
 
 TEST(Contact, TheSolutionIsItsOwnGuess) {

@@ -75,7 +75,7 @@ class CurvedBounds : public testing::TestWithParam<Element> {};
 std::string name_of(const testing::TestParamInfo<Element>& info) {
   return title(info.param);
 }
-INSTANTIATE_TEST_SUITE_P(All, CurvedBounds, testing::Values(bdms(1), bdms(2), bdms(3), afw(2)), name_of);
+INSTANTIATE_TEST_SUITE_P(All, CurvedBounds, testing::Values(bdms(1), bdms(2), bdms(3), bdms(4), afw(2)), name_of);
 
 // A round hole, free: Kirsch.
 TEST_P(CurvedBounds, HoldStressesAboutARoundHole) {

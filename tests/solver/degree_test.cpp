@@ -1,4 +1,4 @@
-// The BDMS family at degrees 1, 2, 3.
+// The BDMS family at degrees 1 to 4.
 
 #include "kerf/adaptive.hpp"
 #include "kerf/recover.hpp"
@@ -125,7 +125,7 @@ TEST_P(Degree, ContactIsRightOnThePartlyClosedCrack) {
   EXPECT_GT(error_indicator(m, s).relative, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Bdms, Degree, testing::Values(1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Bdms, Degree, testing::Values(1, 2, 3, 4));
 
 }  // namespace
 }  // namespace kerf

@@ -10,8 +10,8 @@ namespace kerf {
 namespace {
 
 const auto by_title = [](const auto& info) { return title(info.param); };
-const auto mixed_elements = testing::ValuesIn(elements.begin(), elements.begin() + 11);
-const auto displacement_elements = testing::ValuesIn(elements.begin() + 11, elements.end());
+const auto mixed_elements = testing::ValuesIn(elements.begin(), elements.end() - 2);
+const auto displacement_elements = testing::ValuesIn(elements.end() - 2, elements.end());
 
 exact::ExactField constant_field(const Material& material, const Mat2& stress) {
   exact::ExactField f;
@@ -57,7 +57,7 @@ TEST_P(Patch, ConstantStressIsExact) {
           }
         }
         const std::string which = std::to_string(nu) + " " + std::to_string(crack) + " " + std::to_string(k);
-        EXPECT_LT(stress_off, 5e-11) << which;
+        EXPECT_LT(stress_off, e.stress == 4 ? 2e-10 : 5e-11) << which;
         EXPECT_LT(displacement_off, 1e-11) << which;
         if (!crack) continue;
         for (const CrackPoint& p : crack_profile(m, s, 0)) {

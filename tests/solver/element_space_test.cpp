@@ -282,6 +282,11 @@ TEST_P(ElementSpace, CondensedMatrixSeesAllButRigidMotions) {
     }
 }
 
+/// Monomials of degree 4 on thin triangles: what is lost more than by those of degree 3.
+double of_quartics(const Element& e) {
+  return e.stress == 4 ? 1e2 : 1;
+}
+
 TEST_P(ElementSpace, CondensedMatrixTurnsAndScalesWithTheTriangle) {
   const Material material = plane_strain(1, 0.3);
   for (int trial = 0; trial < triangles; ++trial) {
@@ -305,7 +310,7 @@ TEST_P(ElementSpace, CondensedMatrixTurnsAndScalesWithTheTriangle) {
       expected.rightCols(vertices) *= factor;
     }
     const Eigen::MatrixXd found = condense(k, other, material, {}).K;
-    EXPECT_LT((found - expected).norm(), 1e-11 * expected.norm()) << trial;
+    EXPECT_LT((found - expected).norm(), 1e-11 * of_quartics(e) * expected.norm()) << trial;
   }
 }
 
@@ -325,7 +330,7 @@ TEST_P(ElementSpace, LinearDisplacementGivesItsStressRotationAndItself) {
       Points x(2, 2);
       x << center, 0.5 * t.x[0] + 0.3 * t.x[1] + 0.2 * t.x[2];
       const Fields f = evaluate(k, t, inside, x);
-      const double tolerance = 1e-11 / (1 - 1.99 * nu);
+      const double tolerance = 1e-11 * of_quartics(e) / (1 - 1.99 * nu);
       for (int i = 0; i < 2; ++i) {
         EXPECT_LT((tensor(f.stress.col(i)) - stress).norm(), tolerance) << nu << ' ' << trial;
         EXPECT_NEAR(f.rotation[i], omega, tolerance) << nu << ' ' << trial;

@@ -12,7 +12,6 @@
 namespace kerf {
 namespace {
 
-
 struct Body {
   std::string name;
   exact::ExactField field;
@@ -104,8 +103,10 @@ Measured measure(const Body& b, double size) {
   const Solved s = solved(triangulate(b.shape, sizing), element("bdms"));
   const Mesh& mesh = s.model.mesh;
   const Corners& corners = s.corners;
-  const std::vector<double> sizes = better_sizes(mesh, corners, s.singular);
-  const Solved fine = solved(triangulate(b.shape, sizing, {&mesh, sizes}), better_element(element("bdms")));
+  const Element& own = element("bdms");
+  const double longer = longer_edges(own);
+  const std::vector<double> sizes = better_sizes(mesh, corners, s.singular, longer);
+  const Solved fine = solved(triangulate(b.shape, {.size = longer * size}, {&mesh, sizes}), better_element(own));
   const Places at = places(mesh, corners, fine.model.mesh);
   Eigen::VectorXd ours(static_cast<Eigen::Index>(at.x.size())), better = ours;
   for (std::size_t i = 0; i < at.x.size(); ++i) {
@@ -143,7 +144,8 @@ Measured measure(const Body& b, double size) {
   return {covered / static_cast<double>(errors.size()), median(widths) / median(errors)};
 }
 
-// Measured with 0.05 as well: at least 97.1 % covered, medians of the widths 1.4 to 3.7 medians of the errors.
+// Measured: at least 95.6 % covered (partly_incompressible on the coarser mesh, 98.9 % on all others), medians of the
+// widths 1.3 to 3.7 medians of the errors.
 class KnownBodies : public testing::TestWithParam<Body> {};
 
 TEST_P(KnownBodies, CoverNearlyAllPointsAndAreNotMuchWider) {
@@ -200,7 +202,9 @@ TEST(ErrorBar, KnowsABetterElementOrSaysThatThereIsNone) {
   EXPECT_EQ(better_element(element("bdms", 2)).degree, 3);
   EXPECT_EQ(better_element(element("peers")).degree, 1);
   EXPECT_EQ(better_element(element("p2")).name, "bdms");
-  EXPECT_THROW(better_element(element("bdms", 3)), Error);
+  EXPECT_EQ(better_element(element("bdms", 3)).degree, 4);
+  EXPECT_EQ(better_element(element("afw", 4)).name, "bdms");
+  EXPECT_THROW(better_element(element("bdms", 4)), Error);
 }
 
 }  // namespace

@@ -5,8 +5,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <numeric>
 #include <random>
+#include <thread>
 
 namespace kerf {
 namespace {
@@ -90,16 +96,26 @@ TEST(Factor, NotPositiveDefiniteIsALossOfStiffness) {
   }
 }
 
+struct Graph {
+  std::vector<Index> start{0}, neighbors;
+};
+
+Graph grid(Index side) {
+  Graph g;
+  const Index n = side * side;
+  for (Index k = 0; k < n; ++k) {
+    if (k % side > 0) g.neighbors.push_back(k - 1);
+    if (k % side + 1 < side) g.neighbors.push_back(k + 1);
+    if (k >= side) g.neighbors.push_back(k - side);
+    if (k + side < n) g.neighbors.push_back(k + side);
+    g.start.push_back(static_cast<Index>(g.neighbors.size()));
+  }
+  return g;
+}
+
 TEST(Factor, DissectionIsAPermutationThatSavesFill) {
   const Index side = 40, n = side * side;
-  std::vector<Index> start{0}, neighbors;
-  for (Index k = 0; k < n; ++k) {
-    if (k % side > 0) neighbors.push_back(k - 1);
-    if (k % side + 1 < side) neighbors.push_back(k + 1);
-    if (k >= side) neighbors.push_back(k - side);
-    if (k + side < n) neighbors.push_back(k + side);
-    start.push_back(static_cast<Index>(neighbors.size()));
-  }
+  const auto [start, neighbors] = grid(side);
   std::vector<Index> order = dissection(start, neighbors);
   std::vector<Index> place(n);
   for (Index k = 0; k < n; ++k) place[order[k]] = k;
@@ -113,6 +129,30 @@ TEST(Factor, DissectionIsAPermutationThatSavesFill) {
   EXPECT_LT(Factor(lower_triangle(permuted), 0).entries(), 0.7 * Factor(lower_triangle(natural), 0).entries());
   std::sort(order.begin(), order.end());
   for (Index k = 0; k < n; ++k) ASSERT_EQ(order[k], k);
+}
+
+// METIS has handlers of its own for SIGTERM, which jump out of it, or anywhere on a thread that it does not run on.
+TEST(Factor, DissectionLeavesSignalsToTheProgram) {
+  const auto [start, neighbors] = grid(180);
+  const std::vector<Index> undisturbed = dissection(start, neighbors, 2);
+  static std::atomic<int> seen;
+  seen = 0;
+  struct sigaction count = {}, before = {};
+  count.sa_handler = [](int) { ++seen; };
+  ASSERT_EQ(sigaction(SIGTERM, &count, &before), 0);
+  {
+    const std::jthread sender([](const std::stop_token& end) {
+      while (!end.stop_requested()) {
+        kill(getpid(), SIGTERM);
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
+      }
+    });
+    for (const int threads : {1, 2, 2}) EXPECT_EQ(dissection(start, neighbors, threads), undisturbed) << threads;
+  }
+  EXPECT_GT(seen, 10);
+  struct sigaction now = {};
+  sigaction(SIGTERM, &before, &now);
+  EXPECT_EQ(now.sa_handler, count.sa_handler);
 }
 
 // The rounding error of a product is a unit in the last place of these.

@@ -58,6 +58,7 @@ TEST(QuantityBounds, AreTheSameTogetherAndOneByOne) {
     expect_the_same("bdms", 1, held);
   expect_the_same("bdms", 2, {0});
   expect_the_same("bdms", 3, {0});
+  expect_the_same("bdms", 4, {0});
   expect_the_same("afw", 1, {0});
 }
 

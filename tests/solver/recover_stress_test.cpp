@@ -1,4 +1,5 @@
 #include "solver/recover_stress.hpp"
+#include "solver/polynomial.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/mesher.hpp"
@@ -7,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -102,8 +105,9 @@ TEST_P(RecoverStress, ReproducesStressesOfTheElementUpToTheBoundary) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, RecoverStress,
-                         testing::Values(element("bdms", 1), element("bdms", 2), element("bdms", 3), element("peers"),
-                                         element("afw", 1), element("afw", 2), element("p1"), element("p2")),
+                         testing::Values(element("bdms", 1), element("bdms", 2), element("bdms", 3), element("bdms", 4),
+                                         element("peers"), element("afw", 1), element("afw", 2), element("p1"),
+                                         element("p2")),
                          [](const auto& info) { return title(info.param); });
 
 TEST(RecoverStress, IsSeveralTimesCloserOnSmoothFields) {
@@ -172,6 +176,92 @@ TEST(RecoverStress, IsTheSameOnAnyNumberOfThreads) {
   const RecoveredStress one = recovered(s);
   EXPECT_EQ(one.at_corners, two.at_corners);
   EXPECT_EQ(one.at_centroids, two.at_centroids);
+}
+
+/// The fit at a corner by itself: weighted least squares by QR.
+Eigen::Vector3d fitted_alone(const Solved& s, const std::vector<Index>& around, const Vec2& corner) {
+  double reach = 0;
+  for (const Index t : around) reach = std::max(reach, (centroid(s.model.mesh, t) - corner).norm());
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(around.size()), dim(3)), right(rows.rows(), 3);
+  const TriangleRule rule = triangle_rule(3);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const Triangle shape = triangle(s.model, around[i]);
+    const Vec2 center = centroid(shape);
+    const Points x = (rule_points(rule, shape).colwise() - corner) / reach;
+    const double weight = std::sqrt(area(shape) / (0.1 * reach * reach + (center - corner).squaredNorm()));
+    rows.row(k) = weight * (monomials(3, x) * rule.w).transpose();
+    right.row(k) =
+        weight * symmetric(tensor(stress_at(s.model.inner->kernel, shape, s.state.interior.col(around[i]), center)));
+  }
+  return rows.colPivHouseholderQr().solve(right).row(0).transpose();
+}
+
+// Four corners are fitted side by side: each is as if it was alone.
+TEST(RecoverStress, IsTheLeastSquaresFitOfEachCorner) {
+  const auto f = entire_field();
+  const Solved s = solved(exact::unit_square_mesh(7, 0.3), element("bdms"), scene_of(f, {0, 1, 2, 3}));
+  const RecoveredStress r = recovered(s);
+  int inside = 0;
+  for (std::size_t i = 0; i < s.corners.vertex.size(); ++i) {
+    std::vector<bool> near(s.corners.vertex.size(), false), in(s.corners.of.size(), false);
+    near[i] = true;
+    for (int ring = 0; ring < 2; ++ring) {
+      for (std::size_t t = 0; t < in.size(); ++t)
+        for (const Index k : s.corners.of[t]) in[t] = in[t] || near[k];
+      for (std::size_t t = 0; t < in.size(); ++t)
+        for (const Index k : s.corners.of[t]) near[k] = near[k] || in[t];
+    }
+    std::vector<Index> around;
+    for (std::size_t t = 0; t < in.size(); ++t)
+      if (in[t]) around.push_back(static_cast<Index>(t));
+    if (r.kept[i] || around.size() < dim(3) + 4) continue;  // more rings at the boundary
+    ++inside;
+    const Eigen::Vector3d alone = fitted_alone(s, around, s.model.mesh.points[s.corners.vertex[i]]);
+    EXPECT_LT((r.at_corners.col(static_cast<Index>(i)) - alone).norm(), 1e-10 * alone.norm()) << i;
+  }
+  EXPECT_GT(inside, 30);
+}
+
+TEST(RecoverStress, OfSeveralFieldsGivesTheBitsOfOneByOne) {
+  const auto f = exact::crack_case("I", 0.3);
+  for (const int degree : {1, 2}) {
+    const Solved s = solved(exact::crack_mesh(16, 0.3, 0.2), element("bdms", degree), scene_of(f, {0, 1, 2, 3}, {{}}));
+    Field other = s.state;
+    other.interior.array() = other.interior.array().sin();
+    const std::vector<bool> singular = singular_corners(s.model, s.state, s.corners);
+    const VectorField load = [](const Vec2& x) { return Vec2(x.y(), 1 - x.x()); };
+    const std::array<FieldToRecover, 3> fields{
+        {{s.model, s.state, load}, {s.model, other, {}}, {s.model, s.state, {}}}};
+    const std::vector<RecoveredStress> all = recover_stresses(fields, s.corners, singular);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const RecoveredStress one = recover_stress(s.model, fields[i].field, s.corners, singular, fields[i].load);
+      EXPECT_EQ(all[i].at_corners, one.at_corners) << i;
+      EXPECT_EQ(all[i].at_centroids, one.at_centroids) << i;
+    }
+  }
+}
+
+TEST(RecoverStress, OfSomeTrianglesGivesTheBitsOfAll) {
+  const auto f = exact::crack_case("I", 0.3);
+  for (const int degree : {1, 2}) {
+    const Solved s = solved(exact::crack_mesh(16, 0.3, 0.2), element("bdms", degree), scene_of(f, {0, 1, 2, 3}, {{}}));
+    const std::vector<bool> singular = singular_corners(s.model, s.state, s.corners);
+    const FieldToRecover field{s.model, s.state, {}};
+    const RecoveredStress all = recover_stresses({&field, 1}, s.corners, singular).front();
+    std::vector<bool> wanted;  // around the tips and every seventh
+    for (const auto& corners : s.corners.of) wanted.push_back(wanted.size() % 7 == 3 || all.kept[corners[0]]);
+    ASSERT_LT(std::ranges::count(wanted, true), static_cast<std::ptrdiff_t>(wanted.size() / 2));
+    const RecoveredStress some = recover_stresses({&field, 1}, s.corners, singular, wanted).front();
+    for (Index t = 0; t < static_cast<Index>(wanted.size()); ++t) {
+      if (!wanted[t]) continue;
+      EXPECT_EQ(some.at_centroids.col(t), all.at_centroids.col(t)) << t;
+      const Vec2 x = 0.7 * centroid(s.model.mesh, t) + 0.3 * s.model.mesh.points[s.model.mesh.triangles[t][0]];
+      EXPECT_EQ(recovered_at(s.model, s.state, s.corners, some, {t, x}),
+                recovered_at(s.model, s.state, s.corners, all, {t, x}))
+          << t;
+    }
+  }
 }
 
 // A piece of one or two triangles: the degree falls to what they determine.

@@ -1,4 +1,6 @@
 #include "kerf/recover.hpp"
+#include "solver/polynomial.hpp"
+#include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/adaptive.hpp"
@@ -22,8 +24,8 @@ Scene held(const exact::ExactField& f, bool crack) {
   return s;
 }
 
-// [theory: R.4, R.6]: efficiency index 4.6 to 6.0 for this element on smooth problems; at tips eta has what the estimate
-// adds there.
+// [theory: R.4, R.6]: efficiency index 4.6 to 6.0 for this element on smooth problems; at tips eta has what the
+// estimate adds there.
 TEST(Indicator, FollowsTheErrorWithTheMeasuredEfficiencyIndex) {
   for (const double nu : {0.3, 0.4999}) {
     const auto f = exact::wave_field(nu);
@@ -148,6 +150,57 @@ TEST(Recover, BondedCrackCarriesTheTractionOfTheBody) {
       EXPECT_NEAR(p.sigma_t, t.dot(stress * n), 1e-11);
       EXPECT_EQ(p.jump_n, 0);
       EXPECT_EQ(p.jump_t, 0);
+    }
+  }
+}
+
+/// u* from its definition: among the polynomials of degree D with the mean of the displacement the one whose gradient
+/// is closest to that of the strains.
+Points defined(const Model& m, const Field& s, Index t, const Points& x) {
+  const int degree = m.element.stress + 1, n = dim(degree);
+  const Triangle shape = triangle(m, t);
+  const Vec2 center = centroid(shape);
+  const double h = std::sqrt(2 * area(shape));
+  const auto at = [&](const Points& p) -> Eigen::MatrixXd {
+    return monomials(degree, (p.colwise() - center) / h).bottomRows(n - 1);
+  };
+  const TriangleRule rule = triangle_rule(8);
+  const Points q = rule_points(rule, shape);
+  const Eigen::MatrixXd v = at(q);
+  const Fields f = evaluate(m, s, t, q);
+  Eigen::MatrixXd rows(2 * q.cols(), n - 1), right(2 * q.cols(), 2);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(n - 1);
+  Vec2 moved = Vec2::Zero();
+  const Eigen::MatrixXd d[2] = {derivative(degree, 0), derivative(degree, 1)};
+  const Eigen::MatrixXd all = monomials(degree, (q.colwise() - center) / h);
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    const double root = std::sqrt(rule.w[i]);
+    const Eigen::Vector4d g = displacement_gradient(material_of(m.mesh, m.scene, t), f.stress.col(i), f.rotation[i]);
+    for (int axis = 0; axis < 2; ++axis) {
+      rows.row(2 * i + axis) = root / h * (d[axis].transpose() * all.col(i)).transpose().tail(n - 1);
+      right.row(2 * i + axis) << root * g[axis], root * g[2 + axis];
+    }
+    mean += rule.w[i] * v.col(i);
+    moved += rule.w[i] * f.displacement.col(i);
+  }
+  const Eigen::MatrixXd c = rows.colPivHouseholderQr().solve(right);
+  Points u = c.transpose() * (at(x).colwise() - mean);
+  return u.colwise() + moved;
+}
+
+TEST(Recover, DisplacementIsTheOneOfItsDefinitionAndWeighingIsItsTranspose) {
+  const auto f = exact::wave_field(0.3);
+  for (const Element& e : {element("bdms", 1), element("bdms", 2), element("bdms", 3), element("peers"),
+                           element("afw", 1), element("afw", 2), element("arnold-winther")}) {
+    const Model m = prepare(exact::unit_square_mesh(3, 0.3), e, held(f, false), 1);
+    const State s = solve(m);
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+      const Points x = rule_points(triangle_rule(4), triangle(m, t));
+      const Points u = recovered_displacement(m, s, t, x);
+      EXPECT_LT((u - defined(m, s, t, x)).norm(), 1e-11 * u.norm()) << e.name << e.degree << ' ' << t;
+      const Points weights = (7 * x).array().sin();
+      const double by_weights = weigh_recovered(m, t, x, weights).dot(s.interior.col(t));
+      EXPECT_NEAR(by_weights, weights.cwiseProduct(u).sum(), 1e-11 * u.norm() * weights.norm()) << e.name << e.degree;
     }
   }
 }

@@ -68,9 +68,17 @@ struct Named {
   const char* name;
   int degree;
 };
-constexpr std::array all{Named{"bdms", 1},   Named{"bdms", 2},  Named{"bdms", 3},
-                         Named{"bdms-c", 1}, Named{"peers", 1}, Named{"afw", 1},
-                         Named{"afw", 2},    Named{"afw", 3},   Named{"arnold-winther-nc", 1}};
+constexpr std::array all{Named{"bdms", 1},
+                         Named{"bdms", 2},
+                         Named{"bdms", 3},
+                         Named{"bdms", 4},
+                         Named{"bdms-c", 1},
+                         Named{"peers", 1},
+                         Named{"afw", 1},
+                         Named{"afw", 2},
+                         Named{"afw", 3},
+                         Named{"afw", 4},
+                         Named{"arnold-winther-nc", 1}};
 
 std::string describe(const Named& n) {
   return n.name + std::to_string(n.degree);

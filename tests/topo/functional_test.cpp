@@ -63,6 +63,18 @@ std::vector<Named> terms() {
   return all;
 }
 
+TEST(Differentiated, HasTheBitsOfTheIntegral) {
+  const Model model = make({});
+  const State state = solve(model);
+  for (const Named& t : terms()) {
+    const Differentiated both = differentiated(t.term, model, state);
+    EXPECT_EQ(both.value, integral(t.term, model, state)) << t.name;
+    const Sensitivity alone = derivative(t.term, model, state);
+    EXPECT_EQ(both.derivative.interior, alone.interior) << t.name;
+    EXPECT_EQ(both.derivative.skeleton, alone.skeleton) << t.name;
+  }
+}
+
 class Gradient : public testing::TestWithParam<std::tuple<int, Load>> {};
 
 // The gradient is that of the discrete problem: adjoint against central differences of whole solves.

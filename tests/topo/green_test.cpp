@@ -191,6 +191,25 @@ TEST_P(FiniteHole, BetweenAnOpenAndAClosedCrackChangesJAsPredicted) {
 }
 INSTANTIATE_TEST_SUITE_P(Poisson, FiniteHole, testing::Values(0.3, 0.5));
 
+// Many at once on their way through the factor, at supports and beside a closed crack, too; one by one with a penalty.
+TEST_P(FiniteHole, GreensTensorAtManyPointsIsThatAtEach) {
+  const Cracked body = cracked(GetParam());
+  const Solved s = solved(body.shape, {.size = 0.15, .crack_tip_size = 0.03}, body.scene);
+  std::vector<Vec2> x;
+  std::vector<Index> in;
+  for (Index t = 0; t < static_cast<Index>(s.model.mesh.triangles.size()); t += 29) {
+    x.push_back(centroid(s.model.mesh, t));
+    in.push_back(t);
+  }
+  GreenTensor tensor(s.model, s.state);
+  const std::vector<Mat2> many = tensor.regular_at(x, in, TangentSolver::to_rounding);
+  ASSERT_EQ(many.size(), x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Mat2 one = tensor.at(x[i], in[i], false).regular;
+    EXPECT_LT((many[i] - one).norm(), 1e-9 * one.norm()) << x[i].transpose();
+  }
+}
+
 // Interpolation, where it is hardest: around four tips, one crack closed.
 TEST(ClampedHole, EverywhereAgreesWithPointwise) {
   const Cracked body = cracked(0.3);

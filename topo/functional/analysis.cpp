@@ -196,7 +196,9 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
     a.biactive_length = length_of(model, state);
   const bool self_adjoint_work = has_self_adjoint_work(model);
   for (const Term& term : j.terms) {
+    const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
     double value = 0;
+    Sensitivity by_state;
     if (term.measured) {
       if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
       auto other = std::make_shared<Model>(
@@ -210,6 +212,10 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
       a.measured_share += term.factor;
       a.measured_model = std::move(other);
       a.measured = std::move(solved);
+    } else if (differentiates) {
+      Differentiated both = differentiated(term, model, state);
+      value = both.value;
+      by_state = std::move(both.derivative);
     } else {
       value = integral(term, model, state);
     }
@@ -219,15 +225,16 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
     a.term_value.push_back(result);
     a.slope.push_back(slope(term, value));
     a.value += term.factor * result;
-    if (value_only || term.measured) continue;
-    if (term.energy) {
+    if (differentiates) {
+      if (term.work) a.work_share += a.slope.back();
+      a.derivative += scaled(a.slope.back(), std::move(by_state));
+    } else if (value_only || term.measured) {
+      continue;
+    } else if (term.energy) {
       a.energy_share += term.factor;
       if (friction) a.derivative += scaled(term.factor, work_of_slips(state));
-    } else if (term.work && self_adjoint_work) {
+    } else {  // work, and self-adjoint
       a.energy_share -= 2 * term.factor;
-    } else {
-      if (term.work) a.work_share += a.slope.back();
-      a.derivative += scaled(a.slope.back(), derivative(term, model, state));
     }
   }
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");

@@ -218,47 +218,37 @@ double integral(const Term& term, const Model& m, const Field& s) {
   return (term.density ? over_body(term, m, s, {}) : 0) + on_surfaces(term, m, s);
 }
 
-Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
-  Sensitivity d;
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  if (term.work) {
-    d.skeleton = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data);
-    if (m.inner->system.force.cols() > 0) {
-      const int first = stress_count(m.element), count = displacement_count(m.element);
-      d.interior.setZero(interior_count(m.element), triangles);
-      for (Index t = 0; t < triangles; ++t)
-        d.interior.col(t).segment(first, count) = area(m.mesh, t) * m.inner->system.force.col(t).head(count);
-    }
-    return d;
+namespace {
+
+// The domain integral over a triangle; its derivative by the interior coefficients goes to `column`.
+double differentiate_on(const Term& term, const Model& m, const Field& s, const TriangleRule& rule, Index t,
+                        Eigen::Ref<Eigen::VectorXd> column) {
+  const Triangle shape = triangle(m, t);
+  if (!wanted(term, shape)) return 0;
+  const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
+  const Eigen::Index n = rule.w.size();
+  const Eigen::VectorXd weight = rule_weights(rule, shape);
+  Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
+  double value = 0;
+  for (Eigen::Index q = 0; q < n; ++q) {
+    const double share = area(shape) * weight[q];
+    const Density by = term.density(field_point(term, p, q));
+    value += weight[q] * by.value;
+    w.stress.col(q) =
+        share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
+    w.displacement.col(q) = share * by.by_displacement;
+    w.rotation[q] = share * by.by_rotation;
   }
-  if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
-    const TriangleRule rule = domain_rule(m);
-    d.interior.setZero(interior_count(m.element), triangles);
-    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-      for (Index t = begin; t < end; ++t) {
-        const Triangle shape = triangle(m, t);
-        if (!wanted(term, shape)) continue;
-        const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
-        const Eigen::Index n = rule.w.size();
-        const Eigen::VectorXd weight = rule_weights(rule, shape);
-        Fields w{Eigen::Matrix4Xd::Zero(4, n), Points::Zero(2, n), Eigen::RowVectorXd::Zero(n)};
-        for (Eigen::Index q = 0; q < n; ++q) {
-          const double share = area(shape) * weight[q];
-          const Density by = term.density(field_point(term, p, q));
-          w.stress.col(q) =
-              share * Eigen::Vector4d(by.by_stress(0, 0), by.by_stress(0, 1), by.by_stress(1, 0), by.by_stress(1, 1));
-          w.displacement.col(q) = share * by.by_displacement;
-          w.rotation[q] = share * by.by_rotation;
-        }
-        auto column = d.interior.col(t);
-        if (term.uses_displacement) {
-          column += weigh_recovered(m, t, p.x, w.displacement);
-          w.displacement.setZero();
-        }
-        if (term.uses_stress || term.uses_rotation) column += weigh(m.inner->kernel, shape, p.x, w);
-      }
-    });
+  if (term.uses_displacement) {
+    column += weigh_recovered(m, t, p.x, w.displacement);
+    w.displacement.setZero();
   }
+  if (term.uses_stress || term.uses_rotation) column += weigh(m.inner->kernel, shape, p.x, w);
+  return area(shape) * value;
+}
+
+// By the unknowns of boundary and crack.
+void differentiate_on_surfaces(const Term& term, const Model& m, const Field& s, Sensitivity& d) {
   if (term.on_boundary) {
     d.skeleton.setZero(m.inner->skeleton.total);
     along_label(m, term.label, [&](const BoundaryPoint& p) {
@@ -276,6 +266,50 @@ Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
       d.force[p.unknown] += by.by_pressure;
     });
   }
+}
+
+Sensitivity derivative_of_work(const Model& m) {
+  Sensitivity d;
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  d.skeleton = traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data);
+  if (m.inner->system.force.cols() > 0) {
+    const int first = stress_count(m.element), count = displacement_count(m.element);
+    d.interior.setZero(interior_count(m.element), triangles);
+    for (Index t = 0; t < triangles; ++t)
+      d.interior.col(t).segment(first, count) = area(m.mesh, t) * m.inner->system.force.col(t).head(count);
+  }
+  return d;
+}
+
+bool has_domain_derivative(const Term& term) {
+  return !term.work && term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation);
+}
+
+// The derivative, and the domain integral where that has one.
+Sensitivity differentiate(const Term& term, const Model& m, const Field& s, double& over_body) {
+  if (term.work) return derivative_of_work(m);
+  Sensitivity d;
+  if (has_domain_derivative(term)) {
+    const TriangleRule rule = domain_rule(m);
+    d.interior.setZero(interior_count(m.element), static_cast<Eigen::Index>(m.mesh.triangles.size()));
+    over_body = sum_over(m, {}, [&](Index t) { return differentiate_on(term, m, s, rule, t, d.interior.col(t)); });
+  }
+  differentiate_on_surfaces(term, m, s, d);
+  return d;
+}
+
+}  // namespace
+
+Sensitivity derivative(const Term& term, const Model& m, const Field& s) {
+  double over_body = 0;
+  return differentiate(term, m, s, over_body);
+}
+
+Differentiated differentiated(const Term& term, const Model& m, const Field& s) {
+  Differentiated d;
+  double over_body = 0;
+  d.derivative = differentiate(term, m, s, over_body);
+  d.value = has_domain_derivative(term) && !term.energy ? over_body + on_surfaces(term, m, s) : integral(term, m, s);
   return d;
 }
 

@@ -14,6 +14,13 @@ double integral(const Term& term, const Model& model, const Field& state);
 /// Its derivative by the state, exact for the quadrature that `integral` uses. Empty for energies, misfits, volumes.
 Sensitivity derivative(const Term& term, const Model& model, const Field& state);
 
+/// Both, from one pass over the fields.
+struct Differentiated {
+  double value = 0;
+  Sensitivity derivative = {};
+};
+Differentiated differentiated(const Term& term, const Model& model, const Field& state);
+
 /// Change of the domain integral over the triangles with use[t] when the state changes, density by density, so that
 /// small changes keep their digits.
 double domain_difference(const Term& term, const Model& model, const Field& state, const Field& change,

@@ -6,20 +6,28 @@
 
 namespace kerf {
 
-std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners) {
+std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners, const std::vector<bool>& wanted) {
   const Model& m = *a.model;
   auto f = std::make_shared<MapFields>();
   f->corners = corners.vertex.empty() ? split_for_stress(m.mesh) : std::move(corners);
   f->singular = singular_corners(m, *a.state, f->corners);
-  const auto recover = [&](const Model& model, const Field& field, const VectorField& load) {
-    f->recovered.push_back(recover_stress(model, field, f->corners, f->singular, load));
-  };
-  const auto absent = [&] { f->recovered.emplace_back(); };
-  recover(m, *a.state, m.scene.body);
-  a.adjoint ? recover(m, *a.adjoint, {}) : absent();
-  a.measured ? recover(*a.measured_model, *a.measured, m.scene.body) : absent();
+  std::vector<FieldToRecover> fields{{m, *a.state, m.scene.body}};
+  if (a.adjoint) fields.push_back({m, *a.adjoint});
+  if (a.measured) fields.push_back({*a.measured_model, *a.measured, m.scene.body});
   if (a.biactive)
-    for (const Field& y : a.biactive->response) recover(m, y, {});
+    for (const Field& y : a.biactive->response) fields.push_back({m, y});
+  std::vector<RecoveredStress> found = recover_stresses(fields, f->corners, f->singular, wanted);
+  auto next = found.begin();
+  const auto place = [&](bool there) {
+    if (there)
+      f->recovered.push_back(std::move(*next++));
+    else
+      f->recovered.emplace_back();
+  };
+  place(true);
+  place(a.adjoint.has_value());
+  place(a.measured != nullptr);
+  while (next != found.end()) place(true);
   return f;
 }
 

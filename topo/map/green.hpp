@@ -27,6 +27,10 @@ class GreenTensor {
   /// At x in triangle t. `enough`: relative residual.
   Green at(const Vec2& x, Index t, bool fields, double enough = TangentSolver::to_rounding);
 
+  /// The regular part alone at many points, each in its triangle: all at once, as far as one of them agrees with the
+  /// solution that `at` iterates to `enough`; else by `at`.
+  std::vector<Mat2> regular_at(std::span<const Vec2> x, std::span<const Index> t, double enough);
+
  private:
   const Model& model_;
   BodyReply reply_;

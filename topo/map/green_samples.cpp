@@ -144,22 +144,33 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
     for (const Vec2& p : points) scale[i] = std::min(scale[i], (candidates[i] - p).norm());
   }
   constexpr double accurate = 5e-4, residual = 1e-7;
-  constexpr int most = 400, batch = 20, least = 60;
-  double worst = 0;
-  for (int count = 0; count < most; ++count) {
-    const std::size_t next = static_cast<std::size_t>(std::max_element(wide.begin(), wide.end()) - wide.begin());
-    if (wide[next] == 0) break;
-    const Vec2& x = candidates[next];
-    const Mat2 exact = tensor.at(x, in[next], false, residual).regular;
-    const Mat2 matrix = clamped_matrix(material, eps, exact);
-    if (count >= least && admits_clamp(matrix))
-      worst = std::max(worst, (matrix.inverse() * (exact - interpolate(g, x))).norm());
-    g.x.push_back(x);
-    g.rest.push_back(exact - wall_logarithms(g.walls, x));
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      wide[i] = std::min(wide[i], (candidates[i] - x).norm() / scale[i]);
-    if (count < least || (count - least) % batch != batch - 1) continue;
-    g.error = std::exchange(worst, 0);
+  constexpr std::size_t most = 400, batch = 20, least = 60;
+  bool covered = false;
+  while (g.x.size() < most && !covered) {
+    const std::size_t first = g.x.size(), end = first < least ? least : first + batch;
+    // Where the next ones go does not depend on what those before them say.
+    std::vector<Vec2> x;
+    std::vector<Index> at;
+    while (first + x.size() < end) {
+      const std::size_t next = static_cast<std::size_t>(std::max_element(wide.begin(), wide.end()) - wide.begin());
+      covered = wide[next] == 0;
+      if (covered) break;
+      x.push_back(candidates[next]);
+      at.push_back(in[next]);
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+        wide[i] = std::min(wide[i], (candidates[i] - x.back()).norm() / scale[i]);
+    }
+    const std::vector<Mat2> exact = tensor.regular_at(x, at, residual);
+    double worst = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const Mat2 matrix = clamped_matrix(material, eps, exact[k]);
+      if (first >= least && admits_clamp(matrix))
+        worst = std::max(worst, (matrix.inverse() * (exact[k] - interpolate(g, x[k]))).norm());
+      g.x.push_back(x[k]);
+      g.rest.push_back(exact[k] - wall_logarithms(g.walls, x[k]));
+    }
+    if (covered || first < least) continue;
+    g.error = worst;
     if (g.error < accurate) break;
   }
   return g;

@@ -12,6 +12,7 @@
 #include "topo/map/second_map.hpp"
 #include "topo/map_at_centroids.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -84,18 +85,25 @@ Nodes at_corners(const Mesh& mesh, const Corners& corners) {
   return n;
 }
 
+// Asked as at a point, the expansion names the displacements that it wants: want(FieldOf, recovered).
+template <class Want>
+void ask(const Expansion& e, const Want& want) {
+  point_values(
+      e, [](const FieldOf&) -> Eigen::Vector3d { return Eigen::Vector3d::Zero(); },
+      [&](const FieldOf& of, bool recovered) -> Vec2 {
+        want(of, recovered);
+        return Vec2::Zero();
+      });
+}
+
 // T at all centroids or all corners, from fields that are known at all of them.
 class Everywhere {
  public:
   Everywhere(const Expansion& e, const MapFields& fields) : e_(e), fields_(fields) {
-    // Asked as at a point, the expansion names the displacements that it wants.
-    point_values(
-        e, [](const FieldOf&) -> Eigen::Vector3d { return Eigen::Vector3d::Zero(); },
-        [&](const FieldOf& of, bool recovered) -> Vec2 {
-          moved_.resize(of.number + 1);
-          moved_[of.number] = displacements(of.model, of.field, fields.corners, recovered);
-          return Vec2::Zero();
-        });
+    ask(e, [&](const FieldOf& of, bool recovered) {
+      moved_.resize(std::max(moved_.size(), of.number + 1));
+      moved_[of.number] = displacements(of.model, of.field, fields.corners, recovered);
+    });
   }
 
   // Which of the two a member pointer names; the angle where it is asked for.
@@ -191,12 +199,18 @@ void fill_second(const Analysis& a, const Functional& j, const Perturbation& p, 
   for (Eigen::Index i = 0; i < map.c2.size(); ++i) map.valid_radius[i] = valid_radius_of(map.at_corners[i], map.c2[i]);
 }
 
+Mesh mesh_for(const Analysis& a, const Meshing& meshing, const MapFields& own) {
+  const double longer = longer_edges(a.model->element);
+  Sizing sizing = meshing.sizing;
+  sizing.size *= longer;
+  const Mesh& mesh = a.model->mesh;
+  return triangulate(meshing.shape, sizing, {&mesh, better_sizes(mesh, own.corners, own.singular, longer)});
+}
+
 // The solution that error bars compare with.
 struct Finer {
   Finer(const Analysis& a, const Functional& j, const Meshing& meshing, const MapFields& own)
-      : model(prepare(triangulate(meshing.shape, meshing.sizing,
-                                  Background{&a.model->mesh, better_sizes(a.model->mesh, own.corners, own.singular)}),
-                      better_element(a.model->element), a.model->scene, a.model->threads)),
+      : model(prepare(mesh_for(a, meshing, own), better_element(a.model->element), a.model->scene, a.model->threads)),
         state(solve(model)) {
     if (!certified(state))
       throw Error(Fault::Numerics, "the better solution for error bars (map.bounds) did not converge");
@@ -210,14 +224,71 @@ struct Finer {
   Analysis analysis;
 };
 
-Eigen::VectorXd sampled(const Expansion& e, const MapFields& fields, const std::vector<Vec2>& x,
-                        const std::vector<Index>& in) {
-  Eigen::VectorXd value(static_cast<Eigen::Index>(x.size()));
-  parallel_for(static_cast<Index>(x.size()), e.a.model->threads, [&](Index begin, Index end) {
+// Points, each in a triangle or in none, and those in one in the order of their triangles.
+struct Scattered {
+  const std::vector<Vec2>& x;
+  const std::vector<Index>& in;
+  std::vector<Index> order, first;  // where the points of the next triangle begin in `order`, and its end
+
+  Scattered(const std::vector<Vec2>& x, const std::vector<Index>& in) : x(x), in(in) {
+    for (std::size_t i = 0; i < in.size(); ++i)
+      if (in[i] != none) order.push_back(static_cast<Index>(i));
+    std::ranges::stable_sort(order, {}, [&](Index i) { return in[static_cast<std::size_t>(i)]; });
+    for (std::size_t k = 0; k < order.size(); ++k)
+      if (k == 0 || triangle_of(k) != triangle_of(k - 1)) first.push_back(static_cast<Index>(k));
+    first.push_back(static_cast<Index>(order.size()));
+  }
+  Index triangle_of(std::size_t place) const {
+    return in[static_cast<std::size_t>(order[place])];
+  }
+};
+
+// What displacement_at gives, once for the points of a triangle.
+Points displacements_at(const FieldOf& of, const Scattered& points, bool recovered) {
+  Points u = Points::Zero(2, static_cast<Eigen::Index>(points.x.size()));
+  parallel_for(static_cast<Index>(points.first.size()) - 1, of.model.threads, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) {
+      const auto run = static_cast<std::size_t>(k), from = static_cast<std::size_t>(points.first[run]);
+      const Index t = points.triangle_of(from);
+      Points x(2, points.first[run + 1] - points.first[run]);
+      for (Eigen::Index i = 0; i < x.cols(); ++i)
+        x.col(i) = points.x[static_cast<std::size_t>(points.order[from + static_cast<std::size_t>(i)])];
+      const Points found = recovered ? recovered_displacement(of.model, of.field, t, x)
+                                     : evaluate(of.model, of.field, t, x).displacement;
+      for (Eigen::Index i = 0; i < x.cols(); ++i)
+        u.col(points.order[from + static_cast<std::size_t>(i)]) = found.col(i);
+    }
+  });
+  return u;
+}
+
+// expand_at of all points; NaN where there is no triangle.
+Eigen::VectorXd sampled(const Expansion& e, const MapFields& fields, const Scattered& points) {
+  const Model& m = *e.a.model;
+  std::vector<Points> moved;  // per FieldOf::number
+  ask(e, [&](const FieldOf& of, bool recovered) {
+    moved.resize(std::max(moved.size(), of.number + 1));
+    moved[of.number] = displacements_at(of, points, recovered);
+  });
+  Eigen::VectorXd value(static_cast<Eigen::Index>(points.x.size()));
+  parallel_for(static_cast<Index>(points.x.size()), m.threads, [&](Index begin, Index end) {
     std::vector<bool> closed = no_row_closed(e.a);
     for (Index i = begin; i < end; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      value[i] = in[k] == none ? nan : expand_at(e, fields, in[k], x[k], closed).value;
+      const Index t = points.in[k];
+      if (t == none) {
+        value[i] = nan;
+        continue;
+      }
+      PointValues v = point_values(
+          e,
+          [&](const FieldOf& of) {
+            return recovered_at(of.model, of.field, fields.corners, fields.recovered[of.number], {t, points.x[k]});
+          },
+          [&](const FieldOf& of, bool) -> Vec2 { return moved[of.number].col(i); });
+      v.x = points.x[k];
+      v.material = material_of(m.mesh, m.scene, t);
+      value[i] = expand(e, v, closed).value;
     }
   });
   return value;
@@ -311,7 +382,7 @@ void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const
   const Expansion e(a, j, r.perturbation), e_finer(finer.analysis, j, r.perturbation);
   const Places at = places(mesh, own->corners, finer.model.mesh);
   const ErrorBars bars =
-      error_bars(own->corners, sampled(e, *own, at.x, at.own), sampled(e_finer, better, at.x, at.better));
+      error_bars(own->corners, sampled(e, *own, {at.x, at.own}), sampled(e_finer, better, {at.x, at.better}));
   maps.everywhere.lower = maps.everywhere.at_corners - bars.at_corners;
   maps.everywhere.upper = maps.everywhere.at_corners + bars.at_corners;
   std::vector<Vec2> x;

@@ -21,7 +21,22 @@ class BodyReply {
   std::vector<TangentField> to(const Vec2& singular, std::span<const Nucleus> fields, std::span<const Index> only,
                                double enough = TangentSolver::to_rounding);
 
+  /// Fields that are singular at a point, and the triangle where it lies.
+  struct Singularity {
+    Vec2 at;
+    Index in;
+    std::vector<Nucleus> fields;
+  };
+  /// Of many the recovered displacement of each reply at its singular point alone, a column per field, at a small share
+  /// of the price. Nothing where ConeSolver::read says nothing.
+  std::optional<std::vector<Points>> displacements(std::span<const Singularity> many) const;
+
  private:
+  std::vector<Index> loaded_unknowns() const;
+  /// Of the loaded unknowns, a column per field.
+  void load(const Vec2& singular, std::span<const Nucleus> fields, Eigen::Ref<Eigen::MatrixXd> load,
+            Eigen::Ref<Eigen::MatrixXd> prescribed) const;
+
   const Model& model_;
   ConeSolver solver_;
   std::vector<Index> edges_;  // on the boundary, and of cracks whose faces move

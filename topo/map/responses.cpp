@@ -8,6 +8,7 @@
 #include "topo/map/fields.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace kerf {
 
@@ -20,14 +21,15 @@ Responses responses(const Model& m, const Field& s, std::span<const Term> readin
   require_supports({"readings", {readings.begin(), readings.end()}}, m);
   Responses r{.model = &m, .state = &s, .locator = make_locator(m.mesh), .corners = split_for_stress(m.mesh)};
   const std::vector<bool> singular = singular_corners(m, s, r.corners);
-  r.stress = recover_stress(m, s, r.corners, singular, m.scene.body);
   r.value = read(m, s, readings);
   const auto slope = [&](std::size_t k) -> Eigen::VectorXd { return derivative(readings[k], m, s).skeleton; };
   TangentSolver solver(m, tied(contact_status(m, s)));
-  for (TangentField& dual : solver.solve_all(readings.size(), slope)) {
-    r.dual_stress.push_back(recover_stress(m, dual, r.corners, singular));
-    r.dual.push_back(std::move(dual));
-  }
+  for (TangentField& dual : solver.solve_all(readings.size(), slope)) r.dual.push_back(std::move(dual));
+  std::vector<FieldToRecover> fields{{m, s, m.scene.body}};
+  for (const Field& dual : r.dual) fields.push_back({m, dual});
+  std::vector<RecoveredStress> recovered = recover_stresses(fields, r.corners, singular);
+  r.stress = std::move(recovered.front());
+  r.dual_stress.assign(std::make_move_iterator(recovered.begin() + 1), std::make_move_iterator(recovered.end()));
   return r;
 }
 

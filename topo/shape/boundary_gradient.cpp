@@ -31,8 +31,9 @@ bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& ru
 // What the analysis holds at a point of a free edge with tangent t.
 class DensityOnEdge {
  public:
-  DensityOnEdge(const Analysis& a, const Functional& j)
-      : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a)) {
+  /// `wanted`: the triangles that will be asked for.
+  DensityOnEdge(const Analysis& a, const Functional& j, const std::vector<bool>& wanted)
+      : a_(a), j_(j), fields_(a.fields ? a.fields : recover_fields(a, {}, wanted)) {
     need_dual_recovered_ = needs(a, j, {}).recover_dual;
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
@@ -86,20 +87,24 @@ BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   require_no_eigenstrain(a.model->scene);
   const Model& m = *a.model;
   require_supports(j, m);
-  const DensityOnEdge on_boundary(a, j);
   const EdgeRule rule = gauss(2);
   BoundaryGradient g;
-  std::vector<Index> beside;
+  std::vector<Index> beside;  // per point its triangle
+  std::vector<bool> wanted(m.mesh.triangles.size(), false);
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     const auto& sides = m.mesh.sides[e];
     if ((sides[0] != none && sides[1] != none) || !is_free(a, j, e, rule)) continue;
     const Vec2& from = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - from, n = outward_normal(m.mesh, e);
+    const Index t = sides[0] == none ? sides[1] : sides[0];
+    wanted[t] = true;
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
       g.points.push_back({e, from + rule.s[q] * side, n, rule.w[q] * side.norm(), 0});
-      beside.push_back(sides[0] == none ? sides[1] : sides[0]);
+      beside.push_back(t);
     }
   }
+  if (g.points.empty()) return g;
+  const DensityOnEdge on_boundary(a, j, wanted);
   parallel_for(static_cast<Index>(g.points.size()), m.threads, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       BoundaryGradient::Point& p = g.points[static_cast<std::size_t>(i)];

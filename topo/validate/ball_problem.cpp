@@ -65,13 +65,21 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   for (Eigen::Index i = 0; i < o.contact_rows; ++i) mine.push_back(o.interface_rows + i);
   S = W(mine, mine);
   if (!rest.empty()) {
-    const Eigen::MatrixXd couple = W(rest, mine);
-    others = -Eigen::MatrixXd(W(rest, rest)).llt().solve(couple);
-    S += couple.transpose() * others;
+    rest_ = Eigen::LLT<Eigen::MatrixXd>(W(rest, rest)).matrixL();
+    half_ = W(rest, mine);
+    rest_.triangularView<Eigen::Lower>().solveInPlace(half_);
+    S.selfadjointView<Eigen::Lower>().rankUpdate(half_.transpose(), -1);
+    S.triangularView<Eigen::StrictlyUpper>() = S.transpose();
   } else {
-    others.resize(0, static_cast<Eigen::Index>(mine.size()));
+    half_.resize(0, static_cast<Eigen::Index>(mine.size()));
   }
   S.topLeftCorner(n, n) -= K;
+}
+
+Eigen::VectorXd BodyOperator::others(const Eigen::VectorXd& mine) const {
+  Eigen::VectorXd moved = -half_ * mine;
+  if (moved.size() > 0) rest_.triangularView<Eigen::Lower>().transpose().solveInPlace(moved);
+  return moved;
 }
 
 namespace {
@@ -162,7 +170,7 @@ class RadiusProblem {
     if (of_.changes.empty()) {
       Eigen::VectorXd mine(S.rows());
       mine << c.ball, c.contact;
-      of_.others = b.others * mine;
+      of_.others = b.others(mine);
     }
     of_.changes.push_back(std::move(c));
   }

@@ -53,7 +53,13 @@ struct BodyOperator {
   Eigen::VectorXd jump, force;  // on the contact rows, of the state
   std::vector<ContactStatus> status;
   std::vector<Motion> motion;  // of the state
-  Eigen::MatrixXd S, others;   // S on (ball, contact); others = map from those to the other balls
+  Eigen::MatrixXd S;           // on (ball, contact)
+  /// The other balls' boundaries from what is on (ball, contact).
+  Eigen::VectorXd others(const Eigen::VectorXd& mine) const;
+
+ private:
+  Eigen::MatrixXd rest_;  // the lower factor of the other balls' block of W
+  Eigen::MatrixXd half_;              // the inverse of its factor times what couples it with (ball, contact)
 };
 
 /// What changes in one body.

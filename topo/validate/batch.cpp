@@ -18,14 +18,20 @@ State solved(const Model& m) {
 
 }  // namespace
 
-Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn) {
+Batch fill_batch(const Mesh& outside, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn,
+                 bool curved) {
   Batch b;
   for (const Site& s : sites)
     b.balls.push_back(ball_mesh({s.at, s.ball, sides}, s.radii, drawn.aspect,
-                                drawn.angle.empty() ? 0 : drawn.angle[s.number], meshing.sizing.curved));
-  b.filled = fill(triangulate(with_balls(meshing.shape, sites, sides), meshing.sizing), b.balls);
+                                drawn.angle.empty() ? 0 : drawn.angle[s.number], curved));
+  b.filled = fill(outside, b.balls);
   b.how.interface_edges = interface_edges(b.filled);
   return b;
+}
+
+Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn) {
+  return fill_batch(triangulate(with_balls(meshing.shape, sites, sides), meshing.sizing), sites, sides, drawn,
+                    meshing.sizing.curved);
 }
 
 SolvedBatch::SolvedBatch(const Batch& batch, const Body& body, const Functional& j, const Perturbation& p)

@@ -21,6 +21,9 @@ struct SiteEllipses {
 };
 /// Balls with `sides` edges. Throws Error(Geometry) as triangulate does.
 Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn);
+/// The same in a mesh of with_balls.
+Batch fill_batch(const Mesh& outside, const std::vector<Site>& sites, int sides, const SiteEllipses& drawn,
+                 bool curved);
 
 /// A batch solved, and what J changes by per site and radius. The batch and the functional must outlive it.
 struct SolvedBatch {

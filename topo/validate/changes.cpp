@@ -8,7 +8,6 @@ namespace kerf {
 
 ChangesMade changes_at(const ChangingBody& body, const Perturbation& p, std::span<const SmallChange> changes) {
   constexpr int sides = 32;
-  constexpr std::size_t together = 6;  // balls: each eliminates all others of its mesh, the third power of their number
   if (!can_validate(body.element))
     throw Error(Fault::Usage, "the element has unknowns at vertices: changes cannot be made in it");
   if (row(p).becomes == Becomes::Slit) throw Error(Fault::Usage, "a small crack is no change of a disc");

@@ -27,7 +27,7 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   p.ordering = order(p.part.mesh, p.skeleton, edges);
   p.system = assemble({p.part.mesh, k, p.skeleton, inside, p.data, p.ordering, 1, true});
   // A body that is not held has a semidefinite K: a shift of the kept rows makes it definite, and is taken off again.
-  LowerTriangle& K = p.system.K;
+  LowerTriangle& K = *p.system.K;
   const Index first = K.size - p.ordering.interface_rows;
   for (Index r = first; r < K.size; ++r) p.shift = std::max(p.shift, K.values[K.start[r]]);
   for (Index r = first; r < K.size; ++r) K.values[K.start[r]] += p.shift;

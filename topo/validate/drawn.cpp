@@ -4,6 +4,7 @@
 #include "solver/error_bars.hpp"
 #include "solver/recover_stress.hpp"
 #include "topo/map/green.hpp"
+#include "topo/validate/batch.hpp"
 #include "topo/validate/center.hpp"
 
 #include <algorithm>
@@ -49,7 +50,15 @@ class Drawer {
       for (const Change& c : changes_) found.push_back(slit(c));
       return found;
     }
-    return in_balls();
+    std::vector<Redrawn> found(changes_.size());
+    std::vector<Site> sites;
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      sites.push_back(around(changes_[i]));
+      sites.back().number = i;
+      sites.back().radii = {changes_[i].radius};
+    }
+    for (const std::vector<Site>& batch : in_batches(sites, together)) draw_batch(batch, found);
+    return found;
   }
 
  private:
@@ -62,36 +71,42 @@ class Drawer {
     s.ball = ball_of_one(s, reach(sketch_.p) * c.radius);
     return s;
   }
-  Model prepared(Mesh mesh, Scene scene) const {
-    return prepare(std::move(mesh), element_, std::move(scene), sketch_.own.threads);
+  Model prepared(Mesh mesh, Scene scene, const Preparation& how = {}) const {
+    return prepare(std::move(mesh), element_, std::move(scene), sketch_.own.threads, how);
   }
 
-  std::vector<Redrawn> in_balls() {
-    std::vector<Site> sites;
-    std::vector<BallMesh> balls;
-    for (const Change& c : changes_) {
-      sites.push_back(around(c));
-      balls.push_back(ball_mesh({c.site.at, sites.back().ball, sides}, {c.radius}, aspect(sketch_.p), c.angle,
-                                sketch_.sizing.curved));
-    }
-    const Filled filled = fill(outside(sites, sides), balls);
-    const Model model = prepared(filled.mesh, sketch_.own.scene);
+  // One of the changes is solved for as any body is. Where the difference problem says the same of it, it is asked for
+  // the others; where not, each has a body of its own.
+  void draw_batch(const std::vector<Site>& sites, std::vector<Redrawn>& found) const {
+    std::vector<double> angle;
+    for (const Change& c : changes_) angle.push_back(c.angle);
+    const Batch batch =
+        fill_batch(outside(sites, sides), sites, sides, {aspect(sketch_.p), angle}, sketch_.sizing.curved);
+    const Filled& filled = batch.filled;
+    const Model model = prepared(filled.mesh, sketch_.own.scene, sites.size() > 1 ? batch.how : Preparation{});
     const State state = solved(model);
     const Analysis a = analyze(sketch_.j, model, state);
-    std::vector<Redrawn> found;
-    for (std::size_t i = 0; i < changes_.size(); ++i) {
-      const BallIn ball{filled.first_triangle[i], filled.first_triangle[i + 1], sites[i].at, sites[i].ball};
-      Redrawn d{
-          .J0 = a.value, .J = nan, .area = balls[i].enclosed_area[1], .coefficient = formula(a, ball, changes_[i])};
+    const auto whole = [&](std::size_t i) {
       std::vector<bool> disc(filled.mesh.triangles.size(), false);
-      for (Index t = ball.first; t < ball.end; ++t)
-        disc[t] = balls[i].shell[static_cast<std::size_t>(t - ball.first)] >= 1;
+      for (Index t = filled.first_triangle[i]; t < filled.first_triangle[i + 1]; ++t)
+        disc[t] = batch.balls[i].shell[static_cast<std::size_t>(t - filled.first_triangle[i])] >= 1;
       const Model changed = with_change(filled.mesh, disc);
       const State after = solved(changed);
-      d.J = analyze(sketch_.j, changed, after, true).value;
-      found.push_back(d);
+      return analyze(sketch_.j, changed, after, true).value - a.value;
+    };
+    std::vector<double> difference{whole(0)};
+    if (sites.size() > 1) {
+      const auto changes = Differences({a, sketch_.j, filled}, sketch_.p, batch.how).all(batch.balls);
+      constexpr double agree = 1e-3;  // a fifth of what the verdict asks of the formula
+      const bool same = std::abs(changes[0][0].value - difference[0]) <= agree * std::abs(difference[0]);
+      for (std::size_t i = 1; i < sites.size(); ++i) difference.push_back(same ? changes[i][0].value : whole(i));
     }
-    return found;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      const Site& site = sites[i];
+      const BallIn ball{filled.first_triangle[i], filled.first_triangle[i + 1], site.at, site.ball};
+      found[site.number] = {a.value, a.value + difference[i], batch.balls[i].enclosed_area[1],
+                            formula(a, ball, changes_[site.number])};
+    }
   }
 
   double formula(const Analysis& a, const BallIn& ball, const Change& c) const {

@@ -1,6 +1,6 @@
 #pragma once
-// One radius again, on a mesh that shares nothing with that of the series: the change drawn into the body and solved
-// for as any body is, one degree more, contact free.
+// One radius again, on a mesh that shares nothing with that of the series: the change drawn into the body, one degree
+// more, contact free. One change of each mesh is solved for as any body is.
 
 #include "topo/validate/sites.hpp"
 

@@ -26,6 +26,9 @@ double ball_of_one(const Site& s, double reach);
 /// In batches of at most so many whose balls keep apart, in their order.
 std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most);
 
+/// Of balls in one mesh: each eliminates all others, at the third power of their number.
+inline constexpr std::size_t together = 6;
+
 /// Sites in batches whose balls keep apart.
 std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request);
 

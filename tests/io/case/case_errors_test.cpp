@@ -262,7 +262,7 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:11:10: tresca in [[crack]] needs contact = \"unilateral\", not \"open\""},
         Wrong{"[mesh]\nadapt = { error = 0 }", "a.toml:8:19: error in [adapt] must be positive, not 0"},
         Wrong{"[solver]\nelement = 'affw'", "a.toml:8:11: unknown element in [solver] \"affw\"; did you mean \"afw\"?"},
-        Wrong{"[solver]\ndegree = 4", "a.toml:8:10: element \"bdms\" has no degree 4; it has 1, 2, 3"},
+        Wrong{"[solver]\ndegree = 5", "a.toml:8:10: element \"bdms\" has no degree 5; it has 1, 2, 3, 4"},
         Wrong{"[solver]\nelement = 'peers'\ndegree = 2", "a.toml:9:10: element \"peers\" has no degree 2; it has 1"}));
 
 TEST(Case, DomainErrors) {

@@ -179,6 +179,7 @@ TEST(Keys, DefaultsAreThoseOfTheLibrary) {
       {"solver.degree", number(c.element.degree)},
       {"solver.contact", quoted(word(c.contact))},
       {"solver.backend", quoted(backend_words[static_cast<std::size_t>(c.backend)])},
+      {"solver.precision", quoted(precision_words[static_cast<std::size_t>(c.precision)])},
       {"crack[].contact", quoted(word(c.scene.laws[0].kind))},
       {"crack[].friction", number(c.scene.laws[0].friction)},
       {"crack[].tresca", number(c.scene.laws[0].slip_bound)},

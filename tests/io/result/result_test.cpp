@@ -226,7 +226,7 @@ Result searched() {
   count.tried[2].failure = "no room";
   count.chosen = 1;
   r.counted = count;
-  r.solver = SolverResult{4, 2, 31, 1e3};
+  r.solver = SolverResult{4, 2, 31, 1e3, 96, 20, 800, 90, 70};
   return r;
 }
 
@@ -245,7 +245,9 @@ TEST(ResultJson, WhatASearchTried) {
   EXPECT_TRUE(defects["tried"][2]["criterion"].is_null());
   EXPECT_EQ(defects["tried"][2]["failure"], "no room");
   EXPECT_EQ(j["state"]["solver"],
-            Json::parse(R"({"backend": "petsc", "parts": 4, "solves": 2, "iterations": 31, "condition": 1000.0})"));
+            Json::parse(R"({"backend": "petsc", "parts": 4, "solves": 2, "iterations": 31, "condition": 1000.0,
+                            "interface_unknowns": 96, "primal_unknowns": 20, "bytes_per_iteration": 800.0,
+                            "peak_memory_mb": [90.0, 70.0]})"));
 }
 
 TEST(ResultJson, TheFinerDesignSaysWhatItsBoundsAreJudgedBy) {

@@ -189,8 +189,8 @@ TEST(Vtk, MissingModuleSaysWhatToDo) {
   // A copy of this program far from the module, asked to write a file.
   const Folder folder;
   std::filesystem::copy_file("/proc/self/exe", folder.path / "lonely");
-  const std::string command = "env -u LD_LIBRARY_PATH '" + (folder.path / "lonely").string() +
-                              "' --gtest_filter=Vtk.NothingAtAllIsAFileToo 2>&1";
+  const std::string command = "env -u LD_LIBRARY_PATH -u GTEST_TOTAL_SHARDS -u GTEST_SHARD_INDEX '" +
+                              (folder.path / "lonely").string() + "' --gtest_filter=Vtk.NothingAtAllIsAFileToo 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::string said;

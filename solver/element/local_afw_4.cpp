@@ -1,0 +1,17 @@
+// Degree 4 takes as long to compile as the other three together.
+
+#include "solver/element/mixed.hpp"
+
+namespace kerf {
+
+namespace {
+constexpr Element fourth = afw(4);
+constexpr Operations run = mixed_operations<fourth>();
+}  // namespace
+
+const Operations* fourth_afw_operations();
+const Operations* fourth_afw_operations() {
+  return &run;
+}
+
+}  // namespace kerf
