@@ -90,9 +90,11 @@ Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
   const auto drawn = [&](const Eigen::VectorXd& phi) {
     return phi.size() == 0 ? nullptr : draw(g_, phi, {}, rules_.coarse).design;
   };
+  // What was one design is one again: the end asks whether the present one is the best.
   design_ = drawn(s_.phi);
-  best_ = drawn(s_.best.phi);
-  anchored_ = drawn(s_.anchor.phi);
+  const auto same = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return std::ranges::equal(a, b); };
+  best_ = same(s_.best.phi, s_.phi) ? design_ : drawn(s_.best.phi);
+  anchored_ = same(s_.anchor.phi, s_.best.phi) ? best_ : drawn(s_.anchor.phi);
 }
 
 void Descent::begin(const Eigen::VectorXd& start) {

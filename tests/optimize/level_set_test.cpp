@@ -171,6 +171,26 @@ TEST(LevelSet, AnInterruptedRunGoesOnBitForBit) {
   }
 }
 
+// The last iteration allowed makes the best design, and the run is stopped just then.
+TEST(LevelSet, ARunStoppedAtItsBestDesignDoesNotGoBackToIt) {
+  const test::Folder folder;
+  const std::filesystem::path path = folder.path / "checkpoint.bin";
+  const Problem p = cantilever(0.1);
+  int at_best = 0;
+  for (int iterations = 4; iterations < 12; iterations += 2) {
+    SCOPED_TRACE(iterations);
+    OptimizeRequest r = volume(0.9, iterations);
+    r.level_set.nucleate_every = 0;
+    const OptimizeResult whole = optimize_level_set(p, r, {}, {});
+    const auto last = std::ranges::find(whole.history, iterations, &Iteration::number);
+    at_best += last != whole.history.end() && last->accepted;
+    std::filesystem::remove(path);
+    optimize_level_set(p, r, [=](const Iterate& i) { return i.row.number < iterations; }, {path, "case", false});
+    expect_same_run(optimize_level_set(p, r, {}, {path, "case", true}), whole);
+  }
+  EXPECT_GT(at_best, 0);
+}
+
 TEST(LevelSet, FrozenPartsStaySolid) {
   OptimizeRequest r = volume(0.4, 40);
   r.level_set.frozen = {circle("pad", {1, 0.5}, 0.12, none),
