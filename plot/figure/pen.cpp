@@ -1,9 +1,11 @@
 #include "plot/figure/pen.hpp"
 
+#include "geometry/address_space.hpp"
 #include "io/files.hpp"
 
 #include <fmt/core.h>
 
+#include <new>
 
 namespace kerf {
 
@@ -15,6 +17,9 @@ void Destroy::operator()(cairo_t* context) const {
 }
 
 Sheet sheet(int width, int height) {
+  // Far more than fontconfig takes, which looks at nothing that malloc gives.
+  constexpr std::size_t room = std::size_t{64} << 20;
+  if (!has_address_space(room)) throw std::bad_alloc();
   Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   Context context(cairo_create(surface.get()));
   cairo_font_options_t* options = cairo_font_options_create();

@@ -1,7 +1,8 @@
 #include "solver/system/blas.hpp"
 
+#include "geometry/address_space.hpp"
+
 #include <dlfcn.h>
-#include <sys/mman.h>
 
 #include <mutex>
 #include <new>
@@ -28,13 +29,7 @@ Buffers& buffers() {
 }
 
 // 128 MB on x86-64, twice as much elsewhere, and what other threads may take in between.
-bool has_room() {
-  constexpr std::size_t size = std::size_t{160} << 20;
-  void* const trial = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (trial == MAP_FAILED) return false;
-  munmap(trial, size);
-  return true;
-}
+constexpr std::size_t wanted = std::size_t{160} << 20;
 
 }  // namespace
 
@@ -47,7 +42,7 @@ BlasCall::BlasCall() {
     taken.reserve(static_cast<std::size_t>(all.inside) + 1);
     bool enough = true;
     while (enough && taken.size() < taken.capacity()) {
-      enough = has_room();
+      enough = has_address_space(wanted);
       if (enough) taken.push_back(all.take(0));
     }
     for (void* buffer : taken) all.give(buffer);

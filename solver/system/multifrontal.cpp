@@ -2,52 +2,20 @@
 
 #include "kerf/stop.hpp"
 #include "solver/parallel.hpp"
-#include "solver/system/blas.hpp"
+#include "solver/system/front_kernels.hpp"
 #include "solver/system/spares.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <deque>
+#include <functional>
 #include <memory>
 #include <numeric>
-
-extern "C" {
-void dpotrf_(const char* part, const int* n, double* a, const int* lda, int* info);
-void dtrsm_(const char* side, const char* part, const char* transposed, const char* unit, const int* m, const int* n,
-            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
-void dsyrk_(const char* part, const char* transposed, const int* n, const int* k, const double* alpha, const double* a,
-            const int* lda, const double* beta, double* c, const int* ldc);
-void dgemm_(const char* a_transposed, const char* b_transposed, const int* m, const int* n, const int* k,
-            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
-            double* c, const int* ldc);
-}
 
 namespace kerf {
 
 namespace {
-
-constexpr double one = 1, minus_one = -1;
-
-/// The lower Cholesky factor in place; whether all pivots are positive.
-bool cholesky(int n, double* a, int lda) {
-  int info = 0;
-  dpotrf_("L", &n, a, &lda, &info);
-  return info == 0;
-}
-/// b (m x n) <- b l^-T
-void divide(int m, int n, const double* l, int ldl, double* b, int ldb) {
-  dtrsm_("R", "L", "T", "N", &m, &n, &one, l, &ldl, b, &ldb);
-}
-/// c (lower, n x n) -= a a', a n x k
-void subtract_square(int n, int k, const double* a, int lda, double* c, int ldc) {
-  dsyrk_("L", "N", &n, &k, &minus_one, a, &lda, &one, c, &ldc);
-}
-/// c (m x n) -= a b', a m x k, b n x k
-void subtract_product(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c, int ldc) {
-  dgemm_("N", "T", &m, &n, &k, &minus_one, a, &lda, b, &ldb, &one, c, &ldc);
-}
 
 /// A few columns of length `height`, the first `width` rows their own: for what the calls of a BLAS would cost more.
 bool small_panel(Index height, Index width, double* a) {
@@ -107,12 +75,16 @@ void small_square(Index n, Index k, const double* a, Index lda, double* c) {
 
 }  // namespace
 
-/// What one thread needs: where each row of L is in the front, the stack of what fronts leave, and the front's panel.
+/// What one thread needs: where each row of L is in the front, the stack of what fronts leave, the front's panel, and
+/// what its elimination copies.
 struct Multifrontal::Arena {
   std::vector<Index> place;
-  std::unique_ptr<double[]> stack, panel;
+  std::unique_ptr<double[]> stack, panel, packed;
   Arena(Index columns, const Room& room)
-      : place(static_cast<std::size_t>(columns)), stack(new double[room.stack]), panel(new double[room.panel]) {}
+      : place(static_cast<std::size_t>(columns)),
+        stack(new double[room.stack]),
+        panel(new double[room.panel]),
+        packed(new double[packed_size(room.height)]) {}
 };
 
 /// One factorization.
@@ -174,23 +146,18 @@ struct Multifrontal::Run {
     return places;
   }
 
-  bool eliminate(const Work& f, double* rest) const {
-    const int height = f.height, width = f.width, m = f.rest();
-    constexpr Index narrow = 24;
-    constexpr std::int64_t little = 40000, little_square = 65536;
-    if (width <= narrow || std::int64_t{width} * width * height < little) {
+  bool eliminate_front(const Work& f, double* rest, double* packed, bool together) const {
+    constexpr double little = 5e5;  // flops below which columns alone are faster than tiles
+    const Index height = f.height, width = f.width, m = f.rest();
+    if (double(width) * height * height < little) {
       if (!small_panel(height, width, f.panel)) return false;
-    } else {
-      if (!cholesky(width, f.panel, height)) return false;
-      if (m > 0) divide(m, width, f.panel, height, f.panel + width, height);
-    }
-    if (m == 0) return true;
-    constexpr Index slender = 8;
-    if (width < slender || std::int64_t{width} * m * m < little_square)
       small_square(m, width, f.panel + width, height, rest);
-    else
-      subtract_square(m, width, f.panel + width, height, rest, m);
-    return true;
+      return true;
+    }
+    const FrontMatrix matrix{height, width, f.panel, rest};
+    if (!together) return eliminate(matrix, packed, {});
+    return eliminate(matrix, packed,
+                     [&](Index count, const std::function<void(Index)>& body) { team.run(count, body); });
   }
 
   void subtree(const Unit& unit) {
@@ -213,11 +180,9 @@ struct Multifrontal::Run {
     free.give(std::move(arena));
   }
 
-  // ---- fronts above the subtrees, in tiles
+  static constexpr Index strip = 64;
 
-  static constexpr Index tile = 192, strip = 64;
-
-  /// Whether threads are worth waking, and tiles their calls.
+  /// Whether threads are worth waking.
   static bool is_large(const Front& f) {
     constexpr double flops = 4e6;
     return double(f.width) * f.height * f.height > flops;
@@ -230,48 +195,6 @@ struct Multifrontal::Run {
   void in_strips(Index columns, bool together, const Body& body) const {
     each((columns + strip - 1) / strip, together,
          [&](Index i) { body(i * strip, std::min(columns, (i + 1) * strip)); });
-  }
-
-  /// The columns and rows behind column `from + step` less what columns from .. from + step make of them.
-  void update_tiles(const Work& f, double* rest, Index from, Index step) const {
-    const Index begin = from + step, tiles = (f.height - begin + tile - 1) / tile;
-    const double* made = f.panel + std::int64_t{from} * f.height;
-    const auto update = [&](Index row, Index rows, Index column, Index columns, bool diagonal) {
-      if (columns <= 0) return;
-      const bool own = column < f.width;
-      double* to =
-          own ? f.panel + std::int64_t{column} * f.height : rest + std::int64_t{column - f.width} * f.rest() - f.width;
-      const Index apart = own ? f.height : f.rest();
-      if (diagonal) {
-        subtract_square(columns, step, made + column, f.height, to + column, apart);
-        rows -= column + columns - row;
-        row = column + columns;
-      }
-      if (rows > 0)
-        subtract_product(rows, columns, step, made + row, f.height, made + column, f.height, to + row, apart);
-    };
-    team.run(tiles * (tiles + 1) / 2, [&](Index k) {
-      Index j = 0, i = k;  // tile (i, j), i >= j, column after column
-      while (i >= tiles - j) i -= tiles - j, ++j;
-      i += j;
-      const Index row = begin + i * tile, rows = std::min(tile, f.height - row), column = begin + j * tile,
-                  columns = std::min(tile, f.height - column), own = std::clamp<Index>(f.width - column, 0, columns);
-      update(row, rows, column, own, i == j);
-      update(row, rows, column + own, columns - own, i == j);
-    });
-  }
-
-  bool in_tiles(const Work& f, double* rest) const {
-    for (Index from = 0; from < f.width; from += tile) {
-      const Index step = std::min(tile, f.width - from), behind = f.height - from - step;
-      double* diagonal = f.panel + std::int64_t{from} * f.height + from;
-      if (!cholesky(step, diagonal, f.height)) return false;
-      team.run((behind + tile - 1) / tile, [&](Index i) {
-        divide(std::min(tile, behind - i * tile), step, diagonal, f.height, diagonal + step + i * tile, f.height);
-      });
-      update_tiles(f, rest, from, step);
-    }
-    return true;
   }
 
   /// Columns begin .. end of the front's panel, into L.
@@ -309,7 +232,7 @@ struct Multifrontal::Run {
       else
         lowest = std::min(lowest, left[c]);
     }
-    if (!(together ? in_tiles(f, rest) : eliminate(f, rest))) return false;
+    if (!eliminate_front(f, rest, arena.packed.get(), together)) return false;
     in_strips(f.width, together, [&](Index from, Index to) { store(f, s, from, to); });
     store_last(f);
     if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
@@ -325,7 +248,6 @@ struct Multifrontal::Run {
   }
 
   bool operator()() {
-    const std::deque<BlasCall> in_blas(static_cast<std::size_t>(team.size()));  // one per thread
     Arena arena(of.columns_, of.top_room_);
     std::size_t top = 0;
     if (team.size() > 1) {
@@ -426,6 +348,7 @@ void Multifrontal::cut() {
     const std::size_t rest = f.rest_size();
     room.stack = std::max(room.stack, top + rest);
     room.panel = std::max(room.panel, static_cast<std::size_t>(f.width) * static_cast<std::size_t>(f.height));
+    room.height = std::max(room.height, f.height);
     for (Index c = first_child_[s]; c != none; c = next_[c])
       if (!only_above || above(c)) top -= leaves[c];
     top += leaves[s] = rest;

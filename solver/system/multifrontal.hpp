@@ -125,8 +125,9 @@ class Multifrontal {
   Index columns_ = 0;
   double work_ = 0;                     // flops, and what a front costs besides
   std::vector<std::int64_t> place_{0};  // of the fronts' panels in memory
-  struct Room {                         // doubles: stack of what fronts leave, largest panel
+  struct Room {                         // doubles: stack of what fronts leave, largest panel; highest front
     std::size_t stack = 0, panel = 0;
+    Index height = 0;
   };
   Room subtree_room_, top_room_;
 };
