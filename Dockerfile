@@ -6,7 +6,7 @@ RUN ./dev package
 
 FROM debian:12-slim
 COPY --from=build /kerf/build/package/packages/kerf_*.deb /kerf/build/package/packages/kerf-vtk_*.deb /tmp/
-# openblas0-pthread: three times faster than the BLAS that would be chosen.
+# openblas0-pthread: for UMFPACK, faster than the BLAS that would be chosen.
 RUN apt-get update -q \
  && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends libopenblas0-pthread /tmp/*.deb \
  && rm -rf /var/lib/apt/lists/* /tmp/*.deb
