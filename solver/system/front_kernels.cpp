@@ -16,10 +16,8 @@ constexpr Index strip_size = rows * block;
 
 using Four [[gnu::vector_size(32)]] = double;
 
-Four load(const double* from) {
-  Four x;
+void load(const double* from, Four& x) {  // no value returned: without AVX that would be an ABI of its own
   std::memcpy(&x, from, sizeof x);
-  return x;
 }
 void store(double* to, const Four& x) {
   std::memcpy(to, &x, sizeof x);
@@ -34,7 +32,10 @@ struct Tile {
 Tile product(Index depth, const double* a, const double* b) {
   Tile t = {};
   for (Index k = 0; k < depth; ++k, a += rows, b += rows) {
-    const Four top = load(a), middle = load(a + 4), bottom = load(a + 8);
+    Four top, middle, bottom;
+    load(a, top);
+    load(a + 4, middle);
+    load(a + 8, bottom);
 #pragma GCC unroll 4
     for (Index c = 0; c < columns; ++c) {
       t.at[c][0] += top * b[c];
@@ -132,7 +133,11 @@ void update(const Block& b, Index strip, Index four) {
   if (count == rows && wide == columns && row > column) {
     for (Index c = 0; c < columns; ++c) {
       double* to = column_at(c);
-      for (Index v = 0; v < 3; ++v) store(to + 4 * v, load(to + 4 * v) - made.at[c][v]);
+      for (Index v = 0; v < 3; ++v) {
+        Four x;
+        load(to + 4 * v, x);
+        store(to + 4 * v, x - made.at[c][v]);
+      }
     }
     return;
   }

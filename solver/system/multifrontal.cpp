@@ -17,7 +17,7 @@ namespace kerf {
 
 namespace {
 
-/// A few columns of length `height`, the first `width` rows their own: for what the calls of a BLAS would cost more.
+/// A few columns of length `height`, the first `width` rows their own: for fronts too small for tiles.
 bool small_panel(Index height, Index width, double* a) {
   const auto column = [=](Index k) { return a + std::int64_t{k} * height; };
   for (Index j = 0; j < width; ++j) {
