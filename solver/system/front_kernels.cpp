@@ -171,10 +171,6 @@ std::size_t packed_size(Index height) {
 }
 
 bool eliminate(const FrontMatrix& f, double* packed, const Each& each) {
-  const auto run = [&](Index count, const auto& body) {
-    if (each) return each(count, body);
-    for (Index i = 0; i < count; ++i) body(i);
-  };
   for (Index from = 0; from < f.width; from += block) {
     Block b{.f = f,
             .from = from,
@@ -185,10 +181,10 @@ bool eliminate(const FrontMatrix& f, double* packed, const Each& each) {
     if (!factor_diagonal(b)) return false;
     const Index strips = (f.height - b.begin() + rows - 1) / rows,
                 tiles = (strips + strips_together - 1) / strips_together;
-    run(tiles, [&](Index i) {
+    each(tiles, [&](Index i) {
       for (Index s = i * strips_together; s < std::min(strips, (i + 1) * strips_together); ++s) divide_strip(b, s);
     });
-    run(tiles * (tiles + 1) / 2, [&](Index k) {
+    each(tiles * (tiles + 1) / 2, [&](Index k) {
       Index j = 0, i = k;  // column after column
       while (i >= tiles - j) i -= tiles - j, ++j;
       update_tile(b, i + j, j);

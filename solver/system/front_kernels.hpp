@@ -22,7 +22,7 @@ struct FrontMatrix {
   }
 };
 
-/// Bodies 0 .. count - 1 in any order, or at once; none: one after the other.
+/// Bodies 0 .. count - 1 in any order, or at once.
 using Each = std::function<void(Index count, const std::function<void(Index)>& body)>;
 
 /// Numbers that the elimination of a front so high needs beside it.

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <functional>
 #include <memory>
-#include <numeric>
 
 namespace kerf {
 
@@ -92,6 +91,9 @@ template <typename Scalar>
 struct Multifrontal::Run {
   struct Work : Front {  // in the making
     double* panel;       // height x width
+    FrontMatrix matrix(double* rest) const {
+      return {height, width, panel, rest};
+    }
   };
   const Multifrontal& of;
   const LowerTriangle& K;
@@ -130,11 +132,11 @@ struct Multifrontal::Run {
   static void add_child(const Work& f, double* rest, const double* child, const std::vector<Index>& places, Index from,
                         Index to) {
     const auto m = static_cast<Index>(places.size());
+    const FrontMatrix matrix = f.matrix(rest);
     for (Index j = from; j < to; ++j) {
       const Index at = places[static_cast<std::size_t>(j)];
       const double* source = child + std::int64_t{j} * m;
-      double* target =
-          at < f.width ? f.panel + std::int64_t{at} * f.height : rest + std::int64_t{at - f.width} * f.rest() - f.width;
+      double* target = matrix.column(at);
       for (Index i = j; i < m; ++i) target[places[static_cast<std::size_t>(i)]] += source[i];
     }
   }
@@ -148,16 +150,14 @@ struct Multifrontal::Run {
 
   bool eliminate_front(const Work& f, double* rest, double* packed, bool together) const {
     constexpr double little = 5e5;  // flops below which columns alone are faster than tiles
-    const Index height = f.height, width = f.width, m = f.rest();
+    const Index height = f.height, width = f.width;
     if (double(width) * height * height < little) {
       if (!small_panel(height, width, f.panel)) return false;
-      small_square(m, width, f.panel + width, height, rest);
+      small_square(f.rest(), width, f.panel + width, height, rest);
       return true;
     }
-    const FrontMatrix matrix{height, width, f.panel, rest};
-    if (!together) return eliminate(matrix, packed, {});
-    return eliminate(matrix, packed,
-                     [&](Index count, const std::function<void(Index)>& body) { team.run(count, body); });
+    return eliminate(f.matrix(rest), packed,
+                     [&](Index count, const std::function<void(Index)>& body) { each(count, together, body); });
   }
 
   void subtree(const Unit& unit) {

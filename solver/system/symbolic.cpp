@@ -53,10 +53,6 @@ struct Session {  // a CHOLMOD workspace with its lifetime
   }
 };
 
-}  // namespace
-
-namespace {
-
 /// Undirected: for each vertex its neighbors, both directions, without itself.
 struct Graph {
   std::vector<Index> start{0}, neighbors;

@@ -12,6 +12,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+const Each in_order = [](Index count, const std::function<void(Index)>& body) {
+  for (Index i = 0; i < count; ++i) body(i);
+};
+
 /// A definite matrix, its parts as a front has them, and memory that holds no numbers.
 struct Front {
   Index height, width;
@@ -26,7 +30,7 @@ struct Front {
     panel = all.leftCols(w).triangularView<Eigen::Lower>();
     rest = all.bottomRightCorner(h - w, h - w).triangularView<Eigen::Lower>();
   }
-  bool eliminate(const Each& each = {}) {
+  bool eliminate(const Each& each = in_order) {
     return kerf::eliminate({height, width, panel.data(), rest.data()}, packed.data(), each);
   }
 };
