@@ -43,6 +43,13 @@ class SecondOrders {
   /// Not available outside the body, and where the mesh is too coarse for the distance to the next feature.
   SecondOrder at(const Vec2& x);
 
+  /// The radius at which the body answers a change at x by as much stress as lies there before, mean stress or deviator
+  /// (what is below 5 % of the other aside): only far below it does J follow its series. As large as the distance to
+  /// what holds or bounds the body, but small where it is held all around and nearly incompressible. Of a hole, where
+  /// the change is no circle. NaN where no reply can be solved for: outside the body, next to features, in several
+  /// materials, orthotropic ones, elements without an adjoint.
+  double answer_radius(const Vec2& x);
+
   /// Why c2 is known nowhere in the body; empty where it is known away from features.
   const std::string& unknown() const;
 

@@ -14,6 +14,7 @@ struct ValidationRow {
   double radius = 0, J = 0;  // J(Omega_eps)
   double difference = 0;     // J(Omega_eps) - J(Omega), both on the same mesh
   double predicted = 0;      // f(eps) T with the exact area of the polygon; a clamped hole: renormalized
+  double size = nan;         // of a clamped hole: the parts of the prediction, without their signs
   double remainder = 0;      // difference - predicted
   double order = 0;          // log2-like slope of |remainder| to the next smaller radius; NaN in the last row
   bool same_contact = true;  // the contact set is that of the unperturbed body
@@ -22,9 +23,9 @@ struct ValidationRow {
 };
 
 /// Holds: the coefficient is that of the series of differences on its mesh, and of a change drawn on another, better
-/// mesh with contact free to change. Fails: the series says another number. Vanishes: neither sees anything at this
-/// point. OutOfRange: the radii are too large, too few, or contact moves with them. NothingSaid: parts of the formula
-/// cancel, rounding or the mesh leaves too much, J is infinite.
+/// mesh with contact free to change. Fails: the series says another number, and so does that change. Vanishes: neither
+/// sees anything at this point. OutOfRange: the radii are too large, too few, or contact moves with them. NothingSaid:
+/// parts of the formula cancel, rounding or the mesh leaves too much, J is infinite.
 enum class Verdict { Holds, Fails, Vanishes, OutOfRange, NothingSaid };
 /// As in result.json: "holds" | "fails" | "vanishes" | "out of range" | "nothing can be said".
 std::string_view word(Verdict verdict);
@@ -40,6 +41,7 @@ struct Mode {
 /// One radius drawn on a mesh of its own, of one degree more, the contact free.
 struct DrawnChange {
   double radius = nan, difference = nan;
+  double apart = nan;        // where it fails: the limit of the series less T (of a clamped hole less the prediction)
   double rest = nan;         // what the series says beyond T at that radius (of a clamped hole beyond the prediction)
   double predicted = nan;    // of a clamped hole, by the series' mesh
   double coefficient = nan;  // T of the formula on the drawn mesh; of a clamped hole the prediction
@@ -49,7 +51,7 @@ struct DrawnChange {
 struct Validation {
   Vec2 at = Vec2::Zero();
   double coefficient = 0;     // T; of a clamped hole NaN
-  double size = 0;            // what |T| could be for stresses of this size in other directions
+  double size = 0;            // what |T| could be for stresses of this size in other directions, and its rounding
   double order = 0;           // observed, median over the rows above the plateau
   double intercept = 0;       // of the least squares fit D = T + c2 eps^2 + c4 eps^4, D = difference / f(eps)
   double c2 = 0, c3 = 0;      // of that fit; c3 of eps^2 ln eps: known, or fitted in place of c4 where nothing is known
@@ -77,7 +79,7 @@ struct ValidationRequest {
 
 /// One mesh with a ball around every point, factorized once; each radius costs a solve inside its ball and on the
 /// ball's boundary together with the cracks' contact rows. Where the series agrees with T, one radius is solved again
-/// as a body with a change drawn into it, on another mesh with one degree more (5 to 8 times the work of the state).
+/// as a body with a change drawn into it, on another mesh with one degree more.
 /// All meshes are graded at the ends of contact.
 std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
                                  const ValidationRequest& request);

@@ -310,6 +310,23 @@ TEST(SecondOrder, TellsHowFarTheFirstTermReaches) {
 }
 
 // No logarithm and no c2: says so by name.
+// Under pressure alone a hole of radius 1 in the unit disc sends out u = p/(2 mu) e_r/r. Held at its rim, the disc
+// answers by a pressure of 2 mu/(1 - 2 nu) times that displacement; free, by the pressure itself.
+TEST(SecondOrder, KnowsWhereTheBodyAnswersByAsMuchStress) {
+  for (const double nu : {0.3, 0.499, 0.499999}) {
+    const Material m = plane_strain(1, nu);
+    Scene held{.material = m}, free{.material = m};
+    held.supports = {{rim, false, true, true, [](const Vec2& x, const Vec2&) -> Vec2 { return 1e-3 * x; }}};
+    free.tractions.push_back({rim, [](const Vec2&, const Vec2& n) { return n; }});
+    for (const auto& [scene, radius] : {std::pair(held, std::sqrt(1 - 2 * nu)), std::pair(free, 1.0)}) {
+      const Solved s = solved(disc(), {.size = 0.1}, scene);
+      const Analysis a = analyze(potential, s.model, s.state);
+      EXPECT_NEAR(SecondOrders(a, potential, {}).answer_radius({0, 0}), radius, 1e-2 * radius) << nu;
+      EXPECT_TRUE(std::isnan(SecondOrders(a, potential, {}).answer_radius({2, 0})));
+    }
+  }
+}
+
 TEST(SecondOrder, SaysWhatItDoesNotKnow) {
   const scenes::Body b = pulled_square(plane_strain(1, 0.3));
   const Solved s = solved(b.shape, {.size = 0.2, .crack_tip_size = 0.05}, b.scene);

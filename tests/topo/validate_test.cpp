@@ -2,6 +2,7 @@
 // quotients of an independent code (isoparametric quadratic displacements). Its readme states 1e-5 for T and 1e-5 to
 // 5e-5 for D; ours add what a hole with 64 straight sides costs, 1e-4 of D.
 
+#include "tests/support/exact_families.hpp"
 #include "tests/topo/validation.hpp"
 
 #include <gtest/gtest.h>
@@ -113,6 +114,77 @@ void compare_rows(const std::string& name, const Material& matrix, const Perturb
     for (std::size_t i = 0; i < rows.size(); ++i)
       EXPECT_NEAR(quotient(v, i) / rows[i][2][k].get<double>(), 1, of_d) << rows[i][0];
   }
+}
+
+// Held all around and nearly incompressible, a body answers a change of its volume by pressure everywhere: the series
+// begins below a thousandth of its size, and what larger radii tend to is another number. Body forces, no c2.
+TEST(HeldBody, NothingFailsWhereTheSeriesHasNotBegun) {
+  for (const exact::ExactField& field : {exact::wave_field(0.499999), exact::trig_field(0.499999)}) {
+    Body b{.shape = rectangle({0, 0}, {1, 1})};
+    b.scene.material = field.material;
+    b.scene.body = field.body;
+    for (Index label = 0; label < 4; ++label)
+      b.scene.supports.push_back({label, false, true, true, [field](const Vec2& x, const Vec2&) {
+                                    return field.displacement(x, exact::side_of(field, x));
+                                  }});
+    const Vec2 at(0.44, 0.3);
+    const Functional j{"energy", {energy()}};
+    const double T =
+        exact::hole_derivative(field.material, field.stress(at, 0)) + field.body(at).dot(field.displacement(at, 0));
+    const Validation large = validated(b, j, at), small = validated(b, j, at, {}, {8e-5, 4e-5, 2e-5, 1e-5});
+    EXPECT_EQ(large.verdict, Verdict::OutOfRange) << text(large);
+    EXPECT_NE(large.reason.find("nearly incompressible and held all around"), std::string::npos) << large.reason;
+    EXPECT_GT(std::abs(large.intercept / T - 1), 0.05);
+    EXPECT_EQ(small.verdict, Verdict::Holds) << text(small);
+    EXPECT_NEAR(small.drawn.intercept / T, 1, 2e-3);
+    EXPECT_NEAR(small.coefficient / T, 1, 5e-3);
+  }
+}
+
+// [-2, 2]^2 with the crack of the field, held by its displacements all around.
+Body held_around(const exact::ExactField& field, const CrackLaw& law = {}) {
+  Body b{.shape = rectangle({-2, -2}, {2, 2}), .element = element("bdms")};
+  b.shape.cracks = {{"crack", {field.tips[0].at, field.tips[1].at}, {}}};
+  b.scene.material = field.material;
+  b.scene.laws = {law};
+  for (Index label = 0; label < 4; ++label)
+    b.scene.supports.push_back({label, false, true, true, [field](const Vec2& x, const Vec2&) {
+                                  return field.displacement(x, exact::side_of(field, x));
+                                }});
+  return b;
+}
+
+// A crack that stays closed has no opening: T and the differences are rounding, and what they tend to is no fault.
+TEST(HeldBody, AnOpeningOfAClosedCrackVanishes) {
+  const exact::FrictionField f = exact::friction_table("c07_tresca");
+  const Body b = held_around(f.field, {.slip_bound = std::abs(f.shear)});
+  const Functional j{"", {crack_opening(0, {})}};
+  for (const Kind kind : {Kind::Hole, Kind::ClampedHole, Kind::Crack}) {
+    const Validation v = validated(b, j, {-1.36, -1.2}, {.kind = kind});
+    EXPECT_EQ(v.verdict, Verdict::Vanishes) << text(v);
+  }
+}
+
+// What a clamped hole does to the square of the displacement is a difference of two parts, and here passes through zero
+// at a radius of 6e-4: what the prediction leaves is a share of the parts.
+TEST(HeldBody, AClampedHoleWhosePredictionPassesThroughZeroDoesNotFail) {
+  Body b = held_around(exact::table_field("c01b_modeI_biaxial"));
+  const Functional j{"", {displacement_tracking({}, {})}};
+  const auto found = [&](const std::vector<double>& radii) {
+    return validated(b, j, {-1.68, -0.24}, {.kind = Kind::ClampedHole}, radii);
+  };
+  const std::vector<double> small{0.02, 0.01, 0.005, 0.0025, 0.00125, 6e-4};
+  // The mesh leaves 0.1 % of the parts, and another one says so.
+  const Validation coarse = found(small);
+  EXPECT_EQ(coarse.verdict, Verdict::NothingSaid) << text(coarse);
+  EXPECT_NE(coarse.reason.find("the differences tend to 0.99"), std::string::npos) << coarse.reason;
+  EXPECT_NE(coarse.reason.find("; but a change of radius 0.02 drawn on another mesh says"), std::string::npos)
+      << coarse.reason;
+  b.sizing.size = 0.05;
+  EXPECT_NE(found(usual_radii).verdict, Verdict::Fails);
+  const Validation fine = found(small);
+  EXPECT_EQ(fine.verdict, Verdict::Holds) << text(fine);
+  for (const ValidationRow& r : fine.rows) EXPECT_GT(r.size, std::abs(r.predicted));
 }
 
 // The file gives E* only where it gives anything: these nu*, and for the last two E*, are the round numbers whose T of

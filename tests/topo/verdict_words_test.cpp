@@ -79,6 +79,51 @@ TEST(VerdictWords, ContactThatMoves) {
   expect({.quotient = one, .moved = 4}, Verdict::Holds, "contact moves with every radius");
 }
 
+// The second term is that of contact as it is: where every radius moves it, another c2 of the series is no fault of it.
+TEST(VerdictWords, ContactThatMovesWithEveryRadiusHasNoSecondTerm) {
+  const auto series = [](std::size_t moved) {
+    Validation v;
+    v.coefficient = 1;
+    v.size = 2;
+    v.plateau = 3e-4;
+    v.logarithm = Logarithm::Absent;
+    v.c2_predicted = v.c2_on_mesh = 1.5;
+    std::vector<double> scales;
+    for (const double eps : usual_radii) {
+      const double square = eps * eps;
+      scales.push_back(pi * square);
+      v.rows.push_back({.radius = eps, .J = 1, .difference = pi * square * (1 + 3 * square), .predicted = pi * square});
+      v.rows.back().same_contact = v.rows.size() > moved;
+    }
+    judge(v, {}, scales, 0.8);
+    return v;
+  };
+  for (const std::size_t moved : {0, 2}) EXPECT_EQ(series(moved).verdict, Verdict::Fails) << series(moved).reason;
+  const Validation all = series(4);
+  EXPECT_EQ(all.verdict, Verdict::Holds) << all.reason;
+  EXPECT_NE(all.reason.find("c2 is 1.5 by the formula and 3 by the series, which says nothing of the formula"),
+            std::string::npos)
+      << all.reason;
+}
+
+TEST(VerdictWords, NothingFailsBeyondWhatTheBodyAnswers) {
+  const Series wrong{.quotient = [](double eps) { return 1.02 + eps * eps; }};
+  ASSERT_EQ(judged(wrong).verdict, Verdict::Fails);
+  for (const double answered : {nan, infinity, 0.8, 0.041}) {
+    Validation v = judged(wrong);
+    withdraw(v, answered);
+    EXPECT_EQ(v.verdict, Verdict::Fails) << answered;
+  }
+  Validation v = judged(wrong);  // the smallest radius is 0.01
+  withdraw(v, 0.039);
+  EXPECT_EQ(v.verdict, Verdict::OutOfRange);
+  EXPECT_NE(v.reason.find("it answers a change of radius 0.039 by as much stress"), std::string::npos) << v.reason;
+  EXPECT_NE(v.reason.find("use radii below 0.0097"), std::string::npos) << v.reason;
+  Validation holds = judged({.quotient = one});
+  withdraw(holds, 1e-6);
+  EXPECT_EQ(holds.verdict, Verdict::Holds);
+}
+
 /// Of a clamped hole the series is that of difference over prediction, whose limit is 1.
 TEST(VerdictWords, ClampedHoles) {
   const auto kind = Perturbation::Kind::ClampedHole;
@@ -111,6 +156,29 @@ Validation drawn() {
   v.drawn = {.radius = 0.01, .difference = 2, .rest = 0, .coefficient = 1};
   v.modes = {{"trace", 0.99}, {"deviator", 0.01}};
   return v;
+}
+
+// A wrong formula is as wrong on another mesh; what one mesh leaves is not.
+TEST(VerdictWords, FailsIsConfirmedByADrawnChange) {
+  Validation wrong = judged({.quotient = [](double eps) { return 1.02 + eps * eps; }});
+  ASSERT_EQ(wrong.verdict, Verdict::Fails);
+  EXPECT_EQ(wrong.drawn.radius, 0.08);
+  EXPECT_NEAR(wrong.drawn.apart, 0.02, 1e-4);
+  EXPECT_NEAR(wrong.drawn.rest, 0.0064, 1e-4);
+  for (const double formula : {1.0, 1.009, 1.012, 1.02, 1.05}) {
+    Validation v = wrong;
+    v.on_mesh = 1;
+    v.drawn.difference = 2 * (1.02 + 0.0064);
+    v.drawn.coefficient = formula;
+    conclude(v, 2, false);
+    EXPECT_EQ(v.verdict, formula < 1.01 ? Verdict::Fails : Verdict::NothingSaid) << formula << ' ' << v.reason;
+    if (formula == 1.02) {
+      EXPECT_NE(
+          v.reason.find("; but a change of radius 0.08 drawn on another mesh says 1.02, and the formula there 1.02"),
+          std::string::npos)
+          << v.reason;
+    }
+  }
 }
 
 TEST(VerdictWords, WhatADrawnChangeAdds) {

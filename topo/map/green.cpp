@@ -167,23 +167,41 @@ class Clamped {
 
   // Tensors of the body and, with a misfit, of the measured one; NaN where they admit no hole of this size.
   double operator()(const Vec2& x, Index t, const Green& green, const Mat2* measured) const {
+    return change(x, t, green, measured, false).value;
+  }
+
+  // `sized`: with the size, else it is NaN.
+  ClampedChange change(const Vec2& x, Index t, const Green& green, const Mat2* measured, bool sized) const {
     const Material& material = material_of(a_.model->mesh, a_.model->scene, t);
-    if (!admits_clamp(clamped_matrix(material, eps_, green.regular))) return nan;
+    if (!admits_clamp(clamped_matrix(material, eps_, green.regular))) return {};
+    ClampedChange sum{0, sized ? 0 : nan};
+    const auto add = [&](double part) {
+      sum.value += part;
+      sum.size += std::abs(part);
+    };
     const Vec2 u = displacement_at(*a_.model, *a_.state, t, x, true),
                F = clamped_force(material, eps_, green.regular, u);
-    double value = 0.5 * a_.energy_share * u.dot(F);
+    add(0.5 * a_.energy_share * u.dot(F));
     if (measured) {
-      if (!admits_clamp(clamped_matrix(material, eps_, *measured))) return nan;
+      if (!admits_clamp(clamped_matrix(material, eps_, *measured))) return {};
       const Vec2 um = displacement_at(*a_.measured_model, *a_.measured, t, x, true);
-      value += 0.5 * a_.measured_share * um.dot(clamped_force(material, eps_, *measured, um));
+      add(0.5 * a_.measured_share * um.dot(clamped_force(material, eps_, *measured, um)));
     }
-    if (adjoint_) value -= F.dot(displacement_at(*a_.model, *adjoint_, t, x, true));
+    if (adjoint_) add(-F.dot(displacement_at(*a_.model, *adjoint_, t, x, true)));
     for (const Term& term : j_.terms)
-      if (term.linear && term.density) value -= pi * eps_ * eps_ * term.factor * term.density({.x = x}).value;
-    if (!inserts()) return value;
-    const Field change = change_of(green, F);
-    if (rubs_) value += 0.5 * a_.energy_share * change.force.dot(change.skeleton);
-    return value + inserted(x, material, change, F);
+      if (term.linear && term.density) add(-pi * eps_ * eps_ * term.factor * term.density({.x = x}).value);
+    if (!inserts()) return sum;
+    const Field put = change_of(green, F);
+    if (rubs_) add(0.5 * a_.energy_share * put.force.dot(put.skeleton));
+    const double forth = inserted(x, material, put, F);
+    if (!sized) {
+      sum.value += forth;
+      return sum;
+    }
+    const double back = inserted(x, material, change_of(green, -F), -F);
+    add(0.5 * (forth - back));
+    add(0.5 * (forth + back));
+    return sum;
   }
 
  private:
@@ -225,23 +243,38 @@ class Clamped {
 
 }  // namespace
 
-std::vector<double> clamped_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points) {
+namespace {
+
+std::vector<ClampedChange> changes_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
+                                      bool sized) {
   const Clamped predicted(a, j, eps);
   GreenTensor tensor(*a.model, *a.state);
   std::optional<GreenTensor> measured;
   if (a.measured) measured.emplace(*a.measured_model, *a.measured);
   const std::vector<Index> where = locate(a.model->mesh, points);
   const std::vector<bool> masked = too_close(*a.model, j, points, clear_radii * eps, eps);
-  std::vector<double> value(points.size(), nan);
+  std::vector<ClampedChange> found(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Index t = where[i];
     if (t == none || masked[i]) continue;
     const Green green = tensor.at(points[i], t, predicted.inserts());
     Mat2 other;
     if (measured) other = measured->at(points[i], t, false).regular;
-    value[i] = predicted(points[i], t, green, measured ? &other : nullptr);
+    found[i] = predicted.change(points[i], t, green, measured ? &other : nullptr, sized);
   }
+  return found;
+}
+
+}  // namespace
+
+std::vector<double> clamped_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points) {
+  std::vector<double> value;
+  for (const ClampedChange& c : changes_at(a, j, eps, points, false)) value.push_back(c.value);
   return value;
+}
+
+ClampedChange clamped_change(const Analysis& a, const Functional& j, double eps, const Vec2& point) {
+  return changes_at(a, j, eps, std::span(&point, 1), true).front();
 }
 
 ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points) {

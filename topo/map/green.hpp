@@ -43,6 +43,13 @@ class GreenTensor {
 /// around the hole, and as GreenTensor.
 std::vector<double> clamped_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points);
 
+/// One of them, and the sum of its parts without their signs: those that are linear in the displacement put in, and
+/// those that are not. Twice the integrals.
+struct ClampedChange {
+  double value = nan, size = nan;
+};
+ClampedChange clamped_change(const Analysis& a, const Functional& j, double eps, const Vec2& point);
+
 struct Candidates {
   std::vector<Vec2> x;
   std::vector<Index> in;   // their triangles

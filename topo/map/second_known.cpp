@@ -40,10 +40,7 @@ bool has_biactive(const Analysis& a) {
 }
 
 std::string unknown_in(const Model& m) {
-  if (!can_clamp_holes(m.element)) return "the second term needs an element with an adjoint";
-  if (has_orthotropic(m.scene)) return "the second term is not known in orthotropic bodies";
-  if (std::ranges::any_of(m.mesh.region, [](Index r) { return r != none; }))
-    return "the second term is not known in bodies of several materials";
+  if (std::string why = cannot_reply(m); !why.empty()) return why;
   if (m.scene.body) return "the second term is not known under a body force";
   if (has_eigenstrain(m.scene)) return "the second term is not known with an eigenstrain";
   if (has_frictional_cracks(m.scene)) return "the second term is not known with friction";
@@ -79,6 +76,14 @@ std::pair<Logarithm, double> logarithm_of(const Term& term, double slope, const 
 
 std::string_view word(Logarithm logarithm) {
   return logarithm == Logarithm::Absent ? "absent" : logarithm == Logarithm::Known ? "known" : "fitted";
+}
+
+std::string cannot_reply(const Model& m) {
+  if (!can_clamp_holes(m.element)) return "the second term needs an element with an adjoint";
+  if (has_orthotropic(m.scene)) return "the second term is not known in orthotropic bodies";
+  if (std::ranges::any_of(m.mesh.region, [](Index r) { return r != none; }))
+    return "the second term is not known in bodies of several materials";
+  return {};
 }
 
 bool has_circle(const Perturbation& p) {

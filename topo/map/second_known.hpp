@@ -12,6 +12,9 @@ namespace kerf {
 /// Free holes and inclusions.
 bool has_circle(const Perturbation& p);
 
+/// Why what the body answers to a change cannot be solved for, or nothing.
+std::string cannot_reply(const Model& m);
+
 /// Why c2 is not known for this change of this J, or nothing.
 std::string unknown_second_term(const Analysis& a, const Functional& j, const Perturbation& p);
 

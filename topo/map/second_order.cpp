@@ -45,30 +45,58 @@ struct SecondOrders::Impl {
 
   SecondOrder at(const Vec2& x) {
     SecondOrder result{.at = x, .note = unknown};
-    const Index t = locate(a.model->mesh, locator, x);
-    if (t == none) {
-      result.note = "the point lies outside the body";
-      return result;
-    }
-    const Model& m = *a.model;
-    Vec2 low = m.mesh.points[0], high = low;
-    for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
-    const double size = (high - low).norm(), clear = margins(m, j, std::span(&x, 1), {0, 0, size}).front();
-    constexpr double part = 0.7, rounding = 1e-12;  // of the disc around the point that no feature enters; of the body
-    if (!(clear > rounding * size)) {
-      result.note = "the point lies on a boundary, a crack or in the ring of the functional";
-      return result;
-    }
-    const TaylorFit fit(m, x, t, part * clear);
-    if (fit.coarse()) {
-      result.note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
-      return result;
-    }
-    expand_here(fit, x, t, result);
+    const Place place(*this, x, result.note);
+    if (place.fit) expand_here(*place.fit, x, place.t, result);
     return result;
   }
 
+  double answer_radius(const Vec2& x) {
+    const Model& m = *a.model;
+    if (!cannot_reply(m).empty()) return nan;
+    std::string note;
+    const Place place(*this, x, note);
+    if (!place.fit) return nan;
+    const TaylorField s = place.fit->of(*a.state);
+    // Mean stress and deviator, each by its own answer: in an incompressible body that of the first alone is large.
+    constexpr double counts = 0.05;
+    double least = infinity;
+    for (const TaylorField& part : {TaylorField{.a1 = s.a1}, TaylorField{.b1 = s.b1}}) {
+      const double size = part.stress().norm();
+      if (!(size > counts * s.stress().norm())) continue;
+      const TaylorField w = replied(reply(), has_circle(p) ? p : Perturbation{}, *place.fit, part,
+                                    material_of(m.mesh, m.scene, place.t), x);
+      least = std::min(least, std::sqrt(size / w.stress().norm()));
+    }
+    return least;
+  }
+
  private:
+  // What can be fitted around a point, or why nothing.
+  struct Place {
+    Place(const Impl& of, const Vec2& x, std::string& note) : t(locate(of.a.model->mesh, of.locator, x)) {
+      if (t == none) {
+        note = "the point lies outside the body";
+        return;
+      }
+      const Model& m = *of.a.model;
+      Vec2 low = m.mesh.points[0], high = low;
+      for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
+      const double size = (high - low).norm(), clear = margins(m, of.j, std::span(&x, 1), {0, 0, size}).front();
+      constexpr double part = 0.7,
+                       rounding = 1e-12;  // of the disc around the point that no feature enters; of the body
+      if (!(clear > rounding * size)) {
+        note = "the point lies on a boundary, a crack or in the ring of the functional";
+        return;
+      }
+      fit.emplace(m, x, t, part * clear);
+      if (!fit->coarse()) return;
+      note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
+      fit.reset();
+    }
+    Index t;
+    std::optional<TaylorFit> fit;
+  };
+
   void expand_here(const TaylorFit& fit, const Vec2& x, Index t, SecondOrder& result) {
     const Material& material = material_of(a.model->mesh, a.model->scene, t);
     PointValues v = point_values(
@@ -87,12 +115,12 @@ struct SecondOrders::Impl {
     result.T = expand(e, v, closed).value;
     SecondForm sum;
     if (a.energy_share != 0 || a.adjoint) {
-      const TaylorField w = replied(reply(), fit, s, material, x);
+      const TaylorField w = replied(reply(), p, fit, s, material, x);
       if (a.energy_share != 0) sum = sum + (-0.5 * a.energy_share) * second_form(p, material, s, s, w);
       if (a.adjoint) sum = sum + second_form(p, material, s, fit.of(*a.adjoint), w);
     }
     if (a.measured) {
-      const TaylorField other_s = fit.of(*a.measured), w = replied(measured_reply(), fit, other_s, material, x);
+      const TaylorField other_s = fit.of(*a.measured), w = replied(measured_reply(), p, fit, other_s, material, x);
       sum = sum + (-0.5 * a.measured_share) * second_form(p, material, other_s, other_s, w);
     }
     result.mean_gradient = sum.mean_gradient;
@@ -103,9 +131,9 @@ struct SecondOrders::Impl {
     result.available = true;
   }
 
-  TaylorField replied(BodyReply& body, const TaylorFit& fit, const TaylorField& s, const Material& material,
-                      const Vec2& x) {
-    const Nucleus sent = dipole_field(material, x, dipoles(p, material, s));
+  static TaylorField replied(BodyReply& body, const Perturbation& change, const TaylorFit& fit, const TaylorField& s,
+                             const Material& material, const Vec2& x) {
+    const Nucleus sent = dipole_field(material, x, dipoles(change, material, s));
     const TangentField w = body.to(x, std::span(&sent, 1), fit.triangles()).front();
     constexpr double solved = 1e-6;
     if (!(w.residual < solved))
@@ -128,6 +156,10 @@ SecondOrders::~SecondOrders() = default;
 
 SecondOrder SecondOrders::at(const Vec2& x) {
   return impl_->at(x);
+}
+
+double SecondOrders::answer_radius(const Vec2& x) {
+  return impl_->answer_radius(x);
 }
 
 const std::string& SecondOrders::unknown() const {

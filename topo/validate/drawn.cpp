@@ -38,10 +38,12 @@ State solved(const Model& m) {
 class Drawer {
  public:
   Drawer(const Sketch& sketch, const std::vector<Change>& changes)
-      : sketch_(sketch), changes_(changes), element_(better(sketch.own.element)) {
+      : sketch_(sketch), changes_(changes), element_(better(sketch.own.element)), sizing_(sketch.sizing) {
+    sizing_.size *= sketch.longer;
     const Corners corners = split_for_stress(sketch.own.mesh);
     const Mesh& mesh = sketch.own.mesh;
-    background_ = {&mesh, better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners))};
+    background_ = {&mesh,
+                   better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners), sketch.longer)};
   }
 
   std::vector<Redrawn> all() {
@@ -63,7 +65,7 @@ class Drawer {
 
  private:
   Mesh outside(const std::vector<Site>& sites, int n) const {
-    return triangulate(with_balls(sketch_.shape, sites, n), sketch_.sizing, background_);
+    return triangulate(with_balls(sketch_.shape, sites, n), sizing_, background_);
   }
   // A ball other than that of the series, with room for the change.
   Site around(const Change& c) const {
@@ -165,10 +167,16 @@ class Drawer {
   const Sketch& sketch_;
   const std::vector<Change>& changes_;
   const Element& element_;
+  Sizing sizing_;
   Background background_;
 };
 
 }  // namespace
+
+std::vector<double> drawn_lengths(const Element& own) {
+  if (better(own).degree == own.degree) return {1};
+  return {2 * longer_edges(own), 1};
+}
 
 std::vector<Redrawn> draw_changes(const Sketch& sketch, const std::vector<Change>& changes) {
   return Drawer(sketch, changes).all();

@@ -20,7 +20,11 @@ struct Sketch {
   const Field& state;
   const Functional& j;
   const Perturbation& p;
+  double longer;  // edges of the other mesh, where nothing is singular, in multiples of the own mesh's
 };
+
+/// What `longer` may be, the cheapest first: with a quarter of the unknowns, for which one degree more makes up, and 1.
+std::vector<double> drawn_lengths(const Element& own);
 
 struct Redrawn {
   double J0, J, area;  // without and with the change; of the polygon (of a crack pi eps^2)

@@ -4,6 +4,7 @@
 #include "kerf/adaptive.hpp"
 #include "kerf/stop.hpp"
 #include "topo/analysis.hpp"
+#include "topo/functional/integrate.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
 #include "topo/map/mask.hpp"
@@ -77,6 +78,30 @@ void no_radius_fits(const Site& s, Validation& v) {
                         : "the point lies outside the body";
 }
 
+// Of what J could change by if nothing in its derivative cancelled, what its rounding is at most, many times over: a
+// crack that stays closed, say, has no opening to change.
+double faint_change(const Analysis& a, const Functional& j) {
+  constexpr double faint = 1e-10;
+  double sum = 0;
+  for (std::size_t i = 0; i < j.terms.size(); ++i) {
+    const Sensitivity d = derivative(j.terms[i], *a.model, *a.state);
+    const auto add = [&](const auto& by, const auto& field) {
+      if (by.size() > 0)
+        sum += std::abs(a.slope[i]) * by.template lpNorm<1>() * field.template lpNorm<Eigen::Infinity>();
+    };
+    add(d.skeleton, a.state->skeleton);
+    add(d.force, a.state->force);
+    for (Eigen::Index k = 0; k < d.interior.rows(); ++k) add(d.interior.row(k), a.state->interior.row(k));
+  }
+  return std::isfinite(sum) ? faint * sum : 0;
+}
+
+double area_of(const Mesh& mesh) {
+  double sum = 0;
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) sum += area(mesh, t);
+  return sum;
+}
+
 // J of stresses to a power from 4 on is infinite where a crack that may move has a tip under its weight.
 std::optional<std::string> infinite(const Functional& j, const Shape& shape, const Scene& scene) {
   constexpr double integrable = 4;
@@ -109,7 +134,7 @@ class Validating {
         scene_(scene),
         j_(j),
         r_(checked(request, extent(meshing.shape))),
-        own_(solve_graded(meshing.shape, meshing.sizing, e, scene, {.threads = request.threads})),
+        own_(solve_graded(meshing.shape, meshing.sizing, e, scene, {.estimate = false, .threads = request.threads})),
         sizing_(own_.sizing),
         analysis_(analyze(j, own_.model, own_.state)) {
     require_expansion(scene, j, r_.perturbation);
@@ -183,16 +208,34 @@ class Validating {
     }
   }
 
-  // Where the series holds: one radius again, on another mesh.
+  // Where the series holds: one radius again, on another mesh. What a coarse one does not agree on is asked of a fine
+  // one.
   void draw(const std::vector<Site>& sites) {
     std::vector<Change> changes;
     for (const Site& s : sites)
-      if (const Validation& v = results_[s.number]; v.verdict == Verdict::Holds)
+      if (const Validation& v = results_[s.number]; v.verdict == Verdict::Holds || v.verdict == Verdict::Fails)
         changes.push_back({s, v.drawn.radius, angle_[s.number]});
-    if (changes.empty()) return;
+    const std::vector<double> lengths = drawn_lengths(element_);
+    for (std::size_t i = 0; i < lengths.size() && !changes.empty(); ++i) {
+      std::vector<Validation> before;
+      for (const Change& c : changes) before.push_back(results_[c.site.number]);
+      draw_on(lengths[i], changes);
+      if (i + 1 == lengths.size()) return;
+      std::vector<Change> open;
+      for (std::size_t k = 0; k < changes.size(); ++k)
+        if (Validation& v = results_[changes[k].site.number];
+            before[k].verdict == Verdict::Holds && v.verdict != Verdict::Holds) {
+          v = before[k];
+          open.push_back(changes[k]);
+        }
+      changes = std::move(open);
+    }
+  }
+
+  void draw_on(double longer, const std::vector<Change>& changes) {
     std::vector<Redrawn> drawn;
     try {
-      drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation}, changes);
+      drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation, longer}, changes);
     } catch (const Error& e) {
       for (const Change& c : changes) {
         results_[c.site.number].verdict = Verdict::NothingSaid;
@@ -223,17 +266,19 @@ class Validating {
     const SolvedBatch solved(batch, {element_, scene_, r_.threads}, j_, r_.perturbation);
     const Analysis& a = solved.a;
     const Filled& f = batch.filled;
-    SecondOrders second(a, j_, r_.perturbation);
+    SecondOrders on_series(a, j_, r_.perturbation);
+    const double faint = faint_change(a, j_) / (has_series(r_.perturbation) ? area_of(a.model->mesh) : 1);
     for (std::size_t s = 0; s < sites.size(); ++s) {
       const Site& site = sites[s];
       Validation& v = results_[site.number];
       v.coefficient = nan;
+      v.size = faint;
       if (has_series(r_.perturbation)) {
         read_center(a, {f.first_triangle[s], f.first_triangle[s + 1], site.at, site.ball}, v);
-        read_second(second, site, v);
+        read_second(on_series, site, v);
       }
       v.plateau = plateau_of(element_, r_.perturbation);
-      judge(v, r_.perturbation, fill_rows(a, site, batch.balls[s], solved.differences[s], v), site.clear);
+      judge_series(site, fill_rows(a, site, batch.balls[s], solved.differences[s], v), on_series);
     }
   }
 
@@ -241,19 +286,31 @@ class Validating {
     Center::Value found = Center(*a.model, ball).value({a, j_, r_.perturbation});
     v.coefficient = found.coefficient;
     v.modes = std::move(found.modes);
-    v.size = found.size;
+    v.size = std::max(v.size, found.size);
     double parts = 0;
     for (const Mode& m : v.modes) parts += std::abs(m.value);
     v.size = std::max(v.size, parts);
   }
 
-  void read_second(SecondOrders& second, const Site& site, Validation& v) const {
-    const SecondOrder found = second.at(site.at);
+  void read_second(SecondOrders& on_series, const Site& site, Validation& v) {
+    const SecondOrder found = on_series.at(site.at);
     v.logarithm = found.logarithm;
     v.c3 = found.c3;
     if (!found.available) return;
     v.c2_predicted = found.c2;
-    v.c2_on_mesh = second_order(analysis_, j_, r_.perturbation, site.at).c2;
+    v.c2_on_mesh = second().at(site.at).c2;
+  }
+  // Of the body on the mesh of the case.
+  SecondOrders& second() {
+    if (!second_) second_.emplace(analysis_, j_, r_.perturbation);
+    return *second_;
+  }
+
+  void judge_series(const Site& site, const std::vector<double>& scales, SecondOrders& on_series) {
+    Validation& v = results_[site.number];
+    judge(v, r_.perturbation, scales, site.clear);
+    if (has_series(r_.perturbation) && v.verdict != Verdict::Holds && v.verdict != Verdict::Vanishes)
+      withdraw(v, on_series.answer_radius(site.at));
   }
 
   // Returns f(eps) of the rows, with the exact areas of the polygons.
@@ -267,8 +324,11 @@ class Validating {
       to.difference = found[k].value;
       to.J = a.value + found[k].value;
       to.same_contact = found[k].same_contact;
-      to.predicted = has_series(r_.perturbation) ? scales[row] * v.coefficient
-                                                 : clamped_at(a, j_, to.radius, std::span(&site.at, 1))[0];
+      to.predicted = scales[row] * v.coefficient;
+      if (has_series(r_.perturbation)) continue;
+      const ClampedChange change = clamped_change(a, j_, to.radius, site.at);
+      to.predicted = change.value;
+      to.size = change.size;
     }
     return scales;
   }
@@ -286,8 +346,8 @@ class Validating {
     }
     for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
     v.plateau = 5e-4;
-    v.logarithm = second_order(analysis_, j_, r_.perturbation, site.at).logarithm;
-    judge(v, r_.perturbation, scales, site.clear);
+    v.logarithm = second().at(site.at).logarithm;
+    judge_series(site, scales, second());
   }
 
   void solve_slit(const Site& site, const Mesh& outside, Validation& v, ValidationRow& to) const {
@@ -305,6 +365,7 @@ class Validating {
     const Model whole = prepared(CrackLaw::Kind::Bonded), broken = prepared(CrackLaw::Kind::Unilateral);
     const Field before = solved(whole), after = solved(broken);
     const Analysis a = analyze(j_, whole, before);
+    v.size = faint_change(a, j_) / area_of(f.mesh);
     read_center(a, {f.first_triangle[0], f.first_triangle[1], site.at, site.ball}, v);
     to.J = analyze(j_, broken, after, true).value;
     to.difference = to.J - a.value;
@@ -320,7 +381,8 @@ class Validating {
   const Sizing sizing_;
   const Analysis analysis_;
   std::vector<double> angle_;  // per point
-  std::size_t done_ = 0;       // batches
+  std::optional<SecondOrders> second_;
+  std::size_t done_ = 0;  // batches
   std::vector<Validation> results_;
 };
 

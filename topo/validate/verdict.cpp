@@ -106,7 +106,8 @@ class Series {
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       rows_[i].remainder = rows_[i].difference - rows_[i].predicted;
-      scale_.push_back(has_series_ ? scale[i] : rows_[i].predicted);
+      const double size = std::isfinite(rows_[i].size) ? rows_[i].size : std::abs(rows_[i].predicted);
+      scale_.push_back(has_series_ ? scale[i] : size);
     }
     for (std::size_t i = 0; i < rows_.size(); ++i)
       rows_[i].order = i + 1 < rows_.size() ? std::log(std::abs(rows_[i].remainder / rows_[i + 1].remainder)) /
@@ -141,7 +142,7 @@ class Series {
     const double error = std::abs(fit_.intercept - T_);
     const bool agrees = outside() <= allowed_ * std::abs(T_), narrow = fit_.spread() <= 1.5 * allowed_ * std::abs(T_);
     if (agrees && narrow && (slope() || settled() || fits_four())) {
-      if (beyond_second() > 0)
+      if (same_ && beyond_second() > 0)
         return {Verdict::Fails,
                 fmt::format("the second term is {:.5g} by the formula, and the series says between {:.5g} and {:.5g}",
                             v_.c2_predicted, fit_.low_c2, fit_.high_c2)};
@@ -170,16 +171,21 @@ class Series {
       if (computed(i) && std::abs(quotient(i) - fit_.intercept) <= near * std::abs(T_)) best = i;
     return best;
   }
+  // 0 where what is wrong is not the limit.
+  double apart(std::size_t i) const {
+    return excluded() ? (fit_.intercept - T_) * (has_series_ ? 1 : scale_[i]) : 0;
+  }
   double rest(std::size_t i) const {
-    return (quotient(i) - fit_.intercept) * (has_series_ ? 1 : rows_[i].predicted);
+    return (quotient(i) - fit_.intercept) * (has_series_ ? 1 : scale_[i]);
   }
 
  private:
   bool computed(std::size_t i) const {
     return std::isfinite(rows_[i].remainder);
   }
+  // Of a clamped hole 1 and what the prediction leaves, in multiples of its parts: their sum may pass through zero.
   double quotient(std::size_t i) const {
-    return rows_[i].difference / scale_[i];
+    return has_series_ ? rows_[i].difference / scale_[i] : 1 + rows_[i].remainder / scale_[i];
   }
   double relative(std::size_t i) const {
     return std::abs(quotient(i) / T_ - 1);
@@ -236,6 +242,8 @@ class Series {
   std::string second_in_words() const {
     if (!std::isfinite(v_.c2_predicted)) return {};
     std::string words = fmt::format("; c2 is {:.4g} by the formula and {:.4g} by the series", v_.c2_predicted, v_.c2);
+    if (beyond_second() > 0)
+      return words + ", which says nothing of the formula: it is for contact that stays as it is";
     if (std::isfinite(v_.order_second))
       words += fmt::format(", what both terms leave falls like eps^{{{:.2f}}}", v_.order_second);
     return words;
@@ -272,12 +280,15 @@ class Series {
   }
 
   bool vanishes() const {
-    if (!has_series_) return false;
+    const double nothing = std::max(10 * allowed_ * v_.size, infinitesimal);
     double largest = 0;
-    for (std::size_t i = 0; i < rows_.size(); ++i)
-      if (computed(i)) largest = std::max(largest, std::abs(quotient(i)));
-    return std::abs(T_) <= allowed_ * v_.size && std::abs(fit_.intercept) <= allowed_ * v_.size &&
-           largest <= std::max(10 * allowed_ * v_.size, infinitesimal);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (!computed(i)) continue;
+      largest = std::max(largest, std::abs(has_series_ ? quotient(i) : rows_[i].difference));
+      if (!has_series_) largest = std::max(largest, std::abs(rows_[i].predicted));
+    }
+    if (!has_series_) return v_.size > 0 && largest <= nothing;
+    return std::abs(T_) <= allowed_ * v_.size && std::abs(fit_.intercept) <= allowed_ * v_.size && largest <= nothing;
   }
 
   // T lies outside of all that the radii leave open, by more than the mesh explains, and farther than that is wide.
@@ -377,11 +388,25 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   Finding found = series.finding();
   v.verdict = found.verdict;
   v.reason = std::move(found.reason);
-  if (v.verdict != Verdict::Holds) return;
+  if (v.verdict != Verdict::Holds && v.verdict != Verdict::Fails) return;
   const std::size_t row = series.row_to_draw();
   v.drawn.radius = v.rows[row].radius;
+  v.drawn.apart = series.apart(row);
   v.drawn.rest = series.rest(row);
   if (!has_series(p)) v.drawn.predicted = v.rows[row].predicted;
+}
+
+void withdraw(Validation& v, double answer_radius) {
+  constexpr double small = 0.25;
+  double least = nan;
+  for (const ValidationRow& r : v.rows)
+    if (std::isfinite(r.difference)) least = r.radius;
+  if (v.verdict == Verdict::Holds || v.verdict == Verdict::Vanishes || !(least > small * answer_radius)) return;
+  v.verdict = Verdict::OutOfRange;
+  v.reason = fmt::format(
+      "the radii are too large for this body: it answers a change of radius {:.2g} by as much stress as there was "
+      "before, as bodies do that are nearly incompressible and held all around; use radii below {:.2g}",
+      answer_radius, small * answer_radius);
 }
 
 void conclude(Validation& v, double area, bool clamped) {
@@ -391,6 +416,17 @@ void conclude(Validation& v, double area, bool clamped) {
   const double here = clamped ? d.predicted : v.coefficient, size = std::abs(d.intercept);
   v.bar = safety * std::max({std::abs(v.on_mesh - d.intercept), std::abs(v.on_mesh - d.coefficient),
                              std::abs(v.on_mesh - here)});
+  if (v.verdict == Verdict::Fails) {
+    constexpr double confirmed = 0.5;  // of what the series is apart
+    if (d.apart == 0 || (d.intercept - d.coefficient) * d.apart >= confirmed * d.apart * d.apart) return;
+    v.verdict = Verdict::NothingSaid;
+    v.reason += fmt::format(
+        "; but a change of radius {:.3g} drawn on another mesh says {:.5g}, and the formula there {:.5g}: use a "
+        "smaller "
+        "mesh.size",
+        d.radius, d.intercept, d.coefficient);
+    return;
+  }
   if (!(std::abs(d.coefficient - d.intercept) <= std::max(of_formula, 3 * v.plateau) * size)) {
     v.verdict = Verdict::NothingSaid;
     v.reason = fmt::format(
