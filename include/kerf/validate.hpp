@@ -14,12 +14,12 @@ struct ValidationRow {
   double radius = 0, J = 0;  // J(Omega_eps)
   double difference = 0;     // J(Omega_eps) - J(Omega), both on the same mesh
   double predicted = 0;      // f(eps) T with the exact area of the polygon; a clamped hole: renormalized
-  double size = nan;         // of a clamped hole: the parts of the prediction, without their signs
   double remainder = 0;      // difference - predicted
   double order = 0;          // log2-like slope of |remainder| to the next smaller radius; NaN in the last row
   bool same_contact = true;  // the contact set is that of the unperturbed body
   // The same with the second term, f(eps) (T + c2 eps^2), where that is known; NaN elsewhere.
   double predicted_second = nan, remainder_second = nan, order_second = nan;
+  double size = nan;  // of a clamped hole: the parts of the prediction, without their signs
 };
 
 /// Holds: the coefficient is that of the series of differences on its mesh, and of a change drawn on another, better
