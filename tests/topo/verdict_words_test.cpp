@@ -111,16 +111,19 @@ TEST(VerdictWords, NothingFailsBeyondWhatTheBodyAnswers) {
   ASSERT_EQ(judged(wrong).verdict, Verdict::Fails);
   for (const double answered : {nan, infinity, 0.8, 0.041}) {
     Validation v = judged(wrong);
-    withdraw(v, answered);
+    withdraw(v, answered, 0.8);
     EXPECT_EQ(v.verdict, Verdict::Fails) << answered;
   }
+  Validation near = judged(wrong);  // a body bounded close by answers so, too, and has words of its own
+  withdraw(near, 0.039, 0.1);
+  EXPECT_EQ(near.verdict, Verdict::Fails);
   Validation v = judged(wrong);  // the smallest radius is 0.01
-  withdraw(v, 0.039);
+  withdraw(v, 0.039, 0.8);
   EXPECT_EQ(v.verdict, Verdict::OutOfRange);
   EXPECT_NE(v.reason.find("it answers a change of radius 0.039 by as much stress"), std::string::npos) << v.reason;
   EXPECT_NE(v.reason.find("use radii below 0.0097"), std::string::npos) << v.reason;
   Validation holds = judged({.quotient = one});
-  withdraw(holds, 1e-6);
+  withdraw(holds, 1e-6, 0.8);
   EXPECT_EQ(holds.verdict, Verdict::Holds);
 }
 

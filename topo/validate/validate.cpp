@@ -310,7 +310,7 @@ class Validating {
     Validation& v = results_[site.number];
     judge(v, r_.perturbation, scales, site.clear);
     if (has_series(r_.perturbation) && v.verdict != Verdict::Holds && v.verdict != Verdict::Vanishes)
-      withdraw(v, on_series.answer_radius(site.at));
+      withdraw(v, on_series.answer_radius(site.at), site.clear);
   }
 
   // Returns f(eps) of the rows, with the exact areas of the polygons.

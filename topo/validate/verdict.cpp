@@ -396,12 +396,13 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   if (!has_series(p)) v.drawn.predicted = v.rows[row].predicted;
 }
 
-void withdraw(Validation& v, double answer_radius) {
+void withdraw(Validation& v, double answer_radius, double clear) {
   constexpr double small = 0.25;
   double least = nan;
   for (const ValidationRow& r : v.rows)
     if (std::isfinite(r.difference)) least = r.radius;
-  if (v.verdict == Verdict::Holds || v.verdict == Verdict::Vanishes || !(least > small * answer_radius)) return;
+  if (v.verdict == Verdict::Holds || v.verdict == Verdict::Vanishes) return;
+  if (!(least > small * answer_radius && answer_radius < small * clear)) return;
   v.verdict = Verdict::OutOfRange;
   v.reason = fmt::format(
       "the radii are too large for this body: it answers a change of radius {:.2g} by as much stress as there was "
