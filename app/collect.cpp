@@ -8,6 +8,9 @@
 #include "solver/stress.hpp"
 #include "solver/system.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -115,6 +118,35 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
     results.push_back(std::move(r));
   }
   return results;
+}
+
+std::vector<std::string> notes_on_contact(const Model& model, const State& state,
+                                          const std::vector<CrackResult>& cracks) {
+  constexpr std::size_t often = 5;  // an open middle and two open ends change four times
+  constexpr double little = 1e-3;
+  std::vector<std::string> notes;
+  for (std::size_t c = 0; c < cracks.size(); ++c) {
+    const CrackResult& crack = cracks[c];
+    const auto turns = static_cast<std::size_t>(std::ranges::count_if(
+        crack.transitions, [](const CrackResult::Transition& t) { return t.from == "open" || t.to == "open"; }));
+    if (turns < often) continue;
+    // Means along the crack: at its tips what a mesh errs by is singular, too.
+    double pressure = 0, gap = 0;
+    for (const CrackPoint& p : crack_profile(model, state, static_cast<Index>(c))) {
+      pressure += p.length * std::abs(p.contact_pressure());
+      gap += p.length * std::abs(p.distance());
+    }
+    const Index beside = model.mesh.sides[model.mesh.cracks[c].front().edge][0];
+    const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside)),
+                 share = std::max(pressure, gap * modulus / crack.length) / (crack.length * mean_stress(model, state));
+    if (share < little)
+      notes.push_back(fmt::format(
+          "crack \"{}\" touches and opens in turn, {} times, by {:.1g} of what the stress in the body could "
+          "cause: the errors of the mesh decide that. So they do of derivatives of all that sees its contact (every "
+          "functional but energies): give it loads that open or close it, or contact = \"open\" or \"bonded\"",
+          crack.name, turns, share));
+  }
+  return notes;
 }
 
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks) {

@@ -27,6 +27,11 @@ ContactResultSummary contact_result(const State& state, ContactMethod method, co
 /// `tips`: with K, G and T at the tips.
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);
 
+/// Cracks whose faces touch and part in turn by less than the mesh errs by, as under loads that neither open nor close
+/// them.
+std::vector<std::string> notes_on_contact(const Model& model, const State& state,
+                                          const std::vector<CrackResult>& cracks);
+
 /// What the extrema of a map leave out, per corner or triangle.
 enum class LeftOut : unsigned char { No, Masked, Singular };
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis);

@@ -267,6 +267,8 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
+  for (std::string& words : notes_on_contact(adapted.model, adapted.state, r.cracks))
+    r.state->notes.push_back(std::move(words));
   if (section.contact) r.contact = std::move(section.contact);
   require_energy(*r.state, adapted.model, adapted.state);
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;

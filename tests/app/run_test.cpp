@@ -5,6 +5,7 @@
 #include "tests/support/exact.hpp"
 #include "tests/support/folder.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -341,6 +342,38 @@ TEST_F(Run, HigherDegreesAgreeOnTheShowcase) {
   }
   EXPECT_NEAR(k[0] / k[2], 1, 5e-3);
   EXPECT_NEAR(k[1] / k[2], 1, 2e-3);
+}
+
+// Shear along a crack neither opens nor closes it: where it touches is what the mesh errs by, and a map of its opening
+// is another one on every mesh. A pressure of a thousandth of the shear decides it.
+TEST(ShearedCrack, SaysWhereTheMeshDecidesWhatACrackDoes) {
+  const auto notes = [](double pressure) {
+    const test::Folder folder;
+    std::ofstream(folder.path / "a.toml") << fmt::format(R"(
+[domain]
+outline = [[-2, -2], [2, -2], [2, 2], [-2, 2]]
+sides = ["outer", "outer", "outer", "outer"]
+[[crack]]
+name = "c"
+path = [[-1, 0], [1, 0]]
+[material]
+young = 1000
+poisson = 0.3
+[[boundary]]
+on = "outer"
+traction = ["ny", "nx - {} * ny"]
+[mesh]
+size = 0.1
+)",
+                                                         pressure);
+    const Result r = run(read_case(folder.path / "a.toml"), Job::Solve, {.folder = folder.path / "out", .threads = 1});
+    std::string all;
+    for (const std::string& note : r.state->notes) all += note + '\n';
+    return all;
+  };
+  const char* const words = "crack \"c\" touches and opens in turn";
+  EXPECT_NE(notes(0).find(words), std::string::npos) << notes(0);
+  EXPECT_EQ(notes(1e-3).find(words), std::string::npos) << notes(1e-3);
 }
 
 }  // namespace
