@@ -51,8 +51,43 @@ struct SecondOrders::Impl {
   }
 
   double answer_radius(const Vec2& x) {
+    if (!cannot_reply(*a.model).empty()) return nan;
+    try {
+      return answered(x);
+    } catch (const Error&) {  // no reply: nothing is known
+      return nan;
+    }
+  }
+
+ private:
+  // What can be fitted around a point, or why nothing.
+  struct Place {
+    Place(const Impl& of, const Vec2& x, std::string& note) : t(locate(of.a.model->mesh, of.locator, x)) {
+      if (t == none) {
+        note = "the point lies outside the body";
+        return;
+      }
+      const Model& m = *of.a.model;
+      Vec2 low = m.mesh.points[0], high = low;
+      for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
+      const double size = (high - low).norm(), clear = margins(m, of.j, std::span(&x, 1), {0, 0, size}).front();
+      // Of the disc around the point that no feature enters; of the body.
+      constexpr double part = 0.7, rounding = 1e-12;
+      if (!(clear > rounding * size)) {
+        note = "the point lies on a boundary, a crack or in the ring of the functional";
+        return;
+      }
+      fit.emplace(m, x, t, part * clear);
+      if (!fit->coarse()) return;
+      note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
+      fit.reset();
+    }
+    Index t;
+    std::optional<TaylorFit> fit;
+  };
+
+  double answered(const Vec2& x) {
     const Model& m = *a.model;
-    if (!cannot_reply(m).empty()) return nan;
     std::string note;
     const Place place(*this, x, note);
     if (!place.fit) return nan;
@@ -69,33 +104,6 @@ struct SecondOrders::Impl {
     }
     return least;
   }
-
- private:
-  // What can be fitted around a point, or why nothing.
-  struct Place {
-    Place(const Impl& of, const Vec2& x, std::string& note) : t(locate(of.a.model->mesh, of.locator, x)) {
-      if (t == none) {
-        note = "the point lies outside the body";
-        return;
-      }
-      const Model& m = *of.a.model;
-      Vec2 low = m.mesh.points[0], high = low;
-      for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
-      const double size = (high - low).norm(), clear = margins(m, of.j, std::span(&x, 1), {0, 0, size}).front();
-      constexpr double part = 0.7,
-                       rounding = 1e-12;  // of the disc around the point that no feature enters; of the body
-      if (!(clear > rounding * size)) {
-        note = "the point lies on a boundary, a crack or in the ring of the functional";
-        return;
-      }
-      fit.emplace(m, x, t, part * clear);
-      if (!fit->coarse()) return;
-      note = fmt::format("the mesh is too coarse for its distance {:.3g} to the nearest feature", clear);
-      fit.reset();
-    }
-    Index t;
-    std::optional<TaylorFit> fit;
-  };
 
   void expand_here(const TaylorFit& fit, const Vec2& x, Index t, SecondOrder& result) {
     const Material& material = material_of(a.model->mesh, a.model->scene, t);

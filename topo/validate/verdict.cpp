@@ -422,9 +422,8 @@ void conclude(Validation& v, double area, bool clamped) {
     if (d.apart == 0 || (d.intercept - d.coefficient) * d.apart >= confirmed * d.apart * d.apart) return;
     v.verdict = Verdict::NothingSaid;
     v.reason += fmt::format(
-        "; but a change of radius {:.3g} drawn on another mesh says {:.5g}, and the formula there {:.5g}: that is left "
-        "by "
-        "the mesh of the series",
+        "; but a change of radius {:.3g} drawn on another mesh says {:.5g}, and the formula there {:.5g}: that much is "
+        "left by the mesh of the series",
         d.radius, d.intercept, d.coefficient);
     return;
   }
