@@ -3,6 +3,7 @@
 #include "app/draw.hpp"
 #include "app/files.hpp"
 #include "app/peaks.hpp"
+#include "kerf/second_order.hpp"
 #include "topo/analysis.hpp"
 
 #include <fmt/core.h>
@@ -16,6 +17,23 @@ namespace {
 
 bool is_clamped(const MapTask& task) {
   return !has_series(task.request.perturbation);
+}
+
+// A body that is nearly incompressible and held all around answers a change by pressure everywhere: holes of the size
+// that the map is for are then none of those that it speaks of.
+std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, const MapResult& map) {
+  constexpr double nearly = 0.01;  // of c mu, (1 - 2 nu)/4 in plane strain: nu = 0.48
+  if (!(a.model->scene.material.c * a.model->scene.material.mu < nearly)) return {};
+  SecondOrders second(a, task.functional, task.request.perturbation);
+  const Vec2 at = second.roomiest();
+  const double answered = second.answer_radius(at);
+  if (!(map.radius > answered)) return {};
+  constexpr double small = 0.25;
+  return {fmt::format(
+      "the body is nearly incompressible and held all around: at ({:.6g}, {:.6g}) it answers a change of radius {:.2g} "
+      "by as much stress as there was before. The map says what changes far smaller than that do, below {:.2g}; one of "
+      "radius {:.2g} does something else",
+      at.x(), at.y(), answered, small * answered, map.radius)};
 }
 
 }  // namespace
@@ -73,10 +91,11 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
   return map;
 }
 
-std::vector<std::string> limits_of_map(const MapTask& task, const Model& model) {
-  const auto& laws = model.scene.laws;
-  if (!is_clamped(task) || std::none_of(laws.begin(), laws.end(),
-                                        [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
+std::vector<std::string> limits_of_map(const MapTask& task, const Analysis& analysis, const MapResult& map) {
+  if (!is_clamped(task)) return beyond_answers(task, analysis, map);
+  const auto& laws = analysis.model->scene.laws;
+  if (std::none_of(laws.begin(), laws.end(),
+                   [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
     return {};
   return {
       "a clamped hole changes the state at once, not in proportion to its area: the map keeps the contact on the "

@@ -21,7 +21,7 @@ struct Mapped {
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape);
 
 /// What a reader of this map should know.
-std::vector<std::string> limits_of_map(const MapTask& task, const Model& model);
+std::vector<std::string> limits_of_map(const MapTask& task, const Analysis& analysis, const MapResult& map);
 
 /// The error bars that the task asks for; what stands in their place, where there are none.
 std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map);

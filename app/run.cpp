@@ -298,7 +298,7 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
   const MapTask task = map_task(c);
   Mapped map = map_body(task, analysis, solved.data, c.shape);
   r.map = map.result;
-  note(limits_of_map(task, solved.adapted.model));
+  note(limits_of_map(task, analysis, map.result));
   note(bound_map(task, analysis, body_of(c, solved.adapted), map));
   r.map = map.result;
   if (journal.options.fields) journal.options.fields->map = map.full;

@@ -49,6 +49,8 @@ class SecondOrders {
   /// the change is no circle. NaN where no reply can be solved for: outside the body, next to features, in several
   /// materials, orthotropic ones, elements without an adjoint.
   double answer_radius(const Vec2& x);
+  /// The vertex farthest from all features, of a few hundred: where the answer is best known.
+  Vec2 roomiest() const;
 
   /// Why c2 is known nowhere in the body; empty where it is known away from features.
   const std::string& unknown() const;

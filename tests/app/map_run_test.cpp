@@ -3,6 +3,7 @@
 #include "app/run.hpp"
 #include "tests/support/folder.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -120,6 +121,40 @@ TEST_F(MapRun, TheSecondTermMasksWhereItIsKnown) {
     }
   EXPECT_GT(known, 50u);
   EXPECT_GT(masked_by_it, 0u);
+}
+
+// Held all around and nearly incompressible: T is that of holes below a thousandth of the body.
+TEST(HeldMap, SaysThatItsRadiusIsBeyondWhatTheBodyAnswers) {
+  const auto notes = [](double poisson, const std::string& map) {
+    const test::Folder folder;
+    std::ofstream(folder.path / "a.toml") << fmt::format(R"toml(
+[domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["rim", "rim", "rim", "rim"]
+[material]
+young = 1
+poisson = {}
+[[boundary]]
+on = "rim"
+displacement = ["1e-3 * x", "-1e-3 * y"]
+[body]
+force = ["10 * sin(pi * x)", "y"]
+[mesh]
+size = 0.05
+[map]
+{}
+)toml",
+                                                         poisson, map);
+    const Result r = run(read_case(folder.path / "a.toml"), Job::Map, {.folder = folder.path / "out", .threads = 1});
+    std::string all;
+    for (const std::string& note : r.state->notes) all += note + '\n';
+    return all;
+  };
+  const char* const words = "nearly incompressible and held all around";
+  EXPECT_NE(notes(0.499999, "").find(words), std::string::npos) << notes(0.499999, "");
+  EXPECT_NE(notes(0.499999, "points = [[0.7, 0.4]]").find(words), std::string::npos);
+  EXPECT_EQ(notes(0.499999, "radius = 1e-5").find(words), std::string::npos);
+  EXPECT_EQ(notes(0.3, "").find(words), std::string::npos);
 }
 
 TEST_F(MapRun, SaysWhyThereIsNoSecondTerm) {

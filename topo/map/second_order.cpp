@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -50,6 +51,22 @@ struct SecondOrders::Impl {
     return result;
   }
 
+  double size() const {
+    Vec2 low = a.model->mesh.points[0], high = low;
+    for (const Vec2& v : a.model->mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    return (high - low).norm();
+  }
+
+  Vec2 roomiest() const {
+    const Model& m = *a.model;
+    constexpr std::size_t enough = 300;
+    const std::size_t stride = std::max<std::size_t>(1, m.mesh.points.size() / enough);
+    std::vector<Vec2> some;
+    for (std::size_t i = 0; i < m.mesh.points.size(); i += stride) some.push_back(m.mesh.points[i]);
+    const std::vector<double> clear = margins(m, j, some, {0, 0, size()});
+    return some[static_cast<std::size_t>(std::ranges::max_element(clear) - clear.begin())];
+  }
+
   double answer_radius(const Vec2& x) {
     if (!cannot_reply(*a.model).empty()) return nan;
     try {
@@ -68,9 +85,7 @@ struct SecondOrders::Impl {
         return;
       }
       const Model& m = *of.a.model;
-      Vec2 low = m.mesh.points[0], high = low;
-      for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
-      const double size = (high - low).norm(), clear = margins(m, of.j, std::span(&x, 1), {0, 0, size}).front();
+      const double size = of.size(), clear = margins(m, of.j, std::span(&x, 1), {0, 0, size}).front();
       // Of the disc around the point that no feature enters; of the body.
       constexpr double part = 0.7, rounding = 1e-12;
       if (!(clear > rounding * size)) {
@@ -168,6 +183,10 @@ SecondOrder SecondOrders::at(const Vec2& x) {
 
 double SecondOrders::answer_radius(const Vec2& x) {
   return impl_->answer_radius(x);
+}
+
+Vec2 SecondOrders::roomiest() const {
+  return impl_->roomiest();
 }
 
 const std::string& SecondOrders::unknown() const {
