@@ -5,6 +5,7 @@
 #include "app/peaks.hpp"
 #include "kerf/second_order.hpp"
 #include "topo/analysis.hpp"
+#include "topo/near.hpp"
 
 #include <fmt/core.h>
 
@@ -27,8 +28,10 @@ std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, 
   SecondOrders second(a, task.functional, task.request.perturbation);
   const Vec2 at = second.roomiest();
   const double answered = second.answer_radius(at);
-  if (!(map.radius > answered)) return {};
   constexpr double small = 0.25;
+  // As far off as the next feature all bodies answer so.
+  if (!(map.radius > answered) || nearest(*a.model, task.functional, {&at, 1}, answered / small, 0)[0] != Near::Nothing)
+    return {};
   return {fmt::format(
       "the body is nearly incompressible and held all around: at ({:.6g}, {:.6g}) it answers a change of radius {:.2g} "
       "by as much stress as there was before. The map says what changes far smaller than that do, below {:.2g}; one of "

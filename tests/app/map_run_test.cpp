@@ -125,12 +125,12 @@ TEST_F(MapRun, TheSecondTermMasksWhereItIsKnown) {
 
 // Held all around and nearly incompressible: T is that of holes below a thousandth of the body.
 TEST(HeldMap, SaysThatItsRadiusIsBeyondWhatTheBodyAnswers) {
-  const auto notes = [](double poisson, const std::string& map) {
+  const auto notes = [](double poisson, const std::string& map, const std::string& top = "rim") {
     const test::Folder folder;
     std::ofstream(folder.path / "a.toml") << fmt::format(R"toml(
 [domain]
 outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
-sides = ["rim", "rim", "rim", "rim"]
+sides = ["rim", "rim", "{}", "rim"]
 [material]
 young = 1
 poisson = {}
@@ -144,7 +144,7 @@ size = 0.05
 [map]
 {}
 )toml",
-                                                         poisson, map);
+                                                         top, poisson, map);
     const Result r = run(read_case(folder.path / "a.toml"), Job::Map, {.folder = folder.path / "out", .threads = 1});
     std::string all;
     for (const std::string& note : r.state->notes) all += note + '\n';
@@ -154,6 +154,7 @@ size = 0.05
   EXPECT_NE(notes(0.499999, "").find(words), std::string::npos) << notes(0.499999, "");
   EXPECT_NE(notes(0.499999, "points = [[0.7, 0.4]]").find(words), std::string::npos);
   EXPECT_EQ(notes(0.499999, "radius = 1e-5").find(words), std::string::npos);
+  EXPECT_EQ(notes(0.4999, "radius = 0.6", "free").find(words), std::string::npos);
   EXPECT_EQ(notes(0.3, "").find(words), std::string::npos);
 }
 
