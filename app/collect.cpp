@@ -136,14 +136,14 @@ std::vector<std::string> notes_on_contact(const Model& model, const State& state
       pressure += p.length * std::abs(p.contact_pressure());
       gap += p.length * std::abs(p.distance());
     }
-    const Index beside = model.mesh.sides[model.mesh.cracks[c].front().edge][0];
-    const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside)),
-                 share = std::max(pressure, gap * modulus / crack.length) / (crack.length * mean_stress(model, state));
+    const double share = std::max(pressure, gap * modulus_beside(model, static_cast<Index>(c)) / crack.length) /
+                         (crack.length * mean_stress(model, state));
     if (share < little)
       notes.push_back(fmt::format(
           "crack \"{}\" touches and opens in turn, {} times, by {:.1g} of what the stress in the body could "
-          "cause: the errors of the mesh decide that. So they do of derivatives of all that sees its contact (every "
-          "functional but energies): give it loads that open or close it, or contact = \"open\" or \"bonded\"",
+          "cause: that little may be what the mesh errs by. Derivatives of all that sees its contact (every functional "
+          "but energies) then hang on the mesh: compare with a smaller mesh.size, give it loads that open or close it, "
+          "or contact = \"open\" or \"bonded\"",
           crack.name, turns, share));
   }
   return notes;

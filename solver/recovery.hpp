@@ -24,6 +24,8 @@ Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners);
 
 /// Root mean square of the stress over the body: the scale of "no pressure".
 double mean_stress(const Model& model, const Field& state);
+/// The plane modulus beside a crack, which lies in one material: a stress s could open it by about s length/modulus.
+double modulus_beside(const Model& model, Index crack);
 
 /// Of an edge, along its curve.
 double length_along(const Model& model, Index edge);

@@ -394,6 +394,11 @@ double mean_stress(const Model& model, const Field& state) {
   return std::sqrt(square / area(model));
 }
 
+double modulus_beside(const Model& model, Index crack) {
+  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];
+  return plane_modulus(material_of(model.mesh, model.scene, beside));
+}
+
 namespace {
 
 // Below these a pressure or a gap is rounding: relative to the opening that the mean stress could cause.
@@ -402,8 +407,7 @@ struct Smallest {
 };
 Smallest smallest(const Model& model, const Field& field, Index crack, double crack_length) {
   constexpr double rounding = 1e-8;
-  const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];  // a crack lies in one material
-  const double modulus = plane_modulus(material_of(model.mesh, model.scene, beside));
+  const double modulus = modulus_beside(model, crack);
   const double floor = 1e-12 * field.skeleton.cwiseAbs().maxCoeff();  // of a large rigid motion
   const double pressure = std::max(rounding * mean_stress(model, field), floor * modulus / crack_length);
   return {pressure, pressure * crack_length / modulus};
