@@ -91,12 +91,6 @@ double faint_change(const Analysis& a) {
   return faint * sum;
 }
 
-double area_of(const Mesh& mesh) {
-  double sum = 0;
-  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) sum += area(mesh, t);
-  return sum;
-}
-
 // J of stresses to a power from 4 on is infinite where a crack that may move has a tip under its weight.
 std::optional<std::string> infinite(const Functional& j, const Shape& shape, const Scene& scene) {
   constexpr double integrable = 4;
@@ -203,8 +197,8 @@ class Validating {
     }
   }
 
-  // Where the series holds: one radius again, on another mesh. What a coarse one does not agree on is asked of a fine
-  // one.
+  // Where the series holds or fails: one radius again, on another mesh. Where a coarse one does not agree that it
+  // holds, a fine one is asked.
   void draw(const std::vector<Site>& sites) {
     std::vector<Change> changes;
     for (const Site& s : sites)
@@ -262,7 +256,7 @@ class Validating {
     const Analysis& a = solved.a;
     const Filled& f = batch.filled;
     SecondOrders on_series(a, j_, r_.perturbation);
-    const double faint = faint_change(a) / (has_series(r_.perturbation) ? area_of(a.model->mesh) : 1);
+    const double faint = faint_change(a) / (has_series(r_.perturbation) ? area(*a.model) : 1);
     for (std::size_t s = 0; s < sites.size(); ++s) {
       const Site& site = sites[s];
       Validation& v = results_[site.number];
@@ -360,7 +354,7 @@ class Validating {
     const Model whole = prepared(CrackLaw::Kind::Bonded), broken = prepared(CrackLaw::Kind::Unilateral);
     const Field before = solved(whole), after = solved(broken);
     const Analysis a = analyze(j_, whole, before);
-    v.size = faint_change(a) / area_of(f.mesh);
+    v.size = faint_change(a) / area(whole);
     read_center(a, {f.first_triangle[0], f.first_triangle[1], site.at, site.ball}, v);
     to.J = analyze(j_, broken, after, true).value;
     to.difference = to.J - a.value;
