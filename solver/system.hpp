@@ -12,6 +12,18 @@
 
 namespace kerf {
 
+/// Of a part of a body that several processes solve together (solver/spread.hpp): what counts here. Integrals over a
+/// model run over own triangles, so that those of the processes add up to that of the body.
+struct OwnShare {
+  Index triangles = 0;        // own ones, the first of the mesh
+  Index here = 0;             // this process
+  std::vector<Index> holder;  // per triangle whose it is; in a model per skeleton unknown who answers for it: for a
+                              // trace the first process that sees it, for a jump that of the crack's right side
+  std::shared_ptr<const Mesh> whole = {};  // the body before its mesh was divided: where its features are
+};
+/// The mesh that has all sides, cracks and borders of the body.
+const Mesh& whole_mesh(const Model& m);
+
 struct Inner {
   Kernel kernel;
   Skeleton skeleton;
@@ -24,6 +36,7 @@ struct Inner {
   Standing standing = {};                  // pieces that contact alone holds
   std::shared_ptr<HeldFactors> held = {};  // instead of `factor` where contact is too large for a dense matrix
   std::vector<Motion> start = {};          // per row in contact: the set to begin with there, or nothing
+  std::optional<OwnShare> own = {};        // nothing: all of it
 };
 
 class Ranks;  // solver/ranks.hpp
@@ -33,6 +46,25 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
               std::shared_ptr<Ranks> ranks);
 /// What its solves in parts took so far; nothing without parts.
 std::optional<PartedEffort> parted_effort(const Model& model);
+
+/// What is fixed of a body that its supports leave free to move: of the edge between two points the unknown `at`.
+struct Pin {
+  std::array<Vec2, 2> edge;
+  int at = 0;
+};
+/// The motions that are left free, and the pins, as many, for meshes that are `divisions` times divided.
+struct Floating {
+  std::vector<RigidMotion> motions = {};
+  std::vector<Pin> pins = {};
+};
+Floating floating_of(const Model& model, int divisions);
+/// The scene with the body force, a combination of the motions, that undoes the work of the loads on them.
+Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share);
+/// Of a part of a body, without a matrix: `own.holder` per triangle.
+Model prepare_part(Mesh mesh, const Element& e, Scene scene, int threads, OwnShare own, const Floating& floating);
+/// How many triangles integrals run over, the first ones; whether an unknown counts.
+Index own_triangles(const Model& m);
+bool owns(const Model& m, Index unknown);
 
 /// No dense matrix of contact: a factor per set of held rows.
 bool has_large_contact(const Model& model);

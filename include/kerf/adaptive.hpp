@@ -16,8 +16,9 @@ struct Indicator {
   Eigen::VectorXd eta;  // per triangle
   double relative = 0;  // sum over the body, divided by the efficiency index and by |s|: a relative L2 stress error
   // Of a goal:
-  double power = 1;       // `relative` falls like this power of the norm of eta
-  std::string note = {};  // why `relative` is not to be relied on yet
+  double power = 1;              // `relative` falls like this power of the norm of eta
+  std::string note = {};         // why `relative` is not to be relied on yet
+  double error = 0, stress = 0;  // squares, of which `relative` is the root of the ratio
 };
 /// The efficiency index is measured on the body itself, against the recovered stress where that is one (theory: R.6):
 /// 1.2 to 1.5 of the true error on adapted meshes, 0.8 to 2.5 on coarse ones in random scenes. An estimate, not a
@@ -52,6 +53,7 @@ struct Adaptation {
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
   std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
+  int divisions = 0;  // solve_graded: every triangle of the mesh that is solved on into four, so many times
   /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
   std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
   std::shared_ptr<Ranks> ranks = {};  // solve the condensed system in parts
@@ -76,7 +78,8 @@ std::vector<Vec2> contact_ends(const Model& model, const Field& state);
 /// coarse mesh (where that is much cheaper), graded, and the mesh is made anew where contact ends elsewhere after all.
 /// A body without contact is solved once; so is one whose cracks are all open or all closed, but for the coarse mesh;
 /// a given mesh is solved once as it is.
-/// Uses `contact`, `saddle_point`, `estimate`, `threads` of the adaptation. Throws as triangulate and prepare do.
+/// Uses `contact`, `saddle_point`, `estimate`, `threads`, `divisions` of the adaptation. Throws as triangulate and
+/// prepare do.
 Adapted solve_graded(const Shape& shape, const Sizing& sizing, const Element& e, const Scene& scene,
                      const Adaptation& how);
 

@@ -150,6 +150,23 @@ class Grading {
     }
   }
 
+  /// On the mesh of `a`, divided.
+  Adapted divided(Adapted a) {
+    Stopwatch watch;
+    Mesh mesh = std::move(a.model.mesh);
+    a.model = {};
+    for (int k = 0; k < how_.divisions; ++k) mesh = refine(mesh);
+    if (how_.meshed) how_.meshed(mesh);
+    return on(std::move(mesh), a.sizing, watch.lap());
+  }
+  /// Not solved.
+  Adapted meshed(Sizing sizing) const {
+    if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
+    Adapted a{.model = {.mesh = how_.given ? *how_.given : triangulate(shape_, sizing)}};
+    a.sizing = std::move(sizing);
+    return a;
+  }
+
   /// The ends of contact on a mesh so coarse that it costs little beside the one that is asked for.
   std::vector<Vec2> guess(const Sizing& wanted) {
     constexpr double coarse = 24, cheaper = 2;
@@ -273,7 +290,9 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   Grading grading(shape, e, scene, how);
   Sizing sizing = wanted;
   if (sizing.ends.empty()) sizing.ends = grading.guess(sizing);
-  Adapted a = grading.solve(std::move(sizing), 3, true);
+  Adapted a = how.divisions == 0      ? grading.solve(std::move(sizing), 3, true)
+              : grading.has_contact() ? grading.divided(grading.solve(std::move(sizing), 3, false))
+                                      : grading.divided(grading.meshed(std::move(sizing)));
   a.rounds = std::move(grading.rounds);
   if (!how.estimate) return a;
   Stopwatch watch;
@@ -302,7 +321,8 @@ struct Solved {
 Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
-  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads, {.contact = known, .precision = of.wanted.precision}, of.wanted.ranks);
+  Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads,
+                        {.contact = known, .precision = of.wanted.precision}, of.wanted.ranks);
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
   Stopwatch watch;

@@ -56,7 +56,7 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
   double indicated = 0, square = 0, stress = 0;
   Index count = 0;
   Efficiency result{m.element.efficiency, 0, std::vector<bool>(static_cast<std::size_t>(triangles))};
-  for (Index t = 0; t < triangles; ++t) {
+  for (Index t = 0; t < own_triangles(m); ++t) {
     const Share& share = shares[static_cast<std::size_t>(t)];
     result.recovered[static_cast<std::size_t>(t)] = share.recovered;
     if (!share.recovered) continue;

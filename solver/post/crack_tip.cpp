@@ -109,15 +109,31 @@ void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
   x.resize(last + 1);
 }
 
-CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w) {
-  CrackTip tip{.crack = crack, .at_start = start, .at = mesh.points[w.vertices.front()]};
+/// The points of a walk, every edge divided into two so many times as `refine` divides it.
+std::vector<Vec2> places(const Mesh& mesh, const Walk& w, int divisions) {
   std::vector<Vec2> x;
-  for (const Index v : w.vertices) x.push_back(mesh.points[v] - tip.at);
+  for (const Index v : w.vertices) x.push_back(mesh.points[v]);
+  for (int time = 0; time < divisions; ++time) {
+    std::vector<Vec2> finer{x.front()};
+    for (std::size_t i = 1; i < x.size(); ++i) {
+      finer.push_back((x[i - 1] + x[i]) / 2);
+      finer.push_back(x[i]);
+    }
+    x = std::move(finer);
+  }
+  return x;
+}
+
+CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int divisions) {
+  CrackTip tip{.crack = crack, .at_start = start, .at = mesh.points[w.vertices.front()]};
+  std::vector<Vec2> x = places(mesh, w, divisions);
+  for (Vec2& v : x) v -= tip.at;
   const std::size_t straight = straight_edges(x), smooth = smooth_edges(x);
   tip.curved = smooth > straight;
   x.resize((tip.curved ? smooth : straight) + 1);
   if (tip.curved) cut_to_graph(x, slopes(x));
-  tip.edges.assign(w.edges.begin(), w.edges.begin() + static_cast<std::ptrdiff_t>(x.size()) - 1);
+  tip.edges.clear();
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) tip.edges.push_back(w.edges[i >> divisions]);
   const bool arcs = tip.curved && follows_arcs(mesh, w, tip.edges.size());
   std::vector<Vec2> slope = arcs ? slopes_of_arcs(mesh, w, x.size()) : slopes(x);
   const Vec2 back = (tip.curved ? slope.front() : x.back()).normalized();
@@ -143,7 +159,7 @@ double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) 
 
 }  // namespace
 
-std::vector<CrackTip> find_tips(const Mesh& mesh) {
+std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
   std::vector<bool> on_boundary(mesh.points.size(), false);
   std::vector<int> crack_edges(mesh.points.size(), 0);
   std::vector<Index> ends;
@@ -162,7 +178,7 @@ std::vector<CrackTip> find_tips(const Mesh& mesh) {
       const Walk w = walk(mesh, crack, start);
       const Index end = w.vertices.front();
       if (on_boundary[end] || crack_edges[end] > 1) continue;
-      CrackTip tip = make_tip(mesh, crack, start, w);
+      CrackTip tip = make_tip(mesh, crack, start, w, divisions);
       tip.room = room(mesh, ends, tip);
       tips.push_back(std::move(tip));
     }

@@ -24,7 +24,9 @@ struct CrackTip {
 /// Ends on the boundary, on a hole, or on another crack are no tips. In the order of the cracks, start before end. A
 /// crack is smooth as far as its curvature changes gradually from vertex to vertex (then its edges are taken for chords
 /// of a curve) and until it has turned by half a radian.
-std::vector<CrackTip> find_tips(const Mesh& mesh);
+/// `divisions`: as if every edge were divided into two so many times; CrackTip::edges are then those before, each as
+/// often as it has parts.
+std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions = 0);
 
 /// The curve over edge i of the smooth part, t in [0, 1] away from the tip: cubic, through the vertices.
 struct CurvePoint {

@@ -336,9 +336,7 @@ Indicator error_indicator(const Model& m, const State& s) {
   for (Index t = 0; t < triangles; ++t) {
     for (int i = 0; i < 3; ++i) edges.add(t, i, own[t]);
     result.eta[t] = std::sqrt(own[t].square);
-    total.square += own[t].square;
-    total.unseen += own[t].unseen;
-    total.stress += own[t].stress;
+    if (t < own_triangles(m)) total.stress += own[t].stress;
   }
   // An efficiency index measures residuals, not what no residual shows.
   const Efficiency index = efficiency(m, s, result.eta);
@@ -346,10 +344,12 @@ Indicator error_indicator(const Model& m, const State& s) {
   for (Index t = 0; t < triangles; ++t) {
     const double square =
         own[t].square / std::pow(index.recovered[t] ? index.regular : index.singular, 2) + own[t].unseen;
-    error += square;
+    if (t < own_triangles(m)) error += square;
     result.eta[t] = index.regular * std::sqrt(square);
   }
   if (total.stress > 0) result.relative = std::sqrt(error / total.stress);
+  result.error = error;
+  result.stress = total.stress;
   return result;
 }
 

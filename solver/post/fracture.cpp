@@ -11,6 +11,7 @@
 // so that such states are exact.
 #include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
+#include "solver/shared_tips.hpp"
 
 #include "solver/system.hpp"
 
@@ -28,6 +29,16 @@
 namespace kerf {
 
 namespace {
+
+/// The sums of these over processes, where there are several.
+void all(const Sums& sums, std::initializer_list<double*> values) {
+  if (!sums.add) return;
+  std::vector<double> flat;
+  for (const double* v : values) flat.push_back(*v);
+  sums.add(flat);
+  std::size_t i = 0;
+  for (double* v : values) *v = flat[i++];
+}
 
 constexpr int rings = 3;
 constexpr int middle = 1;
@@ -177,11 +188,11 @@ struct Cover {
   double elements = 0;
 };
 
-Cover cover(const Mesh& mesh, const Vec2& at, double inner, double outer) {
+Cover cover(const Model& model, const Vec2& at, double inner, double outer, const Sums& sums) {
+  const Mesh& mesh = model.mesh;
   Cover c;
-  double in_ring = 0;
-  Index count = 0;
-  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+  double in_ring = 0, count = 0;
+  for (Index t = 0; t < own_triangles(model); ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec2 x = (mesh.points[i] + mesh.points[j] + mesh.points[k]) / 3 - at;
     const double r = x.norm();
@@ -193,12 +204,14 @@ Cover cover(const Mesh& mesh, const Vec2& at, double inner, double outer) {
       ++count;
     }
   }
+  all(sums, {&in_ring, &count});
   if (count > 0) c.elements = outer / std::sqrt(2 * in_ring / count);
   return c;
 }
 
 /// Weighted by the slope of the cut-off, so that it does not matter which triangles at the rims count.
-double mean_rotation(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles) {
+double mean_rotation(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles,
+                     const Sums& sums) {
   double sum = 0, size = 0;
   for (const Index t : triangles) {
     const Vec2 x = centroid(model.mesh, t);
@@ -207,6 +220,7 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
     sum += weight * evaluate(model, state, t, x).rotation[0];
     size += weight;
   }
+  all(sums, {&sum, &size});
   return size > 0 ? sum / size : 0;
 }
 
@@ -214,7 +228,7 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
 /// part of any smooth state. Fields beside curved faces are turned from the chord to the curve: only a pressure does
 /// not mind.
 PolynomialState smooth_part(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles,
-                            std::span<const CrackPoint> profile) {
+                            std::span<const CrackPoint> profile, const Sums& sums) {
   if (disc.tip.curved) {
     double sum = 0, size = 0;
     for (const CrackPoint& p : profile)
@@ -231,10 +245,11 @@ PolynomialState smooth_part(const Model& model, const Field& state, const Disc& 
   }
   const Vec2 force =
       model.scene.body ? Vec2(disc.tip.frame.transpose() * model.scene.body(disc.tip.at)) : Vec2(Vec2::Zero());
-  return fit_state(disc.material, std::clamp(model.element.degree, 1, 2), force, samples);
+  return fit_state(disc.material, std::clamp(model.element.degree, 1, 2), force, samples, sums);
 }
 
-Integrals over_ring(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles) {
+Integrals over_ring(const Model& model, const Field& state, const Disc& disc, std::span<const Index> triangles,
+                    const Sums& sums) {
   // Summed in the order of the triangles, whatever the number of threads.
   std::vector<Integrals> part(triangles.size());
   parallel_for(static_cast<Index>(triangles.size()), model.threads, [&](Index begin, Index end) {
@@ -242,6 +257,7 @@ Integrals over_ring(const Model& model, const Field& state, const Disc& disc, st
   });
   Integrals sum = Integrals::Zero();
   for (const Integrals& p : part) sum += p;
+  if (sums.add) sums.add({sum.data(), static_cast<std::size_t>(sum.size())});
   return sum;
 }
 
@@ -265,23 +281,35 @@ double trace_place(const Model& model, bool along_edge, int point) {
   return along_edge ? s[point] : 1 - s[s.size() - 1 - point];
 }
 
+/// A crack as far as its tip is concerned.
+struct Beside {
+  const CrackTip& tip;
+  Material material;                    // CrackTip::frame aside
+  std::span<const CrackPoint> profile;  // of all of the crack
+  std::size_t points;                   // per edge
+  const std::vector<CrackEdge>* edges;  // of all of it; null where it is known in parts: straight, without a fluid
+  double stress;                        // its size in the body
+};
+
 /// Points of the profile per edge, from the tip.
-std::vector<Face> faces(const Model& model, const CrackTip& tip, std::span<const CrackPoint> profile) {
+std::vector<Face> faces(const Model& model, const Beside& crack) {
+  const CrackTip& tip = crack.tip;
+  const std::span<const CrackPoint> profile = crack.profile;
   const CrackLaw& law = model.scene.laws[tip.crack];
-  const std::vector<CrackEdge>& edges = model.mesh.cracks[tip.crack];
-  const std::size_t count = profile.size() / edges.size();
+  const std::size_t count = crack.points, edges = profile.size() / count;
   const LoadedCrack* fluid = pressure_in(model.inner->data, tip.crack);
   std::vector<Face> faces;
   for (std::size_t i = 0; i < tip.edges.size(); ++i) {
     Face face{.edge = i};
-    const std::size_t place = tip.at_start ? i : edges.size() - 1 - i;
+    const std::size_t place = tip.at_start ? i : edges - 1 - i;
     if (fluid) face.fluid = &fluid->values[place];
-    face.along_edge = edges[place].forward == tip.at_start;
+    const CrackEdge* const edge = crack.edges ? &(*crack.edges)[place] : nullptr;
+    if (edge) face.along_edge = edge->forward == tip.at_start;
     for (std::size_t k = 0; k < count; ++k) {
       const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
       const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
-      face.t.push_back(bow_at(model.inner->skeleton.bows, edges[place].edge)
-                           ? trace_place(model, edges[place].forward == tip.at_start, static_cast<int>(k))
+      face.t.push_back(edge && bow_at(model.inner->skeleton.bows, edge->edge)
+                           ? trace_place(model, face.along_edge, static_cast<int>(k))
                            : (x - tip.vertices[i]).dot(along) / along.squaredNorm());
       face.points.push_back(p);
       face.points.back().sigma_n = -p.contact_pressure();
@@ -481,9 +509,11 @@ double largest_difference(const Row& values) {
   return values.maxCoeff() - values.minCoeff();
 }
 
-/// The material of a tip in its frame.
-Material material_at(const Model& model, const CrackTip& tip) {
-  const Material& m = material_of(model.mesh, model.scene, model.mesh.sides[tip.edges.front()][0]);
+/// The material of a tip, and as seen in its frame.
+const Material& material_at(const Mesh& mesh, const Scene& scene, const CrackTip& tip) {
+  return material_of(mesh, scene, mesh.sides[tip.edges.front()][0]);
+}
+Material in_frame_of(const CrackTip& tip, const Material& m) {
   return isotropic(m) ? m : seen_from(m, std::atan2(tip.frame(1, 0), tip.frame(0, 0)));
 }
 
@@ -514,32 +544,37 @@ Factors factors(const Disc& disc, const Integrals& I, const Vec2& traction, bool
   return f;
 }
 
-/// `stress`: the size of the stress in the body.
-TipIntensity intensity(const Model& model, const Field& state, const CrackTip& tip, std::span<const CrackPoint> profile,
-                       double stress) {
+/// Of a tip without values.
+TipIntensity unknown(const CrackTip& tip) {
+  TipIntensity t{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
+  t.K_I = t.K_II = t.T = t.G = t.J = nan;
+  t.spread = t.spread_K_I = t.spread_K_II = t.spread_T = nan;
+  return t;
+}
+
+TipIntensity intensity(const Model& model, const Field& state, const Beside& crack, const Sums& sums = {}) {
+  const CrackTip& tip = crack.tip;
+  const std::span<const CrackPoint> profile = crack.profile;
+  const double stress = crack.stress;
   constexpr double safe = 0.9, fewest_elements = 1.5;
   const double radius = safe * tip.room;
-  Disc disc{tip, material_at(model, tip), place_rings(radius), 0, {}};
+  Disc disc{tip, in_frame_of(tip, crack.material), place_rings(radius), 0, {}};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
   if (state.eigenstrain != 0) {
     disc.eigenstrain = state.eigenstrain;
     disc.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
   }
   const bool all_over = model.scene.body || disc.eigenstrain != 0;
-  const Cover c = cover(model.mesh, tip.at, all_over ? 0 : disc.ring.back().inner, radius);
+  const Cover c = cover(model, tip.at, all_over ? 0 : disc.ring.back().inner, radius, sums);
   const CrackLaw& law = model.scene.laws[tip.crack];
   // Where sliding changes the pressure, friction changes the power of the singularity.
   const bool other_power = !isotropic(disc.material) && law.friction > 0;
   const bool follows_gap = tip.curved && has_gap(law);  // the work of contact on it is known on straight faces
-  if (c.elements < fewest_elements || other_power || follows_gap) {
-    result.K_I = result.K_II = result.T = result.G = result.J = nan;
-    result.spread = result.spread_K_I = result.spread_K_II = result.spread_T = nan;
-    return result;
-  }
-  disc.rotation = mean_rotation(model, state, disc, c.triangles);
-  disc.smooth = smooth_part(model, state, disc, c.triangles, profile);
-  const std::vector<Face> behind = faces(model, tip, profile);
-  Integrals I = over_ring(model, state, disc, c.triangles) + work_of_tractions(disc, behind);
+  if (c.elements < fewest_elements || other_power || follows_gap) return unknown(tip);
+  disc.rotation = mean_rotation(model, state, disc, c.triangles, sums);
+  disc.smooth = smooth_part(model, state, disc, c.triangles, profile, sums);
+  const std::vector<Face> behind = faces(model, crack);
+  Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);
   else
@@ -578,9 +613,44 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   for (const CrackTip& tip : find_tips(model.mesh)) {
     if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
     crack = tip.crack;
-    tips.push_back(intensity(model, state, tip, profile, stress));
+    const std::vector<CrackEdge>& edges = model.mesh.cracks[crack];
+    tips.push_back(intensity(
+        model, state,
+        {tip, material_at(model.mesh, model.scene, tip), profile, profile.size() / edges.size(), &edges, stress}));
   }
   return tips;
+}
+
+struct SharedTips::Tip {
+  CrackTip tip;
+  Material material;
+};
+
+SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
+  for (CrackTip& tip : find_tips(mesh, divisions)) {
+    Material material = material_at(mesh, scene, tip);
+    tips_.push_back({std::move(tip), std::move(material)});
+  }
+}
+SharedTips::~SharedTips() = default;
+
+std::vector<TipIntensity> SharedTips::intensities(const Model& part, const Field& state,
+                                                  const std::vector<std::vector<CrackPoint>>& profiles,
+                                                  const Sums& sums) const {
+  const double mean = mean_stress(part, state);
+  double squares = mean * mean * area(part), whole = area(part);
+  all(sums, {&squares, &whole});
+  const double stress = std::sqrt(squares / whole);
+  std::vector<TipIntensity> found;
+  for (const Tip& t : tips_) {
+    const bool known = !t.tip.curved && !has_pressure(part.scene.laws[t.tip.crack]) && !has_eigenstrain(part.scene);
+    found.push_back(known ? intensity(part, state,
+                                      {t.tip, t.material, profiles[t.tip.crack],
+                                       static_cast<std::size_t>(part.inner->skeleton.per_edge) / 2, nullptr, stress},
+                                      sums)
+                          : unknown(t.tip));
+  }
+  return found;
 }
 
 }  // namespace kerf

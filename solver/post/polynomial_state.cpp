@@ -103,11 +103,12 @@ double PolynomialState::t_stress() const {
 }
 
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
-                          const std::vector<StateSample>& samples) {
+                          const std::vector<StateSample>& samples, const Sums& sums) {
   PolynomialState state{.material = material, .degree = degree, .force = force, .coefficients = {}};
   const Eigen::Index n = 4 * (degree + 1);
   double far = 0;
   for (const StateSample& s : samples) far = std::max(far, s.x.norm());
+  if (sums.most) sums.most({&far, 1});
   state.scale = far > 0 ? far : 1;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
@@ -116,6 +117,10 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
     const Values value(s.stress(0, 0), s.stress(1, 1), s.stress(0, 1), 2 * material.mu * s.rotation);
     normal += s.weight * b.transpose() * b;
     right += s.weight * b.transpose() * (value - of_force(material, force, s.x));
+  }
+  if (sums.add) {
+    sums.add({normal.data(), static_cast<std::size_t>(normal.size())});
+    sums.add({right.data(), static_cast<std::size_t>(right.size())});
   }
   state.coefficients = normal.completeOrthogonalDecomposition().solve(right);
   return state;

@@ -3,6 +3,7 @@
 // room.
 
 #include "kerf/scene.hpp"
+#include "solver/shared_tips.hpp"
 
 #include <vector>
 
@@ -33,9 +34,10 @@ struct StateSample {
   double rotation, weight;
 };
 
-/// The state nearest to the samples by weighted least squares, exact (to rounding) when they come from such a state.
+/// The state nearest to the samples (of all processes) by weighted least squares, exact (to rounding) when they come
+/// from such a state.
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
-                          const std::vector<StateSample>& samples);
+                          const std::vector<StateSample>& samples, const Sums& sums = {});
 
 /// s_11 = s_22 = stress: what looks the same from every direction.
 PolynomialState uniform_pressure(const Material& material, double stress);

@@ -386,7 +386,7 @@ Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) 
 
 double mean_stress(const Model& model, const Field& state) {
   double square = 0;
-  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+  for (Index t = 0; t < own_triangles(model); ++t) {
     const Triangle shape = triangle(model, t);
     square += cell_area(model, t) *
               stress_at(model.inner->kernel, shape, state.interior.col(t), centroid(shape)).squaredNorm();

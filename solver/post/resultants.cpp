@@ -137,7 +137,7 @@ std::vector<LabelResultant> reactions(const Model& m, const Field& s) {
   for (const LoadedEdges& support : m.inner->data.supports)
     for (const Index e : labeled(m.inner->data, support.label)) {
       Resultant& r = entry(all, support.label);
-      if (counted[e]) continue;
+      if (counted[e] || inside(m.mesh, e) >= own_triangles(m)) continue;
       counted[e] = true;
       holding.add_mixed(e, r);
     }

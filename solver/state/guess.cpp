@@ -8,12 +8,16 @@ namespace {
 
 /// Every Gauss point of a crack along its path: its normal jump and the share of the length.
 template <typename Visit>
-void along(const Mesh& mesh, const Skeleton& s, const Kernel& k, Index crack, const Visit& visit) {
+void along(const Mesh& mesh, const Skeleton& s, const Kernel& k, Index crack, const Visit& visit,
+           const PartOfPaths* part = nullptr) {
   double whole = 0, begin = 0;
   for (const CrackEdge& c : mesh.cracks[crack]) whole += length(mesh, c.edge);
+  if (part) whole = part->whole[crack];
   const int points = s.per_edge / 2;
-  for (const CrackEdge& c : mesh.cracks[crack]) {
+  for (std::size_t n = 0; n < mesh.cracks[crack].size(); ++n) {
+    const CrackEdge& c = mesh.cracks[crack][n];
     const double size = length(mesh, c.edge);
+    if (part) begin = part->from[crack][n];
     for (int i = 0; i < points && s.jump[c.edge] != none; ++i) {
       const int g = c.forward ? i : points - 1 - i;
       const double at = c.forward ? k.trace.s[g] : 1 - k.trace.s[g];
@@ -73,19 +77,21 @@ ContactGuess contact_guess(const Model& m, const Field& state) {
 }
 
 std::vector<Motion> motions_of(const Mesh& mesh, const Skeleton& s, const Ordering& o, const Kernel& k,
-                               const ContactGuess& guess) {
+                               const ContactGuess& guess, const PartOfPaths* part) {
   if (guess.size() != mesh.cracks.size()) return {};
   const Index leading = o.size - o.contact_rows;
   std::vector<Motion> motion(o.contact_rows, Motion::Held);
-  for (Index c = 0; c < static_cast<Index>(guess.size()); ++c)
-    along(mesh, s, k, c, [&](Index normal, double at, double) {
+  for (Index c = 0; c < static_cast<Index>(guess.size()); ++c) {
+    const auto set = [&](Index normal, double at, double) {
       const auto after = std::upper_bound(guess[c].begin(), guess[c].end(), at,
                                           [](double x, const FaceMotion& f) { return x < f.from; });
       if (after == guess[c].begin()) return;
       const FaceMotion& does = *(after - 1);
       if (s.bounded[normal]) motion[o.row[normal] - leading] = does.open ? Motion::Forward : Motion::Held;
       if (s.frictional[normal + 1]) motion[o.row[normal + 1] - leading] = static_cast<Motion>(does.slide);
-    });
+    };
+    along(mesh, s, k, c, set, part);
+  }
   return motion;
 }
 

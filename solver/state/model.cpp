@@ -24,16 +24,6 @@ namespace kerf {
 
 namespace {
 
-// Adds the body force, a combination of the motions, that undoes the work of the loads on them (inertia relief).
-void balance(const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share, Scene& scene) {
-  const auto force = [motions, share](const Vec2& x) {
-    Vec2 force = Vec2::Zero();
-    for (Eigen::Index i = 0; i < share.size(); ++i) force -= share[i] * motions[i].at(x);
-    return force;
-  };
-  scene.body = sum(scene.body, linear_field(force));
-}
-
 // A scene whose body force may change, and its data.
 struct Loaded {
   Scene& scene;
@@ -54,16 +44,16 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   for (std::size_t i = 0; i < motions.size(); ++i) {
     // Polygons for arcs and quadrature of the data leave balanced loads slightly unbalanced.
     constexpr double balanced = 1e-3;
-    const Work w = work_on(mesh, k, s, {scene, loaded.data}, motions[i]);
-    if (w.relative > balanced)
+    const Work w = work_on(mesh, k, s, {scene, loaded.data}, motions[i], static_cast<Index>(mesh.triangles.size()));
+    if (w.relative() > balanced)
       throw Error(
           Fault::Numerics,
           fmt::format("nothing holds the body against {}, and the loads push it that way (their net work is {:.3g} of "
                       "the sum of its parts); add a [[boundary]] with a displacement that stops it, or loads in "
                       "equilibrium",
-                      describe(motions[i]), w.relative));
+                      describe(motions[i]), w.relative()));
     free += (free.empty() ? "" : ", ") + describe(motions[i]);
-    worst = std::max(worst, w.relative);
+    worst = std::max(worst, w.relative());
     work[static_cast<Eigen::Index>(i)] = w.value;
   }
   if (motions.empty()) return motions;
@@ -72,7 +62,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
                      "rotation";
   constexpr double exact = 1e-12;
   if (worst > exact) {
-    balance(motions, shares(mesh, k, s, motions, work), scene);
+    scene = balanced(std::move(scene), motions, shares(mesh, k, s, motions, work));
     loaded.data = scene_data(mesh, scene, k.load, loaded.threads, loaded.bows);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
@@ -176,6 +166,14 @@ struct Prepared {
     data = std::move(loaded.data);
   }
 
+  /// Part of a body: whether it is held is known of the whole alone.
+  struct Part {};
+  Prepared(Mesh of, Kernel by, Scene under, int on, Part)
+      : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
+    data = scene_data(mesh, scene, kernel.load, threads);
+    skeleton = number(mesh, kernel, {scene, data});
+  }
+
   /// As many more are fixed there as there are motions: the pins, which are those of the supports alone.
   std::vector<bool> with_pins(const std::vector<bool>& there) const {
     std::vector<bool> all = skeleton.fixed;
@@ -200,9 +198,10 @@ struct Prepared {
             .notes = std::move(notes),
             .threads = threads,
             .seconds = seconds,
-            .inner = std::make_shared<Inner>(
-                Inner{std::move(kernel), std::move(skeleton), std::move(ordering), std::move(system), std::move(factor),
-                      std::move(floating), std::move(data), std::move(standing), std::move(held), std::move(start)})};
+            .inner = std::make_shared<Inner>(Inner{std::move(kernel), std::move(skeleton), std::move(ordering),
+                                                   std::move(system), std::move(factor), std::move(floating),
+                                                   std::move(data), std::move(standing), std::move(held),
+                                                   std::move(start), std::move(own)})};
   }
 
   Mesh mesh;
@@ -216,6 +215,7 @@ struct Prepared {
   Standing standing;
   std::shared_ptr<HeldFactors> held;
   std::vector<Motion> start;
+  std::optional<OwnShare> own;
 };
 
 /// Throws Error(Usage) for what is not solved in parts.
@@ -232,7 +232,7 @@ void check_parted(const Element& e, const Preparation& how) {
   throw Error(Fault::Usage,
               fmt::format("backend \"petsc\" takes a solve for each unknown of cracks in contact: there are "
                           "{}, and at most {} are taken; use backend = \"cholmod\", contact = \"open\", or "
-                          "a larger mesh.size",
+                          "a larger mesh.size, with mesh.refine = 1 or more, which takes none of them",
                           rows, most));
 }
 
@@ -310,6 +310,64 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
                    std::shared_ptr<Ranks> ranks, Model* before);
 
 }  // namespace
+
+Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share) {
+  const auto force = [motions, share](const Vec2& x) {
+    Vec2 force = Vec2::Zero();
+    for (Eigen::Index i = 0; i < share.size(); ++i) force -= share[i] * motions[i].at(x);
+    return force;
+  };
+  scene.body = sum(scene.body, linear_field(force));
+  return scene;
+}
+
+Floating floating_of(const Model& m, int divisions) {
+  const Inner& inner = *m.inner;
+  if (inner.floating.empty()) return {};
+  Floating f{.motions = inner.floating};
+  const Skeleton unpinned = number(m.mesh, inner.kernel, {m.scene, inner.data});
+  for (const Index u : pins(m.mesh, inner.kernel, unpinned, f.motions)) {
+    const auto& [a, b] = m.mesh.edges[u / unpinned.per_edge];
+    Pin p{{m.mesh.points[a], m.mesh.points[b]}, static_cast<int>(u % unpinned.per_edge)};
+    for (int k = 0; k < divisions; ++k) p.edge[1] = (p.edge[0] + p.edge[1]) / 2;  // as `refine` does
+    f.pins.push_back(p);
+  }
+  return f;
+}
+
+Model prepare_part(Mesh mesh, const Element& e, Scene scene, int threads, OwnShare own, const Floating& floating) {
+  check_parted(e, {});
+  Stopwatch watch;
+  Prepared made(std::move(mesh), kernel(e), std::move(scene), threads, Prepared::Part{});
+  made.floating = floating.motions;
+  for (const Pin& pin : floating.pins)
+    for (Index edge = 0; edge < static_cast<Index>(made.mesh.edges.size()); ++edge) {
+      const auto& [a, b] = made.mesh.edges[edge];
+      if (made.mesh.points[a] == pin.edge[0] && made.mesh.points[b] == pin.edge[1])
+        made.skeleton.fixed[edge_unknown(made.skeleton, edge) + pin.at] = true;
+    }
+  Ordering ordering = as_numbered(made.skeleton);
+  ModelSeconds seconds;
+  System system =
+      assemble_without_matrix({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, false});
+  own.holder = holders(made.mesh, made.skeleton, ordering, own.holder);
+  made.own = std::move(own);
+  seconds.assemble = watch.lap();
+  return std::move(made).model(std::move(ordering), std::move(system), std::make_shared<Factor>(LowerTriangle{}, 0),
+                               seconds);
+}
+
+Index own_triangles(const Model& m) {
+  return m.inner->own ? m.inner->own->triangles : static_cast<Index>(m.mesh.triangles.size());
+}
+
+const Mesh& whole_mesh(const Model& m) {
+  return m.inner->own && m.inner->own->whole ? *m.inner->own->whole : m.mesh;
+}
+
+bool owns(const Model& m, Index unknown) {
+  return !m.inner->own || m.inner->own->holder[static_cast<std::size_t>(unknown)] == m.inner->own->here;
+}
 
 std::optional<PartedEffort> parted_effort(const Model& m) {
   if (!m.inner->factor || !m.inner->factor->leading()) return std::nullopt;
@@ -472,7 +530,7 @@ Fields evaluate(const Model& model, const Field& state, Index t, const Points& x
 
 double strain_energy(const Model& m, const Field& s) {
   double energy = 0;
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+  for (Index t = 0; t < own_triangles(m); ++t) {
     const Triangle shape = triangle(m, t);
     const Material& material = material_of(m.mesh, m.scene, t);
     const TriangleRule& rule = stress_rule(m.inner->kernel, shape);
@@ -498,7 +556,7 @@ double work_of_eigenstrain(const Model& m, const Field& s) {
   double work = 0;
   if (m.inner->data.strain.empty()) return work;
   const int count = stress_count(m.element);
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+  for (Index t = 0; t < own_triangles(m); ++t)
     work += area(m.mesh, t) * m.inner->system.force.col(t).tail(count).dot(s.interior.col(t).head(count));
   return work;
 }
@@ -537,9 +595,11 @@ Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, 
 }
 
 double work_of_loads(const Model& m, const Field& s) {
-  double work = m.inner->system.tractions.dot(s.skeleton);
+  double work = 0;
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (owns(m, u)) work += m.inner->system.tractions[u] * s.skeleton[u];
   const int first = stress_count(m.element), count = displacement_count(m.element);
-  for (Index t = 0; t < static_cast<Index>(m.inner->system.force.cols()); ++t)
+  for (Index t = 0; m.inner->system.force.cols() > 0 && t < own_triangles(m); ++t)
     work += area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
   return work;
 }
@@ -550,7 +610,7 @@ double potential_energy(const Model& m, const Field& s) {
 
 double area(const Model& m) {
   double sum = 0;
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) sum += cell_area(m, t);
+  for (Index t = 0; t < own_triangles(m); ++t) sum += cell_area(m, t);
   return sum;
 }
 

@@ -363,7 +363,10 @@ void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform
 }  // namespace
 
 void remove_motions(const Model& m, Field& s) {
-  const Eigen::VectorXd share = floating_shares(m, s);
+  remove_motions(m, floating_shares(m, s), s);
+}
+
+void remove_motions(const Model& m, const Eigen::VectorXd& share, Field& s) {
   for (Index i = 0; i < static_cast<Index>(m.inner->floating.size()); ++i) {
     RigidMotion motion = m.inner->floating[i];
     motion.translation *= -share[i];
@@ -374,10 +377,14 @@ void remove_motions(const Model& m, Field& s) {
 }
 
 Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
+  return shares(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating, floating_moments(m, s));
+}
+
+Eigen::VectorXd floating_moments(const Model& m, const Field& s) {
   const Index n = static_cast<Index>(m.inner->floating.size());
   const Kernel& k = m.inner->kernel;
   Eigen::VectorXd moment = Eigen::VectorXd::Zero(n);
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
+  for (Index t = 0; t < own_triangles(m); ++t) {
     const Triangle shape = triangle(m, t);
     const TriangleRule& rule = stress_rule(k, shape);
     const Points u = evaluate(m, s, t, rule_points(rule, shape)).displacement, seen = seen_points(k, shape, rule);
@@ -388,7 +395,7 @@ Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
       for (Index i = 0; i < n; ++i) moment[i] += w * u.col(q).dot(m.inner->floating[i].at(at));
     }
   }
-  return shares(m.mesh, k, m.inner->skeleton, m.inner->floating, moment);
+  return moment;
 }
 
 std::vector<ContactPoint> contact_points(const Model& m) {

@@ -259,7 +259,10 @@ System assemble_loads(const Assembly& from, const System& like, bool with_matrix
   return a;
 }
 
-System assemble(const Assembly& from) {
+namespace {
+
+/// Before any triangle is condensed.
+System begun(const Assembly& from) {
   System a;
   a.penalty = from.plain ? 0 : penalty_for(from.kernel.element, from.scene);
   if (a.penalty > 0)
@@ -267,6 +270,31 @@ System assemble(const Assembly& from) {
   a.force = empty_force(from);
   a.alike = std::make_shared<const Alike>(from.mesh, from.kernel, from.skeleton, from.scene, from.data, a.penalty,
                                           from.threads);
+  return a;
+}
+
+}  // namespace
+
+System assemble_without_matrix(const Assembly& from) {
+  System a = begun(from);
+  a.F = Eigen::VectorXd::Zero(from.ordering.size);
+  // Only a penalty needs what condensing finds.
+  parallel_for(static_cast<Index>(from.mesh.triangles.size()), from.threads, [&](Index begin, Index end) {
+    Group group;
+    for (Index first = begin; first < end; first += Group::most) {
+      const Index count = std::min(Group::most, end - first);
+      if (a.penalty > 0)
+        group.condense(from, first, count, a);
+      else
+        for (Index t = first; a.force.cols() > 0 && t < first + count; ++t) set_force(from, t, a);
+    }
+  });
+  add_tractions(from, a);
+  return a;
+}
+
+System assemble(const Assembly& from) {
+  System a = begun(from);
   *a.K = pattern(from.ordering);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   if (from.skeleton.per_vertex > 0)

@@ -36,6 +36,9 @@ System assemble(const Assembly& from);
 /// The same where all but the loads is that of a system which is there: triangles without loads are left out.
 System assemble_loads(const Assembly& from, const System& like, bool with_matrix = true);
 
+/// Without matrix and without F, for those who solve otherwise: forces, tractions and traces alone.
+System assemble_without_matrix(const Assembly& from);
+
 ForceMoments force_of(const System& a, Index t);
 
 }  // namespace kerf

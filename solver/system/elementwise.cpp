@@ -213,8 +213,9 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
   Balance b{scattered(m, forces), m.inner->system.tractions};
   if (loaded) b.loads += scattered(m, given);
   constexpr double rounding = 1000 * std::numeric_limits<double>::epsilon();
-  b.energy = sums.row(0).sum();
-  b.noise = rounding * rounding * sums.row(1).sum();
+  const Index own = own_triangles(m);
+  b.energy = sums.row(0).head(own).sum();
+  b.noise = rounding * rounding * sums.row(1).head(own).sum();
   return b;
 }
 

@@ -41,7 +41,7 @@ void add_motions(const Element& e, const Triangle& t, const LaneMotions& motions
 void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<Eigen::VectorXd> interior);
 
 /// Sums over the triangles, per skeleton unknown: K x (with what the penalty's strains theta add), the loads that body
-/// forces and tractions condense to; and x'K x.
+/// forces and tractions condense to; and x'K x, over own triangles.
 struct Balance {
   Eigen::VectorXd forces, loads;
   double energy = 0;

@@ -204,4 +204,16 @@ Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> inter
   return std::move(numbering).couple();
 }
 
+Ordering as_numbered(const Skeleton& s, const std::vector<bool>* held) {
+  Ordering o;
+  o.row.assign(static_cast<std::size_t>(s.total), none);
+  for (const bool contact : {false, true})
+    for (Index u = 0; u < s.total; ++u) {
+      if (s.fixed[u] || in_contact(s, u) != contact || (contact && held && (*held)[u])) continue;
+      o.row[u] = o.size++;
+      if (contact && !held) ++o.contact_rows;
+    }
+  return o;
+}
+
 }  // namespace kerf

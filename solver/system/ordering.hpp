@@ -20,5 +20,8 @@ struct Ordering {
   std::vector<Index> adjacent_start;
 };
 Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {}, int threads = 1);
+/// Rows as the unknowns are numbered, those in contact last: for who eliminates nothing. No nodes. `held`, per unknown:
+/// of those in contact these have no row, and the others have theirs among all.
+Ordering as_numbered(const Skeleton& s, const std::vector<bool>* held = nullptr);
 
 }  // namespace kerf

@@ -2,71 +2,15 @@
 
 #include "geometry/topology.hpp"
 #include "kerf/stop.hpp"
+#include "solver/packer.hpp"
 #include "solver/system/lists.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
-#include <type_traits>
 
 namespace kerf {
 
 namespace {
-
-/// Bytes of plain values and of vectors of them, in the order in which they are written and read.
-class Packer {
- public:
-  template <typename T>
-  void put(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  template <typename T>
-  void put(const std::vector<T>& values) {
-    put(values.size());
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-  }
-  void put(const Eigen::MatrixXd& values) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) put(values.data()[i]);
-  }
-  std::string take() && {
-    return std::move(bytes_);
-  }
-
- private:
-  std::string bytes_;
-};
-
-class Unpacker {
- public:
-  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
-  template <typename T>
-  T get() {
-    T value;
-    copy(&value, sizeof value);
-    return value;
-  }
-  template <typename T>
-  std::vector<T> all() {
-    std::vector<T> values(get<std::size_t>());
-    copy(values.data(), values.size() * sizeof(T));
-    return values;
-  }
-  template <typename Fixed>
-  Fixed matrix() {
-    Fixed values;
-    for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = get<double>();
-    return values;
-  }
-
- private:
-  void copy(void* to, std::size_t count) {
-    if (bytes_.size() < count) throw std::logic_error("a packed part is too short");
-    if (count > 0) std::memcpy(to, bytes_.data(), count);
-    bytes_.remove_prefix(count);
-  }
-  std::string_view bytes_;
-};
 
 /// One triangle with its own copies of what Triangle points to.
 struct PackedTriangle {
@@ -104,27 +48,178 @@ void get(Unpacker& from, int points, PackedTriangle& t) {
   }
 }
 
+/// Whether all components of an edge's sides move by themselves.
+bool splits(const Assembly& from, Index e) {
+  const Skeleton& s = from.skeleton;
+  if (s.jump[e] == none) return false;
+  for (int k = 0; k < s.per_edge; ++k)
+    if (!parts_freely(from.ordering, s.jump[e] + k)) return false;
+  return true;
+}
+
 /// The unknown of a trace: of what a triangle sees of a skeleton unknown, its leading row, or none. What the right side
 /// of a crack sees is an unknown of its own where the jump is a leading row, and that of the left side where the jump
 /// is held or in contact.
-Index seen_row(const Ordering& o, Index leading, Index base, Index jump) {
-  if (jump != none && o.row[jump] != none && o.row[jump] < leading) return o.row[jump];
-  return o.row[base];
+Index seen_row(const Ordering& o, Index base, Index jump) {
+  return o.row[parts_freely(o, jump) ? jump : base];
 }
+
+struct Graph {
+  std::vector<Index> start, neighbors;
+};
+
+// Triangles that hold on to each other, not across cracks that part freely.
+Graph graph_of(const Assembly& from) {
+  Graph g;
+  g.start.push_back(0);
+  for (Index t = 0; t < static_cast<Index>(from.mesh.triangles.size()); ++t) {
+    for (const Index e : from.mesh.edges_of[t]) {
+      const auto& [left, right] = from.mesh.sides[e];
+      if (left == none || right == none || splits(from, e)) continue;
+      g.neighbors.push_back(left == t ? right : left);
+    }
+    g.start.push_back(static_cast<Index>(g.neighbors.size()));
+  }
+  return g;
+}
+
+// What is cut off from the largest piece of its part goes to the part that it has most edges with.
+std::vector<Index> in_one_piece(const Graph& graph, std::vector<Index> part) {
+  const Index n = static_cast<Index>(part.size());
+  constexpr int most = 8;
+  for (int sweep = 0; sweep < most; ++sweep) {
+    std::vector<Index> piece(part.size(), none), size, of;
+    std::vector<Index> stack;
+    for (Index seed = 0; seed < n; ++seed) {
+      if (piece[seed] != none) continue;
+      const Index name = static_cast<Index>(size.size());
+      size.push_back(0);
+      of.push_back(part[seed]);
+      piece[seed] = name;
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const Index t = stack.back();
+        stack.pop_back();
+        ++size[name];
+        for (Index p = graph.start[t]; p < graph.start[t + 1]; ++p)
+          if (const Index o = graph.neighbors[p]; piece[o] == none && part[o] == part[t]) {
+            piece[o] = name;
+            stack.push_back(o);
+          }
+      }
+    }
+    std::vector<Index> largest(static_cast<std::size_t>(*std::ranges::max_element(part)) + 1, none);
+    for (Index i = 0; i < static_cast<Index>(size.size()); ++i)
+      if (Index& l = largest[of[i]]; l == none || size[i] > size[l]) l = i;
+    std::vector<std::vector<Index>> border(size.size());  // parts beyond the edges of pieces that move
+    bool moved = false;
+    for (Index t = 0; t < n; ++t)
+      if (largest[part[t]] != piece[t])
+        for (Index p = graph.start[t]; p < graph.start[t + 1]; ++p)
+          if (const Index o = graph.neighbors[p]; part[o] != part[t]) border[piece[t]].push_back(part[o]);
+    std::vector<Index> to(size.size(), none);
+    for (std::size_t i = 0; i < border.size(); ++i) {
+      std::ranges::sort(border[i]);
+      std::ptrdiff_t best = 0;
+      for (auto at = border[i].begin(); at != border[i].end();) {
+        const auto end = std::upper_bound(at, border[i].end(), *at);
+        if (end - at > best) best = end - at, to[i] = *at;
+        at = end;
+      }
+    }
+    for (Index t = 0; t < n; ++t)
+      if (to[piece[t]] != none && largest[part[t]] != piece[t]) part[t] = to[piece[t]], moved = true;
+    if (!moved) break;
+  }
+  return part;
+}
+
+std::vector<Index> rows_of(const Assembly& from, Index t) {
+  const Seen view = seen(from.mesh, from.skeleton, t);
+  std::vector<Index> rows(static_cast<std::size_t>(view.count));
+  for (int i = 0; i < view.count; ++i) rows[i] = seen_row(from.ordering, view.base[i], view.jump[i]);
+  return rows;
+}
+
+}  // namespace
+
+bool parts_freely(const Ordering& o, Index jump) {
+  return jump != none && o.row[jump] != none && o.row[jump] < o.size - o.contact_rows;
+}
+
+Corners corners_at_free_cracks(const Assembly& from) {
+  std::vector<bool> cut(from.mesh.edges.size());
+  for (Index e = 0; e < static_cast<Index>(cut.size()); ++e) cut[e] = splits(from, e);
+  return split_at(from.mesh, cut);
+}
+
+std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& o, const std::vector<Index>& process) {
+  std::vector<Index> holder(static_cast<std::size_t>(s.total), none);
+  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    const Seen view = seen(mesh, s, t);
+    for (int i = 0; i < view.count; ++i) {
+      if (view.jump[i] != none) holder[view.jump[i]] = process[t];
+      if (Index& h = holder[view.base[i]]; !parts_freely(o, view.jump[i]) && (h == none || h > process[t]))
+        h = process[t];
+    }
+  }
+  return holder;
+}
+
+std::vector<Index> partition(const Assembly& from, Ranks& ranks) {
+  const Graph graph = graph_of(from);
+  return in_one_piece(graph, ranks.partition(graph.start, graph.neighbors));
+}
+
+std::string packed_part(const Packing& by, std::span<const Index> triangles, Index owned) {
+  const Assembly& from = by.from;
+  std::vector<Index> rows;  // of the leading rows that it sees the numbers, in order
+  for (const Index t : triangles)
+    for (const Index row : rows_of(from, t))
+      if (row != none) rows.push_back(by.number[row]);
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  const auto place = [&](Index row) {
+    return row == none ? none : static_cast<Index>(std::ranges::lower_bound(rows, by.number[row]) - rows.begin());
+  };
+  Packer to;
+  const Element& e = from.kernel.element;
+  to.put(static_cast<Index>(
+      std::ranges::find_if(elements,
+                           [&](const Element& other) { return other.name == e.name && other.degree == e.degree; }) -
+      elements.begin()));
+  to.put(rows);
+  to.put(owned);
+  to.put(static_cast<Index>(triangles.size()));
+  for (const Index t : triangles) {
+    const Material& material = material_of(from.mesh, from.scene, t);
+    put(triangle(from.mesh, from.skeleton, t), from.skeleton.per_edge / 2, to);
+    to.put(by.corners.of[t]);
+    to.put(material);
+    to.put(by.penalty / material.mu);
+    for (const Index row : rows_of(from, t)) to.put(place(row));
+  }
+  return std::move(to).take();
+}
+
+namespace {
 
 // The partition, the numbers of the unknowns, what each part sees.
 class Parts {
  public:
   Parts(const Assembly& from, double penalty, Ranks& ranks)
-      : from_(from), penalty_(penalty), leading_(from.ordering.size - from.ordering.contact_rows) {
-    part_ = in_one_piece(ranks.partition(graph_.start, graph_.neighbors));
+      : from_(from),
+        penalty_(penalty),
+        leading_(from.ordering.size - from.ordering.contact_rows),
+        part_(partition(from, ranks)) {
     number(ranks.count());
   }
 
   std::unique_ptr<PartedSolver> solver(Ranks& ranks) const {
     const Lists triangles = file_under(static_cast<Index>(owned_.size()), part_);
-    const Corners corners = corners_at_free_cracks();
-    return ranks.solver([&](Index p) { return pack(triangles[p], p, corners); }, owned_);
+    const Corners corners = corners_at_free_cracks(from_);
+    const Packing packing{from_, penalty_, corners, number_};
+    return ranks.solver([&](Index p) { return packed_part(packing, triangles[p], owned_[p]); }, owned_);
   }
   const std::vector<Index>& number() const {
     return number_;
@@ -142,96 +237,12 @@ class Parts {
   }
 
  private:
-  struct Graph {
-    std::vector<Index> start, neighbors;
-  };
-
-  // Triangles that hold on to each other, not across cracks that part freely.
-  static Graph graph_of(const Assembly& from, Index leading) {
-    Graph g;
-    g.start.push_back(0);
-    for (Index t = 0; t < static_cast<Index>(from.mesh.triangles.size()); ++t) {
-      for (const Index e : from.mesh.edges_of[t]) {
-        const auto& [left, right] = from.mesh.sides[e];
-        if (left == none || right == none || parts_freely(from, leading, e)) continue;
-        g.neighbors.push_back(left == t ? right : left);
-      }
-      g.start.push_back(static_cast<Index>(g.neighbors.size()));
-    }
-    return g;
-  }
-  static bool parts_freely(const Assembly& from, Index leading, Index e) {
-    const Skeleton& s = from.skeleton;
-    if (s.jump[e] == none) return false;
-    for (int k = 0; k < s.per_edge; ++k)
-      if (const Index row = from.ordering.row[s.jump[e] + k]; row == none || row >= leading) return false;
-    return true;
-  }
-
-  // Where a crack that parts freely ends or crosses what two parts share, that is in two pieces: each moves by itself.
-  Corners corners_at_free_cracks() const {
-    std::vector<bool> cut(from_.mesh.edges.size());
-    for (Index e = 0; e < static_cast<Index>(cut.size()); ++e) cut[e] = parts_freely(from_, leading_, e);
-    return split_at(from_.mesh, cut);
-  }
-
-  // What is cut off from the largest piece of its part goes to the part that it has most edges with.
-  std::vector<Index> in_one_piece(std::vector<Index> part) const {
-    const Index n = static_cast<Index>(part.size());
-    constexpr int most = 8;
-    for (int sweep = 0; sweep < most; ++sweep) {
-      std::vector<Index> piece(part.size(), none), size, of;
-      std::vector<Index> stack;
-      for (Index seed = 0; seed < n; ++seed) {
-        if (piece[seed] != none) continue;
-        const Index name = static_cast<Index>(size.size());
-        size.push_back(0);
-        of.push_back(part[seed]);
-        piece[seed] = name;
-        stack.push_back(seed);
-        while (!stack.empty()) {
-          const Index t = stack.back();
-          stack.pop_back();
-          ++size[name];
-          for (Index p = graph_.start[t]; p < graph_.start[t + 1]; ++p)
-            if (const Index o = graph_.neighbors[p]; piece[o] == none && part[o] == part[t]) {
-              piece[o] = name;
-              stack.push_back(o);
-            }
-        }
-      }
-      std::vector<Index> largest(static_cast<std::size_t>(*std::ranges::max_element(part)) + 1, none);
-      for (Index i = 0; i < static_cast<Index>(size.size()); ++i)
-        if (Index& l = largest[of[i]]; l == none || size[i] > size[l]) l = i;
-      std::vector<std::vector<Index>> border(size.size());  // parts beyond the edges of pieces that move
-      bool moved = false;
-      for (Index t = 0; t < n; ++t)
-        if (largest[part[t]] != piece[t])
-          for (Index p = graph_.start[t]; p < graph_.start[t + 1]; ++p)
-            if (const Index o = graph_.neighbors[p]; part[o] != part[t]) border[piece[t]].push_back(part[o]);
-      std::vector<Index> to(size.size(), none);
-      for (std::size_t i = 0; i < border.size(); ++i) {
-        std::ranges::sort(border[i]);
-        std::ptrdiff_t best = 0;
-        for (auto at = border[i].begin(); at != border[i].end();) {
-          const auto end = std::upper_bound(at, border[i].end(), *at);
-          if (end - at > best) best = end - at, to[i] = *at;
-          at = end;
-        }
-      }
-      for (Index t = 0; t < n; ++t)
-        if (to[piece[t]] != none && largest[part[t]] != piece[t]) part[t] = to[piece[t]], moved = true;
-      if (!moved) break;
-    }
-    return part;
-  }
-
   // Unknowns of the first part that sees them, part by part.
   void number(int count) {
     std::vector<Index> owner(static_cast<std::size_t>(leading_), none);
     const Index triangles = static_cast<Index>(from_.mesh.triangles.size());
     for (Index t = 0; t < triangles; ++t)
-      for (const Index row : rows_of(t))
+      for (const Index row : rows_of(from_, t))
         if (row != none && (owner[row] == none || owner[row] > part_[t])) owner[row] = part_[t];
     owned_.assign(static_cast<std::size_t>(count), 0);
     for (Index& o : owner) {
@@ -244,47 +255,9 @@ class Parts {
     for (Index row = 0; row < leading_; ++row) number_[row] = next[owner[row]]++;
   }
 
-  std::vector<Index> rows_of(Index t) const {
-    const Seen view = seen(from_.mesh, from_.skeleton, t);
-    std::vector<Index> rows(static_cast<std::size_t>(view.count));
-    for (int i = 0; i < view.count; ++i) rows[i] = seen_row(from_.ordering, leading_, view.base[i], view.jump[i]);
-    return rows;
-  }
-
-  std::string pack(std::span<const Index> triangles, Index p, const Corners& corners) const {
-    std::vector<Index> rows, local;  // leading rows that it sees, in the order of their numbers
-    for (const Index t : triangles)
-      for (const Index row : rows_of(t))
-        if (row != none) rows.push_back(number_[row]);
-    std::ranges::sort(rows);
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    const auto place = [&](Index row) {
-      return row == none ? none : static_cast<Index>(std::ranges::lower_bound(rows, number_[row]) - rows.begin());
-    };
-    Packer to;
-    const Element& e = from_.kernel.element;
-    to.put(static_cast<Index>(
-        std::ranges::find_if(elements,
-                             [&](const Element& other) { return other.name == e.name && other.degree == e.degree; }) -
-        elements.begin()));
-    to.put(rows);
-    to.put(owned_[p]);
-    to.put(static_cast<Index>(triangles.size()));
-    for (const Index t : triangles) {
-      const Material& material = material_of(from_.mesh, from_.scene, t);
-      put(triangle(from_.mesh, from_.skeleton, t), from_.skeleton.per_edge / 2, to);
-      to.put(corners.of[t]);
-      to.put(material);
-      to.put(penalty_ / material.mu);
-      for (const Index row : rows_of(t)) to.put(place(row));
-    }
-    return std::move(to).take();
-  }
-
   const Assembly& from_;
   double penalty_;
   Index leading_;
-  Graph graph_ = graph_of(from_, leading_);
   std::vector<Index> part_, owned_, number_;
 };
 

@@ -10,6 +10,27 @@ namespace kerf {
 /// Whether the unknowns of an element live on edges alone, so that its matrix can be solved in parts.
 bool can_be_parted(const Element& e);
 
+/// Whether the two sides of a crack move by themselves in a component: its jump is a leading row.
+bool parts_freely(const Ordering& o, Index jump);
+/// The corners of the mesh cut open at the edges whose sides move by themselves in all components: where such a crack
+/// ends or crosses what two parts share, that is in two pieces.
+Corners corners_at_free_cracks(const Assembly& from);
+/// Per skeleton unknown the process that answers for it (OwnShare::holder), from that of each triangle.
+std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& o, const std::vector<Index>& process);
+
+/// The process of each triangle, so that parts are of one size and in one piece, and few edges are cut.
+std::vector<Index> partition(const Assembly& from, Ranks& ranks);
+
+/// What a part is packed from. `number`: of the leading rows that its triangles see, among all.
+struct Packing {
+  const Assembly& from;
+  double penalty = 0;      // System::penalty
+  const Corners& corners;  // at free cracks
+  const std::vector<Index>& number;
+};
+/// What condensed_part (solver/ranks.hpp) unpacks: of these triangles; of the unknowns of all the process owns so many.
+std::string packed_part(const Packing& by, std::span<const Index> triangles, Index owned);
+
 /// Solves with the leading rows of K by `ranks`. `penalty`: System::penalty. On the two sides of a crack that parts
 /// freely the unknowns are what each side sees, u and u + jump: then no part holds on to what it does not touch
 /// [theory: E.30].

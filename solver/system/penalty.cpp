@@ -49,27 +49,31 @@ Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<d
 
 // An enclosed body does not feel a uniform theta/a, so that its error must be watched here: as a pressure, relative to
 // the terms that it is the sum of.
-void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
-  const Eigen::VectorXd before = s.theta;
-  Eigen::VectorXd size(s.theta.size()), change(s.theta.size());
-  const Twofold skeleton = on_skeleton(m, s, loads.prescribed);
+ThetaChange move_theta(const Model& m, const Loads& loads, const Twofold& skeleton, Eigen::VectorXd& theta) {
+  const Eigen::VectorXd before = theta;
+  Eigen::VectorXd size(theta.size()), change(theta.size());
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
-  parallel_for(static_cast<Index>(s.theta.size()), m.threads, [&](Index begin, Index end) {
+  parallel_for(static_cast<Index>(theta.size()), m.threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto column = m.inner->system.traces.col(t);
       const SkeletonVector seen_here = skeleton.low.size() > 0
                                            ? strained(m, skeleton, t).rest
                                            : trace_seen(m.mesh, m.inner->skeleton, skeleton.high, t);
       const double size_of = cell_area(m, t), a = penalty_at(m, t),
-                   mean = column.head(count).dot(seen_here) / size_of + loads.own[t] + s.theta[t] * column[count + 1];
+                   mean = column.head(count).dot(seen_here) / size_of + loads.own[t] + theta[t] * column[count + 1];
       size[t] = std::max(column.head(count).cwiseProduct(seen_here).cwiseAbs().sum() / size_of + std::abs(loads.own[t]),
                          std::abs(mean));
-      s.theta[t] = a * mean;
+      theta[t] = a * mean;
       change[t] = mean - before[t] / a;
     }
   });
-  const double scale = size.size() > 0 ? size.maxCoeff() : 0;
-  s.penalty_error = scale > 0 ? change.cwiseAbs().maxCoeff() / scale : 0;
+  const Index own = own_triangles(m);
+  return own > 0 ? ThetaChange{change.head(own).cwiseAbs().maxCoeff(), size.head(own).maxCoeff()} : ThetaChange{};
+}
+
+void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s) {
+  const ThetaChange moved = move_theta(m, loads, on_skeleton(m, s, loads.prescribed), s.theta);
+  s.penalty_error = moved.size > 0 ? moved.change / moved.size : 0;
 }
 
 // Scattered in the order of the triangles.
@@ -154,14 +158,9 @@ Eigen::VectorXd Condensation::solve_at_contact(const Eigen::VectorXd& b, const s
                               HeldFactors::On::Contact);
 }
 
-namespace {
-
-// Connected triangles of one material; all triangles are one piece where there is but one material. No more than a
-// number of pieces, each of which costs a solve: those that are left share the last.
-std::vector<Index> pieces_of(const Model& m) {
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  constexpr Index most = 200;
-  std::vector<Index> piece(static_cast<std::size_t>(triangles), m.scene.regions.empty() ? 0 : none);
+std::vector<Index> material_pieces(const Mesh& mesh, const Scene& scene, Index most) {
+  const Index triangles = static_cast<Index>(mesh.triangles.size());
+  std::vector<Index> piece(static_cast<std::size_t>(triangles), scene.regions.empty() ? 0 : none);
   Index count = 0;
   std::vector<Index> waiting;
   for (Index first = 0; first < triangles; ++first) {
@@ -172,9 +171,9 @@ std::vector<Index> pieces_of(const Model& m) {
     while (!waiting.empty()) {
       const Index t = waiting.back();
       waiting.pop_back();
-      for (const Index e : m.mesh.edges_of[t])
-        for (const Index next : m.mesh.sides[e])
-          if (next != none && piece[next] == none && region_of(m.mesh, next) == region_of(m.mesh, t)) {
+      for (const Index e : mesh.edges_of[t])
+        for (const Index next : mesh.sides[e])
+          if (next != none && piece[next] == none && region_of(mesh, next) == region_of(mesh, t)) {
             piece[next] = number;
             waiting.push_back(next);
           }
@@ -182,6 +181,8 @@ std::vector<Index> pieces_of(const Model& m) {
   }
   return piece;
 }
+
+namespace {
 
 // The response to a unit of theta/a on one piece.
 Eigen::VectorXd response_to(const Condensation& condensed, const Loads& loads, const UniformPressure& u, Index k) {
@@ -216,7 +217,8 @@ void without_level(const Model& m, const Loads& loads, PenaltyIterate& s) {
 
 void UniformPressure::prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions) {
   const Model& m = condensed.m;
-  if (piece.empty()) piece = pieces_of(m);
+  constexpr Index most = 200;  // each costs a solve
+  if (piece.empty()) piece = material_pieces(m.mesh, m.scene, most);
   motion = motions;
   const Index count = 1 + *std::max_element(piece.begin(), piece.end()), rows = m.inner->ordering.size;
   const Eigen::Index traces = m.inner->system.traces.rows() - 2;

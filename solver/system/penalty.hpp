@@ -38,7 +38,13 @@ Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton);
 /// All skeleton unknowns of an iterate.
 Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere);
 
-/// theta = a mean(tr s) of the present solution.
+/// What a change of theta/a, the pressures, is judged by: the largest, and the largest of the terms that they sum.
+struct ThetaChange {
+  double change = 0, size = 0;
+};
+/// theta = a mean(tr s) of the solution with these values of the skeleton.
+ThetaChange move_theta(const Model& m, const Loads& loads, const Twofold& skeleton, Eigen::VectorXd& theta);
+/// The same of the present solution.
 void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);
 
 /// F with the penalty paid back.
@@ -97,6 +103,10 @@ struct UniformPressure {
  private:
   void prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions);
 };
+
+/// Connected triangles of one material; all are one piece without regions. No more than `most`: those that are left
+/// share the last.
+std::vector<Index> material_pieces(const Mesh& mesh, const Scene& scene, Index most);
 
 /// What rounding alone may leave of K x - F, relative to `load`: no solve shrinks that.
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load);

@@ -119,15 +119,20 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   return value;
 }
 
-Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion) {
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion,
+             Index triangles) {
   const Eigen::VectorXd loads = traction_loads(mesh, k, s, loading.data);
   double work = 0, size = 0;
   const auto add = [&](double term) {
     work += term;
     size += std::abs(term);
   };
+  const auto counts = [&](Index e) {
+    const auto& [left, right] = mesh.sides[e];
+    return (left != none && left < triangles) || (right != none && right < triangles);
+  };
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
-    for (int g = 0; g < s.per_edge / 2; ++g) {
+    for (int g = 0; g < s.per_edge / 2 && counts(e); ++g) {
       const Vec2 load = loads.segment<2>(edge_unknown(s, e) + 2 * g);
       if (load.isZero(0)) continue;
       const Vec2 moved = frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.bows, e, k.trace.s[g]).x);
@@ -138,7 +143,7 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
     for (Index u = edge_unknown(s, static_cast<Index>(mesh.edges.size())); u < s.base; ++u) add(loads[u] * moved[u]);
   }
   if (loading.scene.body)
-    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+    for (Index t = 0; t < triangles; ++t) {
       const Triangle shape = triangle(mesh, s, t);
       const Points x = rule_points(k.load, shape), force = body_force(loading.data, loading.scene, t, x);
       const Points seen = is_curved(shape) ? seen_points(k, shape, k.load) : x;
@@ -150,7 +155,7 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
         size += weight * force.col(q).norm() * moved.norm();  // a radial force works on a rotation by rounding alone
       }
     }
-  return {work, size > 0 ? std::abs(work) / size : 0};
+  return {work, size};
 }
 
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions) {
@@ -185,11 +190,11 @@ Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule)
   return k.element.displacement == 0 ? Points(centroid(t).replicate(1, rule.w.size())) : rule_points(rule, t);
 }
 
-Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
-                       const Eigen::VectorXd& moments) {
-  const Eigen::Index n = moments.size();
+Eigen::MatrixXd gram_of(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                        Index triangles) {
+  const auto n = static_cast<Eigen::Index>(motions.size());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+  for (Index t = 0; t < triangles; ++t) {
     const Triangle shape = triangle(mesh, s, t);
     const TriangleRule& rule = stress_rule(k, shape);
     const Points seen = seen_points(k, shape, rule);
@@ -201,7 +206,12 @@ Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, con
         for (Eigen::Index j = 0; j < n; ++j) gram(i, j) += w * motions[i].at(at).dot(motions[j].at(at));
     }
   }
-  return gram.llt().solve(moments);
+  return gram;
+}
+
+Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                       const Eigen::VectorXd& moments) {
+  return gram_of(mesh, k, s, motions, static_cast<Index>(mesh.triangles.size())).llt().solve(moments);
 }
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 
 #include "solver/system/skeleton.hpp"
 
+#include <cmath>
 #include <string>
 
 namespace kerf {
@@ -27,11 +28,16 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
                                       const std::vector<Index>& piece, Index which);
 
 /// Work of tractions and body force on a motion, and its size relative to the sum of the absolute contributions, those
-/// of the body force as large as if it were parallel to the motion (0 without loads).
+/// of the body force as large as if it were parallel to the motion (0 without loads). Of what acts on the first
+/// triangles of the mesh.
 struct Work {
-  double value = 0, relative = 0;
+  double value = 0, size = 0;
+  double relative() const {
+    return size > 0 ? std::abs(value) / size : 0;
+  }
 };
-Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion);
+Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion,
+             Index triangles);
 
 /// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion.
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions);
@@ -43,8 +49,10 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
 /// in curved triangles at the projection of the places onto its displacements.
 Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule);
 
-/// Shares of the motions, as the element's displacement sees them, in the field that has the `moments` int u . motion:
-/// Gram matrix^-1 moments.
+/// The Gram matrix of the motions, as the element's displacement sees them on the first triangles of the mesh.
+Eigen::MatrixXd gram_of(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                        Index triangles);
+/// Shares of the motions in the field that has the `moments` int u . motion: Gram matrix^-1 moments.
 Eigen::VectorXd shares(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
                        const Eigen::VectorXd& moments);
 

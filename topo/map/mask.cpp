@@ -4,6 +4,7 @@
 
 #include "geometry/plane.hpp"
 #include "solver/parallel.hpp"
+#include "solver/system.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,15 +25,16 @@ struct Looked {
 };
 
 std::vector<Segment> features(const Model& m) {
+  const Mesh& mesh = whole_mesh(m);
   std::vector<Segment> all;
-  for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
-    const auto& [left, right] = m.mesh.sides[e];
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [left, right] = mesh.sides[e];
     const bool interface =
-        left != none && right != none && !m.mesh.region.empty() && m.mesh.region[left] != m.mesh.region[right];
-    const bool crack = m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
+        left != none && right != none && !mesh.region.empty() && mesh.region[left] != mesh.region[right];
+    const bool crack = mesh.crack[e] != none && m.scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
     const bool boundary = left == none || right == none;
     if (boundary || crack || interface)
-      all.push_back({m.mesh.points[m.mesh.edges[e][0]], m.mesh.points[m.mesh.edges[e][1]],
+      all.push_back({mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]],
                      boundary ? Near::Boundary
                      : crack  ? Near::Crack
                               : Near::Material});

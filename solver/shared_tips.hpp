@@ -1,0 +1,36 @@
+#pragma once
+// K, G and T at the tips of a body that several processes have in parts: the integrals of kerf/fracture.hpp, each
+// process summing over its own triangles.
+
+#include "kerf/fracture.hpp"
+#include "kerf/recover.hpp"
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace kerf {
+
+/// Over processes, the same on all.
+struct Sums {
+  std::function<void(std::span<double>)> add, most;
+};
+
+/// The tips of a mesh as they are once every edge is divided, and what their cracks are beside them.
+class SharedTips {
+ public:
+  /// Chords stand for curved cracks. `mesh`, `scene`: before the division.
+  SharedTips(const Mesh& mesh, const Scene& scene, int divisions);
+  ~SharedTips();
+  /// `profiles`: per crack all of its points. All processes call it together. NaN, as where no domain fits, on cracks
+  /// with a fluid pressure and in bodies with an eigenstrain.
+  std::vector<TipIntensity> intensities(const Model& part, const Field& state,
+                                        const std::vector<std::vector<CrackPoint>>& profiles, const Sums& sums) const;
+
+ private:
+  struct Tip;
+  std::vector<Tip> tips_;
+};
+
+}  // namespace kerf

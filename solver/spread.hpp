@@ -1,0 +1,85 @@
+#pragma once
+// A body that several processes solve together, each on its own part of the mesh: none ever has the whole.
+
+#include "geometry/spread.hpp"
+#include "kerf/state.hpp"
+#include "solver/ranks.hpp"
+
+#include <cstring>
+#include <memory>
+#include <span>
+
+namespace kerf {
+
+struct Floating;  // solver/system.hpp
+
+/// Solves K z = b, of which a process has the unknowns that are its own, in order.
+class SharedSolver {
+ public:
+  virtual ~SharedSolver() = default;
+  virtual Eigen::VectorXd solve(const Eigen::VectorXd& own) = 0;  // throws Error(Numerics) when it does not converge
+  virtual PartedEffort effort() const = 0;
+};
+
+/// The processes. All of them call the same functions, in the same order.
+class Peers {
+ public:
+  virtual ~Peers() = default;
+  virtual Index here() const = 0;
+  virtual Index count() const = 0;
+  virtual void sum(std::span<double> values) = 0;  // over processes: the same bits on all
+  virtual void largest(std::span<double> values) = 0;
+  /// `to[p]` goes to process p; returns what came from each.
+  virtual std::vector<std::string> exchange(const std::vector<std::string>& to) = 0;
+  /// `packed`: solver/system/parted.hpp, what this process has of K; `total`: unknowns of all.
+  virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total) = 0;
+};
+
+/// Plain values of each process, one after the other; the same on all.
+template <typename T>
+std::vector<T> gathered(Peers& peers, const std::vector<T>& own) {
+  const std::string bytes(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
+  std::vector<T> all;
+  for (const std::string& from :
+       peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), bytes))) {
+    const std::size_t begin = all.size();
+    all.resize(begin + from.size() / sizeof(T));
+    if (!from.empty()) std::memcpy(static_cast<void*>(all.data() + begin), from.data(), from.size());
+  }
+  return all;
+}
+
+double sum(Peers& peers, double value);
+double largest(Peers& peers, double value);
+
+/// The part of the body that this process has. Integrals over its model run over own triangles alone (solver/system.hpp
+/// OwnShare): their sum over the processes is that of the body.
+class SharedBody {
+ public:
+  /// `part` of a body that its supports hold, but for the motions that are floating. Throws Error(Usage) for an element
+  /// that is not solved in parts. `piece`: of each triangle before it was divided, the connected part of its material
+  /// (pieces_for_pressure). `whole`: the mesh before it was divided, for maps (OwnShare::whole).
+  SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
+             const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole = nullptr);
+  SharedBody(SharedBody&&) noexcept;
+  ~SharedBody();
+
+  const Model& model() const;
+  Index unknowns() const;  // of the body: condensed, those in contact included
+  /// The state of own triangles and of the neighbors that are here; certificate and counts are those of the body.
+  /// Contact is settled by systems of the whole, one for each set of points that touch, beginning with `guess`.
+  State solve(const ContactGuess& guess = {});
+  PartedEffort effort() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What SharedBody is to know of the materials of a mesh that is not divided yet.
+std::vector<Index> pieces_for_pressure(const Mesh& mesh, const Scene& scene);
+
+/// The process of each triangle, so that their parts are of one size and few edges are cut.
+std::vector<Index> shares(const Model& model, Ranks& ranks);
+
+}  // namespace kerf
