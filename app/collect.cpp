@@ -79,42 +79,47 @@ std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& 
 
 }  // namespace
 
+CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& profile,
+                         const std::vector<double>& slip) {
+  CrackResult r;
+  r.name = name;
+  double most = 0;  // of the fluid
+  for (const CrackPoint& p : profile) {
+    const bool closed = p.status == CrackPoint::Status::Closed;
+    r.length += p.length;
+    (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
+    r.max_opening = std::max(r.max_opening, p.distance());
+    if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.distance());
+    r.max_pressure = std::max(r.max_pressure, p.contact_pressure());
+    if (std::abs(p.fluid_pressure) > std::abs(most)) most = p.fluid_pressure;
+    r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed, p.fluid_pressure, p.gap});
+  }
+  if (has_pressure(law)) r.fluid_pressure = most;
+  r.has_gap = has_gap(law);
+  r.transitions = transitions(profile, slip, law);
+  if (law.kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
+  return r;
+}
+
+TipResult tip_result(const TipIntensity& t) {
+  TipResult tip{.at = t.at};
+  if (!std::isfinite(t.K_I)) return tip;
+  tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G;
+  if (std::isfinite(t.T)) tip.T = t.T;
+  tip.spread = {t.spread_K_I, t.spread_K_II, t.spread_T};
+  return tip;
+}
+
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool with_tips) {
   std::vector<CrackResult> results;
   std::vector<TipIntensity> tips;
   if (with_tips) tips = crack_tips(model, state);
   for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
-    CrackResult r;
-    r.name = shape.cracks[c].name;
-    const std::vector<CrackPoint> profile = crack_profile(model, state, c);
-    double most = 0;  // of the fluid
-    for (const CrackPoint& p : profile) {
-      const bool closed = p.status == CrackPoint::Status::Closed;
-      r.length += p.length;
-      (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
-      r.max_opening = std::max(r.max_opening, p.distance());
-      if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.distance());
-      r.max_pressure = std::max(r.max_pressure, p.contact_pressure());
-      if (std::abs(p.fluid_pressure) > std::abs(most)) most = p.fluid_pressure;
-      r.rows.push_back({p.s, p.at, p.jump_n, p.jump_t, p.sigma_n, p.sigma_t, closed, p.fluid_pressure, p.gap});
-    }
-    if (has_pressure(model.scene.laws[c])) r.fluid_pressure = most;
-    r.has_gap = has_gap(model.scene.laws[c]);
-    if (has_friction(model.scene.laws[c]))
-      r.transitions = transitions(profile, slip_profile(model, state, c), model.scene.laws[c]);
-    else
-      r.transitions = transitions(profile, {}, model.scene.laws[c]);
-    if (model.scene.laws[c].kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
+    const CrackLaw& law = model.scene.laws[c];
+    CrackResult r = crack_result(shape.cracks[c].name, law, crack_profile(model, state, c),
+                                 has_friction(law) ? slip_profile(model, state, c) : std::vector<double>{});
     for (const TipIntensity& t : tips)
-      if (t.crack == c) {
-        TipResult tip{.at = t.at};
-        if (std::isfinite(t.K_I)) {
-          tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G;
-          if (std::isfinite(t.T)) tip.T = t.T;
-          tip.spread = {t.spread_K_I, t.spread_K_II, t.spread_T};
-        }
-        r.tips.push_back(tip);
-      }
+      if (t.crack == c) r.tips.push_back(tip_result(t));
     results.push_back(std::move(r));
   }
   return results;

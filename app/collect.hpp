@@ -4,7 +4,9 @@
 #include "io/result.hpp"
 #include "kerf/adaptive.hpp"
 #include "kerf/bounds.hpp"
+#include "kerf/fracture.hpp"
 #include "kerf/map.hpp"
+#include "kerf/recover.hpp"
 #include "kerf/vtk.hpp"
 
 namespace kerf {
@@ -24,6 +26,10 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
 void add_energy_bounds(const EnergyBounds& bounds, StateResult& state);
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
+/// Without tips. `slip`: per point what it has slid, with friction; else empty.
+CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& profile,
+                         const std::vector<double>& slip);
+TipResult tip_result(const TipIntensity& tip);
 /// `tips`: with K, G and T at the tips.
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);
 

@@ -52,7 +52,8 @@ void write_text(const Journal& journal, const std::string& name, std::string tex
   journal.later([path = journal.file(name), text = std::move(text)] { write_file(path, text); });
 }
 
-/// Fields at the corners and at the centroids.
+}  // namespace
+
 std::vector<NamedField> map_fields(const Mapped& mapped) {
   const FullMap& map = mapped.full;
   std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
@@ -70,6 +71,8 @@ std::vector<NamedField> map_fields(const Mapped& mapped) {
   if (map.angle.size() > 0) fields.push_back({"angle_deg", true, map.angle.transpose() / degree});
   return fields;
 }
+
+namespace {
 
 std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const FullMap& map) {
   const bool oriented = map.angle.size() > 0;
@@ -93,15 +96,17 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
     const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-                          (name.starts_with("probe_") && type == ".csv");
+                          (name.starts_with("probe_") && type == ".csv") ||
+                          ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
     const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
                          name == "optimize.pvd" || name == "history.csv";
     if (resumed && !resume) old.push_back(entry.path());
     for (const char* known :
-         {"result.json",  "state.vtu",     "map.vtu",     "map.csv",        "validate.csv", "mesh.png",
-          "measured.csv", "von_mises.png", "map.png",     "validate.png",   "report.html",  "report.bin",
-          "design.png",   "evolution.png", "history.png", "optimality.png", "design.toml",  "design.svg",
-          "design.dxf",   "design.msh",    "design.step", "case.toml",      "bounds.csv",   "bounds.vtp"})
+         {"result.json",  "state.vtu",  "state.pvtu",   "map.vtu",       "map.pvtu",    "map.csv",
+          "validate.csv", "mesh.png",   "measured.csv", "von_mises.png", "map.png",     "validate.png",
+          "report.html",  "report.bin", "design.png",   "evolution.png", "history.png", "optimality.png",
+          "design.toml",  "design.svg", "design.dxf",   "design.msh",    "design.step", "case.toml",
+          "bounds.csv",   "bounds.vtp"})
       if (name == known) old.push_back(entry.path());
     if (numbered) old.push_back(entry.path());
   }
@@ -116,6 +121,10 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
                        const std::vector<CrackResult>& cracks) {
   if (journal.vtk)
     write_fields(journal, "state.vtu", data, state_fields(adapted.model, adapted.state, data, adapted.indicator));
+  write_crack_files(journal, cracks);
+}
+
+void write_crack_files(const Journal& journal, const std::vector<CrackResult>& cracks) {
   for (const CrackResult& crack : cracks) {
     const std::string name = "crack_" + crack.name;
     journal.later([path = journal.file(name + ".csv"), crack] { write_crack_csv(path, crack); });

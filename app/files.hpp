@@ -15,11 +15,17 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume);
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks);
 
+/// crack_<name>.csv and .vtp.
+void write_crack_files(const Journal& journal, const std::vector<CrackResult>& cracks);
+
 /// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
 
 /// bounds.csv; bounds.vtp: the points with lower and upper of each quantity.
 void write_bounds_files(const Journal& journal, const BoundsResult& bounds);
+
+/// At the corners and at the centroids.
+std::vector<NamedField> map_fields(const Mapped& map);
 
 /// map.vtu; map.csv at the asked points, or at all corners.
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,

@@ -44,6 +44,11 @@ double triangles_of_size(const Case& c) {
   return area(c.shape) / (std::sqrt(3.0) / 4 * h * h);
 }
 
+/// Triangles that mesh.refine makes of one.
+double divided(const Case& c) {
+  return std::pow(4, c.divisions);
+}
+
 Case coarser(const Case& c, double factor) {
   Case out = c;
   out.sizing.size = factor * size_of(c);
@@ -133,7 +138,7 @@ double size_for(const Case& c, double share) {
 }  // namespace
 
 double rough_triangles(const Case& c) {
-  return c.adapt ? c.adapt->max_triangles : triangles_of_size(c);
+  return c.adapt ? c.adapt->max_triangles : divided(c) * triangles_of_size(c);
 }
 
 Forecast forecast(const Case& c, Job job, int threads) {
@@ -142,6 +147,7 @@ Forecast forecast(const Case& c, Job job, int threads) {
   Case plain = c;
   const bool optimizes = c.optimize && (job == Job::Optimize || job == Job::Run);
   plain.optimize.reset();
+  plain.divisions = 0;
   if (c.synthetic)  // any data cost the same
     plain.functional = with_measured(std::move(plain.functional), c.synthetic->label,
                                      [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); });
@@ -165,7 +171,8 @@ Forecast forecast(const Case& c, Job job, int threads) {
     f.triangles = rough;
   } else if (rough < countable) {
     f.exact = trial.n == trial.meshed;
-    f.triangles = static_cast<double>(triangulate(c.shape, c.sizing).triangles.size()) + (trial.n - trial.meshed);
+    f.triangles =
+        divided(c) * (static_cast<double>(triangulate(c.shape, c.sizing).triangles.size()) + (trial.n - trial.meshed));
   } else {
     f.triangles = rough * std::max(1.0, trial.n / triangles_of_size(larger));
   }

@@ -4,6 +4,7 @@
 #include "app/keys.hpp"
 #include "app/mesh.hpp"
 #include "app/optimize.hpp"
+#include "app/parts.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/ranks.hpp"
@@ -398,7 +399,10 @@ int start(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "bench") start_bench(argv + 1);
   Processes processes;
   if (started_processes() > 1 && processes.start() > 0) {
-    processes.serve();
+    processes.serve([&](std::string_view task, Peers& peers) {
+      const auto arguments = parse(argc, argv);  // as the first process has done
+      work_on_part(read_case(arguments->case_file, arguments->overrides), task, peers);
+    });
     return 0;
   }
   const auto arguments = parse(argc, argv);

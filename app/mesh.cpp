@@ -43,8 +43,9 @@ void require_mesh_ending(const std::filesystem::path& path) {
 
 std::string write_mesh_of(const Case& c, const std::filesystem::path& path, const std::string& format) {
   require_mesh_ending(path);
-  const Mesh made = c.mesh ? Mesh{} : triangulate(c.shape, c.sizing);
-  const Mesh& mesh = c.mesh ? *c.mesh : made;
+  Mesh made = c.mesh ? Mesh{} : triangulate(c.shape, c.sizing);
+  for (int k = 0; k < c.divisions; ++k) made = refine(k == 0 && c.mesh ? *c.mesh : made);
+  const Mesh& mesh = c.mesh && c.divisions == 0 ? *c.mesh : made;
   if (path.extension() == ".msh")
     write_mesh(path, mesh, c.shape, format == "2.2" ? MshVersion::V2 : MshVersion::V4);
   else

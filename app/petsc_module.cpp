@@ -316,8 +316,49 @@ void gather(const double* own, int owned, double* all, const int* counts) {
   MPI_Gatherv(own, owned, MPI_DOUBLE, all, counts, first.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
 }
 
-constexpr KerfPetsc table{start,   finish, abort_all, send,  wait, receive, partition,
-                          options, unused, make,      solve, drop, scatter, gather};
+// A reduction to all may add in another order on each process.
+void sum(double* values, std::size_t count) {
+  constexpr std::size_t most = std::size_t{1} << 27;
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  for (std::size_t at = 0; at < count; at += most) {
+    const int n = static_cast<int>(std::min(most, count - at));
+    MPI_Reduce(rank == 0 ? MPI_IN_PLACE : values + at, values + at, n, MPI_DOUBLE, MPI_SUM, 0, PETSC_COMM_WORLD);
+    MPI_Bcast(values + at, n, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+  }
+}
+
+void largest(double* values, std::size_t count) {
+  MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(count), MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+}
+
+void sizes(const std::size_t* to, std::size_t* from) {
+  MPI_Alltoall(to, sizeof *to, MPI_BYTE, from, sizeof *from, MPI_BYTE, PETSC_COMM_WORLD);
+}
+
+void swap(const void* const* to, const std::size_t* to_count, void* const* from, const std::size_t* from_count) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  int rank = 0, processes = 1;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &processes);
+  std::vector<MPI_Request> waiting;
+  for (int p = 0; p < processes; ++p) {
+    if (p == rank) {
+      if (to_count[p] > 0) std::memcpy(from[p], to[p], to_count[p]);
+      continue;
+    }
+    for (std::size_t at = 0; at < from_count[p]; at += most)
+      MPI_Irecv(static_cast<char*>(from[p]) + at, static_cast<int>(std::min(most, from_count[p] - at)), MPI_BYTE, p,
+                tag, PETSC_COMM_WORLD, &waiting.emplace_back());
+    for (std::size_t at = 0; at < to_count[p]; at += most)
+      MPI_Isend(static_cast<const char*>(to[p]) + at, static_cast<int>(std::min(most, to_count[p] - at)), MPI_BYTE, p,
+                tag, PETSC_COMM_WORLD, &waiting.emplace_back());
+  }
+  MPI_Waitall(static_cast<int>(waiting.size()), waiting.data(), MPI_STATUSES_IGNORE);
+}
+
+constexpr KerfPetsc table{start, finish, abort_all, send,    wait,   receive, partition, options, unused,
+                          make,  solve,  drop,      scatter, gather, sum,     largest,   sizes,   swap};
 
 }  // namespace
 

@@ -52,6 +52,12 @@ struct KerfPetsc {
   /// From the first process to all, `counts` each, and back.
   void (*scatter)(const double* all, const int* counts, double* own, int owned);
   void (*gather)(const double* own, int owned, double* all, const int* counts);
+  /// Over processes, the same bits on all.
+  void (*sum)(double* values, std::size_t count);
+  void (*largest)(double* values, std::size_t count);
+  /// Bytes from each process to each: how many come, then the bytes.
+  void (*sizes)(const std::size_t* to, std::size_t* from);
+  void (*swap)(const void* const* to, const std::size_t* to_count, void* const* from, const std::size_t* from_count);
 };
 using KerfPetscModule = const KerfPetsc* (*)();
 }

@@ -38,7 +38,7 @@ const Module& loaded() {
 }
 
 // What the first process asks the others for; then the name of a solver, and what belongs to it.
-enum class Order : char { Options, Make, Solve, Drop, End };
+enum class Order : char { Options, Make, Solve, Drop, Task, End };
 
 constexpr double tolerance = 1e-10;  // of the residual of a solve; the rounds of the state refine it
 
@@ -112,10 +112,15 @@ class Share {
   KerfPetscSolved solve(const double* b, double* x, const int* counts) {
     const KerfPetsc& call = *loaded().call;
     std::vector<double> right(static_cast<std::size_t>(part_.owned)), own(right.size());
-    KerfPetscSolved how{};
     call.scatter(b, counts, right.data(), part_.owned);
-    need(call.solve(solver_, right.data(), own.data(), &how));
+    const KerfPetscSolved how = solve_own(right.data(), own.data());
     call.gather(own.data(), part_.owned, x, counts);
+    return how;
+  }
+  /// Of what each process owns.
+  KerfPetscSolved solve_own(const double* right, double* x) {
+    KerfPetscSolved how{};
+    need(loaded().call->solve(solver_, right, x, &how));
     return how;
   }
   int interface_rows = 0, primal = 0;
@@ -123,6 +128,100 @@ class Share {
  private:
   RankPart part_;  // the solver looks at its matrix
   void* solver_ = nullptr;
+};
+
+void add(const KerfPetscSolved& how, PartedEffort& effort) {
+  ++effort.solves;
+  effort.iterations = std::max(effort.iterations, how.iterations);
+  effort.condition = std::max(effort.condition, how.condition);
+  effort.sent = std::max(effort.sent, how.sent);
+  effort.seconds += how.seconds;
+  effort.first_mb = how.first_mb;
+  effort.other_mb = how.other_mb;
+}
+
+/// Throws Error(Numerics) for a solve that has not come far enough.
+void require_solved(const KerfPetscSolved& how, int parts) {
+  constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
+  if (how.reason < 0 && !(how.left <= enough))
+    throw Error(Fault::Numerics,
+                fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
+                            "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
+                            parts, how.reason, how.iterations));
+}
+
+/// Of the first process, after a solve: throws Error(Usage) for options that nothing has asked for.
+void refuse_unused(const std::string& options) {
+  const char* names = loaded().call->unused(options.c_str());
+  if (!names) return;
+  std::string list(names);
+  list.pop_back();
+  std::ranges::replace(list, '\n', ' ');
+  throw Error(Fault::Usage, fmt::format("solver.petsc: PETSc has no use here for {}; its manual pages of KSPCG, PCBDDC "
+                                        "and MUMPS list their options",
+                                        list));
+}
+
+class MpiPeers : public Peers {
+ public:
+  MpiPeers(int rank, int count) : rank_(rank), count_(count) {}
+  Index here() const override {
+    return static_cast<Index>(rank_);
+  }
+  Index count() const override {
+    return static_cast<Index>(count_);
+  }
+  void sum(std::span<double> values) override {
+    loaded().call->sum(values.data(), values.size());
+  }
+  void largest(std::span<double> values) override {
+    loaded().call->largest(values.data(), values.size());
+  }
+  std::vector<std::string> exchange(const std::vector<std::string>& to) override {
+    const auto n = static_cast<std::size_t>(count_);
+    std::vector<std::size_t> out(n), in(n);
+    for (std::size_t p = 0; p < n; ++p) out[p] = to[p].size();
+    loaded().call->sizes(out.data(), in.data());
+    std::vector<std::string> from(n);
+    std::vector<const void*> sent(n);
+    std::vector<void*> got(n);
+    for (std::size_t p = 0; p < n; ++p) {
+      from[p].resize(in[p]);
+      sent[p] = to[p].data();
+      got[p] = from[p].data();
+    }
+    loaded().call->swap(sent.data(), out.data(), got.data(), in.data());
+    return from;
+  }
+  std::unique_ptr<SharedSolver> solver(std::string packed, Index total) override {
+    return std::make_unique<Solver>(std::move(packed), total, count_);
+  }
+
+ private:
+  class Solver : public SharedSolver {
+   public:
+    Solver(std::string packed, Index total, int parts) : share_(std::move(packed), total) {
+      effort_ = {.parts = parts, .interface_rows = share_.interface_rows, .primal = share_.primal};
+    }
+    Eigen::VectorXd solve(const Eigen::VectorXd& own) override {
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(own.size());
+      double size = own.size() > 0 ? own.cwiseAbs().maxCoeff() : 0;
+      loaded().call->largest(&size, 1);
+      if (size == 0) return x;
+      const KerfPetscSolved how = share_.solve_own(own.data(), x.data());
+      add(how, effort_);
+      require_solved(how, effort_.parts);
+      return x;
+    }
+    PartedEffort effort() const override {
+      return effort_;
+    }
+
+   private:
+    Share share_;
+    PartedEffort effort_;
+  };
+  int rank_, count_;
 };
 
 std::string order(Order what, int name, std::string_view more = {}) {
@@ -192,20 +291,9 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
       ranks_->tell_all(order(Order::Solve, name_));
       Eigen::VectorXd x(b.size());
       const KerfPetscSolved how = together(0, [&] { return share_->solve(b.data(), x.data(), owned_.data()); });
-      ++effort_.solves;
-      effort_.iterations = std::max(effort_.iterations, how.iterations);
-      effort_.condition = std::max(effort_.condition, how.condition);
-      effort_.sent = std::max(effort_.sent, how.sent);
-      effort_.seconds += how.seconds;
-      effort_.first_mb = how.first_mb;
-      effort_.other_mb = how.other_mb;
+      add(how, effort_);
       ranks_->check_options();
-      constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
-      if (how.reason < 0 && !(how.left <= enough))
-        throw Error(Fault::Numerics,
-                    fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
-                                "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
-                                ranks_->count_, how.reason, how.iterations));
+      require_solved(how, ranks_->count_);
       return x;
     }
     PartedEffort effort() const override {
@@ -222,16 +310,8 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
 
   /// After the first solve: what nothing has asked for is misspelt, or not for this solver.
   void check_options() {
-    if (options_checked_) return;
+    if (!options_checked_) refuse_unused(options_);
     options_checked_ = true;
-    if (const char* names = loaded().call->unused(options_.c_str())) {
-      std::string list(names);
-      list.pop_back();
-      std::ranges::replace(list, '\n', ' ');
-      throw Error(Fault::Usage, fmt::format("solver.petsc: PETSc has no use here for {}; its manual pages of KSPCG, "
-                                            "PCBDDC and MUMPS list their options",
-                                            list));
-    }
   }
 
   int count_;
@@ -332,7 +412,7 @@ int Processes::start() {
   return rank_;
 }
 
-void Processes::serve() {
+void Processes::serve(const std::function<void(std::string_view task, Peers&)>& with) {
   const KerfPetsc& call = *loaded().call;
   std::map<int, std::unique_ptr<Share>> shares;
   const auto next = [&call] {
@@ -353,6 +433,10 @@ void Processes::serve() {
     }
     if (what == Order::Solve) shares.at(name)->solve(nullptr, nullptr, nullptr);
     if (what == Order::Drop) shares.erase(name);
+    if (what == Order::Task) {
+      MpiPeers peers(rank_, count_);
+      with(next(), peers);
+    }
     return what != Order::End;
   };
   while (together(rank_, obey)) {
@@ -365,7 +449,19 @@ std::shared_ptr<Ranks> Processes::ranks(const std::string& options) {
     return std::make_shared<Alone>();
   }
   start();
+  options_ = options;
   return std::make_shared<MpiRanks>(count_, options);
+}
+
+void Processes::work(const std::string& task, const std::function<void(Peers&)>& own) {
+  const std::string head = order(Order::Task, 0);
+  for (int p = 1; p < count_; ++p) {
+    loaded().call->send(p, head.data(), head.size());
+    loaded().call->send(p, task.data(), task.size());
+  }
+  MpiPeers peers(rank_, count_);
+  together(rank_, [&] { own(peers); });
+  refuse_unused(options_);
 }
 
 Processes::~Processes() {

@@ -2,7 +2,7 @@
 // The processes that mpiexec started. The first one runs the program; the others condense and solve their parts when it
 // asks them to, and hold nothing else.
 
-#include "solver/ranks.hpp"
+#include "solver/spread.hpp"
 
 namespace kerf {
 
@@ -23,13 +23,20 @@ class Processes {
 
   /// Loads the module and starts MPI. Throws Error(Usage) when there is none. Returns the number of this process.
   int start();
-  /// Of all but the first: works until there is no more to do.
-  void serve();
+  /// Of all but the first: works until there is no more to do. `work`: what `work` asks the others for.
+  void serve(const std::function<void(std::string_view task, Peers&)>& with = {});
   /// Of the first: with further options of PETSc, as on a command line. Throws Error(Usage) for what is none.
   std::shared_ptr<Ranks> ranks(const std::string& options);
+  /// Of the first, after `ranks`: all others begin to work at this task, and this one with them. What one process fails
+  /// in ends all of them.
+  void work(const std::string& task, const std::function<void(Peers&)>& own);
+  int count() const {
+    return count_;
+  }
 
  private:
   int rank_ = -1, count_ = 1;
+  std::string options_;  // that a user gave PETSc
 };
 
 }  // namespace kerf

@@ -9,6 +9,7 @@
 #include "app/map.hpp"
 #include "app/optimize.hpp"
 #include "app/page_data.hpp"
+#include "app/parts.hpp"
 #include "app/refuse.hpp"
 #include "app/report.hpp"
 #include "app/solve.hpp"
@@ -53,6 +54,7 @@ Adaptation adaptation(const Case& c, const RunOptions& options) {
   if (c.backend == Backend::Petsc) how.ranks = options.processes->ranks(c.petsc);
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
   how.given = c.mesh;
+  how.divisions = c.divisions;
   return how;
 }
 
@@ -146,7 +148,25 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
                                           place, job));
 }
 
+/// Divided triangles are of the mesh of a state; what meshes the body anew would not have them.
+void refuse_divided(const Case& c, const Jobs& jobs) {
+  if (c.divisions == 0) return;
+  const char* job = jobs.optimize                      ? "an optimization"
+                    : jobs.validate                    ? "a validation"
+                    : !c.steps.empty()                 ? "a history of loads ([[step]])"
+                    : c.synthetic                      ? "a made up measurement ([synthetic])"
+                    : jobs.map && c.map_request.bounds ? "error bars of a map (map.bounds)"
+                    : c.bounds                         ? "[bounds]"
+                                                       : nullptr;
+  if (job)
+    throw Error(Fault::Usage,
+                fmt::format("{}: mesh.refine is for a state and a map of it; {} meshes the body anew: use "
+                            "a smaller mesh.size",
+                            place_of(c, "mesh.refine"), job));
+}
+
 void refuse(const Case& c, const Jobs& jobs) {
+  refuse_divided(c, jobs);
   if (!c.steps.empty()) {
     refuse_steps(c);
     if (jobs.map) refuse_with_steps(c, "a map ([map])");
@@ -420,6 +440,18 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   return out;
 }
 
+/// Whether each process divides its own part of the mesh, which none has as a whole.
+bool is_in_parts(const Case& c) {
+  return c.divisions > 0 && c.backend == Backend::Petsc && started_processes() > 1;
+}
+void refuse_in_parts(const Case& c) {
+  if (!c.probes.empty())
+    throw Error(Fault::Usage,
+                fmt::format("{}: on several processes none has the whole of a divided mesh, and a probe is "
+                            "not read there; use a smaller mesh.size instead",
+                            place_of(c, "mesh.refine")));
+}
+
 /// What [bounds] and mesh.adapt ask for.
 std::optional<BoundsRequest> bounds_asked(const Case& c) {
   std::optional<BoundsRequest> asked = c.bounds;
@@ -468,6 +500,14 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     given = with_data(std::move(given), journal.options);
   }
   journal.seconds.solve += journal.lap();
+  if (is_in_parts(read)) {
+    refuse_in_parts(read);
+    solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
+    journal.writer->finish();
+    sum_up(journal, r);
+    write_json(journal.file("result.json"), r, Flush::Disk);
+    return r;
+  }
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
 
   const Case& c = out->c;

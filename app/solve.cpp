@@ -107,8 +107,8 @@ AdaptResult adapt_result(const Adapted& adapted) {
   return r;
 }
 
-// Loads and reactions by label, and what they sum to.
-void add_resultants(const Model& model, const State& state, const Shape& shape, StateResult& out) {
+void add_resultants(const Model& model, const std::vector<LabelResultant>& reactions, const Shape& shape,
+                    StateResult& out) {
   Resultant sum;
   const auto named = [&](const std::vector<LabelResultant>& all) {
     std::vector<ResultantResult> result;
@@ -120,7 +120,7 @@ void add_resultants(const Model& model, const State& state, const Shape& shape, 
   };
   const Bows& bows = model.inner->skeleton.bows;
   out.loads = named(traction_resultants(model.mesh, bows, model.scene, model.inner->data));
-  out.reactions = named(reactions(model, state));
+  out.reactions = named(reactions);
   if (model.scene.body) {
     const Resultant body = body_resultant(model.mesh, bows, model.scene, model.inner->data, model.inner->kernel.load);
     out.body = ResultantResult{"", body.force, body.moment};
@@ -142,7 +142,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   s.cracks = crack_results(model, state, shape, c.output.tips);
   (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
   s.state.of_polygon = !arcs_of(shape).empty() && model.mesh.arc.empty();
-  add_resultants(model, state, shape, s.state);
+  add_resultants(model, reactions(model, state), shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);
   for (const CrackResult& crack : s.cracks)

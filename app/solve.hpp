@@ -8,6 +8,8 @@
 
 namespace kerf {
 
+struct LabelResultant;  // solver/resultants.hpp
+
 /// What is solved for: the body as drawn and meshed, what acts on it, with which element.
 struct Body {
   const Shape& shape;
@@ -36,6 +38,10 @@ struct StateSection {
 };
 /// As much of it as the case asks for.
 StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal);
+
+/// Loads and reactions by label, and what they sum to.
+void add_resultants(const Model& model, const std::vector<LabelResultant>& reactions, const Shape& shape,
+                    StateResult& out);
 
 /// The files and pictures of a state.
 void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,

@@ -102,6 +102,7 @@ body.force
 mesh.size
 mesh.crack_tip_size
 mesh.min_angle
+mesh.refine
 mesh.curved
 mesh.mesher
 mesh.adapt.error

@@ -115,6 +115,7 @@ struct Case {
   std::shared_ptr<const Mesh> mesh = {};     // of the shape, from a file: the state is solved on it as it is
   std::vector<std::string> file_notes = {};  // what was left out of that file
   Sizing sizing;
+  int divisions = 0;                // mesh.refine
   Scene scene;                      // one law per crack of the shape
   double young = 1, poisson = 0.3;  // E1 and nu12 of an orthotropic body
   std::optional<Orthotropy> orthotropy;

@@ -26,6 +26,10 @@ void require_vtk();
 void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
                std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields);
 
+/// The grid that these pieces (files beside it) are parts of, each with fields of these names, kinds and components.
+void write_pvtu(const std::filesystem::path& path, std::span<const std::string> pieces,
+                std::span<const NamedField> fields);
+
 /// XML poly data: one polyline per entry of `lines`, lone points where each has one; point fields numbered through all
 /// lines.
 void write_vtp(const std::filesystem::path& path, std::span<const std::vector<Vec2>> lines,

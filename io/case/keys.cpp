@@ -336,6 +336,13 @@ constexpr Key rows[] = {
      "Least angle in degrees, kept wherever the drawing's own angles allow.",
      "20",
      "25"},
+    {"mesh.refine",
+     Whole,
+     {.range = {0, 10}},
+     "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. With backend = "
+     "\"petsc\" on several processes each of them divides its own part, and none has the whole: kerf solve alone.",
+     "2",
+     "0"},
     {"mesh.curved",
      Boolean,
      {},

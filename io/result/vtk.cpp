@@ -23,9 +23,10 @@ Module load() {
   if (!found.handle)
     throw Error(
         Fault::Files,
-        fmt::format("cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
-                    "install libvtk9.1 (the package kerf-vtk has both), or switch VTK files off with [output] vtk = false",
-                    found.reason));
+        fmt::format(
+            "cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
+            "install libvtk9.1 (the package kerf-vtk has both), or switch VTK files off with [output] vtk = false",
+            found.reason));
   const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(found.handle, name)); };
   return {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};
 }
@@ -100,6 +101,30 @@ void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
   data.fields = static_cast<std::int64_t>(list.size());
   data.field = list.data();
   write(path, loaded().triangles, data);
+}
+
+void write_pvtu(const std::filesystem::path& path, std::span<const std::string> pieces,
+                std::span<const NamedField> fields) {
+  constexpr std::array<const char*, 4> tensor{"xx", "yy", "xy", "yx"};
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n  <PUnstructuredGrid GhostLevel=\"0\">\n";
+  for (const bool per_cell : {false, true}) {
+    text += fmt::format("    <{}>\n", per_cell ? "PCellData" : "PPointData");
+    for (const NamedField& field : fields) {
+      if (field.per_cell != per_cell) continue;
+      const Eigen::Index components = field.values.rows();  // two become three, as in the pieces
+      text += fmt::format("      <PDataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"", field.name,
+                          components == 2 ? 3 : components);
+      for (Eigen::Index k = 0; components > 2 && k < components; ++k)
+        text += fmt::format(" ComponentName{}=\"{}\"", k, tensor.at(static_cast<std::size_t>(k)));
+      text += "/>\n";
+    }
+    text += fmt::format("    </{}>\n", per_cell ? "PCellData" : "PPointData");
+  }
+  text += "    <PPoints>\n      <PDataArray type=\"Float64\" NumberOfComponents=\"3\"/>\n    </PPoints>\n";
+  for (const std::string& piece : pieces) text += fmt::format("    <Piece Source=\"{}\"/>\n", piece);
+  write_file(path, text + "  </PUnstructuredGrid>\n</VTKFile>\n");
 }
 
 void write_vtp(const std::filesystem::path& path, std::span<const std::vector<Vec2>> lines,

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -204,6 +205,242 @@ points = [[0.2, 0.7], [0.55, 0.3]]
   const json truth = result(0, "cholmod", "map"), r = result(4, "petsc", "map");
   for (std::size_t i = 0; i < 2; ++i)
     expect_same(r["map"]["points"][i]["value"], truth["map"]["points"][i]["value"], "T");
+}
+
+// A mesh that is divided on its processes, of which none has the whole.
+class DividedRun : public PetscRun {
+ protected:
+  /// The same by one process and by several, but for what these leave out.
+  void expect_same_in_parts(const std::string& case_file, int count, const std::string& more) const {
+    write(case_file);
+    const std::string what = case_file + more;
+    const json truth = result(0, "cholmod", "solve", more), r = result(count, "petsc", "solve", more);
+    EXPECT_EQ(r["mesh"]["triangles"], truth["mesh"]["triangles"]) << what;
+    EXPECT_EQ(r["mesh"]["vertices"], truth["mesh"]["vertices"]) << what;
+    EXPECT_NEAR(r["mesh"]["h_min"].get<double>(), truth["mesh"]["h_min"].get<double>(), 1e-12) << what;
+    for (const char* key : {"energy", "compliance", "area"})
+      expect_same(r["state"][key], truth["state"][key], what + key);
+    EXPECT_EQ(r["state"]["unknowns"], truth["state"]["unknowns"]) << what;
+    EXPECT_LT(r["state"]["residual"].get<double>(), 1e-8) << what;
+    EXPECT_LT(r["state"]["work_error"].get<double>(), 1e-9) << what;
+    expect_same(r["functional"]["value"], truth["functional"]["value"], what + "functional");
+    for (const char* key : {"max_von_mises", "max_displacement"}) {
+      const json &peak = r["state"][key], &other = truth["state"][key];
+      EXPECT_NEAR(peak["value"].get<double>(), other["value"].get<double>(), 1e-7 * other["value"].get<double>())
+          << what;
+      EXPECT_EQ(peak.value("singular", false), other.value("singular", false)) << what;
+    }
+    for (const char* key : {"loads", "reactions"}) {
+      const json &forces = r["state"]["resultants"][key], &others = truth["state"]["resultants"][key];
+      ASSERT_EQ(forces.size(), others.size()) << what;
+      for (std::size_t i = 0; i < others.size(); ++i)
+        for (std::size_t d = 0; d < 2; ++d) expect_same(forces[i]["force"][d], others[i]["force"][d], what + key, 1);
+    }
+    const double estimate = truth["state"]["estimated_error"].get<double>();
+    EXPECT_NEAR(r["state"]["estimated_error"].get<double>(), estimate, 0.2 * estimate) << what;
+    if (!truth.contains("cracks")) return;
+    for (std::size_t c = 0; c < truth["cracks"].size(); ++c) {
+      expect_same_tips(r["cracks"][c], truth["cracks"][c], what);
+      const json &crack = r["cracks"][c], &other = truth["cracks"][c];
+      for (const char* key : {"length", "max_opening", "max_pressure"})
+        EXPECT_NEAR(crack[key].get<double>(), other[key].get<double>(), 1e-7) << what << key;
+      const auto rows = [&](const char* out) {
+        return text(fmt::format("{}/crack_{}.csv", out, std::string(other["name"])));
+      };
+      expect_same_rows(rows(fmt::format("out_petsc_{}", count).c_str()), rows("out_cholmod_0"), what);
+    }
+    if (truth.contains("contact")) {
+      EXPECT_NEAR(r["contact"]["closed_length"].get<double>(), truth["contact"]["closed_length"].get<double>(), 1e-8)
+          << what;
+      const int most = case_file.find("friction") == std::string::npos ? 30 : 300;  // one per unknown would be 600
+      EXPECT_LT(r["state"]["solver"]["solves"].get<int>(), most) << what;
+    }
+  }
+
+  static void expect_same_tips(const json& crack, const json& truth, const std::string& what) {
+    ASSERT_EQ(crack["tips"].size(), truth["tips"].size()) << what;
+    for (std::size_t t = 0; t < truth["tips"].size(); ++t) {
+      const json &tip = crack["tips"][t], &other = truth["tips"][t];
+      if (crack.contains("fluid_pressure")) {  // not known in parts
+        EXPECT_TRUE(tip["K_I"].is_null()) << what;
+        continue;
+      }
+      // Of the size of the stress in the body: bonded and closed tips have next to none.
+      const double size = std::max(1.0, std::hypot(other["K_I"].get<double>(), other["K_II"].get<double>()));
+      for (const char* key : {"K_I", "K_II"}) expect_same(tip[key], other[key], what + key, size);
+      EXPECT_NEAR(tip["T"].get<double>(), other["T"].get<double>(), 1e-8) << what;
+    }
+  }
+
+  /// Of tables with a line of names.
+  static void expect_same_rows(const std::string& a, const std::string& b, const std::string& what) {
+    std::istringstream left(a), right(b);
+    std::string x, y;
+    int rows = 0;
+    while (std::getline(right, y)) {
+      ASSERT_TRUE(static_cast<bool>(std::getline(left, x))) << what;
+      if (rows++ == 0) {
+        EXPECT_EQ(x, y) << what;
+        continue;
+      }
+      std::ranges::replace(x, ',', ' ');
+      std::ranges::replace(y, ',', ' ');
+      std::istringstream p(x), q(y);
+      double u = 0, v = 0;
+      while (q >> v) {
+        ASSERT_TRUE(static_cast<bool>(p >> u)) << what;
+        EXPECT_NEAR(u, v, 1e-6 * std::max(1.0, std::abs(v))) << what;
+      }
+    }
+    EXPECT_GT(rows, 10) << what;
+    EXPECT_FALSE(static_cast<bool>(std::getline(left, x))) << what;
+  }
+};
+
+const std::string coarse_in_parts = " --set mesh.size=0.14 --set mesh.crack_tip_size=0.05 --set mesh.refine=1 ";
+
+std::string crack(const std::string& more) {
+  return "[[crack]]\nname = \"c\"\npath = [[0.2, 0.3], [0.8, 0.62]]\n" + more;
+}
+
+TEST_F(DividedRun, ElementsAndMaterials) {
+  expect_same_in_parts(square + material("0.3") + open_crack + solver("bdms", 1), 4, coarse_in_parts);
+  expect_same_in_parts(square + material("0.499999") + open_crack + solver("afw", 2), 3, coarse_in_parts);
+  expect_same_in_parts(square + material("0.5") + crack("contact = \"bonded\"\n") + solver("bdms", 2), 2,
+                       coarse_in_parts);
+  expect_same_in_parts(square + material("0.3") + solver("arnold-winther-nc", 1), 2,
+                       coarse_in_parts + "--set mesh.refine=2");
+}
+
+// Cracks through parts and along their borders, as the partition has them: sets of points in contact take a system of
+// the whole each, and friction further solves.
+TEST_F(DividedRun, Contact) {
+  expect_same_in_parts(square + material("0.3") + crack("") + solver("bdms", 1), 4, coarse_in_parts);
+  expect_same_in_parts(square + material("0.5") + crack("friction = 0.3\n") + solver("bdms", 1), 3, coarse_in_parts);
+  expect_same_in_parts(square + material("0.3") + crack("gap = \"0.05*x\"\n") + solver("bdms", 1), 2, coarse_in_parts);
+  expect_same_in_parts(
+      square + material("0.3") + crack("contact = \"open\"\npressure = \"1 + x\"\n") + solver("bdms", 2), 2,
+      coarse_in_parts);
+}
+
+// Nothing holds it: the loads are in equilibrium, with and without a body force; a stiff disc lies across parts.
+TEST_F(DividedRun, FreeBodiesRegionsAndBodyForces) {
+  const std::string pulled = R"([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[[boundary]]
+on = "left"
+traction = [-1, "y - 0.5"]
+[[boundary]]
+on = "right"
+traction = [1, "0.5 - y"]
+[[region]]
+name = "stiff"
+circle = { center = [0.31, 0.53], radius = 0.21 }
+young = 1e3
+poisson = 0.3
+[mesh]
+size = 0.06
+[output]
+vtk = false
+png = false
+html = false
+)";
+  expect_same_in_parts(pulled + material("0.3") + solver("bdms", 1), 3, coarse_in_parts);
+  expect_same_in_parts(pulled + "[body]\nforce = [\"x - 0.5\", 0]\n" + material("0.3") + solver("bdms", 1), 2,
+                       coarse_in_parts);
+  expect_same_in_parts(square + "[body]\nforce = [\"x*y\", -1]\n" + material("0.499") + solver("bdms", 1), 2,
+                       coarse_in_parts);
+}
+
+// The fields that a map is read off are recovered with neighbors of other processes, its mask knows features of all.
+TEST_F(DividedRun, SoftIncompressibleDiscsInAStifferBody) {
+  // Without taking the uniform pressures out (E.23) the second ends 3e-4 off, with a residual of 1e-5.
+  for (const char* young : {"1e-3", "1e-6"})
+    expect_same_in_parts(square + material("0.3") + solver("bdms", 1) +
+                             fmt::format("[[region]]\nname = \"soft\"\ncircle = {{ center = [0.5, 0.53], radius = 0.21 "
+                                         "}}\nyoung = {}\npoisson = 0.4999999\n[[region]]\nname = \"stiff\"\ncircle = "
+                                         "{{ center = [0.2, 0.2], radius = 0.1 }}\nyoung = 1e3\npoisson = 0.5\n",
+                                         young),
+                         3, coarse_in_parts);
+}
+
+TEST_F(DividedRun, MapsOfEnergies) {
+  for (const std::string perturbation : {"\"hole\"", "{ young = 3, poisson = 0.2 }", "\"crack\""}) {
+    write(square + material("0.3") + crack("") + solver("bdms", 1) +
+          "[map]\npoints = [[0.21, 0.72], [0.55, 0.36], [0.5, 0.53], [0.77, 0.1]]\nradius = 0.015\nperturbation = " +
+          perturbation + "\n");
+    const json truth = result(0, "cholmod", "map", coarse_in_parts), r = result(3, "petsc", "map", coarse_in_parts);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const json &p = r["map"]["points"][i], &other = truth["map"]["points"][i];
+      expect_same(p["value"], other["value"], perturbation);
+      EXPECT_EQ(p["masked"], other["masked"]);
+    }
+    EXPECT_EQ(text("out_petsc_3/map.csv").size() > 100, true);
+  }
+  write(square + material("0.3") + crack("") + solver("bdms", 1));
+  const std::string more = coarse_in_parts + "--set 'functional.kind=\"compliance\"' --set output.vtk=true";
+  const json truth = result(0, "cholmod", "map", more), r = result(4, "petsc", "map", more);
+  for (const char* key : {"min", "max"}) {
+    EXPECT_NEAR(r["map"][key]["value"].get<double>(), truth["map"][key]["value"].get<double>(),
+                1e-7 * std::abs(truth["map"][key]["value"].get<double>()));
+    EXPECT_EQ(r["map"][key]["at"], truth["map"][key]["at"]);
+  }
+  EXPECT_NEAR(r["map"]["masked_share"].get<double>(), truth["map"]["masked_share"].get<double>(), 1e-9);
+  EXPECT_NE(text("out_petsc_4/map.pvtu").find("<Piece Source=\"map_0003.vtu\"/>"), std::string::npos);
+  EXPECT_GT(std::filesystem::file_size(folder / "out_petsc_4" / "map_0003.vtu"), 10000u);
+}
+
+TEST_F(DividedRun, FieldsComeInPiecesAndNoProcessHasTheWhole) {
+  write(square + material("0.3") + open_crack + solver("bdms", 1));
+  const std::string large =
+      "--set mesh.size=0.025 --set mesh.refine=2 --set output.vtk=true --set output.energy_bounds=false";
+  const json truth = result(0, "cholmod", "solve", large), r = result(4, "petsc", "solve", large);
+  const std::string grid = text("out_petsc_4/state.pvtu");
+  for (int p = 0; p < 4; ++p) {
+    const std::string piece = fmt::format("state_{:04}.vtu", p);
+    EXPECT_NE(grid.find(fmt::format("<Piece Source=\"{}\"/>", piece)), std::string::npos);
+    EXPECT_GT(std::filesystem::file_size(folder / "out_petsc_4" / piece), 1000000u);
+  }
+  for (const char* name : {"\"u\" NumberOfComponents=\"3\"", "\"von_mises\" NumberOfComponents=\"1\""})
+    EXPECT_NE(grid.find(name), std::string::npos) << grid;
+  // The largest of the others, and the first one, which has the undivided mesh besides.
+  const double whole = truth["peak_memory_mb"].get<double>();
+  for (const json& mb : r["state"]["solver"]["peak_memory_mb"]) EXPECT_LT(mb.get<double>(), 0.7 * whole);
+}
+
+TEST_F(DividedRun, WhatIsOfTheWholeIsRefused) {
+  write(square + material("0.3") + open_crack + solver("bdms", 1));
+  const auto refused = [&](int count, const std::string& arguments) {
+    const Outcome o = kerf(count, arguments + " --force --set 'solver.backend=\"petsc\"' --set mesh.refine=1");
+    EXPECT_EQ(o.code, 2) << o.said;
+    return o.said;
+  };
+  EXPECT_NE(refused(2, "map a.toml --set 'map.perturbation=\"clamped_hole\"'").find("takes solves of the whole"),
+            std::string::npos);
+  EXPECT_NE(refused(2, "solve a.toml --set 'functional.kind=\"crack_opening\"' --set 'functional.crack=\"c\"'")
+                .find("functional \"crack_opening\" is not evaluated there"),
+            std::string::npos);
+  EXPECT_NE(
+      refused(2, "solve a.toml --set 'solver.petsc=\"-ksp_no_such 3\"'").find("PETSc has no use here for -ksp_no_such"),
+      std::string::npos);
+  EXPECT_NE(refused(0, "solve a.toml --set mesh.adapt.error=0.1").find("does not go with mesh.adapt"),
+            std::string::npos);
+  write(square + material("0.3") + solver("bdms", 1));
+  EXPECT_NE(refused(4, "solve a.toml --set mesh.size=0.9").find("too few for 4 processes"), std::string::npos);
+  write(R"enclosed([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["a", "a", "a", "b"]
+[[boundary]]
+on = "a"
+displacement = [0, 0]
+[[boundary]]
+on = "b"
+displacement = [0, "0.1*y*(1 - y)"]
+)enclosed" +
+        material("0.5") + solver("bdms", 1));
+  EXPECT_NE(refused(2, "solve a.toml").find("the level of the pressure in an enclosed incompressible body"),
+            std::string::npos);
 }
 
 TEST_F(PetscRun, RefusalsNameTheirReason) {

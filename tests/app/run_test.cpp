@@ -34,6 +34,26 @@ void expect_keys(const json& object, std::initializer_list<const char*> keys, co
   for (const char* key : keys) EXPECT_TRUE(object.contains(key)) << where << " lacks " << key;
 }
 
+// Graded at the ends of contact before it is divided; what is divided is of a state and its map alone.
+TEST_F(Run, RefineDividesEveryTriangleIntoFour) {
+  const std::vector<std::string> coarse{"mesh.size=0.4", "mesh.crack_tip_size=0.1"};
+  std::vector<std::string> divided = coarse;
+  divided.emplace_back("mesh.refine=1");
+  const json once = run_case("partly_closed", coarse, Job::Solve), r = run_case("partly_closed", divided, Job::Map);
+  EXPECT_EQ(r["mesh"]["triangles"].get<int>(), 4 * once["mesh"]["triangles"].get<int>());
+  EXPECT_DOUBLE_EQ(r["mesh"]["h_min"].get<double>(), once["mesh"]["h_min"].get<double>() / 2);
+  EXPECT_LT(r["state"]["estimated_error"].get<double>(), 0.6 * once["state"]["estimated_error"].get<double>());
+  EXPECT_TRUE(r.contains("map"));
+  try {
+    run_case("cracked_plate", {"mesh.refine=1"}, Job::Validate);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("mesh.refine is for a state and a map of it; a validation meshes the body anew"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
 TEST_F(Run, ShowcaseWritesEveryFieldOfTheInterface) {
   const json r = run_case("cracked_plate", {"mesh.size=0.2", "mesh.crack_tip_size=0.02"});
   expect_keys(r,
