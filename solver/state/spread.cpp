@@ -297,51 +297,64 @@ struct SharedBody::Impl {
   }
 
   /// Moves x by what own rows do, as all see it.
-  void move(const Eigen::VectorXd& own, Eigen::VectorXd& x) {
+  void move(const Eigen::VectorXd& own, Twofold& x) {
     const Skeleton& s = model.inner->skeleton;
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
     for (Index i = 0; i < now.own_rows(); ++i) z[now.own_unknowns[i]] = own[i];
     spread(z, now.holder, [&](Index t) { return places(model, now.order, t); });
     for (Index u = 0; u < s.base; ++u) {
-      if (now.order.row[u] != none) x[u] += z[u];
-      if (const Index j = jump_at(u); parts_freely(now.order, j)) x[j] += z[j] - z[u];
+      if (now.order.row[u] != none) moved[u] = z[u];
+      if (const Index j = jump_at(u); parts_freely(now.order, j)) moved[j] = z[j] - z[u];
     }
+    add(x, 1, moved);
   }
-  Eigen::VectorXd unmet(const Eigen::VectorXd& x, const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
     Field field;
-    const Balance balance = recover_interior(model, {x, {}}, theta, field);
+    const Balance balance = recover_interior(model, x, theta, field);
     return balance.forces - balance.loads;
   }
 
   /// What one round is judged by.
   struct Round {
-    Eigen::VectorXd x, theta, unmet;  // per unknown, per triangle, per unknown
-    std::vector<Motion> motion;       // per row in contact of all
-    double penalty_error = 0;         // PenaltyIterate::penalty_error
+    Twofold x;                     // per unknown: bodies move by far more than they are strained
+    Eigen::VectorXd theta, unmet;  // per triangle, per unknown
+    std::vector<Motion> motion;    // per row in contact of all
+    double penalty_error = 0;      // PenaltyIterate::penalty_error
     Certificate certificate;
     double size = 0;  // of the energy
   };
+
+  /// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a
+  /// whole shows instead of none. `largest`: of them.
+  double force_of_rounding(double largest) const {
+    constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
+    double mu = 0;
+    for (const Material& m : all_materials(model.scene)) mu = std::max(mu, m.mu);
+    return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
+  }
 
   /// Fills in the rest of a round, and the interiors of its fields.
   void judge(const Loads& loads, Round& r, Field& field) {
     const Skeleton& s = model.inner->skeleton;
     const Ordering& o = model.inner->ordering;
-    const Balance balance = recover_interior(model, {r.x, {}}, r.theta, field);
+    const Balance balance = recover_interior(model, r.x, r.theta, field);
     r.unmet = balance.forces - balance.loads;
-    double load = std::numeric_limits<double>::min(), residual = 0, work = 0;
+    double load = std::numeric_limits<double>::min(), residual = 0, work = 0, given = 0;
     for (Index u = 0; u < s.total; ++u) {
       if (!owns(model, u)) continue;
       load = std::max(load, std::abs(balance.loads[u]));
-      work += balance.loads[u] * r.x[u];
+      work += balance.loads[u] * r.x.high[u];
       if (loads.prescribed[u] != 0) {
+        given = std::max(given, std::abs(loads.prescribed[u]));
         load = std::max(load, std::abs(r.unmet[u]));
         work += loads.prescribed[u] * r.unmet[u];
       }
       if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
     }
-    std::array<double, 3> most{load, residual, r.x.allFinite() ? 0.0 : 1.0};
+    std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
     peers.largest(most);
-    load = most[0];
+    const double rounding = force_of_rounding(most[3]);
+    load = std::max(most[0], rounding);
     r.certificate.residual = most[1] / load;
     double law = 0;
     field.force = Eigen::VectorXd::Zero(s.total);
@@ -356,13 +369,13 @@ struct SharedBody::Impl {
       }
       for (Index u = s.base; u < s.total; ++u)
         if (contact_of[u] != none) field.force[u] = bears[contact_of[u]];
-      for (const Index u : own_contact) work += field.force[u] * (r.x[u] - s.prescribed[u]);
-      law = optimality(points, on_contact(r.x) - gaps, force, load);
+      for (const Index u : own_contact) work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
+      law = optimality(points, on_contact(r.x.high) - gaps, force, load);
     }
     std::array<double, 3> sums{balance.energy, work,
                                balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
     peers.sum(sums);
-    r.size = std::abs(sums[0]) + sums[2];
+    r.size = std::abs(sums[0]) + sums[2] + rounding * std::numeric_limits<double>::epsilon() * most[3];
     r.certificate.work = r.size > 0 ? std::abs(sums[0] - sums[1]) / r.size : 0;
     r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
   }
@@ -383,8 +396,9 @@ struct SharedBody::Impl {
       agree(peers, motion, force);
       hold(held_by(motion, contact_rows));
       for (Index u = s.base; u < s.total; ++u)
-        if (contact_of[u] != none && now.held[contact_of[u]] && r.x[u] != s.prescribed[u]) {
-          r.x[u] = s.prescribed[u];
+        if (contact_of[u] != none && now.held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
+          r.x.high[u] = s.prescribed[u];
+          r.x.low[u] = 0;
           changed = true;
         }
       if (sum(peers, changed ? 1 : 0) > 0) r.unmet = unmet(r.x, r.theta);
@@ -395,7 +409,7 @@ struct SharedBody::Impl {
       ++state.linear_solves;
       r.unmet = unmet(r.x, r.theta);
       changed = false;
-      return {on_contact(r.x) - gaps, on_contact(r.unmet)};
+      return {on_contact(r.x.high) - gaps, on_contact(r.unmet)};
     };
     const Contact found = active_set(
         {.rows = contact_rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, points, r.motion);
@@ -425,7 +439,8 @@ struct SharedBody::Impl {
     uniform.response.setZero(s.total, count);
     uniform.stiffness.resize(count, count);
     for (Index k = 0; k < static_cast<Index>(count); ++k) {
-      Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), x = force, left(triangles), weight(triangles);
+      Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), left(triangles), weight(triangles);
+      Twofold x{force, force};
       for (Index t = 0; t < triangles; ++t) {
         if (piece[t] != k) continue;
         const Seen view = seen(model.mesh, s, t);
@@ -438,13 +453,13 @@ struct SharedBody::Impl {
       for (Index t = 0; t < triangles; ++t) {
         const auto column = traces.col(t);
         const double a = penalty_at(model, t),
-                     mean = column.head(rows).dot(trace_seen(model.mesh, s, x, t)) / cell_area(model, t);
+                     mean = column.head(rows).dot(trace_seen(model.mesh, s, x.high, t)) / cell_area(model, t);
         left[t] = a * ((piece[t] == k ? 1 - a * column[rows + 1] : 0) - mean);
         weight[t] = piece[t] == k ? a : 0;
       }
       uniform.stiffness.col(k) = over_pieces(left);
       uniform.size[k] = over_pieces(weight)[k];
-      uniform.response.col(k) = x;
+      uniform.response.col(k) = x.high;
     }
     uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
   }
@@ -452,14 +467,14 @@ struct SharedBody::Impl {
   void take_out_uniform(const Loads& loads, Round& r, State& state) {
     find_responses(state);
     Eigen::VectorXd theta = r.theta;
-    move_theta(model, loads, {r.x, {}}, theta);
+    move_theta(model, loads, r.x, theta);
     const Eigen::VectorXd rest = over_pieces(theta - r.theta);
     // In units in which each piece by itself has stiffness 1 at most.
     const Eigen::VectorXd
         by = uniform.size.cwiseSqrt().cwiseInverse(),
         delta = by.cwiseProduct(
             (by.asDiagonal() * uniform.stiffness * by.asDiagonal()).eval().ldlt().solve(by.cwiseProduct(rest)));
-    r.x += uniform.response * delta;
+    add(r.x, 1, uniform.response * delta);
     for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] += penalty_at(model, t) * delta[piece[t]];
   }
 
@@ -468,7 +483,8 @@ struct SharedBody::Impl {
     Stopwatch watch;
     const Loads loads = loads_of(model);
     const bool penalized = model.inner->system.penalty > 0;
-    Round at{.x = on_skeleton(model, Eigen::VectorXd::Zero(model.inner->ordering.size), &loads.prescribed)};
+    Round at{.x = {on_skeleton(model, Eigen::VectorXd::Zero(model.inner->ordering.size), &loads.prescribed),
+                   Eigen::VectorXd::Zero(model.inner->skeleton.total)}};
     if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
     at.motion = first_motions(guess);
     judge(loads, at, state);
@@ -481,7 +497,7 @@ struct SharedBody::Impl {
       correct(at, state);
       if (penalized) {
         take_out_uniform(loads, at, state);
-        const ThetaChange moved = move_theta(model, loads, {at.x, {}}, at.theta);
+        const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
         std::array<double, 2> both{moved.change, moved.size};
         peers.largest(both);
         at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
@@ -502,7 +518,7 @@ struct SharedBody::Impl {
     const double error = std::abs(sum(peers, rest.dot(now.solver->solve(rest))));
     state.certificate = best.certificate;
     if (best.size > 0) state.certificate.work = std::max(state.certificate.work, std::sqrt(error / best.size));
-    state.skeleton = std::move(best.x);
+    state.skeleton = std::move(best.x.high);
     state.eigenstrain = model.inner->data.strain.empty() ? 0 : 1;
     if (!model.inner->floating.empty()) {
       Eigen::VectorXd moments = floating_moments(model, state);

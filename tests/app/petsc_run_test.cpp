@@ -354,6 +354,18 @@ html = false
 }
 
 // The fields that a map is read off are recovered with neighbors of other processes, its mask knows features of all.
+// Its support turns and moves it as a whole: all stresses are rounding.
+TEST_F(DividedRun, ABodyThatIsMovedAsAWhole) {
+  std::string moved = square;
+  moved.replace(moved.find("displacement = [0, 0]"), 21, "displacement = [\"1 - 0.2*y\", \"0.2*x\"]");
+  moved.replace(moved.find("traction = [0.3, 1]"), 19, "traction = [0, 0]");
+  write(moved + material("0.3") + solver("bdms", 1));
+  const json r = result(2, "petsc", "solve", coarse_in_parts);
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_LT(r["state"]["max_von_mises"]["value"].get<double>(), 1e-12);
+  EXPECT_NEAR(r["state"]["max_displacement"]["value"].get<double>(), std::hypot(1.0, 0.2), 0.21);
+}
+
 TEST_F(DividedRun, SoftIncompressibleDiscsInAStifferBody) {
   // Without taking the uniform pressures out (E.23) the second ends 3e-4 off, with a residual of 1e-5.
   for (const char* young : {"1e-3", "1e-6"})
