@@ -32,6 +32,10 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   return d;
 }
 
+SolverResult solver_result(const PartedEffort& e) {
+  return {e.parts, e.solves, e.iterations, e.condition, e.interface_rows, e.primal, e.sent, e.first_mb, e.other_mb};
+}
+
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
   StateResult r;
   r.element = model.inner->kernel.element.name;

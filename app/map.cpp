@@ -72,13 +72,12 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
   return notes;
 }
 
-Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
+Mapped make_map(const MapTask& task, Analysis& analysis, const PlotData& data, const SingularZones& zones) {
   if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
   Mapped map;
   if (task.points.empty() || !needs_points(*analysis.model, task.functional, task.request.perturbation))
     map.full = map_everywhere(analysis, task.functional, task.request, data.corners);
   const Model& model = *analysis.model;
-  const SingularZones zones = singular_zones(model, extent(shape));
   const auto left_out = [&](const Vec2& x, bool masked) {
     return zones.hold(x) ? LeftOut::Singular : masked ? LeftOut::Masked : LeftOut::No;
   };
@@ -89,6 +88,12 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
       map.left_out_centroid.push_back(
           left_out(centroid(model.mesh, static_cast<Index>(t)), map.full.masked_centroid[t]));
   }
+  return map;
+}
+
+Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
+  const SingularZones zones = singular_zones(*analysis.model, extent(shape));
+  Mapped map = make_map(task, analysis, data, zones);
   map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
   if (is_everywhere(map.full)) map.result.excluded_radius = zones.radius;
   return map;

@@ -6,6 +6,8 @@
 
 namespace kerf {
 
+struct SingularZones;  // app/peaks.hpp
+
 /// J, and its adjoint where a map is to follow.
 Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map);
 
@@ -18,6 +20,8 @@ struct Mapped {
   MapResult result;
   std::vector<LeftOut> left_out_corner, left_out_centroid;
 };
+/// Without its result. `zones`: what the extrema leave out besides the mask.
+Mapped make_map(const MapTask& task, Analysis& analysis, const PlotData& data, const SingularZones& zones);
 Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape);
 
 /// What a reader of this map should know.

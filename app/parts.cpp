@@ -205,10 +205,6 @@ OwnPlot own_plot(const PlotData& data, Index triangles) {
   return own;
 }
 
-Eigen::VectorXd at_points(const Eigen::VectorXd& of_corners, const OwnPlot& own) {
-  return of_corners(own.corner);
-}
-
 std::string piece_name(std::string_view of, Index process) {
   return fmt::format("{}_{:04}.vtu", of, process);
 }
@@ -290,20 +286,10 @@ std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, Peers& pee
 void map_part(const Case& c, const Task& task, const Model& model, const State& state, const PlotData& data,
               const OwnPlot& own, Peers& peers, Found& found) {
   Analysis a = analyze(c.functional, model, state);
-  a.fields = recover_fields(a, data.corners);
-  Mapped map;
-  map.full = map_everywhere(a, c.functional, c.map_request, data.corners);
-  const auto left_out = [&](const Vec2& x, bool masked) {
-    return task.zones.hold(x) ? LeftOut::Singular : masked ? LeftOut::Masked : LeftOut::No;
-  };
-  for (std::size_t i = 0; i < data.points.size(); ++i)
-    map.left_out_corner.push_back(left_out(data.points[i], map.full.masked_corner[i]));
+  const Mapped map = make_map({c.functional, c.map_request, {}}, a, data, task.zones);
   double masked = 0;
-  for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
-    const bool close = map.full.masked_centroid[static_cast<std::size_t>(t)];
-    map.left_out_centroid.push_back(left_out(centroid(model.mesh, t), close));
-    if (close && t < own_triangles(model)) masked += area(model.mesh, t);
-  }
+  for (Index t = 0; t < own_triangles(model); ++t)
+    if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += area(model.mesh, t);
   MapResult r{.perturbation = std::string(word(c.map_request.perturbation.kind))};
   if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, peers);
   const auto [least, most] = extrema(peers, own, map.full.at_corners, map.left_out_corner);
@@ -414,9 +400,9 @@ Found work(const Case& c, Task task, Peers& peers) {
     const PlotData data = plot_data(model, state, c.plane_strain);
     const OwnPlot own = own_plot(data, own_triangles(model));
     if (task.peaks) {
-      found.von_mises = largest_of(peers, peak(own.points, at_points(data.von_mises, own), task.zones));
+      found.von_mises = largest_of(peers, peak(own.points, data.von_mises(own.corner), task.zones));
       const Eigen::VectorXd moved = data.values.displacement.colwise().norm().transpose();
-      found.displacement = largest_of(peers, peak(own.points, at_points(moved, own), {}));
+      found.displacement = largest_of(peers, peak(own.points, moved(own.corner), {}));
     }
     found.fields = state_fields(model, state, data, indicator);
     write_piece(task, "state", own, peers.here(), found.fields);
@@ -464,11 +450,9 @@ struct Undivided {
 };
 Undivided undivided(const Case& c, const Journal& journal) {
   const int threads = journal.options.threads;
-  const bool touches =
-      std::ranges::any_of(c.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
   Undivided u;
   Mesh mesh;
-  if (touches) {
+  if (may_touch(c.scene)) {
     const Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene,
                                    {.contact = c.contact, .estimate = false, .threads = threads, .given = c.mesh});
     u.contact = contact_guess(a.model, a.state);
@@ -527,8 +511,7 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   const Undivided before = undivided(c, journal);
   const Model& coarse = before.model;
   refuse(coarse, c, with_map);
-  constexpr std::size_t least = 8;  // triangles of a part
-  if (coarse.mesh.triangles.size() < least * static_cast<std::size_t>(processes.count()))
+  if (coarse.mesh.triangles.size() < least_of_part * static_cast<std::size_t>(processes.count()))
     throw Error(Fault::Usage,
                 fmt::format("{}: {} triangles before they are divided are too few for {} processes; use a "
                             "smaller mesh.size, or fewer processes",
@@ -576,15 +559,12 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
       "solved in parts, of which no process has the whole: no interval of the energy, no pictures and no "
       "page; state.pvtu has the fields");
   add_resultants(coarse, found.reactions, c.shape, s);
-  const PartedEffort& e = found.effort;
-  r.solver = SolverResult{e.parts,  e.solves, e.iterations, e.condition, e.interface_rows,
-                          e.primal, e.sent,   e.first_mb,   e.other_mb};
+  r.solver = solver_result(found.effort);
   for (std::size_t k = 0; k < found.profiles.size(); ++k)
     r.cracks.push_back(crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k]));
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
-  if (std::ranges::any_of(c.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
-    r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
+  if (may_touch(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
   r.functional = functional_result(c.functional, analyzed(c.functional, found));
   if (!certified(found.state)) {
     r.status = "not converged";

@@ -269,10 +269,7 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   StateSection section = describe_state(adapted, c, journal);
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
-  if (const auto effort = parted_effort(adapted.model))
-    r.solver =
-        SolverResult{effort->parts,  effort->solves, effort->iterations, effort->condition, effort->interface_rows,
-                     effort->primal, effort->sent,   effort->first_mb,   effort->other_mb};
+  if (const auto effort = parted_effort(adapted.model)) r.solver = solver_result(*effort);
   if (journal.options.in_single && r.solver)  // else it did not serve, which a note says
     r.state->notes.emplace_back(
         "the factor is kept in single precision: in double it would take more memory than there is or may be used");

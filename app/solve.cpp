@@ -16,12 +16,12 @@
 
 namespace kerf {
 
-namespace {
-
 bool may_touch(const Scene& scene) {
   return std::any_of(scene.laws.begin(), scene.laws.end(),
                      [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
 }
+
+namespace {
 
 std::string note_on_friction(const Scene& scene, const Shape& shape) {
   if (!has_orthotropic(scene)) return {};

@@ -18,6 +18,9 @@ struct Body {
   const Element& element;
 };
 
+/// Whether faces of a crack may touch.
+bool may_touch(const Scene& scene);
+
 /// Data that the rules of the solver do not resolve: what, where, in words.
 std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data, const Shape& shape);
 

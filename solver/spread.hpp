@@ -13,6 +13,9 @@ namespace kerf {
 
 struct Floating;  // solver/system.hpp
 
+/// Triangles that a part has at least: with fewer of them per process parts are not worth it.
+inline constexpr std::size_t least_of_part = 8;
+
 /// Solves K z = b, of which a process has the unknowns that are its own, in order.
 class SharedSolver {
  public:
@@ -50,7 +53,6 @@ std::vector<T> gathered(Peers& peers, const std::vector<T>& own) {
 }
 
 double sum(Peers& peers, double value);
-double largest(Peers& peers, double value);
 
 /// The part of the body that this process has. Integrals over its model run over own triangles alone (solver/system.hpp
 /// OwnShare): their sum over the processes is that of the body.

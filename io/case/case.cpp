@@ -59,12 +59,11 @@ void read_mesh(const Value& document, Case& c) {
   take(*mesh, "crack_tip_size", c.sizing.crack_tip_size);
   take(*mesh, "min_angle", c.sizing.min_angle_deg);
   take(*mesh, "curved", c.sizing.curved);
-  if (const auto divided = find(*mesh, "refine")) {
-    take(*mesh, "refine", c.divisions);
-    for (const char* other : {"curved", "adapt"})
-      if (c.divisions > 0 && find(*mesh, other) && !(std::string_view(other) == "curved" && !c.sizing.curved))
-        fail(divided->node->position,
-             fmt::format("{} does not go with mesh.{}; leave one of them out", divided->name, other));
+  take(*mesh, "refine", c.divisions);
+  if (c.divisions > 0 && (c.sizing.curved || find(*mesh, "adapt"))) {
+    const Value divided = need(*mesh, "refine");
+    fail(divided.node->position, fmt::format("{} does not go with mesh.{}; leave one of them out", divided.name,
+                                             c.sizing.curved ? "curved" : "adapt"));
   }
   if (const auto mesher = find(*mesh, "mesher"); mesher && !find(need(document, "domain"), "file"))
     fail(mesher->node->position, mesher->name + " goes with a geometry in domain.file");

@@ -132,7 +132,6 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int 
   tip.curved = smooth > straight;
   x.resize((tip.curved ? smooth : straight) + 1);
   if (tip.curved) cut_to_graph(x, slopes(x));
-  tip.edges.clear();
   for (std::size_t i = 0; i + 1 < x.size(); ++i) tip.edges.push_back(w.edges[i >> divisions]);
   const bool arcs = tip.curved && follows_arcs(mesh, w, tip.edges.size());
   std::vector<Vec2> slope = arcs ? slopes_of_arcs(mesh, w, x.size()) : slopes(x);

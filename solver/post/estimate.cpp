@@ -332,11 +332,11 @@ Indicator error_indicator(const Model& m, const State& s) {
   const EdgesWithData data = edges_with_data(m);
   const EdgeResiduals edges{m, s, rule, traces, data};
   Indicator result{Eigen::VectorXd(triangles), 0};
-  Interior total;
+  double stress = 0;
   for (Index t = 0; t < triangles; ++t) {
     for (int i = 0; i < 3; ++i) edges.add(t, i, own[t]);
     result.eta[t] = std::sqrt(own[t].square);
-    if (t < own_triangles(m)) total.stress += own[t].stress;
+    if (t < own_triangles(m)) stress += own[t].stress;
   }
   // An efficiency index measures residuals, not what no residual shows.
   const Efficiency index = efficiency(m, s, result.eta);
@@ -347,9 +347,9 @@ Indicator error_indicator(const Model& m, const State& s) {
     if (t < own_triangles(m)) error += square;
     result.eta[t] = index.regular * std::sqrt(square);
   }
-  if (total.stress > 0) result.relative = std::sqrt(error / total.stress);
+  if (stress > 0) result.relative = std::sqrt(error / stress);
   result.error = error;
-  result.stress = total.stress;
+  result.stress = stress;
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include "solver/history.hpp"
 #include "solver/kept_memory.hpp"
 #include "solver/moved.hpp"
+#include "solver/spread.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
@@ -242,9 +243,8 @@ bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::strin
     notes.emplace_back("backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
     return false;
   }
-  constexpr int least = 8;  // triangles of a part
   const std::size_t size = mesh.triangles.size();
-  if (size >= least * static_cast<std::size_t>(ranks.count())) return true;
+  if (size >= least_of_part * static_cast<std::size_t>(ranks.count())) return true;
   notes.push_back(
       fmt::format("backend \"petsc\": {} triangles are too few for {} parts; solved on one process by "
                   "\"cholmod\"",

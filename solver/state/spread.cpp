@@ -14,16 +14,11 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 namespace kerf {
 
 double sum(Peers& peers, double value) {
   peers.sum({&value, 1});
-  return value;
-}
-double largest(Peers& peers, double value) {
-  peers.largest({&value, 1});
   return value;
 }
 
@@ -59,7 +54,7 @@ Places places(const Model& m, const Ordering& o, Index t) {
   const Seen view = seen(m.mesh, m.inner->skeleton, t);
   Places p{.count = view.count};
   for (int i = 0; i < view.count; ++i)
-    p.at[static_cast<std::size_t>(i)] = parts_freely(o, view.jump[i]) ? view.jump[i] : view.base[i];
+    p.at[static_cast<std::size_t>(i)] = unknown_of_trace(o, view.base[i], view.jump[i]);
   return p;
 }
 /// The jumps that it sees, or none.

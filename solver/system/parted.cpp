@@ -57,13 +57,6 @@ bool splits(const Assembly& from, Index e) {
   return true;
 }
 
-/// The unknown of a trace: of what a triangle sees of a skeleton unknown, its leading row, or none. What the right side
-/// of a crack sees is an unknown of its own where the jump is a leading row, and that of the left side where the jump
-/// is held or in contact.
-Index seen_row(const Ordering& o, Index base, Index jump) {
-  return o.row[parts_freely(o, jump) ? jump : base];
-}
-
 struct Graph {
   std::vector<Index> start, neighbors;
 };
@@ -137,7 +130,8 @@ std::vector<Index> in_one_piece(const Graph& graph, std::vector<Index> part) {
 std::vector<Index> rows_of(const Assembly& from, Index t) {
   const Seen view = seen(from.mesh, from.skeleton, t);
   std::vector<Index> rows(static_cast<std::size_t>(view.count));
-  for (int i = 0; i < view.count; ++i) rows[i] = seen_row(from.ordering, view.base[i], view.jump[i]);
+  for (int i = 0; i < view.count; ++i)
+    rows[i] = from.ordering.row[unknown_of_trace(from.ordering, view.base[i], view.jump[i])];
   return rows;
 }
 
@@ -145,6 +139,10 @@ std::vector<Index> rows_of(const Assembly& from, Index t) {
 
 bool parts_freely(const Ordering& o, Index jump) {
   return jump != none && o.row[jump] != none && o.row[jump] < o.size - o.contact_rows;
+}
+
+Index unknown_of_trace(const Ordering& o, Index base, Index jump) {
+  return parts_freely(o, jump) ? jump : base;
 }
 
 Corners corners_at_free_cracks(const Assembly& from) {

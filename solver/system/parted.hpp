@@ -12,6 +12,9 @@ bool can_be_parted(const Element& e);
 
 /// Whether the two sides of a crack move by themselves in a component: its jump is a leading row.
 bool parts_freely(const Ordering& o, Index jump);
+/// The unknown of a trace: what the right side of a crack sees is one of its own, in the place of the jump, where the
+/// sides part freely, and that of the left side where the jump is held or in contact.
+Index unknown_of_trace(const Ordering& o, Index base, Index jump);
 /// The corners of the mesh cut open at the edges whose sides move by themselves in all components: where such a crack
 /// ends or crosses what two parts share, that is in two pieces.
 Corners corners_at_free_cracks(const Assembly& from);
