@@ -129,8 +129,7 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   return results;
 }
 
-std::vector<std::string> notes_on_contact(const Model& model, const State& state,
-                                          const std::vector<CrackResult>& cracks) {
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of) {
   constexpr std::size_t often = 5;  // an open middle and two open ends change four times
   constexpr double little = 1e-3;
   std::vector<std::string> notes;
@@ -141,12 +140,11 @@ std::vector<std::string> notes_on_contact(const Model& model, const State& state
     if (turns < often) continue;
     // Means along the crack: at its tips what a mesh errs by is singular, too.
     double pressure = 0, gap = 0;
-    for (const CrackPoint& p : crack_profile(model, state, static_cast<Index>(c))) {
+    for (const CrackPoint& p : of.profiles[c]) {
       pressure += p.length * std::abs(p.contact_pressure());
       gap += p.length * std::abs(p.distance());
     }
-    const double share = std::max(pressure, gap * modulus_beside(model, static_cast<Index>(c)) / crack.length) /
-                         (crack.length * mean_stress(model, state));
+    const double share = std::max(pressure, gap * of.modulus[c] / crack.length) / (crack.length * of.stress);
     if (share < little)
       notes.push_back(fmt::format(
           "crack \"{}\" touches and opens in turn, {} times, by {:.1g} of what the stress in the body could "
@@ -156,6 +154,16 @@ std::vector<std::string> notes_on_contact(const Model& model, const State& state
           crack.name, turns, share));
   }
   return notes;
+}
+
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
+                                          const State& state) {
+  ContactMeasures of{.stress = mean_stress(model, state)};
+  for (Index c = 0; c < static_cast<Index>(cracks.size()); ++c) {
+    of.profiles.push_back(crack_profile(model, state, c));
+    of.modulus.push_back(modulus_beside(model, c));
+  }
+  return notes_on_contact(cracks, of);
 }
 
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks) {

@@ -37,8 +37,14 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
 
 /// Cracks whose faces touch and part in turn by less than the mesh errs by, as under loads that neither open nor close
 /// them.
-std::vector<std::string> notes_on_contact(const Model& model, const State& state,
-                                          const std::vector<CrackResult>& cracks);
+struct ContactMeasures {
+  double stress;  // mean in the body
+  std::vector<std::vector<CrackPoint>> profiles = {};
+  std::vector<double> modulus = {};  // modulus_beside
+};
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of);
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
+                                          const State& state);
 
 /// What the extrema of a map leave out, per corner or triangle.
 enum class LeftOut : unsigned char { No, Masked, Singular };

@@ -20,11 +20,9 @@ bool is_clamped(const MapTask& task) {
   return !has_series(task.request.perturbation);
 }
 
-// A body that is nearly incompressible and held all around answers a change by pressure everywhere: holes of the size
-// that the map is for are then none of those that it speaks of.
+/// Holes of the size that the map is for are then none of those that it speaks of.
 std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, const MapResult& map) {
-  constexpr double nearly = 0.01;  // of c mu, (1 - 2 nu)/4 in plane strain: nu = 0.48
-  if (!(a.model->scene.material.c * a.model->scene.material.mu < nearly)) return {};
+  if (!may_answer_by_pressure(a.model->scene)) return {};
   SecondOrders second(a, task.functional, task.request.perturbation);
   const Vec2 at = second.roomiest();
   const double answered = second.answer_radius(at);
@@ -97,6 +95,12 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
   map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
   if (is_everywhere(map.full)) map.result.excluded_radius = zones.radius;
   return map;
+}
+
+// Held all around, such a body answers a change by pressure everywhere.
+bool may_answer_by_pressure(const Scene& scene) {
+  constexpr double nearly = 0.01;  // of c mu, (1 - 2 nu)/4 in plane strain: nu = 0.48
+  return scene.material.c * scene.material.mu < nearly;
 }
 
 std::vector<std::string> limits_of_map(const MapTask& task, const Analysis& analysis, const MapResult& map) {

@@ -27,6 +27,9 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
 /// What a reader of this map should know.
 std::vector<std::string> limits_of_map(const MapTask& task, const Analysis& analysis, const MapResult& map);
 
+/// Whether a body is so nearly incompressible that its map may need limits: those of bodies held all around.
+bool may_answer_by_pressure(const Scene& scene);
+
 /// The error bars that the task asks for; what stands in their place, where there are none.
 std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis, const Body& body, Mapped& map);
 

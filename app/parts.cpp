@@ -11,6 +11,7 @@
 #include "kerf/mesher.hpp"
 #include "solver/history.hpp"
 #include "solver/packer.hpp"
+#include "solver/recovery.hpp"
 #include "solver/resultants.hpp"
 #include "solver/shared_tips.hpp"
 #include "solver/system.hpp"
@@ -144,7 +145,10 @@ struct Found {
   double potential = 0, work = 0, area = 0;
   Index unknowns = 0, interior = 0;
   std::optional<double> error;
-  std::optional<Peak> von_mises, displacement;
+  double mean_stress = 0;
+  bool has_stress = false;
+  std::optional<Peak> von_mises, displacement, strain;
+  double beside_chords = 0;  // top_on_chords
   std::vector<LabelResultant> reactions;
   std::vector<std::vector<CrackPoint>> profiles;  // per crack, in the order of its path
   std::vector<std::vector<double>> slips;
@@ -379,6 +383,9 @@ Found work(const Case& c, Task task, Peers& peers) {
   found.potential = sums[0];
   found.work = sums[1];
   found.area = sums[2];
+  const double mean = mean_stress(model, state);
+  found.mean_stress = std::sqrt(sum(peers, mean * mean * area(model)) / found.area);
+  found.has_stress = sum(peers, has_stress(model, state) ? 1 : 0) > 0;
   found.unknowns = body.unknowns();
   found.interior = static_cast<Index>(interior_count(model.element) * sums[3]);
   found.effort = body.effort();
@@ -403,6 +410,11 @@ Found work(const Case& c, Task task, Peers& peers) {
       found.von_mises = largest_of(peers, peak(own.points, data.von_mises(own.corner), task.zones));
       const Eigen::VectorXd moved = data.values.displacement.colwise().norm().transpose();
       found.displacement = largest_of(peers, peak(own.points, moved(own.corner), {}));
+      const Eigen::VectorXd strained = principal_strains(model, data);
+      found.strain = largest_of(peers, peak(own.points, strained(own.corner), task.zones));
+      if (const auto top = found.von_mises ? top_on_chords(c, *found.von_mises) : std::nullopt)
+        found.beside_chords =
+            std::ranges::max(gathered(peers, std::vector{beside(model, state, data, c.plane_strain, top->at)}));
     }
     found.fields = state_fields(model, state, data, indicator);
     write_piece(task, "state", own, peers.here(), found.fields);
@@ -464,6 +476,14 @@ Undivided undivided(const Case& c, const Journal& journal) {
   return u;
 }
 
+/// What limits the map, which is that of the body and not of its mesh.
+std::vector<std::string> limits_before_division(const Case& c, const Undivided& u, const MapResult& map, int threads) {
+  if (!may_answer_by_pressure(u.model.scene)) return {};
+  const Model model = prepare(u.model.mesh, c.element, c.scene, threads);
+  const State state = solve(model, c.contact);
+  return limits_of_map({c.functional, c.map_request, {}}, analyze(c.functional, model, state), map);
+}
+
 /// Numbers of the mesh divided so many times: its triangles are similar to those before.
 void describe_divided(const Mesh& coarse, int divisions, Result& r) {
   double triangles = static_cast<double>(coarse.triangles.size()), edges = static_cast<double>(coarse.edges.size()),
@@ -523,6 +543,7 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   task.contact = before.contact;
   task.piece = pieces_for_pressure(coarse.mesh, c.scene);
   if (task.peaks || task.map) task.zones = singular_zones(coarse, extent(c.shape));
+  const SingularZones zones = task.peaks ? task.zones : SingularZones{};
   journal.seconds.mesh += journal.lap();
 
   journal.begin("solve in parts");
@@ -542,6 +563,7 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   s.energy = found.potential;
   s.compliance = found.work;
   s.area = found.area;
+  require_energy(s.energy, found.has_stress);
   s.estimated_error = found.error;
   s.von_mises = found.von_mises;
   s.displacement = found.displacement;
@@ -553,6 +575,10 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) s.notes.push_back(odd);
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   s.notes.insert(s.notes.end(), about_mesh.begin(), about_mesh.end());
+  for (const std::string& note : notes_on_size(found.strain, found.displacement, extent(c.shape)))
+    s.notes.push_back(note);
+  if (const auto top = s.von_mises ? top_on_chords(c, *s.von_mises) : std::nullopt)
+    if (const std::string note = note_on_chords(c, *top, found.beside_chords); !note.empty()) s.notes.push_back(note);
   if (c.output.tips && (std::ranges::any_of(c.scene.laws, has_pressure) || has_eigenstrain(c.scene)))
     s.notes.emplace_back("no K, G and T in parts at tips of cracks with a fluid pressure or with an eigenstrain");
   s.notes.emplace_back(
@@ -564,6 +590,11 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
     r.cracks.push_back(crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k]));
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
+  add_pressures(zones, r.cracks);
+  for (const std::string& note : notes_on_faces(r.cracks, c.scene)) s.notes.push_back(note);
+  ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
+  for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
+  for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);
   if (may_touch(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
   r.functional = functional_result(c.functional, analyzed(c.functional, found));
   if (!certified(found.state)) {
@@ -579,6 +610,8 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   write_grid("state", found.fields);
   if (found.map) {
     r.map = std::move(found.map);
+    for (std::string& note : limits_before_division(c, before, *r.map, journal.options.threads))
+      s.notes.push_back(std::move(note));
     write_grid("map", found.map_fields);
     if (!r.map->points.empty())
       write_map_files(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});

@@ -14,8 +14,13 @@ namespace kerf {
 
 namespace {
 
-/// The larger principal strain, without its sign, at the corners.
-Eigen::VectorXd strains(const Model& model, const PlotData& data) {
+std::string in_words(const Vec2& x) {
+  return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
+}
+
+}  // namespace
+
+Eigen::VectorXd principal_strains(const Model& model, const PlotData& data) {
   const std::vector<Material> materials = corner_materials(model, data.corners);
   const Eigen::Matrix4Xd free = corner_eigenstrains(model, data.corners).topRows<4>();
   Eigen::VectorXd out(data.values.stress.cols());
@@ -27,12 +32,6 @@ Eigen::VectorXd strains(const Model& model, const PlotData& data) {
   }
   return out;
 }
-
-std::string in_words(const Vec2& x) {
-  return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
-}
-
-}  // namespace
 
 bool SingularZones::hold(const Vec2& x) const {
   return std::any_of(points.begin(), points.end(),
@@ -60,11 +59,7 @@ std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& va
   return p;
 }
 
-void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
-               std::vector<CrackResult>& cracks) {
-  const SingularZones zones = singular_zones(model, extent);
-  state.von_mises = peak(data.points, data.von_mises, zones);
-  state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
+void add_pressures(const SingularZones& zones, std::vector<CrackResult>& cracks) {
   for (CrackResult& crack : cracks) {
     std::vector<Vec2> at;
     Eigen::VectorXd pressure(static_cast<Eigen::Index>(crack.rows.size()));
@@ -74,21 +69,37 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
     }
     if (crack.max_pressure > 0) crack.pressure = peak(at, pressure, zones);
   }
-  const std::optional<Peak> strain = peak(data.points, strains(model, data), zones);
+}
+
+std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const std::optional<Peak>& displacement,
+                                       double extent) {
   constexpr double small_strain = 0.05, small_displacement = 0.1;
+  std::vector<std::string> notes;
   if (strain) {
     const std::optional<PlacedValue> regular = strain->singular ? strain->regular : std::optional(strain->largest);
     if (regular && regular->value > small_strain)
-      state.notes.push_back(
+      notes.push_back(
           fmt::format("strains reach {:.2g} at {}: linear elasticity is about small ones (below {:g}); "
                       "check the units of young and of the loads, or read the results per load",
                       regular->value, in_words(regular->at), small_strain));
   }
-  if (state.displacement && state.displacement->largest.value > small_displacement * extent)
-    state.notes.push_back(fmt::format(
-        "displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
-        "about small ones (below {:g})",
-        state.displacement->largest.value / extent, in_words(state.displacement->largest.at), small_displacement));
+  if (displacement && displacement->largest.value > small_displacement * extent)
+    notes.push_back(
+        fmt::format("displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
+                    "about small ones (below {:g})",
+                    displacement->largest.value / extent, in_words(displacement->largest.at), small_displacement));
+  return notes;
+}
+
+void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
+               std::vector<CrackResult>& cracks) {
+  const SingularZones zones = singular_zones(model, extent);
+  state.von_mises = peak(data.points, data.von_mises, zones);
+  state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
+  add_pressures(zones, cracks);
+  for (std::string& note :
+       notes_on_size(peak(data.points, principal_strains(model, data), zones), state.displacement, extent))
+    state.notes.push_back(std::move(note));
 }
 
 namespace {
@@ -98,11 +109,13 @@ bool lies_on(const Arc& arc, const Vec2& x) {
   return std::abs((arc.axes.inverse() * (x - arc.center)).norm() - 1) < sagitta;
 }
 
-/// Of the von Mises stress in the middle of the boundary edges that meet in a vertex, the larger one; 0 for none.
-double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, Eigen::Index corner) {
-  const Model& model = adapted.model;
+}  // namespace
+
+double beside(const Model& model, const State& state, const PlotData& data, bool plane_strain, const Vec2& at) {
+  const auto found = std::ranges::find(data.points, at);
+  if (found == data.points.end()) return 0;
+  const Index vertex = data.corners.vertex[static_cast<std::size_t>(found - data.points.begin())];
   const Mesh& mesh = model.mesh;
-  const Index vertex = data.corners.vertex[static_cast<std::size_t>(corner)];
   const StrainData& strain = model.inner->data.strain;
   double largest = 0;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
@@ -110,8 +123,9 @@ double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, E
     const auto& [left, right] = mesh.sides[e];
     if ((a != vertex && b != vertex) || (left != none && right != none)) continue;
     const Index t = left != none ? left : right;
+    if (t >= own_triangles(model)) continue;
     const Vec2 middle = 0.5 * (mesh.points[a] + mesh.points[b]);
-    const Eigen::Vector4d s = stress_at(model.inner->kernel, triangle(model, t), adapted.state.interior.col(t), middle);
+    const Eigen::Vector4d s = stress_at(model.inner->kernel, triangle(model, t), state.interior.col(t), middle);
     const auto half = [&](int k) { return mesh.triangles[t][k] == a || mesh.triangles[t][k] == b ? 0.5 : 0.0; };
     const double e33 = strain.empty() ? 0 : strain_33_at(strain, t, Vec2(half(1), half(2)))[0];
     largest = std::max(largest, von_mises(material_of(mesh, model.scene, t), plane_strain, s, e33));
@@ -119,23 +133,20 @@ double beside(const Adapted& adapted, const PlotData& data, bool plane_strain, E
   return largest;
 }
 
-}  // namespace
-
-std::string note_on_chords(const Adapted& adapted, const PlotData& data, const Case& c, const Peak& von_mises) {
+std::optional<PlacedValue> top_on_chords(const Case& c, const Peak& von_mises) {
   const std::optional<PlacedValue> top = von_mises.singular ? von_mises.regular : std::optional(von_mises.largest);
-  if (!top) return {};
-  if (c.sizing.curved) return {};
+  if (!top || c.sizing.curved) return std::nullopt;
   const std::vector<Arc> arcs = arcs_of(c.shape);
-  if (std::none_of(arcs.begin(), arcs.end(), [&](const Arc& arc) { return lies_on(arc, top->at); })) return {};
-  const auto found = std::find(data.points.begin(), data.points.end(), top->at);
-  const double middle = beside(adapted, data, c.plane_strain, found - data.points.begin());
+  return std::ranges::any_of(arcs, [&](const Arc& arc) { return lies_on(arc, top->at); }) ? top : std::nullopt;
+}
+
+std::string note_on_chords(const Case& c, const PlacedValue& top, double beside) {
   constexpr double worth_saying = 1.02;
-  if (middle == 0 || top->value < worth_saying * middle) return {};
+  if (beside == 0 || top.value < worth_saying * beside) return {};
   return fmt::format(
       "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
-      "it is "
-      "larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
-      top->value, in_words(top->at), middle,
+      "it is larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
+      top.value, in_words(top.at), beside,
       can_be_curved(c.element) && !c.mesh && !c.optimize ? "; with mesh.curved = true edges follow the curve" : "");
 }
 

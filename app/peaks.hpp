@@ -18,13 +18,26 @@ SingularZones singular_zones(const Model& model, double extent);
 /// another one; nothing for no values.
 std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& values, const SingularZones& zones);
 
-/// Fills in the largest stress, displacement and pressures, and notes strains above 5 % and displacements above 10 % of
-/// the extent: small strains are what everything here is about.
+/// The larger principal strain, without its sign, at the corners.
+Eigen::VectorXd principal_strains(const Model& model, const PlotData& data);
+
+/// The largest contact pressure of every crack that has one.
+void add_pressures(const SingularZones& zones, std::vector<CrackResult>& cracks);
+
+/// Strains above 5 % and displacements above 10 % of the extent: small strains are what everything here is about.
+std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const std::optional<Peak>& displacement,
+                                       double extent);
+
+/// Fills in the largest stress, displacement and pressures, with notes_on_size.
 void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
                std::vector<CrackResult>& cracks);
 
 /// Chords stand for curved sides, and at their corners the stress is larger than on the curve: what to say of a largest
 /// stress there that is by 2 % larger than in the middle of the chords beside it. Empty where there is nothing to say.
-std::string note_on_chords(const Adapted& adapted, const PlotData& data, const Case& c, const Peak& von_mises);
+std::string note_on_chords(const Case& c, const PlacedValue& top, double beside);
+/// The largest stress, where it may lie at a corner of chords.
+std::optional<PlacedValue> top_on_chords(const Case& c, const Peak& von_mises);
+/// Of the von Mises stress in the middle of the boundary edges that meet at a vertex, the larger one; 0 for none.
+double beside(const Model& model, const State& state, const PlotData& data, bool plane_strain, const Vec2& vertex);
 
 }  // namespace kerf

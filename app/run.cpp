@@ -248,16 +248,6 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   return adapted;
 }
 
-/// Squares of stresses may leave the range of numbers where these do not.
-void require_energy(const StateResult& result, const Model& model, const State& state) {
-  const auto stress = state.interior.topRows(stress_count(model.element));
-  const bool underflow = result.energy == 0 && stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
-  if (std::isfinite(result.energy) && !underflow) return;
-  throw Error(Fault::Numerics, fmt::format("the strain energy is too {} for the numbers of a computer; check the units "
-                                           "of young, of the loads and of the prescribed displacements",
-                                           underflow ? "small" : "large"));
-}
-
 Solved solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
   if (stop_requested()) {  // between rounds: the last one is there
@@ -284,16 +274,16 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
-  for (std::string& words : notes_on_contact(adapted.model, adapted.state, r.cracks))
+  for (std::string& words : notes_on_contact(r.cracks, adapted.model, adapted.state))
     r.state->notes.push_back(std::move(words));
   if (section.contact) r.contact = std::move(section.contact);
-  require_energy(*r.state, adapted.model, adapted.state);
+  require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
   PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
   if (c.output.peaks) add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
-  if (r.state->von_mises) {
-    const std::string chords = note_on_chords(adapted, data, c, *r.state->von_mises);
-    if (!chords.empty()) r.state->notes.push_back(chords);
+  if (const auto top = r.state->von_mises ? top_on_chords(c, *r.state->von_mises) : std::nullopt) {
+    const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
+    if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
   }
   journal.seconds.recover += journal.lap();
   write_state(adapted, data, r.cracks, journal);

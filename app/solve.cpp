@@ -23,18 +23,6 @@ bool may_touch(const Scene& scene) {
 
 namespace {
 
-std::string note_on_friction(const Scene& scene, const Shape& shape) {
-  if (!has_orthotropic(scene)) return {};
-  for (std::size_t k = 0; k < scene.laws.size(); ++k)
-    if (scene.laws[k].friction > 0)
-      return fmt::format(
-          "no K at the tips of crack \"{}\" where they lie in an orthotropic material: sliding against friction "
-          "changes "
-          "the pressure there, and the stress is not that of 1/sqrt(r)",
-          shape.cracks[k].name);
-  return {};
-}
-
 /// "the gap in a crack" of one with a name.
 std::string in_crack(std::string_view what, const std::string& name) {
   return fmt::format("{} crack \"{}\"", what.substr(0, what.rfind(" a crack")), name);
@@ -53,6 +41,36 @@ std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, con
                           : u.what,
         u.how, u.at.x(), u.at.y(),
         u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
+  return notes;
+}
+
+void require_energy(double energy, bool has_stress) {
+  const bool underflow = energy == 0 && has_stress;
+  if (std::isfinite(energy) && !underflow) return;
+  throw Error(Fault::Numerics, fmt::format("the strain energy is too {} for the numbers of a computer; check the units "
+                                           "of young, of the loads and of the prescribed displacements",
+                                           underflow ? "small" : "large"));
+}
+
+bool has_stress(const Model& model, const State& state) {
+  const auto stress = state.interior.topRows(stress_count(model.element));
+  return stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
+}
+
+std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, const Scene& scene) {
+  std::vector<std::string> notes;
+  for (const CrackResult& crack : cracks)
+    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
+      notes.push_back(
+          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
+                      "contact = \"unilateral\" prevents it",
+                      crack.name, crack.penetration));
+  const auto slides = std::ranges::find_if(scene.laws, [](const CrackLaw& law) { return law.friction > 0; });
+  if (has_orthotropic(scene) && slides != scene.laws.end())
+    notes.push_back(fmt::format(
+        "no K at the tips of crack \"{}\" where they lie in an orthotropic material: sliding against friction changes "
+        "the pressure there, and the stress is not that of 1/sqrt(r)",
+        cracks[static_cast<std::size_t>(slides - scene.laws.begin())].name));
   return notes;
 }
 
@@ -145,13 +163,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   add_resultants(model, reactions(model, state), shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);
-  for (const CrackResult& crack : s.cracks)
-    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
-      s.state.notes.push_back(
-          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
-                      "contact = \"unilateral\" prevents it",
-                      crack.name, crack.penetration));
-  if (const std::string note = note_on_friction(model.scene, shape); !note.empty()) s.state.notes.push_back(note);
+  for (const std::string& note : notes_on_faces(s.cracks, model.scene)) s.state.notes.push_back(note);
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
   const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
   const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet

@@ -24,6 +24,14 @@ bool may_touch(const Scene& scene);
 /// Data that the rules of the solver do not resolve: what, where, in words.
 std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data, const Shape& shape);
 
+/// Throws Error(Numerics) where squares of stresses leave the range of numbers, which these themselves do not.
+void require_energy(double energy, bool has_stress);
+/// Whether a stress in it is not 0.
+bool has_stress(const Model& model, const State& state);
+
+/// Open faces that penetrate, and tips without K because of friction.
+std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, const Scene& scene);
+
 /// What a mesh from a file leaves to be desired.
 std::vector<std::string> notes_on_file(const Case& c);
 

@@ -403,6 +403,53 @@ TEST_F(DividedRun, MapsOfEnergies) {
   EXPECT_GT(std::filesystem::file_size(folder / "out_petsc_4" / "map_0003.vtu"), 10000u);
 }
 
+// What one process tells its reader, several do.
+TEST_F(DividedRun, NotesAreThoseOfOneProcess) {
+  const auto expect_notes = [this](const std::string& case_file, const std::string& command,
+                                   const std::vector<std::string>& some) {
+    write(case_file);
+    const json truth = result(0, "cholmod", command, coarse_in_parts), r = result(2, "petsc", command, coarse_in_parts);
+    std::vector<std::string> notes = r["state"]["notes"].get<std::vector<std::string>>();
+    for (const json& note : truth["state"]["notes"])
+      EXPECT_NE(std::ranges::find(notes, note.get<std::string>()), notes.end()) << note << "\n" << r["state"]["notes"];
+    for (const std::string& words : some)
+      EXPECT_TRUE(
+          std::ranges::any_of(notes, [&](const std::string& note) { return note.find(words) != std::string::npos; }))
+          << words << "\n"
+          << r["state"]["notes"];
+  };
+  std::string pressed = square;
+  pressed.replace(pressed.find("displacement = [0, 0]"), 21, "traction = [1, 0]");
+  pressed.replace(pressed.find("traction = [0.3, 1]"), 19, "traction = [-1, 0]");
+  expect_notes(pressed + material("0.3") + R"([[hole]]
+name = "h"
+circle = { center = [0.3, 0.72], radius = 0.12 }
+[[crack]]
+name = "c"
+path = [[0.65, 0.3], [0.6, 0.45]]
+contact = "open"
+)",
+               "solve",
+               {"the faces of crack \"c\" (contact = \"open\") penetrate by", "strains reach", "displacements reach",
+                "lies at a corner of the chords"});
+  expect_notes(R"([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["rim", "rim", "rim", "rim"]
+[[boundary]]
+on = "rim"
+displacement = ["1e-3 * x", "-1e-3 * y"]
+[body]
+force = ["10 * sin(pi * x)", "y"]
+[map]
+radius = 0.1
+[output]
+vtk = false
+png = false
+html = false
+)" + material("0.49"),
+               "map", {"the body is nearly incompressible and held all around"});
+}
+
 TEST_F(DividedRun, FieldsComeInPiecesAndNoProcessHasTheWhole) {
   write(square + material("0.3") + open_crack + solver("bdms", 1));
   const std::string large =
