@@ -4,6 +4,8 @@
 
 #include "kerf/shape.hpp"
 
+#include <span>
+
 namespace kerf {
 
 /// A point and the direction (radians) in which a chain runs through it.
@@ -36,9 +38,10 @@ struct ChainPoint {
 ChainPoint point_on(const ArcChain& chain, const ChainPlace& place);
 Vec2 at(const ArcChain& chain, const ChainPlace& place);
 
-/// The place nearest to x among segments [first, last), or among all.
+/// The place nearest to x among segments [first, last).
 ChainPlace nearest(const ArcChain& chain, const Vec2& x, std::size_t first, std::size_t last);
-ChainPlace nearest(const ArcChain& chain, const Vec2& x);
+/// Those nearest to the points on all of the chain, which has a segment.
+std::vector<ChainPlace> nearest(const ArcChain& chain, std::span<const Vec2> points);
 
 double length(const ArcChain& chain);
 /// The largest turn of an arc over pi: from 1 on the chain has loops or cusps.

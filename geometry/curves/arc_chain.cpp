@@ -117,26 +117,55 @@ Vec2 at(const ArcChain& chain, const ChainPlace& place) {
   return vec(on(arc_of(chain, place.arc), place.part));
 }
 
-ChainPlace nearest(const ArcChain& chain, const Vec2& x, std::size_t first, std::size_t last) {
-  ChainPlace best;
-  double least = infinity;
-  for (std::size_t k = 2 * first; k < 2 * last; ++k) {
-    const HalfBiarc<double> arc = arc_of(chain, k);
-    double part = foot(x, vec(arc.a), vec(arc.b));
-    if (std::abs(arc.half) > 1e-5) {
-      const Arc whole = circle_of(arc);
-      part = std::clamp(0.5 + beyond_middle(whole, x) / (whole.to - whole.from), 0.0, 1.0);
-    }
-    const double d = (vec(on(arc, part)) - x).squaredNorm();
-    if (!(d < least)) continue;
-    least = d;
-    best = {k, part};
-  }
-  return best;
+namespace {
+
+/// The point of an arc nearest to x, as a share of its turn.
+double nearest_part(const HalfBiarc<double>& arc, const Vec2& x) {
+  if (std::abs(arc.half) <= 1e-5) return foot(x, vec(arc.a), vec(arc.b));
+  const Arc whole = circle_of(arc);
+  return std::clamp(0.5 + beyond_middle(whole, x) / (whole.to - whole.from), 0.0, 1.0);
 }
 
-ChainPlace nearest(const ArcChain& chain, const Vec2& x) {
-  return nearest(chain, x, 0, segment_count(chain));
+struct Nearest {
+  ChainPlace place = {};
+  double squared = infinity;
+  void see(const HalfBiarc<double>& arc, std::size_t number, const Vec2& x) {
+    const double part = nearest_part(arc, x), d = (vec(on(arc, part)) - x).squaredNorm();
+    if (d < squared) squared = d, place = {number, part};
+  }
+};
+
+}  // namespace
+
+ChainPlace nearest(const ArcChain& chain, const Vec2& x, std::size_t first, std::size_t last) {
+  Nearest best;
+  for (std::size_t k = 2 * first; k < 2 * last; ++k) best.see(arc_of(chain, k), k, x);
+  return best.place;
+}
+
+std::vector<ChainPlace> nearest(const ArcChain& chain, std::span<const Vec2> points) {
+  struct Piece {
+    HalfBiarc<double> arc;
+    Vec2 start;
+    double length;
+  };
+  std::vector<Piece> pieces;
+  for (std::size_t segment = 0; segment < segment_count(chain); ++segment)
+    for (const HalfBiarc<double>& arc : biarc(numbers(chain, segment)))
+      pieces.push_back({arc, vec(arc.a), length(arc)});
+  std::vector<ChainPlace> places;
+  for (const Vec2& x : points) {
+    double most = infinity;  // what the nearest start is away
+    for (const Piece& p : pieces) most = std::min(most, (p.start - x).squaredNorm());
+    most = (1 + 1e-9) * std::sqrt(most);
+    Nearest best;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const double reach = most + pieces[k].length;  // no point of an arc is further from its start than it is long
+      if ((pieces[k].start - x).squaredNorm() <= reach * reach) best.see(pieces[k].arc, k, x);
+    }
+    places.push_back(best.place);
+  }
+  return places;
 }
 
 double length(const ArcChain& chain) {

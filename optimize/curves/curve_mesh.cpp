@@ -55,21 +55,23 @@ void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& m
 
 std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh) {
   std::vector<CurveFollower> all;
+  std::vector<Vec2> points;
   std::vector<bool> taken(mesh.points.size(), false);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     if (mesh.label[e] != d.label) continue;
     for (const Index v : mesh.edges[e]) {
       if (taken[std::size_t(v)]) continue;
       taken[std::size_t(v)] = true;
-      CurveFollower best{.vertex = v};
-      double least = infinity;
-      const Vec2& x = mesh.points[std::size_t(v)];
-      for (std::size_t c = 0; c < d.chains.size(); ++c) {
-        const ChainPlace place = nearest(d.chains[c], x);
-        const double away = (at(d.chains[c], place) - x).squaredNorm();
-        if (away < least) least = away, best.chain = Index(c), best.place = place;
-      }
-      all.push_back(best);
+      all.push_back({.vertex = v});
+      points.push_back(mesh.points[std::size_t(v)]);
+    }
+  }
+  std::vector<double> least(points.size(), infinity);
+  for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    const std::vector<ChainPlace> places = nearest(d.chains[c], points);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double away = (at(d.chains[c], places[k]) - points[k]).squaredNorm();
+      if (away < least[k]) least[k] = away, all[k].chain = Index(c), all[k].place = places[k];
     }
   }
   add_side_followers(d, shape, mesh, taken, all);

@@ -93,12 +93,28 @@ TEST(ArcChain, StraightLinesAndCirclesAreExact) {
 TEST(ArcChain, TheNearestPlaceIsTheFootOfAPerpendicular) {
   const ArcChain chain = wavy(true);
   for (const Vec2& x : {Vec2(1.5, 0.9), Vec2(-0.3, 0.4), Vec2(0, -2)}) {
-    const ChainPoint p = point_on(chain, nearest(chain, x));
+    const ChainPoint p = point_on(chain, nearest(chain, std::array{x})[0]);
     double least = infinity;
     for (std::size_t arc = 0; arc < 14; ++arc)
       for (int i = 0; i <= 200; ++i) least = std::min(least, (at(chain, {arc, i / 200.0}) - x).norm());
     EXPECT_LE((p.at - x).norm(), least + 1e-12);
     EXPECT_NEAR(p.tangent.dot(p.at - x), 0, 1e-10);
+  }
+}
+
+TEST(ArcChain, WhatIsTooFarToBeNearestIsRightlyLeftOut) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> some(-3, 3);
+  for (const bool closed : {true, false}) {
+    const ArcChain chain = wavy(closed);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 200; ++k) points.emplace_back(some(random), some(random));
+    const std::vector<ChainPlace> places = nearest(chain, points);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const ChainPlace all = nearest(chain, points[k], 0, segment_count(chain));
+      EXPECT_EQ(places[k].arc, all.arc);
+      EXPECT_EQ(places[k].part, all.part);
+    }
   }
 }
 
@@ -125,7 +141,7 @@ TEST(FitArcs, CurvesTakeFewKnotsWithinTheTolerance) {
       double farthest = 0;
       for (int k = 0; k < 1000; ++k) {
         const Vec2 x = unit * c.curve(2 * pi * k / 1000);
-        farthest = std::max(farthest, (at(fit.chain, nearest(fit.chain, x)) - x).norm());
+        farthest = std::max(farthest, (at(fit.chain, nearest(fit.chain, std::array{x})[0]) - x).norm());
       }
       EXPECT_LE(farthest, 0.012 * unit);
       EXPECT_NEAR(area_of(fit.chain), c.area * unit * unit, 0.01 * c.area * unit * unit);
