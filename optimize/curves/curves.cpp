@@ -188,8 +188,8 @@ void CurvesRun::solve(Point& x) {
 /// Values and derivatives on a mesh that follows the curves.
 void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, Mesh mesh) {
   solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
-  auto e = std::make_shared<Evaluated>(
-      evaluate_mesh(p, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of, model_to_reuse(spare_)));
+  auto e = std::make_shared<Evaluated>(evaluate_mesh(p, r_, shape_of(x.curves), std::move(mesh), carved_.crack_of,
+                                                     model_to_reuse(spare_), follows.extension.sequence));
   x.J = e->J;
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());

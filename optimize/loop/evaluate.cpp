@@ -67,7 +67,7 @@ Model model_to_reuse(std::shared_ptr<Evaluated>& design) {
 }
 
 Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
-                        const std::vector<Index>& crack_of, Model before) {
+                        const std::vector<Index>& crack_of, Model before, std::span<const Index> sequence) {
   Stopwatch watch;
   Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
@@ -78,8 +78,9 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     Scene scene = with_cracks(scenes[i], crack_of);
     // Load cases differ in their loads alone: one factor for all.
-    Model model = i == 0 ? prepare_moved(std::move(mesh), p.element, std::move(scene), p.threads, std::move(before))
-                         : with_loads(e.cases.front().model, std::move(scene));
+    Model model =
+        i == 0 ? prepare_moved(std::move(mesh), p.element, std::move(scene), p.threads, std::move(before), sequence)
+               : with_loads(e.cases.front().model, std::move(scene));
     State state = solve(model, p.contact);
     if (!certified(state))
       throw Error(Fault::Numerics, "the state of the design could not be solved: its residual stays large");

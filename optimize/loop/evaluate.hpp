@@ -45,9 +45,9 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of);
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of);
 
 /// The same on a mesh that is there. `before`: a model that is not needed any more; of the same mesh with its points
-/// elsewhere it saves ordering and analysis (solver/moved.hpp).
+/// elsewhere it saves ordering and analysis; `sequence` saves the first (solver/moved.hpp).
 Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
-                        const std::vector<Index>& crack_of, Model before = {});
+                        const std::vector<Index>& crack_of, Model before = {}, std::span<const Index> sequence = {});
 /// That of a design which nobody else has, or nothing.
 Model model_to_reuse(std::shared_ptr<Evaluated>& design);
 

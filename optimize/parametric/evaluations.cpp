@@ -224,7 +224,8 @@ struct Evaluations::Impl {
       scene.tractions = loads[l].tractions;
       scene.body = loads[l].body;
       // Load cases differ in their loads alone: one factor for all.
-      Model model = l == 0 ? prepare_moved(mesh, problem.element, std::move(scene), problem.threads, model_to_reuse())
+      Model model = l == 0 ? prepare_moved(mesh, problem.element, std::move(scene), problem.threads, model_to_reuse(),
+                                           base.extension.sequence)
                            : with_loads(last->model, std::move(scene));
       State state = kerf::solve(model, problem.contact);
       ++result.state_solves;

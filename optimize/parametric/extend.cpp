@@ -1,5 +1,7 @@
 #include "optimize/parametric/extend.hpp"
 
+#include "solver/moved.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,59 +36,30 @@ double stiffness(const Mesh& mesh, Index t, std::size_t i, std::size_t k) {
   return edge(i).dot(edge(k)) / (4 * whole * whole);
 }
 
-/// The free vertices and their neighbors among them.
-struct FreeVertices {
-  std::vector<Index> number;  // per vertex, none where given
-  std::vector<std::vector<Index>> beside;
-};
-FreeVertices free_vertices(const Mesh& mesh, const std::vector<bool>& given) {
-  FreeVertices free{std::vector<Index>(mesh.points.size(), none), {}};
+/// Per free vertex its row, in the sequence of all.
+std::vector<Index> rows_in(std::span<const Index> sequence, const std::vector<bool>& given) {
+  std::vector<Index> row(given.size(), none);
   Index count = 0;
-  for (std::size_t v = 0; v < given.size(); ++v)
-    if (!given[v]) free.number[v] = count++;
-  free.beside.resize(static_cast<std::size_t>(count));
-  for (const auto& [a, b] : mesh.edges) {
-    const Index i = free.number[static_cast<std::size_t>(a)], k = free.number[static_cast<std::size_t>(b)];
-    if (i == none || k == none) continue;
-    free.beside[static_cast<std::size_t>(i)].push_back(k);
-    free.beside[static_cast<std::size_t>(k)].push_back(i);
-  }
-  for (auto& list : free.beside) std::sort(list.begin(), list.end());
-  return free;
-}
-
-/// Where the elimination puts each free vertex.
-std::vector<Index> places_of(const FreeVertices& free) {
-  std::vector<Index> start{0}, neighbors, place(free.beside.size());
-  for (const auto& list : free.beside) {
-    neighbors.insert(neighbors.end(), list.begin(), list.end());
-    start.push_back(static_cast<Index>(neighbors.size()));
-  }
-  if (free.beside.empty()) return place;
-  const std::vector<Index> order = dissection(start, neighbors);
-  for (std::size_t k = 0; k < order.size(); ++k) place[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
-  return place;
+  for (const Index v : sequence)
+    if (!given[static_cast<std::size_t>(v)]) row[static_cast<std::size_t>(v)] = count++;
+  return row;
 }
 
 /// The matrix of the free vertices without its values.
-LowerTriangle pattern_of(const FreeVertices& free, const std::vector<Index>& place) {
-  const std::size_t count = place.size();
+LowerTriangle pattern_of(const Mesh& mesh, const std::vector<Index>& row) {
   LowerTriangle inner;
-  inner.size = static_cast<Index>(count);
-  inner.start.assign(count + 1, 0);
-  std::vector<std::vector<Index>> below(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto r = static_cast<std::size_t>(place[i]);
-    below[r].push_back(static_cast<Index>(r));
-    for (const Index k : free.beside[i]) {
-      const Index other = place[static_cast<std::size_t>(k)];
-      if (other > static_cast<Index>(r)) below[r].push_back(other);
-    }
-    std::sort(below[r].begin(), below[r].end());
+  inner.size = static_cast<Index>(std::ranges::count_if(row, [](Index r) { return r != none; }));
+  std::vector<std::vector<Index>> below(static_cast<std::size_t>(inner.size));
+  for (Index r = 0; r < inner.size; ++r) below[static_cast<std::size_t>(r)].push_back(r);
+  for (const auto& [a, b] : mesh.edges) {
+    const Index i = row[static_cast<std::size_t>(a)], k = row[static_cast<std::size_t>(b)];
+    if (i != none && k != none) below[static_cast<std::size_t>(std::min(i, k))].push_back(std::max(i, k));
   }
-  for (std::size_t c = 0; c < below.size(); ++c) {
-    inner.rows.insert(inner.rows.end(), below[c].begin(), below[c].end());
-    inner.start[c + 1] = static_cast<Index>(inner.rows.size());
+  inner.start.push_back(0);
+  for (std::vector<Index>& list : below) {
+    std::ranges::sort(list);
+    inner.rows.insert(inner.rows.end(), list.begin(), list.end());
+    inner.start.push_back(static_cast<Index>(inner.rows.size()));
   }
   inner.values.assign(inner.rows.size(), 0.0);
   return inner;
@@ -120,15 +93,11 @@ std::vector<Extension::Coupling> scatter(const Mesh& mesh, const std::vector<Ind
 }  // namespace
 
 Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
-  const FreeVertices free = free_vertices(mesh, given);
-  const std::vector<Index> place = places_of(free);
-  std::vector<Index> row(mesh.points.size(), none);
-  for (std::size_t v = 0; v < row.size(); ++v)
-    if (free.number[v] != none) row[v] = place[static_cast<std::size_t>(free.number[v])];
-  LowerTriangle inner = pattern_of(free, place);
+  std::vector<Index> sequence = vertex_sequence(mesh), row = rows_in(sequence, given);
+  LowerTriangle inner = pattern_of(mesh, row);
   std::vector<Extension::Coupling> couplings = scatter(mesh, row, inner);
   Factor factor(inner, 0);
-  return {std::move(row), std::move(inner), std::move(factor), std::move(couplings)};
+  return {std::move(sequence), std::move(row), std::move(inner), std::move(factor), std::move(couplings)};
 }
 
 Points extend(const Extension& e, const Points& motion) {

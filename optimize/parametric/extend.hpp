@@ -16,7 +16,8 @@ struct Extension {
     Index row, vertex;  // of a free vertex, and a given one
     double value;
   };
-  std::vector<Index> row;  // per vertex, none where given
+  std::vector<Index> sequence;  // vertex_sequence of the mesh (solver/moved.hpp)
+  std::vector<Index> row;       // per vertex, none where given
   LowerTriangle inner;
   Factor factor;
   std::vector<Coupling> couplings;

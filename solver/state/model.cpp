@@ -305,9 +305,9 @@ std::shared_ptr<Factor> factor_in(std::shared_ptr<Factor> there, const LowerTria
   return std::make_shared<Factor>(factor_of(K, e, ordering, threads));
 }
 
-/// `prepare`, with what may be taken over, or null.
+/// `prepare`, with what may be taken over, or null, and the sequence of the vertices, or none.
 Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-                   std::shared_ptr<Ranks> ranks, Model* before);
+                   std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence = {});
 
 }  // namespace
 
@@ -383,14 +383,16 @@ Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Prepa
   return prepare_from(std::move(mesh), e, std::move(scene), threads, how, std::move(ranks), nullptr);
 }
 
-Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model before) {
-  return prepare_from(std::move(mesh), e, std::move(scene), threads, {}, nullptr, before.inner ? &before : nullptr);
+Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model before,
+                    std::span<const Index> sequence) {
+  return prepare_from(std::move(mesh), e, std::move(scene), threads, {}, nullptr, before.inner ? &before : nullptr,
+                      sequence);
 }
 
 namespace {
 
 Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-                   std::shared_ptr<Ranks> ranks, Model* before) {
+                   std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence) {
   if (ranks) check_parted(e, how);
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   for (const CrackLaw& law : scene.laws)
@@ -403,7 +405,8 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
   Prepared made(std::move(mesh), kernel(e), std::move(scene), threads);
   const bool again = before && before->inner->ordering.interface_rows == 0 && how.interface_edges.empty() &&
                      same_topology(made.mesh, made.skeleton, before->mesh, before->inner->skeleton);
-  Ordering ordering = again ? before->inner->ordering : order(made.mesh, made.skeleton, how.interface_edges, threads);
+  Ordering ordering =
+      again ? before->inner->ordering : order(made.mesh, made.skeleton, how.interface_edges, threads, sequence);
   constexpr std::size_t large = 20000;  // triangles; below, asking for pages anew costs more than the holes
   if (made.mesh.triangles.size() > large && !again && !keeps_memory()) return_freed_memory();
   const bool by_factors = made.is_large(ordering.contact_rows, how);

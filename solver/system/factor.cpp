@@ -1,6 +1,7 @@
 #include "solver/factor.hpp"
 
 #include "kerf/stop.hpp"
+#include "solver/kept_memory.hpp"
 #include "solver/system/blas.hpp"
 #include "solver/system/lost_definiteness.hpp"
 #include "solver/system/multifrontal.hpp"
@@ -41,7 +42,7 @@ struct Factor::Impl {
   bool permuted = false;     // by the factor, not by whoever made the matrix
   std::optional<Lu> lu;      // instead of a Cholesky factor
   std::optional<Multifrontal> numeric;
-  std::unique_ptr<double[]> values;        // L
+  KeptBlock values;                        // L
   std::unique_ptr<LeadingSolver> leading;  // instead of both, with the rows of the matrix that are in contact
   LowerTriangle coupling;                  // its entries in these rows, by columns
   int threads = 1;
@@ -57,7 +58,7 @@ struct Factor::Impl {
 
   void factorize(const LowerTriangle& lower, Index last) {
     check_stop();
-    if (!values) values.reset(new double[static_cast<std::size_t>(numeric->entries())]);
+    if (!values) values = KeptBlock(static_cast<std::size_t>(numeric->entries()));
     interface_factor.setZero(last, last);
     const auto made = [&](const LowerTriangle& k) {
       return numeric->factorize(k, values.get(), interface_factor, threads);

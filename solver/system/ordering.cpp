@@ -1,6 +1,7 @@
 #include "solver/system/ordering.hpp"
 
 #include "solver/factor.hpp"
+#include "solver/moved.hpp"
 #include "solver/system/lists.hpp"
 
 #include <algorithm>
@@ -10,23 +11,12 @@ namespace kerf {
 
 namespace {
 
-// Per vertex when it is eliminated, by nested dissection. Edges and corners follow their vertices: an edge goes with
-// that of its ends that is eliminated first, so that a separating path of vertices becomes the path of edges between
-// them. The graph is three times smaller than that of the edges.
-std::vector<Index> dissect_vertices(const Mesh& mesh, int threads) {
-  const Index vertices = static_cast<Index>(mesh.points.size());
-  std::vector<Index> start(vertices + 1, 0);
-  for (const auto& e : mesh.edges)
-    for (const Index v : e) ++start[v + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<Index> neighbors(start.back()), next(start.begin(), start.end() - 1);
-  for (const auto& [a, b] : mesh.edges) {
-    neighbors[next[a]++] = b;
-    neighbors[next[b]++] = a;
-  }
-  const std::vector<Index> sequence = dissection(start, neighbors, threads);
-  std::vector<Index> position(vertices);
-  for (Index k = 0; k < vertices; ++k) position[sequence[k]] = k;
+// Per vertex when it is eliminated. Edges and corners follow their vertices: an edge goes with that of its ends that is
+// eliminated first, so that a separating path of vertices becomes the path of edges between them. The graph is three
+// times smaller than that of the edges.
+std::vector<Index> positions(std::span<const Index> sequence) {
+  std::vector<Index> position(sequence.size());
+  for (std::size_t k = 0; k < sequence.size(); ++k) position[sequence[k]] = static_cast<Index>(k);
   return position;
 }
 
@@ -190,8 +180,22 @@ class Numbering {
 
 }  // namespace
 
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges, int threads) {
-  const std::vector<Index> position = dissect_vertices(mesh, threads);
+std::vector<Index> vertex_sequence(const Mesh& mesh, int threads) {
+  std::vector<Index> start(mesh.points.size() + 1, 0);
+  for (const auto& e : mesh.edges)
+    for (const Index v : e) ++start[v + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Index> neighbors(start.back()), next(start.begin(), start.end() - 1);
+  for (const auto& [a, b] : mesh.edges) {
+    neighbors[next[a]++] = b;
+    neighbors[next[b]++] = a;
+  }
+  return dissection(start, neighbors, threads);
+}
+
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges, int threads,
+               std::span<const Index> sequence) {
+  const std::vector<Index> position = positions(sequence.empty() ? vertex_sequence(mesh, threads) : sequence);
   const Lists edges = edges_in_sequence(mesh, s, position, interface_edges), corners = corners_in_sequence(s, position);
   Numbering numbering(mesh, s);
   for (Index k = 0; k < static_cast<Index>(position.size()); ++k) {

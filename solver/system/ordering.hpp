@@ -19,7 +19,9 @@ struct Ordering {
   std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
   std::vector<Index> adjacent_start;
 };
-Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {}, int threads = 1);
+/// `sequence`: vertex_sequence(mesh), where it is known.
+Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {}, int threads = 1,
+               std::span<const Index> sequence = {});
 /// Rows as the unknowns are numbered, those in contact last: for who eliminates nothing. No nodes. `held`, per unknown:
 /// of those in contact these have no row, and the others have theirs among all.
 Ordering as_numbered(const Skeleton& s, const std::vector<bool>* held = nullptr);
