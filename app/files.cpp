@@ -242,37 +242,39 @@ void append_bounds(std::vector<double>& row, const BoundedStress* b) {
 
 }  // namespace
 
-void write_probe_file(const Journal& journal, const Probe& probe, const Adapted& adapted, const MapTask& task,
-                      const Analysis* analysis, const std::vector<BoundedStress>& bounded) {
-  const std::span<const Vec2> points = probe.points;
-  const Model& model = adapted.model;
-  const State& state = adapted.state;
-  const std::vector<Index> where = locate(model.mesh, points);
-  std::vector<MapPoint> map(points.size(), MapPoint{.value = nan});
+std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x,
+                              double derivative) {
+  if (triangle == none) return {x.x(), x.y(), nan, nan, nan, nan, nan, nan};  // empty cells
+  const Vec2 u = recovered_displacement(model, state, triangle, x).col(0);
+  const Eigen::Vector4d s =
+      stress_at(model.inner->kernel, kerf::triangle(model, triangle), state.interior.col(triangle), x);
+  return {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), derivative};
+}
+
+std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const MapTask& task,
+                                            const Analysis* analysis) {
+  const std::vector<Index> where = locate(adapted.model.mesh, probe.points);
+  std::vector<MapPoint> map(probe.points.size(), MapPoint{.value = nan});
   if (analysis) {
     MapRequest request = task.request;
     request.bounds = request.second = false;
-    map = map_at(*analysis, task.functional, request, points);
+    map = map_at(*analysis, task.functional, request, probe.points);
   }
   std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& x = points[i];
-    std::vector<double> row(8, nan);  // an empty cell: outside the body
-    row[0] = x.x(), row[1] = x.y();
-    if (where[i] != none) {
-      const Vec2 u = recovered_displacement(model, state, where[i], x).col(0);
-      const Eigen::Vector4d s =
-          stress_at(model.inner->kernel, triangle(model, where[i]), state.interior.col(where[i]), x);
-      row = {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), map[i].value};
-    }
-    if (probe.bounds) append_bounds(row, i < bounded.size() ? &bounded[i] : nullptr);
-    rows.push_back(std::move(row));
-  }
+  for (std::size_t i = 0; i < where.size(); ++i)
+    rows.push_back(probe_row(adapted.model, adapted.state, where[i], probe.points[i], map[i].value));
+  return rows;
+}
+
+void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,
+                      const std::vector<BoundedStress>& bounded) {
   std::vector<std::string> columns{"x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_xy", "topological_derivative"};
-  if (probe.bounds)
+  if (probe.bounds) {
     for (const char* name :
          {"s_xx_lower", "s_xx_upper", "s_yy_lower", "s_yy_upper", "s_xy_lower", "s_xy_upper", "guaranteed"})
       columns.emplace_back(name);
+    for (std::size_t i = 0; i < rows.size(); ++i) append_bounds(rows[i], i < bounded.size() ? &bounded[i] : nullptr);
+  }
   journal.later([path = journal.file("probe_" + probe.name + ".csv"), columns = std::move(columns),
                  rows = std::move(rows)] { write_csv(path, columns, rows); });
 }

@@ -31,9 +31,14 @@ std::vector<NamedField> map_fields(const Mapped& map);
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);
 
-/// A probe_<name>.csv: the state at the points and, unless `analysis` is null, the map of the task. Where the probe
-/// asks for bounds, those of the stresses, which are not there without a state that can be trusted.
-void write_probe_file(const Journal& journal, const Probe& probe, const Adapted& adapted, const MapTask& task,
-                      const Analysis* analysis, const std::vector<BoundedStress>& bounded);
+/// x, y, the state and a derivative at a point; NaN for what is not known: all of it outside the body.
+std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x, double derivative);
+/// Of all points of a probe, with the map of the task unless `analysis` is null.
+std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const MapTask& task,
+                                            const Analysis* analysis);
+/// A probe_<name>.csv of these rows. Where the probe asks for bounds: those of the stresses, in the order of its
+/// points.
+void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,
+                      const std::vector<BoundedStress>& bounded);
 
 }  // namespace kerf

@@ -1,10 +1,10 @@
 // kerf: the commands and their arguments. CLI11 lives here and nowhere else.
 
+#include "app/farm.hpp"
 #include "app/forecast.hpp"
 #include "app/keys.hpp"
 #include "app/mesh.hpp"
 #include "app/optimize.hpp"
-#include "app/parts.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/ranks.hpp"
@@ -139,9 +139,9 @@ void declare(CLI::App& app, Arguments& arguments) {
     if (command.name == "run" || command.name == "optimize")
       sub->add_flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
     sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
-    if (command.name == "run" || command.name == "solve" || command.name == "map")
+    if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
       sub->add_option("--processes", arguments.processes,
-                      "Start so many by mpiexec, for solver.backend = \"petsc\"; default 1")
+                      "Start so many by mpiexec, for solver.backend = \"petsc\" or optimize.starts; default 1")
           ->check(CLI::Range(1, 4096));
     sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
     sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
@@ -401,7 +401,7 @@ int start(int argc, char** argv) {
   if (started_processes() > 1 && processes.start() > 0) {
     processes.serve([&](std::string_view task, Peers& peers) {
       const auto arguments = parse(argc, argv);  // as the first process has done
-      work_on_part(read_case(arguments->case_file, arguments->overrides), task, peers);
+      work_on(read_case(arguments->case_file, arguments->overrides), task, peers);
     });
     return 0;
   }

@@ -174,8 +174,9 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   };
   recorder.start();
   try {
-    out.result = request.method == OptimizeMethod::LevelSet ? optimize_level_set(task.problem, request, see, place)
-                                                            : optimize_parameters(task.problem, request, see, place);
+    out.result = request.method == OptimizeMethod::LevelSet
+                     ? optimize_level_set(task.problem, request, see, place)
+                     : optimize_parameters(task.problem, request, see, place, task.farm);
     out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
     if (task.fit) fit_readings(task, request, journal, out);
   } catch (const Stopped&) {

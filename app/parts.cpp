@@ -13,6 +13,7 @@
 #include "solver/packer.hpp"
 #include "solver/recovery.hpp"
 #include "solver/resultants.hpp"
+#include "solver/shared_bounds.hpp"
 #include "solver/shared_tips.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
@@ -36,7 +37,7 @@ struct Task {
   std::vector<Index> process;  // per triangle of it
   std::string folder;
   int divisions = 0, threads = 1;
-  bool vtk = true, estimate = true, peaks = true, tips = true, map = false;
+  bool vtk = true, estimate = true, peaks = true, tips = true, bounds = true, map = false;
   SingularZones zones = {};  // of the body, which a part does not show
   Floating floating = {};
   std::vector<Index> piece = {};  // SharedBody
@@ -56,8 +57,11 @@ std::vector<Vec2> points_from(Unpacker& from) {
   return points;
 }
 
+constexpr char parts = 'p';  // what a task begins with
+
 std::string packed(const Task& task) {
   Packer to;
+  to.put(parts);
   const Mesh& m = task.coarse;
   put(m.points, to);
   to.put(m.triangles);
@@ -77,6 +81,7 @@ std::string packed(const Task& task) {
   to.put(task.estimate);
   to.put(task.peaks);
   to.put(task.tips);
+  to.put(task.bounds);
   to.put(task.map);
   put(task.zones.points, to);
   to.put(task.zones.radius);
@@ -98,6 +103,7 @@ std::string packed(const Task& task) {
 
 Task unpacked(std::string_view bytes) {
   Unpacker from(bytes);
+  if (from.get<char>() != parts) throw std::logic_error("a task of another kind");
   Task task;
   Mesh& m = task.coarse;
   m.points = points_from(from);
@@ -119,6 +125,7 @@ Task unpacked(std::string_view bytes) {
   task.estimate = from.get<bool>();
   task.peaks = from.get<bool>();
   task.tips = from.get<bool>();
+  task.bounds = from.get<bool>();
   task.map = from.get<bool>();
   task.zones.points = points_from(from);
   task.zones.radius = from.get<double>();
@@ -145,6 +152,7 @@ struct Found {
   double potential = 0, work = 0, area = 0;
   Index unknowns = 0, interior = 0;
   std::optional<double> error;
+  std::optional<EnergyBounds> energy;
   double mean_stress = 0;
   bool has_stress = false;
   std::optional<Peak> von_mises, displacement, strain;
@@ -155,6 +163,7 @@ struct Found {
   std::vector<TipIntensity> tips;
   std::vector<NamedField> fields, map_fields;  // names, kinds and components of the files
   std::optional<MapResult> map;
+  std::vector<std::vector<std::vector<double>>> probes;  // rows of each
   PartedEffort effort;
   ModelSeconds seconds;
 };
@@ -252,19 +261,26 @@ std::array<PlacedValue, 2> extrema(Peers& peers, const OwnPlot& own, const Eigen
   return all;
 }
 
+/// Per point the own triangle in which it lies, or none.
+std::vector<Index> locate_own(const Model& model, const std::vector<Vec2>& points) {
+  std::vector<Index> where = locate(model.mesh, points);
+  for (Index& t : where)
+    if (t >= own_triangles(model)) t = none;
+  return where;
+}
+
 /// At listed points: of the first process in whose own triangles each of them lies.
-std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, Peers& peers) {
+std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std::vector<Vec2>& asked, Peers& peers) {
   struct Flat {
     Index point;
     double value, angle;
     char masked;
   };
-  const std::vector<Vec2>& asked = c.map->points;
   std::vector<Index> mine;
   std::vector<Vec2> at;
-  const std::vector<Index> where = locate(a.model->mesh, asked);
+  const std::vector<Index> where = locate_own(*a.model, asked);
   for (std::size_t i = 0; i < asked.size(); ++i)
-    if (where[i] != none && where[i] < own_triangles(*a.model)) {
+    if (where[i] != none) {
       mine.push_back(static_cast<Index>(i));
       at.push_back(asked[i]);
     }
@@ -295,7 +311,11 @@ void map_part(const Case& c, const Task& task, const Model& model, const State& 
   for (Index t = 0; t < own_triangles(model); ++t)
     if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += area(model.mesh, t);
   MapResult r{.perturbation = std::string(word(c.map_request.perturbation.kind))};
-  if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, peers);
+  if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, c.map->points, peers);
+  for (std::size_t k = 0; k < c.probes.size(); ++k) {
+    const std::vector<MapPoint> at = map_at_points(c, a, c.probes[k].points, peers);
+    for (std::size_t i = 0; i < at.size(); ++i) found.probes[k][i].back() = at[i].value;
+  }
   const auto [least, most] = extrema(peers, own, map.full.at_corners, map.left_out_corner);
   r.min = least;
   r.max = most;
@@ -309,6 +329,30 @@ void map_part(const Case& c, const Task& task, const Model& model, const State& 
   found.map = std::move(r);
   found.map_fields = map_fields(map);
   write_piece(task, "map", own, peers.here(), found.map_fields);
+}
+
+/// The rows of probes, of the first process in whose own triangles each point lies; without a map.
+void gather_probes(const Case& c, const Model& model, const State& state, Peers& peers, Found& found) {
+  struct Flat {
+    std::size_t probe, point;
+    std::array<double, 8> row;
+  };
+  std::vector<Flat> own;
+  for (std::size_t k = 0; k < c.probes.size(); ++k) {
+    const std::vector<Vec2>& points = c.probes[k].points;
+    const std::vector<Index> where = locate_own(model, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (where[i] == none) continue;
+      const std::vector<double> row = probe_row(model, state, where[i], points[i], nan);
+      own.push_back({k, i, {}});
+      std::ranges::copy(row, own.back().row.begin());
+    }
+    auto& rows = found.probes.emplace_back();
+    for (const Vec2& x : points) rows.push_back(probe_row(model, state, none, x, nan));
+  }
+  std::vector<Flat> all = gathered(peers, own);
+  std::ranges::reverse(all);  // the first process has the last word
+  for (const Flat& f : all) found.probes[f.probe][f.point].assign(f.row.begin(), f.row.end());
 }
 
 /// Per crack what all know of it. `from`: MeshPart::from.
@@ -391,10 +435,11 @@ Found work(const Case& c, Task task, Peers& peers) {
   found.effort = body.effort();
   found.seconds = model.seconds;
   gather_cracks(model, state, from, peers, found);
-  if (task.tips)
-    found.tips = tips.intensities(
-        model, state, found.profiles,
-        {[&peers](std::span<double> v) { peers.sum(v); }, [&peers](std::span<double> v) { peers.largest(v); }});
+  gather_probes(c, model, state, peers, found);
+  const Sums over_all{[&peers](std::span<double> v) { peers.sum(v); },
+                      [&peers](std::span<double> v) { peers.largest(v); }};
+  if (task.tips) found.tips = tips.intensities(model, state, found.profiles, over_all);
+  if (task.bounds) found.energy = energy_bounds(model, state, over_all);
   sum_reactions(model, state, c.shape.labels.size(), peers, found);
   Indicator indicator;
   if (task.estimate && can_estimate_error(model.element)) {
@@ -527,6 +572,7 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
             .estimate = c.output.estimate,
             .peaks = c.output.peaks,
             .tips = c.output.tips,
+            .bounds = c.output.energy_bounds,
             .map = with_map};
   const Undivided before = undivided(c, journal);
   const Model& coarse = before.model;
@@ -582,8 +628,8 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   if (c.output.tips && (std::ranges::any_of(c.scene.laws, has_pressure) || has_eigenstrain(c.scene)))
     s.notes.emplace_back("no K, G and T in parts at tips of cracks with a fluid pressure or with an eigenstrain");
   s.notes.emplace_back(
-      "solved in parts, of which no process has the whole: no interval of the energy, no pictures and no "
-      "page; state.pvtu has the fields");
+      "solved in parts, of which no process has the whole: no pictures and no page; state.pvtu has the fields");
+  if (found.energy) add_energy_bounds(*found.energy, s);
   add_resultants(coarse, found.reactions, c.shape, s);
   r.solver = solver_result(found.effort);
   for (std::size_t k = 0; k < found.profiles.size(); ++k)
@@ -617,6 +663,8 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
       write_map_files(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
   }
   write_crack_files(journal, r.cracks);
+  for (std::size_t k = 0; k < c.probes.size(); ++k)
+    write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
   journal.seconds.output += journal.lap();
 }
 

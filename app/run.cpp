@@ -4,6 +4,7 @@
 
 #include "app/bounds.hpp"
 #include "app/draw.hpp"
+#include "app/farm.hpp"
 #include "app/files.hpp"
 #include "app/history.hpp"
 #include "app/map.hpp"
@@ -63,13 +64,14 @@ MapTask map_task(const Case& c) {
   return {c.functional, c.map_request, c.map ? c.map->points : everywhere};
 }
 
-OptimizeTask optimize_task(const Case& c, int threads) {
-  return {.problem = problem_of(c, threads),
+OptimizeTask optimize_task(const Case& c, const RunOptions& options) {
+  return {.problem = problem_of(c, options.threads),
           .request = *c.optimize,
           .truth = c.synthetic,
           .fit = c.fit,
           .readings = c.readings,
-          .fingerprint = c.fingerprint};
+          .fingerprint = c.fingerprint,
+          .farm = farm_of(c, options.processes)};
 }
 
 /// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.
@@ -128,6 +130,14 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
 /// What is not solved on several processes.
 void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processes) {
   if (c.backend != Backend::Petsc) {
+    if (jobs.optimize && has_starts_to_share(c)) return;
+    if (started_processes() > 1 && processes && jobs.optimize)
+      throw Error(
+          Fault::Usage,
+          fmt::format("mpiexec started {} processes, and all that they share of an optimization is the starts of "
+                      "methods by NLopt, of bodies that are known: set optimize.starts to 2 or more, or start "
+                      "kerf without mpiexec",
+                      started_processes()));
     if (started_processes() > 1 && processes)
       throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, and backend = \"{}\" uses one; set "
                                             "solver.backend = \"petsc\", or start kerf without mpiexec",
@@ -316,7 +326,7 @@ Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map,
 }
 
 Case optimize_design(const Case& c, Journal& journal, Result& r) {
-  OptimizeSection found = optimize_body(optimize_task(c, journal.options.threads), journal);
+  OptimizeSection found = optimize_body(optimize_task(c, journal.options), journal);
   if (!found.result.feasible) {
     r.status = "infeasible";
     r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
@@ -432,11 +442,12 @@ bool is_in_parts(const Case& c) {
   return c.divisions > 0 && c.backend == Backend::Petsc && started_processes() > 1;
 }
 void refuse_in_parts(const Case& c) {
-  if (!c.probes.empty())
-    throw Error(Fault::Usage,
-                fmt::format("{}: on several processes none has the whole of a divided mesh, and a probe is "
-                            "not read there; use a smaller mesh.size instead",
-                            place_of(c, "mesh.refine")));
+  if (std::ranges::any_of(c.probes, &Probe::bounds))
+    throw Error(
+        Fault::Usage,
+        fmt::format("{}: on several processes none has the whole of a divided mesh, and the stresses at a probe "
+                    "are not bounded there; use a smaller mesh.size instead",
+                    place_of(c, "mesh.refine")));
 }
 
 /// What [bounds] and mesh.adapt ask for.
@@ -504,7 +515,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   journal.begin("write");
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
-    write_probe_file(journal, c.probes[i], adapted, map_task(c), mapped, bounded[i]);
+    write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, map_task(c), mapped), bounded[i]);
   if (!certified(adapted.state)) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);

@@ -4,18 +4,12 @@
 
 #include "kerf/fracture.hpp"
 #include "kerf/recover.hpp"
+#include "solver/sums.hpp"
 
-#include <functional>
 #include <memory>
-#include <span>
 #include <vector>
 
 namespace kerf {
-
-/// Over processes, the same on all.
-struct Sums {
-  std::function<void(std::span<double>)> add, most;
-};
 
 /// The tips of a mesh as they are once every edge is divided, and what their cracks are beside them.
 class SharedTips {

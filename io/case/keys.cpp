@@ -681,7 +681,7 @@ constexpr Key rows[] = {
      Whole,
      {.range = {1, 1000}},
      "How many designs to begin with: the given one, and others spread over what is allowed. They are compared on a "
-     "coarse mesh; the best goes on.",
+     "coarse mesh; the best goes on. The processes of kerf optimize --processes share them.",
      "8",
      "as many as the method needs; NLopt methods: 1"},
     {"optimize.bound[]",

@@ -110,11 +110,13 @@ VectorXd some_direction(Eigen::Index n) {
 
 class Rounds {
  public:
-  Rounds(const Problem& problem, const OptimizeRequest& request, const Observer& see, const CheckpointPlace& place)
+  Rounds(const Problem& problem, const OptimizeRequest& request, const Observer& see, const CheckpointPlace& place,
+         const Farm& farm)
       : problem_(problem),
         request_(request),
         see_(see),
         place_(place),
+        farm_(farm),
         evaluations_(problem, request),
         lower_(lower_bounds(request.design)),
         upper_(upper_bounds(request.design)) {}
@@ -149,6 +151,7 @@ class Rounds {
   const OptimizeRequest& request_;
   const Observer& see_;
   const CheckpointPlace& place_;
+  const Farm& farm_;
   Evaluations evaluations_;
   VectorXd lower_, upper_;
   std::vector<DesignEvaluation> done_;   // evaluated, in this run or before it was interrupted
@@ -387,7 +390,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
     all.push_back(
         start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
   }
-  if (all.empty()) all = try_starts(problem_, request_, given);
+  if (all.empty()) all = try_starts(problem_, request_, given, farm_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     checkpoint_.numbers[key(i)] = packed(all[i]);
     if (!all[i].failure.empty()) checkpoint_.texts[key(i)] = all[i].failure;
@@ -513,9 +516,14 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
 }  // namespace
 
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
-                                   const CheckpointPlace& place) {
+                                   const CheckpointPlace& place, const Farm& farm) {
   refuse_wrong(problem, request);
-  return Rounds(problem, request, see, place).run();
+  return Rounds(problem, request, see, place, farm).run();
+}
+
+OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
+                                   const CheckpointPlace& place) {
+  return optimize_parameters(problem, request, see, place, {});
 }
 
 }  // namespace kerf

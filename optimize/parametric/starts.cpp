@@ -3,6 +3,7 @@
 #include "optimize/parametric/evaluations.hpp"
 #include "optimize/parametric/shapes/shape.hpp"
 #include "optimize/parametric/start.hpp"
+#include "solver/packer.hpp"
 #include "solver/parallel.hpp"
 
 #include <fmt/core.h>
@@ -63,6 +64,68 @@ void follow(const Problem& p, const OptimizeRequest& r, int evaluations, StartTr
   tried.violation = found.violation;
 }
 
+/// What starts are compared on: a coarser mesh, one thread each.
+std::pair<Problem, OptimizeRequest> compared(const Problem& problem, const OptimizeRequest& request) {
+  std::pair<Problem, OptimizeRequest> c{problem, request};
+  c.second.min_distance = least_distance(problem, request);  // which does not grow with the mesh size
+  c.first.sizing.size = coarser * mesh_size(problem);
+  c.first.sizing.crack_tip_size *= coarser;
+  c.first.threads = 1;
+  return c;
+}
+
+// Tasks and answers of a farm.
+
+void put(const VectorXd& v, Packer& to) {
+  to.put(std::vector<double>(v.begin(), v.end()));
+}
+VectorXd vector_from(Unpacker& from) {
+  const auto v = from.all<double>();
+  return Eigen::Map<const VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+std::string task_of(const Design& design, int evaluations, const StartTried& tried) {
+  Packer to;
+  put(start_of(design), to);
+  to.put(evaluations);
+  put(tried.from, to);
+  put(tried.variables, to);
+  to.put(tried.merit);
+  to.put(tried.violation);
+  return std::move(to).take();
+}
+
+/// The design with another start.
+Design started_at(Design design, const VectorXd& start) {
+  Eigen::Index at = 0;
+  for (Drawn& one : design.drawn) {
+    one.start = start.segment(at, one.lower.size());
+    one.from_map = false;
+    at += one.lower.size();
+  }
+  return design;
+}
+
+std::string answer_of(const StartTried& tried) {
+  Packer to;
+  put(tried.variables, to);
+  to.put(tried.merit);
+  to.put(tried.violation);
+  to.put(tried.state_solves);
+  to.put(std::vector<char>(tried.failure.begin(), tried.failure.end()));
+  return std::move(to).take();
+}
+
+void take_answer(std::string_view answer, StartTried& tried) {
+  Unpacker from(answer);
+  tried.variables = vector_from(from);
+  tried.merit = from.get<double>();
+  tried.violation = from.get<double>();
+  tried.state_solves += from.get<int>();
+  const auto failure = from.all<char>();
+  tried.failure.assign(failure.begin(), failure.end());
+}
+
 bool better(const StartTried& a, const StartTried& b) {
   if (std::isnan(a.merit) || std::isnan(b.merit)) return !std::isnan(a.merit) && std::isnan(b.merit);
   const double more_a = std::max(0.0, a.violation - bearable), more_b = std::max(0.0, b.violation - bearable);
@@ -71,20 +134,41 @@ bool better(const StartTried& a, const StartTried& b) {
 
 }  // namespace
 
-std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest& request, const VectorXd& given) {
-  Problem p = problem;
-  OptimizeRequest r = request;
-  r.min_distance = least_distance(problem, request);  // which does not grow with the mesh size
-  p.sizing.size = coarser * mesh_size(problem);
-  p.sizing.crack_tip_size *= coarser;
-  p.threads = 1;
+std::string try_start(const Problem& problem, const OptimizeRequest& request, std::string_view task) {
+  Unpacker from(task);
+  auto [p, r] = compared(problem, request);
+  const VectorXd start = vector_from(from);
+  r.design = started_at(std::move(r.design), start);
+  const int evaluations = from.get<int>();
+  StartTried tried;
+  tried.from = vector_from(from);
+  tried.variables = vector_from(from);
+  tried.merit = from.get<double>();
+  tried.violation = from.get<double>();
+  follow(p, r, evaluations, tried);
+  return answer_of(tried);
+}
+
+std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest& request, const VectorXd& given,
+                                   const Farm& farm) {
+  const auto [p, r] = compared(problem, request);
   std::vector<StartTried> all;
   for (const VectorXd& x : places(p, r, given)) all.push_back({.from = x});
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto follow_all = [&, &p = p, &r = r](int evaluations) {
+    if (!farm) {
+      parallel_tasks(static_cast<Index>(order.size()), problem.threads,
+                     [&](Index i) { follow(p, r, evaluations, all[order[static_cast<std::size_t>(i)]]); });
+      return;
+    }
+    std::vector<std::string> tasks;
+    for (const std::size_t i : order) tasks.push_back(task_of(request.design, evaluations, all[i]));
+    const std::vector<std::string> answers = farm(tasks);
+    for (std::size_t k = 0; k < order.size(); ++k) take_answer(answers.at(k), all[order[k]]);
+  };
   const auto look = [&](int evaluations) {
-    parallel_tasks(static_cast<Index>(order.size()), problem.threads,
-                   [&](Index i) { follow(p, r, evaluations, all[order[static_cast<std::size_t>(i)]]); });
+    follow_all(evaluations);
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return better(all[a], all[b]); });
   };
   look(std::min(first_look, r.max_iterations));

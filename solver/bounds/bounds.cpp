@@ -2,6 +2,7 @@
 
 #include "solver/anisotropic.hpp"
 #include "solver/recovery.hpp"
+#include "solver/shared_bounds.hpp"
 #include "solver/system.hpp"
 
 #include "solver/bounds/admissible.hpp"
@@ -16,6 +17,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -45,6 +47,14 @@ double local_korn(const Triangle& t) {
   return std::sqrt(1 + 2 / beta_squared);
 }
 
+/// Of an edge, by the triangles beside it.
+double own_share(const Model& m, Index e) {
+  double own = 0, all = 0;
+  for (const Index t : m.mesh.sides[e])
+    if (t != none) own += t < own_triangles(m) ? 1 : 0, all += 1;
+  return own / all;
+}
+
 double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& data, const Conforming& conforming,
                  const std::vector<Share>& shares) {
   const Index points = points_per_edge(m.element);
@@ -53,6 +63,8 @@ double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& da
   for (std::size_t i = data.size(); i-- > 0;) place[data[i].edge] = static_cast<Index>(i);  // of cracks the left side
   double total = 0;
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
+    const double mine = own_share(m, e);
+    if (mine == 0) continue;
     EdgeWork at{e, {}, place[e] == none ? nullptr : &data[place[e]], {}, {}, conforming.penetration[e]};
     for (int k = 0; k < 2; ++k) {
       at.side[k] = Tractions::Zero(2, points);
@@ -64,7 +76,7 @@ double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& da
     }
     at.base = s.skeleton.segment(e * skeleton.per_edge, 2 * points);
     if (skeleton.jump[e] != none) at.jump = s.skeleton.segment(skeleton.jump[e], 2 * points);
-    total += imbalance_on(m, at);
+    total += mine * imbalance_on(m, at);
   }
   return total;
 }
@@ -163,15 +175,15 @@ std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, co
 
 namespace {
 
-Oscillation oscillation(const std::vector<Rest>& rests, const std::vector<Share>& shares) {
+/// Of the first triangles; eta squared.
+Oscillation oscillation_squared(const std::vector<Rest>& rests, const std::vector<Share>& shares, Index triangles) {
   Oscillation o;
-  double square = 0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
+  double& square = o.eta;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(triangles); ++i) {
     square += rests[i].data * rests[i].data;
     o.correction += rests[i].body * shares[i].rough;
     o.quadrature += rests[i].quadrature * shares[i].largest;
   }
-  o.eta = std::sqrt(square);
   return o;
 }
 
@@ -231,9 +243,10 @@ std::vector<Share> bound_triangles(const Bounding& of, const References& to, con
   return shares;
 }
 
-Share total(const std::vector<Share>& shares) {
+/// Of the first triangles.
+Share total(const std::vector<Share>& shares, Index triangles) {
   Share sum;
-  for (const Share& share : shares) {
+  for (const Share& share : std::span(shares).first(static_cast<std::size_t>(triangles))) {
     sum.lower += share.lower;
     sum.upper += share.upper;
     sum.size += share.size;
@@ -317,13 +330,19 @@ double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
 
 namespace {
 
-EnergyBounds bounds_of(const AdmissiblePair& a, const Field& s) {
-  return energy_interval(a.m, {.sum = a.sum,
-                               .imbalance = imbalance(a.m, s, a.data, a.conforming, a.shares),
-                               .oscillation = oscillation(a.rests, a.shares),
-                               .mismatch = a.conforming.mismatch,
-                               .beyond_arcs = a.beyond_arcs,
-                               .couples = unseen_couples(a.f)});
+/// Over own triangles; eta of the oscillation squared.
+EnergySums own_sums(const AdmissiblePair& a, const Field& s) {
+  return {.sum = a.sum,
+          .imbalance = imbalance(a.m, s, a.data, a.conforming, a.shares),
+          .oscillation = oscillation_squared(a.rests, a.shares, own_triangles(a.m)),
+          .mismatch = a.conforming.mismatch,
+          .beyond_arcs = a.beyond_arcs,
+          .couples = unseen_couples(a.f)};
+}
+
+EnergyBounds interval_of(const Model& m, EnergySums sums) {
+  sums.oscillation.eta = std::sqrt(sums.oscillation.eta);
+  return energy_interval(m, sums);
 }
 
 }  // namespace
@@ -390,6 +409,20 @@ EnergyBounds energy_interval(const Model& m, const EnergySums& of) {
 
 namespace {
 
+/// Fills in the fields and what the triangles contribute. `solved`: what the displacement follows.
+void fill(const Field& solved, const Eigen::MatrixXd& statics, int inside, bool keep, AdmissiblePair& a) {
+  const Model& m = a.m;
+  a.conforming = conforming_displacement(m, solved, a.data);
+  a.edges.resize(m.mesh.triangles.size());
+  for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
+  const int degree =
+      std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
+  a.references = std::make_shared<const References>(references(m.element, degree, a.f, !m.mesh.arc.empty()));
+  a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, *a.references, solved, statics, a.edges);
+  a.rests = rests_of(m, a.data, a.f, a.edges);
+  a.sum = total(a.shares, own_triangles(m));
+}
+
 AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   AdmissiblePair a{.m = m};
   if (const std::string why = unavailable(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
@@ -409,23 +442,15 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   const bool with_couples = keep && a.f.couple.size() > 0 && moved.size() > 0 && m.inner->system.penalty == 0 &&
                             m.inner->ordering.contact_rows == 0;
   const Field solved = with_couples ? Field{s.skeleton + moved, statics, s.force, s.eigenstrain} : s;
-  a.conforming = conforming_displacement(m, solved, a.data);
-  a.edges.resize(m.mesh.triangles.size());
-  for (std::size_t i = 0; i < a.data.size(); ++i) a.edges[a.data[i].triangle].push_back(static_cast<Index>(i));
-  const int degree =
-      std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
-  a.references = std::make_shared<const References>(references(m.element, degree, a.f, !m.mesh.arc.empty()));
-  const References& to = *a.references;
-  a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, to, solved, statics, a.edges);
-  a.rests = rests_of(m, a.data, a.f, a.edges);
-  a.sum = total(a.shares);
+  fill(solved, statics, inside, keep, a);
   if (!m.mesh.arc.empty()) {
     a.beyond_arcs = beyond_arcs(m, s);
     a.sum.below += a.beyond_arcs;
     a.sum.above += a.beyond_arcs;
   }
-  a.bounds = bounds_of(a, s);
+  a.bounds = interval_of(m, own_sums(a, s));
   a.rounding = (64 * epsilon + 2 * a.bounds.imbalance) * a.sum.size;
+  const References& to = *a.references;
   a.plain = to.plain.rule;
   a.rich = to.rich.rule;
   if (!m.mesh.arc.empty()) {
@@ -435,11 +460,54 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   return a;
 }
 
+/// Why a part has none, where the whole may.
+std::string unavailable_in_parts(const Model& m, const Forces& f) {
+  if (!m.mesh.arc.empty()) return "no bounds of the energy in parts: curved edges (mesh.curved)";
+  if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
+    return "no bounds of the energy in parts: cracks in contact";
+  if (f.couple.size() > 0)
+    return "no bounds of the energy in parts: a body force whose couples the element does not see";
+  return {};
+}
+
 }  // namespace
 
 int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
   return std::max(
       {stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? strain_degree : 0});
+}
+
+EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums) {
+  AdmissiblePair a{.m = m};
+  std::string why = unavailable(m);
+  if (why.empty()) why = unavailable_in_parts(m, a.f = forces(m));
+  if (!why.empty()) return {nan, nan, 0, false, why};
+  double blind = unseen_by_bounds(m).empty() ? 0 : 1;
+  sums.most({&blind, 1});
+  if (blind > 0) return lost(infinity, "no bounds of the energy: data that the rules of the solver do not resolve");
+  a.data = edge_data(m);
+  fill(s, s.interior, 0, false, a);
+  EnergySums own = own_sums(a, s);
+  std::array<double*, 10> added{&own.sum.lower,
+                                &own.sum.upper,
+                                &own.sum.size,
+                                &own.sum.below,
+                                &own.sum.above,
+                                &own.imbalance,
+                                &own.oscillation.eta,
+                                &own.oscillation.correction,
+                                &own.oscillation.quadrature,
+                                &own.mismatch};
+  std::array<double*, 4> largest{&own.sum.asymmetry, &own.sum.stress, &own.sum.divergence, &own.sum.gradient};
+  const auto over_all = [](const auto& values, const std::function<void(std::span<double>)>& reduce) {
+    std::array<double, std::tuple_size_v<std::decay_t<decltype(values)>>> all;
+    std::ranges::transform(values, all.begin(), [](const double* value) { return *value; });
+    reduce(all);
+    for (std::size_t i = 0; i < all.size(); ++i) *values[i] = all[i];
+  };
+  over_all(added, sums.add);
+  over_all(largest, sums.most);
+  return interval_of(m, own);
 }
 
 AdmissiblePair admissible(const Model& m, const Field& s, int inside) {

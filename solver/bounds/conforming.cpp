@@ -457,7 +457,7 @@ class Bubbles {
       // Rapid changes: at most the product of the norms of value and slope, as between L2 and H1.
       const double rapid = d.rest[k] > 0 ? std::sqrt(d.rest[k] * d.rough[k]) : 0;
       const double missed = f.square + ends + rapid, rounding = 64 * std::numeric_limits<double>::epsilon();
-      if (missed > rounding * rounding * d.displacement.squaredNorm())
+      if (d.triangle < own_triangles(m_) && missed > rounding * rounding * d.displacement.squaredNorm())
         result.mismatch += 2 * shear_moduli(material_of(m_.mesh, m_.scene, d.triangle)).largest * missed;
       for (int g = 0; g < data_carriers; ++g) {
         const double at = fit_.carrier.s[g];

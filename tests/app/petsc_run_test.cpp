@@ -224,6 +224,14 @@ class DividedRun : public PetscRun {
     EXPECT_LT(r["state"]["residual"].get<double>(), 1e-8) << what;
     EXPECT_LT(r["state"]["work_error"].get<double>(), 1e-9) << what;
     expect_same(r["functional"]["value"], truth["functional"]["value"], what + "functional");
+    const json &interval = r["state"]["energy_bounds"], &other = truth["state"]["energy_bounds"];
+    if (truth.contains("contact") || other.is_null())
+      EXPECT_TRUE(interval.is_null()) << what;
+    else
+      for (std::size_t end = 0; end < 2; ++end)
+        EXPECT_NEAR(interval.at(end).get<double>(), other[end].get<double>(),
+                    1e-8 * std::abs(truth["state"]["energy"].get<double>()))
+            << what;
     for (const char* key : {"max_von_mises", "max_displacement"}) {
       const json &peak = r["state"][key], &other = truth["state"][key];
       EXPECT_NEAR(peak["value"].get<double>(), other["value"].get<double>(), 1e-7 * other["value"].get<double>())
@@ -450,6 +458,18 @@ html = false
                "map", {"the body is nearly incompressible and held all around"});
 }
 
+TEST_F(DividedRun, Probes) {
+  write(square + material("0.3") + crack("") + solver("bdms", 1) +
+        "[[probe]]\nname = \"line\"\nfrom = [0.1, 0.2]\nto = [1.1, 0.8]\ncount = 15\n");
+  for (const char* command : {"solve", "map"}) {
+    result(0, "cholmod", command, coarse_in_parts);
+    result(3, "petsc", command, coarse_in_parts);
+    const std::string rows = text("out_petsc_3/probe_line.csv");
+    expect_same_rows(rows, text("out_cholmod_0/probe_line.csv"), command);
+    EXPECT_NE(rows.find("1.1,0.8,,,,,,"), std::string::npos) << rows;
+  }
+}
+
 TEST_F(DividedRun, FieldsComeInPiecesAndNoProcessHasTheWhole) {
   write(square + material("0.3") + open_crack + solver("bdms", 1));
   const std::string large =
@@ -525,6 +545,27 @@ std::vector<pid_t> children(pid_t parent) {
 }
 
 // Contact on many unknowns takes a solve for each of them: the third process is killed among these.
+TEST_F(PetscRun, StartsOfAnOptimizationAreShared) {
+  write(square + material("0.3") + R"([optimize]
+method = "slsqp"
+max_iterations = 12
+starts = 5
+volume = { at_most = 0.95 }
+[[optimize.hole]]
+name = "h"
+circle = { center = [[0.3, 0.7], [0.3, 0.7]], radius = [0.1, 0.2] }
+start = { center = [0.5, 0.5], radius = 0.13 }
+)");
+  const json truth = result(0, "cholmod", "optimize"), r = result(3, "cholmod", "optimize");
+  ASSERT_EQ(truth["optimize"]["starts"].size(), 5u);
+  for (const char* key : {"starts", "objective", "stopped", "state_solves"})
+    EXPECT_EQ(r["optimize"][key], truth["optimize"][key]) << key;
+  EXPECT_EQ(text("out_cholmod_3/history.csv"), text("out_cholmod_0/history.csv"));
+  const Outcome alone = kerf(2, "optimize a.toml --force --set optimize.starts=1");
+  EXPECT_EQ(alone.code, 2) << alone.said;
+  EXPECT_NE(alone.said.find("set optimize.starts to 2 or more"), std::string::npos) << alone.said;
+}
+
 TEST_F(PetscRun, AKilledProcessEndsTheRunAndLeavesWhatIsWritten) {
   write(square + material("0.3") + solver("bdms", 1) + R"([[crack]]
 name = "c"

@@ -309,6 +309,30 @@ TEST(Parameters, SeveralStartsFindTheBetterSide) {
   expect_same(quietly(p, r), best);
 }
 
+// Others know the case alone: the start that was found for it comes with the task.
+TEST(Parameters, StartsThatAFarmTriesAreTheSame) {
+  const Problem p = plate();
+  OptimizeRequest r = hole({0.6, 0, 0.15}, {-0.7, -0.5, 0.15}, {0.7, 0.5, 0.3});
+  r.starts = 4;
+  r.max_iterations = 15;
+  const OptimizeRequest as_read = [&] {
+    OptimizeRequest read = r;
+    read.design.drawn[0].from_map = true;
+    read.design.drawn[0].start = Eigen::Vector3d(0, 0, 0.2);
+    return read;
+  }();
+  int asked = 0;
+  const Farm farm = [&](const std::vector<std::string>& tasks) {
+    std::vector<std::string> answers;
+    for (const std::string& task : tasks) answers.push_back(try_start(p, as_read, task));
+    asked += static_cast<int>(tasks.size());
+    return answers;
+  };
+  const auto go_on = [](const Iterate&) { return true; };
+  expect_same(optimize_parameters(p, r, go_on, {}, farm), optimize_parameters(p, r, go_on, {}));
+  EXPECT_EQ(asked, 6);  // four, then the better half of them
+}
+
 /// Pressed from above; the crack slides against friction, where its faces, which a gap keeps apart, meet.
 Problem rubbing(double friction, double gap) {
   Problem p = plate();
@@ -330,7 +354,7 @@ TEST(Parameters, OfStartsThatViolateTheLeastViolatedGoesOn) {
   r.design.drawn = {hole};
   r.starts = 4;
   r.volume_at_most = 0.96;  // a radius of 0.45
-  const std::vector<StartTried> tried = try_starts(p, r, start_of(r.design));
+  const std::vector<StartTried> tried = try_starts(p, r, start_of(r.design), {});
   ASSERT_EQ(tried.size(), 4u);
   double least = infinity, chosen = nan;
   for (const StartTried& one : tried) {

@@ -1,0 +1,14 @@
+#pragma once
+// Bounds of the energy of a body that several processes have in parts.
+
+#include "kerf/bounds.hpp"
+#include "solver/sums.hpp"
+
+namespace kerf {
+
+/// As energy_bounds (kerf/bounds.hpp), of the whole body and the same on all processes, which call it together: each
+/// adds what its own triangles contribute [theory: B.2]. None with contact and with body forces whose couples an
+/// element does not see: what balances these is solved for.
+EnergyBounds energy_bounds(const Model& part, const Field& state, const Sums& sums);
+
+}  // namespace kerf
