@@ -164,7 +164,8 @@ void refuse_unused(const std::string& options) {
 
 class MpiPeers : public Peers {
  public:
-  MpiPeers(int rank, int count) : rank_(rank), count_(count) {}
+  /// `by_petsc`: its BDDC, for which there are options, instead of ours.
+  MpiPeers(int rank, int count, bool by_petsc) : rank_(rank), count_(count), by_petsc_(by_petsc) {}
   Index here() const override {
     return static_cast<Index>(rank_);
   }
@@ -193,7 +194,8 @@ class MpiPeers : public Peers {
     loaded().call->swap(sent.data(), out.data(), got.data(), in.data());
     return from;
   }
-  std::unique_ptr<SharedSolver> solver(std::string packed, Index total) override {
+  std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads) override {
+    if (!by_petsc_) return Peers::solver(std::move(packed), total, threads);
     return std::make_unique<Solver>(std::move(packed), total, count_);
   }
 
@@ -222,6 +224,7 @@ class MpiPeers : public Peers {
     PartedEffort effort_;
   };
   int rank_, count_;
+  bool by_petsc_;
 };
 
 std::string order(Order what, int name, std::string_view more = {}) {
@@ -426,7 +429,10 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
     int name = 0, total = 0;
     std::memcpy(&name, bytes.data() + 1, sizeof name);
     bytes.erase(0, 1 + sizeof name);
-    if (what == Order::Options) need(call.options(bytes.c_str()));
+    if (what == Order::Options) {
+      options_ = bytes;
+      need(call.options(bytes.c_str()));
+    }
     if (what == Order::Make) {
       std::memcpy(&total, bytes.data(), sizeof total);
       shares[name] = std::make_unique<Share>(next(), total);
@@ -434,7 +440,7 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
     if (what == Order::Solve) shares.at(name)->solve(nullptr, nullptr, nullptr);
     if (what == Order::Drop) shares.erase(name);
     if (what == Order::Task) {
-      MpiPeers peers(rank_, count_);
+      MpiPeers peers(rank_, count_, !options_.empty());
       with(next(), peers);
     }
     return what != Order::End;
@@ -459,7 +465,7 @@ void Processes::work(const std::string& task, const std::function<void(Peers&)>&
     loaded().call->send(p, head.data(), head.size());
     loaded().call->send(p, task.data(), task.size());
   }
-  MpiPeers peers(rank_, count_);
+  MpiPeers peers(rank_, count_, !options_.empty());
   together(rank_, [&] { own(peers); });
   refuse_unused(options_);
 }

@@ -34,8 +34,9 @@ class Peers {
   virtual void largest(std::span<double> values) = 0;
   /// `to[p]` goes to process p; returns what came from each.
   virtual std::vector<std::string> exchange(const std::vector<std::string>& to) = 0;
-  /// `packed`: solver/system/parted.hpp, what this process has of K; `total`: unknowns of all.
-  virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total) = 0;
+  /// `packed`: solver/system/parted.hpp, what this process has of K; `total`: unknowns of all. By BDDC of our own
+  /// (E.30) unless processes have been given another one.
+  virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads);
 };
 
 /// Plain values of each process, one after the other; the same on all.

@@ -4,6 +4,7 @@
 #include "solver/state/guess.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/stopwatch.hpp"
+#include "solver/system/bddc.hpp"
 #include "solver/system/parted.hpp"
 #include "solver/system/penalty.hpp"
 
@@ -16,6 +17,12 @@
 #include <numeric>
 
 namespace kerf {
+
+std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads) {
+  RankPart part = condensed_part(packed);
+  std::string().swap(packed);
+  return bddc(std::move(part), *this, threads);
+}
 
 double sum(Peers& peers, double value) {
   peers.sum({&value, 1});
@@ -157,7 +164,8 @@ struct SharedBody::Impl {
     std::vector<Index> own(static_cast<std::size_t>(inner.own->triangles));
     std::iota(own.begin(), own.end(), 0);
     now.solver = peers.solver(
-        packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total);
+        packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total,
+        model.threads);
   }
   PartedEffort effort() const {
     if (!now.solver) return effort_before;

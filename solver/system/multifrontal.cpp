@@ -166,7 +166,7 @@ struct Multifrontal::Run {
     std::unique_ptr<Arena> arena = free.take([&] { return std::make_unique<Arena>(of.columns_, of.subtree_room_); });
     std::size_t top = 0;
     for (Index k = unit.begin; k < unit.end; ++k)
-      if (!perform(of.sequence_[k], *arena, top, false)) {
+      if (!perform(of.sequence_[k], *arena, top, false, false)) {
         definite = false;
         break;
       }
@@ -214,13 +214,28 @@ struct Multifrontal::Run {
         last(f.rows[i] - first, f.first + j - first) = f.panel[std::int64_t{j} * f.height + i];
   }
 
-  /// What the front leaves is made on top of the stack, then moved down to where that of its children was.
-  bool perform(Index s, Arena& arena, std::size_t& top, bool together) {
+  /// Columns that are kept, before anything is eliminated.
+  void begin_last() const {
+    const Index first = of.columns_ - of.kept_;
+    for (Index j = first; of.kept_ > 0 && j < of.columns_; ++j)
+      for (Index p = K.start[j]; p < K.start[j + 1]; ++p) last(K.rows[p] - first, j - first) = K.values[p];
+  }
+  /// What a front below no other leaves of columns that are kept.
+  void add_to_last(const Front& f, const double* rest) const {
+    const Index first = of.columns_ - of.kept_;
+    for (Index j = 0; j < f.rest(); ++j)
+      for (Index i = j; i < f.rest(); ++i)
+        last(f.rows[f.width + i] - first, f.rows[f.width + j] - first) += rest[std::int64_t{j} * f.rest() + i];
+  }
+
+  /// What the front leaves is made on top of the stack, then moved down to where that of its children was; `in_last`:
+  /// in `last`.
+  bool perform(Index s, Arena& arena, std::size_t& top, bool together, bool in_last) {
     const Work f{of.front(s), arena.panel.get()};
-    double *rest = arena.stack.get() + top, *lowest = rest;
+    double *lowest = arena.stack.get() + top, *rest = in_last ? last.data() : lowest;
     find_places(f, arena.place);
     in_strips(f.width, together, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
-    in_strips(f.rest(), together, [&](Index from, Index to) {
+    in_strips(in_last ? 0 : f.rest(), together, [&](Index from, Index to) {
       std::fill_n(rest + std::int64_t{from} * f.rest(), std::int64_t{to - from} * f.rest(), 0.0);
     });
     for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
@@ -235,6 +250,10 @@ struct Multifrontal::Run {
     if (!eliminate_front(f, rest, arena.packed.get(), together)) return false;
     in_strips(f.width, together, [&](Index from, Index to) { store(f, s, from, to); });
     store_last(f);
+    if (in_last) {
+      top = static_cast<std::size_t>(lowest - arena.stack.get());
+      return true;
+    }
     if (lowest != rest) std::memmove(lowest, rest, f.rest_size() * sizeof(double));
     left[s] = lowest;
     top = static_cast<std::size_t>(lowest - arena.stack.get()) + f.rest_size();
@@ -244,10 +263,16 @@ struct Multifrontal::Run {
   void single(Index s, Arena& arena, std::size_t& top) {
     if (!definite) return;
     check_stop();
-    definite = perform(s, arena, top, is_large(of.front(s)));
+    const Front f = of.front(s);
+    const bool in_last = of.leaves_all(s);
+    definite = perform(s, arena, top, is_large(f), in_last);
+    if (!definite || in_last || f.rest() == 0 || of.parent_[s] != none) return;
+    add_to_last(f, left[s]);
+    top = static_cast<std::size_t>(left[s] - arena.stack.get());
   }
 
   bool operator()() {
+    begin_last();
     Arena arena(of.columns_, of.top_room_);
     std::size_t top = 0;
     if (team.size() > 1) {
@@ -265,15 +290,27 @@ struct Multifrontal::Run {
         single(of.sequence_[u.begin], arena, top);
       else if (team.size() == 1)
         subtree(u);
+    for (const Unit& u : of.units_) {
+      const Index root = of.sequence_[u.end - 1];
+      if (definite && u.subtree && of.parent_[root] == none && kept[root])
+        add_to_last(of.front(root), kept[root].get());
+    }
     return definite;
   }
 };
 
-Multifrontal::Multifrontal(Supernodes supernodes) : s_(std::move(supernodes)) {
+Multifrontal::Multifrontal(Supernodes supernodes, Index kept) : s_(std::move(supernodes)), kept_(kept) {
   if (s_.count() == 0) return;
   columns_ = s_.first.back();
+  const Index eliminated = columns_ - kept_;
+  while (s_.count() > 0 && s_.first[static_cast<std::size_t>(s_.count()) - 1] >= eliminated) {
+    s_.first.pop_back();
+    s_.rows_start.pop_back();
+  }
+  if (s_.count() == 0) return;
+  s_.first.back() = eliminated;  // of a front on both sides the rest is what it sees
   const auto count = static_cast<std::size_t>(s_.count());
-  std::vector<Index> of(static_cast<std::size_t>(columns_));
+  std::vector<Index> of(static_cast<std::size_t>(columns_), none);
   for (Index s = 0; s < s_.count(); ++s) {
     const Front f = front(s);
     std::fill_n(of.begin() + f.first, f.width, s);
@@ -286,6 +323,7 @@ Multifrontal::Multifrontal(Supernodes supernodes) : s_(std::move(supernodes)) {
     const Front f = front(s);
     if (f.rest() == 0) continue;
     const Index p = parent_[s] = of[static_cast<std::size_t>(f.rows[f.width])];
+    if (p == none) continue;
     next_[s] = first_child_[p];
     first_child_[p] = s;
   }
@@ -345,13 +383,13 @@ void Multifrontal::cut() {
   }
   const auto push = [&](Index s, Room& room, bool only_above) {
     const Front f = front(s);
-    const std::size_t rest = f.rest_size();
+    const std::size_t rest = only_above && leaves_all(s) ? 0 : f.rest_size();
     room.stack = std::max(room.stack, top + rest);
     room.panel = std::max(room.panel, static_cast<std::size_t>(f.width) * static_cast<std::size_t>(f.height));
     room.height = std::max(room.height, f.height);
     for (Index c = first_child_[s]; c != none; c = next_[c])
       if (!only_above || above(c)) top -= leaves[c];
-    top += leaves[s] = rest;
+    if (parent_[s] != none) top += leaves[s] = rest;
   };
   for (const Unit& u : units_) {
     if (!u.subtree) continue;
@@ -366,7 +404,7 @@ void Multifrontal::cut() {
 template <typename Scalar>
 bool Multifrontal::factorize(const LowerTriangle& K, Scalar* values, Eigen::MatrixXd& last, int threads) const {
   constexpr double worth_threads = 3e7;  // flops
-  if (s_.count() == 0) return true;
+  if (columns_ == 0) return true;
   Team team(work_ > worth_threads ? threads : 1);
   return Run<Scalar>(*this, K, values, last, team)();
 }

@@ -52,20 +52,22 @@ struct FrontPanel {
 /// that the bits are the same for any number of threads.
 class Multifrontal {
  public:
-  explicit Multifrontal(Supernodes supernodes);
+  /// The last `kept` columns are not eliminated.
+  explicit Multifrontal(Supernodes supernodes, Index kept = 0);
 
   /// Numbers that L takes.
   std::int64_t entries() const {
     return place_.back();
   }
-  /// L into `values`, and its last rows and columns, as many as `last` has, into `last`. Returns false when a pivot is
-  /// not positive: `values` are void then. Throws std::bad_alloc.
+  /// L into `values`, and its last rows and columns, as many as `last` has, into `last`; of columns that are kept the
+  /// lower half of their Schur complement. Returns false when a pivot is not positive: `values` are void then. Throws
+  /// std::bad_alloc.
   /// All is computed in double precision; L is rounded to that of Scalar, double or float, when it is stored.
   template <typename Scalar>
   bool factorize(const LowerTriangle& K, Scalar* values, Eigen::MatrixXd& last, int threads) const;
 
   /// x <- L^-1 x, and x <- L^-T x, of columns of the size of L; cut as the factorization is, with the same bits for any
-  /// number of threads.
+  /// number of threads. The block of L of columns that are kept counts as 1.
   template <typename Scalar>
   void forward(const Scalar* values, Eigen::Ref<Eigen::MatrixXd> x, int threads) const;
   /// `marked`: backwards on the columns of these fronts alone, the others stay as they are.
@@ -115,6 +117,10 @@ class Multifrontal {
             s_.rows.data() + s_.rows_start[k]};
   }
   int threads_worth(int threads) const;  // of a substitution
+  /// Whether the front sees all columns that are kept and nothing is above it: it leaves its rest where theirs goes.
+  bool leaves_all(Index s) const {
+    return kept_ > 0 && parent_[static_cast<std::size_t>(s)] == none && front(s).rest() == kept_;
+  }
   void order_depth_first();
   void cut();
 
@@ -122,7 +128,7 @@ class Multifrontal {
   std::vector<Index> parent_, first_child_, next_;  // next_: the next child of the same parent, increasing
   std::vector<Index> sequence_;                     // children before parents, subtrees together
   std::vector<Unit> units_;
-  Index columns_ = 0;
+  Index columns_ = 0, kept_ = 0;        // of these the last
   double work_ = 0;                     // flops, and what a front costs besides
   std::vector<std::int64_t> place_{0};  // of the fronts' panels in memory
   struct Room {                         // doubles: stack of what fronts leave, largest panel; highest front

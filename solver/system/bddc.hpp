@@ -1,0 +1,12 @@
+#pragma once
+// Balancing domain decomposition by constraints, for the system that several processes share [theory: E.30].
+
+#include "solver/spread.hpp"
+
+namespace kerf {
+
+/// Of the sum of the parts that all processes have, who all call it with theirs. The inside of a part is eliminated
+/// exactly, conjugate gradients run on what parts share. Throws LostDefiniteness, and std::bad_alloc.
+std::unique_ptr<SharedSolver> bddc(RankPart part, Peers& peers, int threads);
+
+}  // namespace kerf

@@ -1,0 +1,29 @@
+#pragma once
+// The small problem that all parts share.
+
+#include "solver/factor.hpp"
+#include "solver/spread.hpp"
+
+namespace kerf {
+
+/// The factor of the sum of small dense matrices, one for each process, on all of them.
+class Coarse {
+ public:
+  Coarse() = default;
+  /// All processes call it. `S`: of this one, onto the unknowns `at` of `total`.
+  Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Peers& peers);
+
+  Index size() const {
+    return total_;
+  }
+  /// Of the sum over the processes of `own`, the solution on the unknowns of this one.
+  Eigen::VectorXd solve(const Eigen::VectorXd& own) const;
+
+ private:
+  std::unique_ptr<Factor> factor_;
+  std::vector<Index> at_;
+  Index total_ = 0;
+  Peers* peers_ = nullptr;
+};
+
+}  // namespace kerf

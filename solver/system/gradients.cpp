@@ -1,0 +1,82 @@
+#include "solver/system/gradients.hpp"
+
+#include "kerf/stop.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::VectorXd;
+
+/// Of the Lanczos matrix that steps and quotients of conjugate gradients make [Golub, Van Loan 2013, 11.3].
+double condition_of(const std::vector<double>& alpha, const std::vector<double>& beta) {
+  const auto n = static_cast<Eigen::Index>(alpha.size());
+  if (n < 2) return 1;
+  VectorXd diagonal(n), beside(n - 1);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    diagonal[j] = 1 / alpha[j] + (j > 0 ? beta[j - 1] / alpha[j - 1] : 0);
+    if (j + 1 < n) beside[j] = std::sqrt(beta[j]) / alpha[j];
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> lanczos;
+  lanczos.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+  const VectorXd& values = lanczos.eigenvalues();
+  return lanczos.info() == Eigen::Success && values[0] > 0 ? values[n - 1] / values[0] : 0;
+}
+
+}  // namespace
+
+void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
+  constexpr Eigen::Index more = 32;
+  if (count_ == p_.cols()) {
+    p_.conservativeResize(p.size(), count_ + more);
+    Ap_.conservativeResize(p.size(), count_ + more);
+  }
+  p_.col(count_) = p / size;
+  Ap_.col(count_) = Ap / size;
+  ++count_;
+}
+
+SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& preconditioner, const VectorXd& b,
+                                               double tolerance, int most) {
+  constexpr Eigen::Index most_kept = 128;  // between solves
+  if (count_ > most_kept) count_ = 0;
+  Solved s{.x = VectorXd::Zero(b.size())};
+  VectorXd r = b, shares = p_.leftCols(count_).transpose() * counted_.cwiseProduct(b);
+  peers_.sum({shares.data(), static_cast<std::size_t>(count_)});
+  s.x += p_.leftCols(count_) * shares;
+  r -= Ap_.leftCols(count_) * shares;
+  std::vector<double> alpha, beta;
+  double energy = shares.squaredNorm(), before = 0;  // that x has, at least
+  while (true) {
+    check_stop();
+    VectorXd z = preconditioner(r);
+    shares.resize(count_ + 1);
+    shares.head(count_) = Ap_.leftCols(count_).transpose() * counted_.cwiseProduct(z);
+    shares[count_] = counted_.cwiseProduct(r).dot(z);
+    peers_.sum({shares.data(), static_cast<std::size_t>(count_ + 1)});
+    const double error = shares[count_];
+    s.left = error > 0 ? std::sqrt(error / (energy + error)) : error == 0 ? 0 : infinity;
+    if (!(error > 0) || s.left <= tolerance || s.iterations == most) break;
+    if (s.iterations > 0) beta.push_back(error / before);
+    const VectorXd p = z - p_.leftCols(count_) * shares.head(count_), Ap = A(p);
+    std::array<double, 2> products{counted_.cwiseProduct(p).dot(Ap), counted_.cwiseProduct(p).dot(r)};
+    peers_.sum(products);
+    if (!(products[0] > 0)) break;
+    const double step = products[1] / products[0];
+    s.x += step * p;
+    r -= step * Ap;
+    keep(p, Ap, std::sqrt(products[0]));
+    alpha.push_back(error / products[0]);
+    energy += step * products[1];
+    before = error;
+    ++s.iterations;
+  }
+  s.condition = condition_of(alpha, beta);
+  return s;
+}
+
+}  // namespace kerf

@@ -1,0 +1,86 @@
+#include "solver/system/primal.hpp"
+
+#include "kerf/stop.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace kerf {
+
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+/// The same on every machine.
+MatrixXd scattered(Eigen::Index rows, Eigen::Index columns) {
+  MatrixXd x(rows, columns);
+  std::uint64_t state = 1;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    x.data()[i] = static_cast<double>(state >> 11) / 9007199254740992.0 - 0.5;
+  }
+  return x;
+}
+
+/// Of eigenvalues that increase, how many are above the threshold.
+Eigen::Index count_above(const VectorXd& values, double threshold) {
+  return (values.array() > threshold).count();
+}
+
+/// Less what lies along the columns of q, twice for rounding, then orthonormal.
+MatrixXd next_block(const MatrixXd& q, MatrixXd w) {
+  for (int twice = 0; twice < 2; ++twice) w -= q * (q.transpose() * w).eval();
+  MatrixXd block = Eigen::HouseholderQR<MatrixXd>(w).householderQ() * MatrixXd::Identity(w.rows(), w.cols());
+  for (int twice = 0; twice < 2; ++twice) block -= q * (q.transpose() * block).eval();
+  return Eigen::HouseholderQR<MatrixXd>(block).householderQ() * MatrixXd::Identity(w.rows(), w.cols());
+}
+
+}  // namespace
+
+MatrixXd eigenvectors_above(const MatrixXd& M, double threshold) {
+  constexpr Eigen::Index width = 12, small = 10 * width;  // more than motions that are alike
+  const Eigen::Index n = M.rows();
+  if (n <= small) {
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> all(M);
+    return all.eigenvectors().rightCols(count_above(all.eigenvalues(), threshold));
+  }
+  constexpr double near = 0.05;  // of an eigenvalue
+  MatrixXd q = next_block(MatrixXd::Zero(n, 0), scattered(n, width)), mq(n, 0);
+  Eigen::Index before = -1;
+  while (true) {
+    check_stop();
+    const Eigen::Index done = mq.cols();
+    mq.conservativeResize(n, q.cols());
+    mq.rightCols(q.cols() - done) = M.selfadjointView<Eigen::Lower>() * q.rightCols(q.cols() - done);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(q.transpose() * mq);
+    const Eigen::Index above = count_above(ritz.eigenvalues(), threshold);
+    const auto y = ritz.eigenvectors().rightCols(above);
+    const MatrixXd vectors = q * y, rest = mq * y - vectors * ritz.eigenvalues().tail(above).asDiagonal();
+    const bool settled =
+        above == before &&
+        (rest.colwise().norm().transpose().array() <= near * ritz.eigenvalues().tail(above).array()).all();
+    if (settled || q.cols() + width > n) return vectors;
+    before = above;
+    const MatrixXd block = next_block(q, mq.rightCols(width));
+    q.conservativeResize(n, q.cols() + width);
+    q.rightCols(width) = block;
+  }
+}
+
+MatrixXd soft_forces(const MatrixXd& Z, const MatrixXd& X, double threshold) {
+  const Eigen::LLT<MatrixXd> llt(X);
+  if (llt.info() != Eigen::Success) return {X.rows(), 0};
+  const auto L = llt.matrixL();
+  MatrixXd M = Z.selfadjointView<Eigen::Lower>();
+  L.solveInPlace(M);
+  M.transposeInPlace();
+  L.solveInPlace(M);
+  const MatrixXd y = eigenvectors_above(M, threshold);
+  return llt.matrixU().solve(y);
+}
+
+}  // namespace kerf
