@@ -30,7 +30,7 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 constexpr double threshold = 5;  // of the eigenvalues of a piece whose moments are continuous
 // Shares of the diagonal of K_p, which rounding of S is a small part of. What moves a part by itself has no more than
 // the first one, so that its moments are found, too, where all that holds a piece is not above the second one.
-constexpr double shift_free = 1e-12, shift_held = 1e-10;
+constexpr double shift_free = 1e-12, held_to_free = 100;
 
 double peak_mb() {
   rusage usage{};
@@ -113,16 +113,15 @@ class Bddc : public SharedSolver {
     VectorXd y = inside_.forward(b), on_interface = y.tail(S_.size());
     sent_ = 0;
     add_sides(on_interface);
-    constexpr double tolerance = 1e-10;  // the rounds of the state go on from there
+    constexpr double tolerance = 1e-10, enough = 1e-4;  // the rounds of the state go on from there
     constexpr int most = 500;
     sent_ = 0;
     const SharedGradients::Solved solved =
         gradients_.solve([&](const VectorXd& x) { return multiply(x); },
-                         [&](const VectorXd& r) { return precondition(r); }, on_interface, tolerance, most);
+                         [&](const VectorXd& r) { return precondition(r); }, on_interface, tolerance, enough, most);
     y.tail(S_.size()) = solved.x;
     const VectorXd x = inside_.backward(std::move(y));
     tell(solved, watch.lap());
-    constexpr double enough = 1e-6;  // rounding ends the rest of it
     if (!(solved.left <= enough))
       throw Error(Fault::Numerics,
                   fmt::format("conjugate gradients do not converge on {} parts ({} iterations, {:.1e} of the error is "
@@ -178,19 +177,21 @@ class Bddc : public SharedSolver {
     return {from.begin(), from.end()};
   }
 
-  /// S + C C' + a share of the diagonal, as small as rounding lets it be, has a factor then.
-  void factorize(double least, const std::vector<Complement::Forces>& held) {
+  /// S + C C' + a share of the diagonal, as small as rounding lets it be, has a factor then. Returns that share.
+  double factorize(double least, const std::vector<Complement::Forces>& held) {
     constexpr double most = 1e-2;
     for (double shift = least; shift < most; shift = std::max(shift_free, 100 * shift)) {
       check_stop();
-      if (S_.factorize(shift * diagonal_, held)) return;
+      if (S_.factorize(shift * diagonal_, held)) return shift;
     }
     throw LostDefiniteness("rounding has eaten the stiffness of a part of the body; use fewer processes");
   }
 
   /// Tells the other side of each piece of S on it, and the higher side the lower one of what it does when free.
   void share_pieces() {
-    factorize(shift_free, {});
+    double held = factorize(shift_free, {});
+    peers_.largest({&held, 1});
+    held *= held_to_free;
     std::vector<Packer> to = packers();
     for (const Border& piece : interface_.pieces) {
       Packer& packer = to[piece.with];
@@ -210,17 +211,17 @@ class Bddc : public SharedSolver {
       Side side{definite(here + there, d + beyond, shift_free), {}};
       if (counts(piece)) {
         const MatrixXd free = S_.inverse_block(piece.begin, n) + get_lower(unpacker, n);
-        side.primal = orthonormal(primal_of(free, here, there, d, beyond), d + beyond);
+        side.primal = orthonormal(primal_of(free, here, there, d, beyond, held), d + beyond);
       }
       sides_.push_back(std::move(side));
     }
   }
 
   static MatrixXd primal_of(const MatrixXd& free, const MatrixXd& here, const MatrixXd& there, const VectorXd& d,
-                            const VectorXd& beyond) {
-    const auto held = [](MatrixXd s, const VectorXd& diagonal) -> MatrixXd {
-      s.diagonal() += shift_held * diagonal;
-      return definite(s, diagonal, shift_held).solve(MatrixXd::Identity(s.rows(), s.cols()));
+                            const VectorXd& beyond, double shift) {
+    const auto held = [shift](MatrixXd s, const VectorXd& diagonal) -> MatrixXd {
+      s.diagonal() += shift * diagonal;
+      return definite(s, diagonal, shift).solve(MatrixXd::Identity(s.rows(), s.cols()));
     };
     return soft_forces(free, held(here, d) + held(there, beyond), threshold);
   }

@@ -41,7 +41,7 @@ void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
 }
 
 SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& preconditioner, const VectorXd& b,
-                                               double tolerance, int most) {
+                                               double tolerance, double enough, int most) {
   constexpr Eigen::Index most_kept = 128;  // between solves
   if (count_ > most_kept) count_ = 0;
   Solved s{.x = VectorXd::Zero(b.size())};
@@ -51,6 +51,11 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
   r -= Ap_.leftCols(count_) * shares;
   std::vector<double> alpha, beta;
   double energy = shares.squaredNorm(), before = 0;  // that x has, at least
+  constexpr int patience = 6;                        // iterations without such a gain: rounding has ended it
+  constexpr double gain = 0.1;
+  double best = infinity;
+  int without = 0;
+  std::size_t useful = 0;
   while (true) {
     check_stop();
     VectorXd z = preconditioner(r);
@@ -60,9 +65,15 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
     peers_.sum({shares.data(), static_cast<std::size_t>(count_ + 1)});
     const double error = shares[count_];
     s.left = error > 0 ? std::sqrt(error / (energy + error)) : error == 0 ? 0 : infinity;
-    if (!(error > 0) || s.left <= tolerance || s.iterations == most) break;
+    without = error > gain * best ? without + 1 : 0;
+    if (without == 0) best = error, useful = alpha.size();
+    if (!(error > 0) || s.left <= tolerance || s.iterations == most || (s.left <= enough && without == patience)) break;
     if (s.iterations > 0) beta.push_back(error / before);
-    const VectorXd p = z - p_.leftCols(count_) * shares.head(count_), Ap = A(p);
+    VectorXd p = z - p_.leftCols(count_) * shares.head(count_);
+    VectorXd again = Ap_.leftCols(count_).transpose() * counted_.cwiseProduct(p);  // for rounding
+    peers_.sum({again.data(), static_cast<std::size_t>(count_)});
+    p -= p_.leftCols(count_) * again;
+    const VectorXd Ap = A(p);
     std::array<double, 2> products{counted_.cwiseProduct(p).dot(Ap), counted_.cwiseProduct(p).dot(r)};
     peers_.sum(products);
     if (!(products[0] > 0)) break;
@@ -74,6 +85,10 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
     energy += step * products[1];
     before = error;
     ++s.iterations;
+  }
+  if (without == patience) {  // what rounding makes says nothing
+    count_ -= static_cast<Eigen::Index>(alpha.size() - useful);
+    alpha.resize(useful);
   }
   s.condition = condition_of(alpha, beta);
   return s;

@@ -24,7 +24,9 @@ class SharedGradients {
     double condition = 1;  // of the preconditioned matrix, by the Lanczos coefficients
     double left = 0;       // of the energy of the solution, its root, that of the error as the preconditioner has it
   };
-  Solved solve(const Map& A, const Map& preconditioner, const Eigen::VectorXd& b, double tolerance, int most);
+  /// Until no more than `tolerance` is left, or no more than `enough` and rounding does not let it shrink.
+  Solved solve(const Map& A, const Map& preconditioner, const Eigen::VectorXd& b, double tolerance, double enough,
+               int most);
 
  private:
   void keep(const Eigen::VectorXd& p, const Eigen::VectorXd& Ap, double size);

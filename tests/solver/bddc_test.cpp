@@ -220,15 +220,15 @@ TEST(Bddc, GradientsBeginWithWhatTheyKnow) {
     const auto times = [&](const VectorXd& x) -> VectorXd { return A * x; };
     const auto same = [](const VectorXd& r) { return r; };
     const VectorXd b = VectorXd::Random(40);
-    const SharedGradients::Solved first = g.solve(times, same, b, 1e-12, 100),
-                                  again = g.solve(times, same, b, 1e-12, 100);
+    const SharedGradients::Solved first = g.solve(times, same, b, 1e-12, 1e-4, 100),
+                                  again = g.solve(times, same, b, 1e-12, 1e-4, 100);
     EXPECT_LT((A * first.x - b).norm(), 1e-10 * b.norm());
     EXPECT_LE(first.iterations, 41);
     const VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(A).eigenvalues();
     EXPECT_NEAR(first.condition, values[39] / values[0], 0.01 * first.condition);
     EXPECT_LE(again.iterations, 1);
     EXPECT_LT((again.x - first.x).norm(), 1e-9 * first.x.norm());
-    EXPECT_EQ(g.solve(times, same, VectorXd::Zero(40), 1e-12, 100).iterations, 0);
+    EXPECT_EQ(g.solve(times, same, VectorXd::Zero(40), 1e-12, 1e-4, 100).iterations, 0);
   });
 }
 
