@@ -1,6 +1,7 @@
 #include "solver/spread.hpp"
 
 #include "solver/contact/law.hpp"
+#include "solver/factor.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/stopwatch.hpp"
@@ -138,6 +139,7 @@ struct SharedBody::Impl {
     if (now.solver && now.held == held) return;
     effort_before = effort();
     now = {.held = held};
+    return_freed_memory();  // of the system before: one has a place at a time
     const Inner& inner = *model.inner;
     const Skeleton& s = inner.skeleton;
     std::vector<bool> held_unknown(static_cast<std::size_t>(s.total), false);

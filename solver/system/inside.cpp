@@ -80,6 +80,7 @@ Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Eigen
   LowerTriangle lower = in_order(part, order_);
   return_freed_memory();  // of the part, and of its ordering
   numeric_ = std::make_unique<Multifrontal>(analyze_pattern(lower).supernodes, kept);
+  return_freed_memory();  // of the analysis
   values_.reset(new double[static_cast<std::size_t>(numeric_->entries())]);
   if (numeric_->factorize(lower, values_.get(), S, threads_)) return;
   constexpr double shift = 1e-13;  // as for any slender body, the factor is a preconditioner then

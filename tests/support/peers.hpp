@@ -43,8 +43,7 @@ inline void on_peers(int count, const std::function<void(Peers&)>& work) {
     }
 
    private:
-    template <typename Both>
-    void combine(std::span<double> values, const Both& both) {
+    void combine(std::span<double> values, double (*both)(double, double)) {
       const std::vector<double> all = gathered(*this, std::vector<double>(values.begin(), values.end()));
       for (std::size_t i = 0; i < values.size(); ++i) {
         values[i] = all[i];
