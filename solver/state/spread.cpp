@@ -515,7 +515,9 @@ struct SharedBody::Impl {
       constexpr double settled = 1e-9;
       const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
       without_gain = slow ? without_gain + 1 : 0;
-      if (error <= enough || without_gain == patience) break;
+      // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
+      const bool balanced = at.certificate.work <= settled;
+      if ((error <= enough && balanced) || without_gain == patience) break;
     }
     if (!best_is_last) judge(loads, best, state);
     // The part of the rest that nothing answers, and the energy of the error that it stands for.
