@@ -35,7 +35,7 @@ class Peers {
   /// `to[p]` goes to process p; returns what came from each.
   virtual std::vector<std::string> exchange(const std::vector<std::string>& to) = 0;
   /// `packed`: solver/system/parted.hpp, what this process has of K; `total`: unknowns of all. By BDDC of our own
-  /// (E.30) unless processes have been given another one.
+  /// (E.36) unless processes have been given another one.
   virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads);
 };
 

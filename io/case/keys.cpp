@@ -423,7 +423,8 @@ constexpr Key rows[] = {
     {"solver.petsc",
      Text,
      {},
-     "With backend = \"petsc\": options of PETSc, as on a command line. What PETSc has no use for is an error.",
+     "With backend = \"petsc\": options of PETSc, as on a command line. What PETSc has no use for is an error. With "
+     "mesh.refine, where kerf has a solver of its own, options select that of PETSc.",
      "\"-ksp_rtol 1e-12 -ksp_monitor\"",
      "BDDC, conjugate gradients to 1e-10"},
 

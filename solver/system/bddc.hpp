@@ -1,5 +1,5 @@
 #pragma once
-// Balancing domain decomposition by constraints, for the system that several processes share [theory: E.30].
+// Balancing domain decomposition by constraints, for the system that several processes share [theory: E.35, E.36].
 
 #include "solver/spread.hpp"
 

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Of the Lanczos matrix that steps and quotients of conjugate gradients make [Golub, Van Loan 2013, 11.3].
+/// Of the Lanczos matrix that steps and quotients of conjugate gradients make.
 double condition_of(const std::vector<double>& alpha, const std::vector<double>& beta) {
   const auto n = static_cast<Eigen::Index>(alpha.size());
   if (n < 2) return 1;

@@ -9,7 +9,7 @@ namespace kerf {
 
 /// A preconditioned solver for one matrix A and many right-hand sides. Each direction is made conjugate to all before
 /// it, those of earlier right-hand sides included, which a solve begins with: what rounding and a few eigenvalues far
-/// from the others cost is paid once [theory: E.30].
+/// from the others cost is paid once [theory: E.36].
 class SharedGradients {
  public:
   using Map = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;

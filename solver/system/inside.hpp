@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// K_p with rows I inside and rows G that it shares, P' K_p P = [K_II K_IG; K_GI K_GG], K_II = L L' [theory: E.30].
+/// K_p with rows I inside and rows G that it shares, P' K_p P = [K_II K_IG; K_GI K_GG], K_II = L L' [theory: E.35].
 class Inside {
  public:
   /// `shared`: rows of the part, in the order of S. Nothing stays of the part: its matrix exists once at a time. `S`:

@@ -8,7 +8,7 @@ namespace kerf {
 /// Forces g on a piece with Z g = lambda X g, lambda > threshold, as columns: those that move it by more than
 /// `threshold` times as much when all else that both parts share is free (Z = Z_p + Z_q) as when it is held (X). Both
 /// are symmetric and definite; their lower halves are read. Empty when X is not definite to working precision. [theory:
-/// E.30]
+/// E.35]
 Eigen::MatrixXd soft_forces(const Eigen::MatrixXd& Z, const Eigen::MatrixXd& X, double threshold);
 
 /// Eigenvectors of a symmetric matrix with eigenvalues above the threshold, of length 1; these need not be exact, but
