@@ -5,6 +5,7 @@
 #include "solver/system.hpp"
 #include "solver/system/complement.hpp"
 #include "solver/system/gradients.hpp"
+#include "solver/system/inside.hpp"
 #include "solver/system/primal.hpp"
 #include "tests/support/peers.hpp"
 
@@ -195,6 +196,61 @@ TEST(Bddc, SoftForcesAreAllEigenvectorsAboveTheThreshold) {
     const MatrixXd others = all.eigenvectors().leftCols(n - found.cols()),
                    lengths = (found.transpose() * X * found).diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
     EXPECT_LT((lengths * found.transpose() * X * others).norm(), 0.05) << n;
+  }
+}
+
+/// A grid of springs, each node held a little.
+RankPart grid(Index side) {
+  RankPart part{.rows = side * side};
+  part.start = {0};
+  for (Index row = 0; row < part.rows; ++row) {
+    const Index x = row % side, y = row / side;
+    const auto put = [&](bool there, Index column, double value) {
+      if (!there) return;
+      part.columns.push_back(column);
+      part.values.push_back(value);
+    };
+    put(y > 0, row - side, -1);
+    put(x > 0, row - 1, -1);
+    put(true, row, 4 + 0.01 * (1 + row % 7));
+    put(x + 1 < side, row + 1, -1);
+    put(y + 1 < side, row + side, -1);
+    part.start.push_back(static_cast<Index>(part.columns.size()));
+  }
+  return part;
+}
+
+// In one piece, in two, of which one sees all that is shared or each its own, and with nothing inside.
+TEST(Bddc, InsideLeavesTheComplement) {
+  constexpr Index side = 45;
+  MatrixXd K = MatrixXd::Zero(side * side, side * side);
+  const RankPart part = grid(side);
+  for (Index row = 0; row < part.rows; ++row)
+    for (Index p = part.start[row]; p < part.start[row + 1]; ++p) K(row, part.columns[p]) = part.values[p];
+  const VectorXd b = VectorXd::Random(part.rows), x = K.llt().solve(b);
+  const auto rows_where = [&](const auto& is_shared) {
+    std::vector<Index> rows;
+    for (Index row = part.rows; row-- > 0;)
+      if (is_shared(row % side, row / side)) rows.push_back(row);
+    return rows;
+  };
+  for (const std::vector<Index>&shared :
+       {rows_where([](Index i, Index j) { return i == 0 || j == 0; }),
+        rows_where([](Index i, Index) { return i == 9; }), rows_where([](Index i, Index) { return i >= 20 && i < 22; }),
+        rows_where([](Index, Index) { return false; })}) {
+    const auto count = static_cast<Eigen::Index>(shared.size());
+    RankPart first = part, second = part;
+    MatrixXd S, again;
+    const Inside one(first, shared, 1, S), three(second, shared, 3, again);
+    EXPECT_TRUE((S.triangularView<Eigen::Lower>().toDenseMatrix().array() ==
+                 again.triangularView<Eigen::Lower>().toDenseMatrix().array())
+                    .all());
+    EXPECT_TRUE(first.values.empty());
+    VectorXd y = one.forward(b);
+    EXPECT_EQ(y, three.forward(b));
+    const MatrixXd whole = S.selfadjointView<Eigen::Lower>();
+    if (count > 0) y.tail(count) = whole.llt().solve(y.tail(count));
+    EXPECT_LT((one.backward(y) - x).norm(), 1e-11 * x.norm()) << count;
   }
 }
 
