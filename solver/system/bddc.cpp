@@ -94,7 +94,7 @@ class Bddc : public SharedSolver {
         diagonal_(diagonal_of(part, interface_.rows)),
         rows_(part.rows),
         own_(rows_owned(part)),
-        inside_(part, interface_.rows, threads, S_of_inside()),
+        inside_(part, interface_.rows, threads, given_),
         S_(std::move(given_)),
         gradients_(peers, counted()) {
     effort_.parts = static_cast<int>(peers.count());
@@ -111,7 +111,6 @@ class Bddc : public SharedSolver {
     VectorXd b = VectorXd::Zero(rows_);
     for (std::size_t i = 0; i < own_.size(); ++i) b[own_[i]] = own[static_cast<Eigen::Index>(i)];
     VectorXd y = inside_.forward(b), on_interface = y.tail(S_.size());
-    sent_ = 0;
     add_sides(on_interface);
     constexpr double tolerance = 1e-10, enough = 1e-4;  // the rounds of the state go on from there
     constexpr int most = 500;
@@ -143,11 +142,7 @@ class Bddc : public SharedSolver {
     Index first = 0;            // of them in the small problem
   };
 
-  MatrixXd& S_of_inside() {
-    return given_;
-  }
   std::vector<Index> rows_owned(const RankPart& part) const {
-    std::vector<bool> of_others(static_cast<std::size_t>(part.rows), false);
     const std::vector<Index> counts = gathered(peers_, std::vector<Index>{part.owned});
     const Index first = std::reduce(counts.begin(), counts.begin() + peers_.here());
     std::vector<Index> own;
