@@ -1,8 +1,11 @@
 #include "app/parts.hpp"
 
+#include "app/coarse_copy.hpp"
 #include "app/collect.hpp"
+#include "app/draw.hpp"
 #include "app/files.hpp"
 #include "app/map.hpp"
+#include "app/page_data.hpp"
 #include "app/peaks.hpp"
 #include "app/ranks.hpp"
 #include "app/solve.hpp"
@@ -37,7 +40,7 @@ struct Task {
   std::vector<Index> process;  // per triangle of it
   std::string folder;
   int divisions = 0, threads = 1;
-  bool vtk = true, estimate = true, peaks = true, tips = true, bounds = true, map = false;
+  bool vtk = true, estimate = true, peaks = true, tips = true, bounds = true, copy = false, map = false;
   SingularZones zones = {};  // of the body, which a part does not show
   Floating floating = {};
   std::vector<Index> piece = {};  // SharedBody
@@ -82,6 +85,7 @@ std::string packed(const Task& task) {
   to.put(task.peaks);
   to.put(task.tips);
   to.put(task.bounds);
+  to.put(task.copy);
   to.put(task.map);
   put(task.zones.points, to);
   to.put(task.zones.radius);
@@ -126,6 +130,7 @@ Task unpacked(std::string_view bytes) {
   task.peaks = from.get<bool>();
   task.tips = from.get<bool>();
   task.bounds = from.get<bool>();
+  task.copy = from.get<bool>();
   task.map = from.get<bool>();
   task.zones.points = points_from(from);
   task.zones.radius = from.get<double>();
@@ -147,7 +152,7 @@ Task unpacked(std::string_view bytes) {
 
 // What all find together.
 
-struct Found {
+struct FoundTogether {
   State state;  // certificate and counts alone
   double potential = 0, work = 0, area = 0;
   Index unknowns = 0, interior = 0;
@@ -164,6 +169,7 @@ struct Found {
   std::vector<NamedField> fields, map_fields;  // names, kinds and components of the files
   std::optional<MapResult> map;
   std::vector<std::vector<std::vector<double>>> probes;  // rows of each
+  std::vector<CopiedCorner> copied;
   PartedEffort effort;
   ModelSeconds seconds;
 };
@@ -303,10 +309,10 @@ std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std:
 }
 
 /// The map of energies, which needs no adjoint.
-void map_part(const Case& c, const Task& task, const Model& model, const State& state, const PlotData& data,
-              const OwnPlot& own, Peers& peers, Found& found) {
+Mapped map_part(const Case& c, const Task& task, const Model& model, const State& state, const PlotData& data,
+                const OwnPlot& own, Peers& peers, FoundTogether& found) {
   Analysis a = analyze(c.functional, model, state);
-  const Mapped map = make_map({c.functional, c.map_request, {}}, a, data, task.zones);
+  Mapped map = make_map({c.functional, c.map_request, {}}, a, data, task.zones);
   double masked = 0;
   for (Index t = 0; t < own_triangles(model); ++t)
     if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += area(model.mesh, t);
@@ -329,10 +335,11 @@ void map_part(const Case& c, const Task& task, const Model& model, const State& 
   found.map = std::move(r);
   found.map_fields = map_fields(map);
   write_piece(task, "map", own, peers.here(), found.map_fields);
+  return map;
 }
 
 /// The rows of probes, of the first process in whose own triangles each point lies; without a map.
-void gather_probes(const Case& c, const Model& model, const State& state, Peers& peers, Found& found) {
+void gather_probes(const Case& c, const Model& model, const State& state, Peers& peers, FoundTogether& found) {
   struct Flat {
     std::size_t probe, point;
     std::array<double, 8> row;
@@ -357,7 +364,7 @@ void gather_probes(const Case& c, const Model& model, const State& state, Peers&
 
 /// Per crack what all know of it. `from`: MeshPart::from.
 void gather_cracks(const Model& model, const State& state, const std::vector<std::vector<double>>& from, Peers& peers,
-                   Found& found) {
+                   FoundTogether& found) {
   struct Point {
     CrackPoint p;
     double slip;
@@ -389,7 +396,7 @@ void gather_cracks(const Model& model, const State& state, const std::vector<std
   }
 }
 
-void sum_reactions(const Model& model, const State& state, std::size_t labels, Peers& peers, Found& found) {
+void sum_reactions(const Model& model, const State& state, std::size_t labels, Peers& peers, FoundTogether& found) {
   std::vector<double> sums(4 * labels, 0);  // whether there are any, force, moment
   for (const LabelResultant& r : reactions(model, state)) {
     double* at = sums.data() + 4 * static_cast<std::size_t>(r.label);
@@ -410,17 +417,18 @@ void sum_reactions(const Model& model, const State& state, std::size_t labels, P
 }
 
 /// What every process does.
-Found work(const Case& c, Task task, Peers& peers) {
+FoundTogether work(const Case& c, Task task, Peers& peers) {
   MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(peers.count()), peers.here(), task.divisions);
   const SharedTips tips(task.coarse, c.scene, task.divisions);
-  const auto whole = task.map ? std::make_shared<const Mesh>(std::move(task.coarse)) : nullptr;
+  const auto whole = task.map || task.copy ? std::make_shared<const Mesh>(std::move(task.coarse)) : nullptr;
   task.coarse = {};
   task.process = {};
   const std::vector<std::vector<double>> from = part.from;
+  const std::vector<Index> origin = part.origin;
   SharedBody body(std::move(part), c.element, c.scene, task.threads, task.floating, task.piece, peers, whole);
   const Model& model = body.model();
   State state = body.solve(task.contact);
-  Found found;
+  FoundTogether found;
   std::array<double, 4> sums{potential_energy(model, state), work_of_loads(model, state), area(model),
                              static_cast<double>(own_triangles(model))};
   peers.sum(sums);
@@ -448,7 +456,7 @@ Found work(const Case& c, Task task, Peers& peers) {
     peers.sum(squares);
     if (squares[1] > 0) found.error = std::sqrt(squares[0] / squares[1]);
   }
-  if (task.vtk || task.peaks || task.map) {
+  if (task.vtk || task.peaks || task.map || task.copy) {
     const PlotData data = plot_data(model, state, c.plane_strain);
     const OwnPlot own = own_plot(data, own_triangles(model));
     if (task.peaks) {
@@ -463,7 +471,11 @@ Found work(const Case& c, Task task, Peers& peers) {
     }
     found.fields = state_fields(model, state, data, indicator);
     write_piece(task, "state", own, peers.here(), found.fields);
-    if (task.map) map_part(c, task, model, state, data, own, peers, found);
+    const std::optional<Mapped> map =
+        task.map ? std::optional(map_part(c, task, model, state, data, own, peers, found)) : std::nullopt;
+    if (task.copy)
+      found.copied = gathered(
+          peers, copied_corners(*whole, origin, own_triangles(model), model.mesh, data, map ? &*map : nullptr));
   }
   found.state.certificate = state.certificate;
   found.state.converged = state.converged;
@@ -547,7 +559,20 @@ void describe_divided(const Mesh& coarse, int divisions, Result& r) {
   r.mesh.h_max = std::ldexp(r.mesh.h_max, -divisions);
 }
 
-Analysis analyzed(const Functional& j, const Found& found) {
+/// The pictures, and the map for the page.
+void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
+  const Model& model = copy.adapted.model;
+  journal.picture("mesh.png", [&] { return mesh_picture(journal.title, model.mesh); });
+  journal.picture("von_mises.png", [&] { return stress_picture(journal.title, model, copy.data); });
+  if (!r.map) return;
+  copy.map.result = *r.map;
+  static const std::vector<Vec2> everywhere;
+  const MapTask task{c.functional, c.map_request, c.map ? c.map->points : everywhere};
+  journal.picture("map.png", [&] { return map_picture(journal.title, task, model, copy.data, copy.map); });
+  if (journal.html) add_map(journal.arrays, task, copy.map, model, copy.data);
+}
+
+Analysis analyzed(const Functional& j, const FoundTogether& found) {
   Analysis a{};
   for (const Term& term : j.terms) {
     a.term_value.push_back(std::pow(term.energy ? found.potential : term.work ? found.work : found.area, term.power));
@@ -562,7 +587,7 @@ void work_on_part(const Case& c, std::string_view task, Peers& peers) {
   work(c, unpacked(task), peers);
 }
 
-void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal& journal, Result& r) {
+CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal& journal, Result& r) {
   journal.begin("mesh");
   const std::shared_ptr<Ranks> ranks = processes.ranks(c.petsc);
   Task task{.folder = std::filesystem::absolute(journal.options.folder).string(),
@@ -573,8 +598,9 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
             .peaks = c.output.peaks,
             .tips = c.output.tips,
             .bounds = c.output.energy_bounds,
+            .copy = journal.png || journal.html,
             .map = with_map};
-  const Undivided before = undivided(c, journal);
+  Undivided before = undivided(c, journal);
   const Model& coarse = before.model;
   refuse(coarse, c, with_map);
   if (coarse.mesh.triangles.size() < least_of_part * static_cast<std::size_t>(processes.count()))
@@ -593,7 +619,7 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   journal.seconds.mesh += journal.lap();
 
   journal.begin("solve in parts");
-  Found found;
+  FoundTogether found;
   processes.work(packed(task), [&](Peers& peers) { found = work(c, std::move(task), peers); });
   journal.seconds.assemble += found.seconds.assemble;
   journal.seconds.contact += found.state.seconds.contact;
@@ -628,7 +654,8 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   if (c.output.tips && (std::ranges::any_of(c.scene.laws, has_pressure) || has_eigenstrain(c.scene)))
     s.notes.emplace_back("no K, G and T in parts at tips of cracks with a fluid pressure or with an eigenstrain");
   s.notes.emplace_back(
-      "solved in parts, of which no process has the whole: no pictures and no page; state.pvtu has the fields");
+      "solved in parts, of which no process has the whole: pictures and page show it at the corners of the mesh before "
+      "it was divided; state.pvtu has the fields");
   if (found.energy) add_energy_bounds(*found.energy, s);
   add_resultants(coarse, found.reactions, c.shape, s);
   r.solver = solver_result(found.effort);
@@ -665,7 +692,10 @@ void solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal&
   write_crack_files(journal, r.cracks);
   for (std::size_t k = 0; k < c.probes.size(); ++k)
     write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
+  CoarseCopy copy = coarse_copy(std::move(before.model), found.copied);
+  draw(c, r, copy, journal);
   journal.seconds.output += journal.lap();
+  return copy;
 }
 
 }  // namespace kerf

@@ -488,6 +488,24 @@ std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal
   return all;
 }
 
+/// result.json and the page of what there is.
+void end(const Case& c, const Adapted& adapted, const PlotData& data, Journal& journal, Result& r) {
+  if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
+  journal.writer->finish();
+  journal.seconds.output += journal.lap();
+  sum_up(journal, r);
+  // Before the page: a disk may be full.
+  write_json(journal.file("result.json"), r, journal.html ? Flush::Buffers : Flush::Disk);
+  if (!journal.html) return;
+  add_state(journal.arrays, adapted, data, design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
+  thin(journal.arrays, most_triangles);
+  write_arrays(journal.file("report.bin"), journal.arrays);
+  write_report(journal.options.folder);
+  journal.seconds.output += journal.lap();
+  sum_up(journal, r);
+  write_json(journal.file("result.json"), r, Flush::Disk);
+}
+
 /// The jobs and their files.
 Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
@@ -500,10 +518,8 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   journal.seconds.solve += journal.lap();
   if (is_in_parts(read)) {
     refuse_in_parts(read);
-    solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
-    journal.writer->finish();
-    sum_up(journal, r);
-    write_json(journal.file("result.json"), r, Flush::Disk);
+    const CoarseCopy copy = solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
+    end(read, copy.adapted, copy.data, journal, r);
     return r;
   }
   const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
@@ -520,27 +536,12 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);
   }
-  if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
-  journal.writer->finish();
-  journal.seconds.output += journal.lap();
   if (RunFields* const fields = journal.options.fields) {
     fields->mesh = adapted.model.mesh;
     fields->state = out->solved.data;
     fields->indicator = adapted.indicator.eta;
   }
-  sum_up(journal, r);
-  // Before the page: a disk may be full.
-  write_json(journal.file("result.json"), r, journal.html ? Flush::Buffers : Flush::Disk);
-  if (journal.html) {
-    add_state(journal.arrays, adapted, out->solved.data,
-              design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
-    thin(journal.arrays, most_triangles);
-    write_arrays(journal.file("report.bin"), journal.arrays);
-    write_report(journal.options.folder);
-    journal.seconds.output += journal.lap();
-    sum_up(journal, r);
-    write_json(journal.file("result.json"), r, Flush::Disk);
-  }
+  end(c, adapted, out->solved.data, journal, r);
   return r;
 }
 

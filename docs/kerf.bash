@@ -20,7 +20,7 @@ _kerf() {
     map) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --quiet --log-level --force" ;;
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    optimize) options="--help --output --set --resume --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    optimize) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     sweep) options="--help --output --set --over --jobs --threads --write --collect --quiet" ;;
     report) options="--help --quiet" ;;
     mesh) options="--help --output --format --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;

@@ -1,0 +1,61 @@
+#include "app/coarse_copy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+std::vector<CopiedCorner> copied_corners(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
+                                         const PlotData& data, const Mapped* map) {
+  std::vector<CopiedCorner> copied;
+  for (Index t = 0; t < own; ++t) {
+    const Index from = origin[static_cast<std::size_t>(t)];
+    const auto& before = coarse.triangles[static_cast<std::size_t>(from)];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec2& x = mesh.points[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][i])];
+      const auto corner =
+          std::ranges::find_if(before, [&](Index v) { return coarse.points[static_cast<std::size_t>(v)] == x; });
+      if (corner == before.end()) continue;
+      const Index at = data.corners.of[static_cast<std::size_t>(t)][i];
+      const Vec2 u = data.values.displacement.col(at);
+      const Eigen::Vector4d s = data.values.stress.col(at);
+      copied.push_back({.triangle = from,
+                        .corner = static_cast<int>(corner - before.begin()),
+                        .displacement = {u[0], u[1]},
+                        .stress = {s[0], s[1], s[2], s[3]},
+                        .von_mises = data.von_mises[at],
+                        .derivative = map ? map->full.at_corners[at] : nan,
+                        .margin = map ? map->full.margin[at] : nan,
+                        .left_out = map ? map->left_out_corner[static_cast<std::size_t>(at)] : LeftOut::No});
+    }
+  }
+  return copied;
+}
+
+CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners) {
+  CoarseCopy copy{.adapted = {.model = std::move(model)}, .data = {}, .map = {}};
+  copy.data = plot_corners(copy.adapted.model);
+  const auto n = static_cast<Eigen::Index>(copy.data.points.size());
+  CornerValues& values = copy.data.values;
+  values.displacement.setZero(2, n);
+  values.stress.setZero(4, n);
+  copy.data.von_mises.setZero(n);
+  copy.map.full.at_corners.setConstant(n, nan);
+  copy.map.full.margin.setConstant(n, nan);
+  copy.map.left_out_corner.assign(static_cast<std::size_t>(n), LeftOut::No);
+  for (const CopiedCorner& c : corners) {
+    const Index at = copy.data.corners.of[static_cast<std::size_t>(c.triangle)][static_cast<std::size_t>(c.corner)];
+    values.displacement.col(at) << c.displacement[0], c.displacement[1];
+    values.stress.col(at) << c.stress[0], c.stress[1], c.stress[2], c.stress[3];
+    copy.data.von_mises[at] = c.von_mises;
+    copy.map.full.at_corners[at] = c.derivative;
+    copy.map.full.margin[at] = c.margin;
+    copy.map.left_out_corner[static_cast<std::size_t>(at)] = c.left_out;
+  }
+  copy.map.full.at_centroids.resize(static_cast<Eigen::Index>(copy.data.corners.of.size()));
+  for (Eigen::Index t = 0; t < copy.map.full.at_centroids.size(); ++t)
+    copy.map.full.at_centroids[t] = copy.map.full.at_corners(copy.data.corners.of[static_cast<std::size_t>(t)]).mean();
+  return copy;
+}
+
+}  // namespace kerf
