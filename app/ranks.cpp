@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -17,6 +18,7 @@
 #include <map>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace kerf {
@@ -79,10 +81,20 @@ auto together(int rank, const Work& work) {
   }
 }
 
-/// The part of this process in one system.
-class Share {
+/// Throws Error(Numerics), on all processes, for a solve that has not come far enough.
+void require_solved(const KerfPetscSolved& how, int parts) {
+  constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
+  if (how.reason < 0 && !(how.left <= enough))
+    throw Error(Fault::Numerics,
+                fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
+                            "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
+                            parts, how.reason, how.iterations));
+}
+
+/// By PETSc's BDDC.
+class PetscSolver : public SharedSolver {
  public:
-  Share(std::string packed, int total) {
+  PetscSolver(std::string packed, int total, int parts) {
     part_ = condensed_part(packed);
     packed = {};
     packed.shrink_to_fit();
@@ -99,56 +111,42 @@ class Share {
                              .total = total,
                              .near_start = part_.near_start.data(),
                              .near_rows = part_.near_rows.data()};
-    need(loaded().call->make(&view, tolerance, &solver_, &interface_rows, &primal));
+    effort_.parts = parts;
+    need(loaded().call->make(&view, tolerance, &solver_, &effort_.interface_rows, &effort_.primal));
     part_.near_start = part_.near_rows = part_.number = {};
   }
-  Share(const Share&) = delete;
-  Share& operator=(const Share&) = delete;
-  ~Share() {
+  PetscSolver(const PetscSolver&) = delete;
+  PetscSolver& operator=(const PetscSolver&) = delete;
+  ~PetscSolver() override {
     loaded().call->drop(solver_);
   }
 
-  /// `b`, `x`, `counts`: of the first process, of all; else null.
-  KerfPetscSolved solve(const double* b, double* x, const int* counts) {
-    const KerfPetsc& call = *loaded().call;
-    std::vector<double> right(static_cast<std::size_t>(part_.owned)), own(right.size());
-    call.scatter(b, counts, right.data(), part_.owned);
-    const KerfPetscSolved how = solve_own(right.data(), own.data());
-    call.gather(own.data(), part_.owned, x, counts);
-    return how;
-  }
-  /// Of what each process owns.
-  KerfPetscSolved solve_own(const double* right, double* x) {
+  Eigen::VectorXd solve(const Eigen::VectorXd& own) override {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(own.size());
+    double size = own.size() > 0 ? own.cwiseAbs().maxCoeff() : 0;
+    loaded().call->largest(&size, 1);
+    if (size == 0) return x;
     KerfPetscSolved how{};
-    need(loaded().call->solve(solver_, right, x, &how));
-    return how;
+    need(loaded().call->solve(solver_, own.data(), x.data(), &how));
+    ++effort_.solves;
+    effort_.iterations = std::max(effort_.iterations, how.iterations);
+    effort_.condition = std::max(effort_.condition, how.condition);
+    effort_.sent = std::max(effort_.sent, how.sent);
+    effort_.seconds += how.seconds;
+    effort_.first_mb = how.first_mb;
+    effort_.other_mb = how.other_mb;
+    require_solved(how, effort_.parts);
+    return x;
   }
-  int interface_rows = 0, primal = 0;
+  PartedEffort effort() const override {
+    return effort_;
+  }
 
  private:
   RankPart part_;  // the solver looks at its matrix
   void* solver_ = nullptr;
+  PartedEffort effort_;
 };
-
-void add(const KerfPetscSolved& how, PartedEffort& effort) {
-  ++effort.solves;
-  effort.iterations = std::max(effort.iterations, how.iterations);
-  effort.condition = std::max(effort.condition, how.condition);
-  effort.sent = std::max(effort.sent, how.sent);
-  effort.seconds += how.seconds;
-  effort.first_mb = how.first_mb;
-  effort.other_mb = how.other_mb;
-}
-
-/// Throws Error(Numerics) for a solve that has not come far enough.
-void require_solved(const KerfPetscSolved& how, int parts) {
-  constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
-  if (how.reason < 0 && !(how.left <= enough))
-    throw Error(Fault::Numerics,
-                fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
-                            "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
-                            parts, how.reason, how.iterations));
-}
 
 /// Of the first process, after a solve: throws Error(Usage) for options that nothing has asked for.
 void refuse_unused(const std::string& options) {
@@ -196,36 +194,49 @@ class MpiPeers : public Peers {
   }
   std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads) override {
     if (!by_petsc_) return Peers::solver(std::move(packed), total, threads);
-    return std::make_unique<Solver>(std::move(packed), total, count_);
+    return std::make_unique<PetscSolver>(std::move(packed), total, count_);
   }
 
  private:
-  class Solver : public SharedSolver {
-   public:
-    Solver(std::string packed, Index total, int parts) : share_(std::move(packed), total) {
-      effort_ = {.parts = parts, .interface_rows = share_.interface_rows, .primal = share_.primal};
-    }
-    Eigen::VectorXd solve(const Eigen::VectorXd& own) override {
-      Eigen::VectorXd x = Eigen::VectorXd::Zero(own.size());
-      double size = own.size() > 0 ? own.cwiseAbs().maxCoeff() : 0;
-      loaded().call->largest(&size, 1);
-      if (size == 0) return x;
-      const KerfPetscSolved how = share_.solve_own(own.data(), x.data());
-      add(how, effort_);
-      require_solved(how, effort_.parts);
-      return x;
-    }
-    PartedEffort effort() const override {
-      return effort_;
-    }
-
-   private:
-    Share share_;
-    PartedEffort effort_;
-  };
   int rank_, count_;
   bool by_petsc_;
 };
+
+/// The part of this process in a system that the first one has as a whole.
+class Share {
+ public:
+  Share(std::string packed, int total, int owned, int rank, int count, bool by_petsc)
+      : peers_(rank, count, by_petsc), owned_(owned), solver_(peers_.solver(std::move(packed), total, 1)) {}
+
+  /// `b`, `x`, `counts`: of the first process, of all; else null. Throws Error(Numerics) on all processes.
+  void solve(const double* b, double* x, const int* counts) {
+    const KerfPetsc& call = *loaded().call;
+    Eigen::VectorXd right(owned_);
+    call.scatter(b, counts, right.data(), owned_);
+    const Eigen::VectorXd own = solver_->solve(right);
+    call.gather(own.data(), owned_, x, counts);
+  }
+  PartedEffort effort() const {
+    return solver_->effort();
+  }
+
+ private:
+  MpiPeers peers_;
+  int owned_;
+  std::unique_ptr<SharedSolver> solver_;
+};
+
+/// What a solve fails in all processes fail in.
+std::optional<Error> solved(Share& share, int rank, const double* b, double* x, const int* counts) {
+  return together(rank, [&]() -> std::optional<Error> {
+    try {
+      share.solve(b, x, counts);
+    } catch (const Error& e) {
+      return e;
+    }
+    return std::nullopt;
+  });
+}
 
 std::string order(Order what, int name, std::string_view more = {}) {
   std::string bytes(1, static_cast<char>(what));
@@ -269,18 +280,18 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
     Solver(std::shared_ptr<MpiRanks> ranks, const std::function<std::string(Index)>& part, std::vector<Index> owned)
         : ranks_(std::move(ranks)), owned_(std::move(owned)) {
       const std::scoped_lock lock(ranks_->one_at_a_time_);
-      effort_.parts = ranks_->count_;
       name_ = ranks_->next_name_++;
       const int total = std::reduce(owned_.begin(), owned_.end());
-      const std::string size(reinterpret_cast<const char*>(&total), sizeof total);
       for (int p = 1; p < ranks_->count_; ++p) {
-        const std::string head = order(Order::Make, name_, size), bytes = together(0, [&] { return part(p); });
+        const std::array<int, 2> sizes{total, owned_[static_cast<std::size_t>(p)]};
+        const std::string head = order(Order::Make, name_, {reinterpret_cast<const char*>(sizes.data()), sizeof sizes});
+        const std::string bytes = together(0, [&] { return part(p); });
         loaded().call->send(p, head.data(), head.size());
         loaded().call->send(p, bytes.data(), bytes.size());
       }
-      share_ = together(0, [&] { return std::make_unique<Share>(part(0), total); });
-      effort_.interface_rows = share_->interface_rows;
-      effort_.primal = share_->primal;
+      share_ = together(0, [&] {
+        return std::make_unique<Share>(part(0), total, owned_[0], 0, ranks_->count_, !ranks_->options_.empty());
+      });
     }
     ~Solver() override {
       const std::scoped_lock lock(ranks_->one_at_a_time_);
@@ -293,14 +304,13 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
       if (b.isZero(0)) return b;
       ranks_->tell_all(order(Order::Solve, name_));
       Eigen::VectorXd x(b.size());
-      const KerfPetscSolved how = together(0, [&] { return share_->solve(b.data(), x.data(), owned_.data()); });
-      add(how, effort_);
+      const std::optional<Error> failed = solved(*share_, 0, b.data(), x.data(), owned_.data());
       ranks_->check_options();
-      require_solved(how, ranks_->count_);
+      if (failed) throw *failed;
       return x;
     }
     PartedEffort effort() const override {
-      return effort_;
+      return share_->effort();
     }
 
    private:
@@ -308,7 +318,6 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
     std::vector<Index> owned_;
     int name_ = 0;
     std::unique_ptr<Share> share_;
-    PartedEffort effort_;
   };
 
   /// After the first solve: what nothing has asked for is misspelt, or not for this solver.
@@ -426,7 +435,7 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
   const auto obey = [&] {
     std::string bytes = next();
     const auto what = static_cast<Order>(bytes[0]);
-    int name = 0, total = 0;
+    int name = 0;
     std::memcpy(&name, bytes.data() + 1, sizeof name);
     bytes.erase(0, 1 + sizeof name);
     if (what == Order::Options) {
@@ -434,10 +443,11 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
       need(call.options(bytes.c_str()));
     }
     if (what == Order::Make) {
-      std::memcpy(&total, bytes.data(), sizeof total);
-      shares[name] = std::make_unique<Share>(next(), total);
+      std::array<int, 2> sizes{};
+      std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
+      shares[name] = std::make_unique<Share>(next(), sizes[0], sizes[1], rank_, count_, !options_.empty());
     }
-    if (what == Order::Solve) shares.at(name)->solve(nullptr, nullptr, nullptr);
+    if (what == Order::Solve) solved(*shares.at(name), rank_, nullptr, nullptr, nullptr);  // the first one says so
     if (what == Order::Drop) shares.erase(name);
     if (what == Order::Task) {
       MpiPeers peers(rank_, count_, !options_.empty());

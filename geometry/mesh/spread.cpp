@@ -4,33 +4,52 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace kerf {
 
 namespace {
 
-/// Which triangles a process has: its own, those that share a vertex with them, and what lies beyond a crack from
-/// these, so that both sides of every crack edge are there.
-std::vector<bool> triangles_of(const Mesh& mesh, const std::vector<Index>& process, Index here) {
+/// Rings of coarse triangles around a part that are six or more once they are divided: recovered stresses look at up to
+/// five around a vertex, and those at the rim are cut off.
+int rings_around(int times) {
+  constexpr int rings = 6;
+  int coarse = rings;
+  for (int time = 0; time < times; ++time) coarse = (coarse + 1) / 2;
+  return coarse;
+}
+
+/// Which triangles a process has: its own, rings of those that share a vertex with them, and what lies beyond a crack
+/// from these, so that both sides of every crack edge are there.
+std::vector<bool> triangles_of(const Mesh& mesh, const std::vector<Index>& process, Index here, int rings) {
   std::vector<bool> touched(mesh.points.size(), false), use(mesh.triangles.size(), false);
-  for (std::size_t t = 0; t < use.size(); ++t)
-    if (process[t] == here)
-      for (const Index v : mesh.triangles[t]) touched[static_cast<std::size_t>(v)] = true;
-  std::vector<Index> next;
+  std::vector<Index> ring, next;
   const auto take = [&](Index t) {
     if (use[static_cast<std::size_t>(t)]) return;
     use[static_cast<std::size_t>(t)] = true;
+    ring.push_back(t);
     next.push_back(t);
   };
+  const auto with_far_sides = [&] {
+    while (!next.empty()) {
+      const Index t = next.back();
+      next.pop_back();
+      for (const Index e : mesh.edges_of[static_cast<std::size_t>(t)])
+        if (mesh.crack[static_cast<std::size_t>(e)] != none)
+          for (const Index side : mesh.sides[static_cast<std::size_t>(e)]) take(side);
+    }
+  };
   for (std::size_t t = 0; t < use.size(); ++t)
-    if (std::ranges::any_of(mesh.triangles[t], [&](Index v) { return touched[static_cast<std::size_t>(v)]; }))
-      take(static_cast<Index>(t));
-  while (!next.empty()) {
-    const Index t = next.back();
-    next.pop_back();
-    for (const Index e : mesh.edges_of[static_cast<std::size_t>(t)])
-      if (mesh.crack[static_cast<std::size_t>(e)] != none)
-        for (const Index side : mesh.sides[static_cast<std::size_t>(e)]) take(side);
+    if (process[t] == here) take(static_cast<Index>(t));
+  with_far_sides();
+  for (int k = 0; k < rings; ++k) {
+    for (const Index t : std::exchange(ring, {}))
+      for (const Index v : mesh.triangles[static_cast<std::size_t>(t)]) touched[static_cast<std::size_t>(v)] = true;
+    for (std::size_t t = 0; t < use.size(); ++t)
+      if (!use[t] &&
+          std::ranges::any_of(mesh.triangles[t], [&](Index v) { return touched[static_cast<std::size_t>(v)]; }))
+        take(static_cast<Index>(t));
+    with_far_sides();
   }
   return use;
 }
@@ -76,7 +95,7 @@ std::vector<std::vector<double>> starts_along(const Mesh& whole, const Part& cut
 MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int count, Index here, int times) {
   if (!coarse.arc.empty()) throw std::invalid_argument("mesh_part: curved edges are not divided");
   if (process.size() != coarse.triangles.size()) throw std::invalid_argument("mesh_part: a process per triangle");
-  const std::vector<bool> use = triangles_of(coarse, process, here);
+  const std::vector<bool> use = triangles_of(coarse, process, here, rings_around(times));
   Part cut = part(coarse, use);
 
   MeshPart out{.mesh = std::move(cut.mesh)};
@@ -107,7 +126,7 @@ MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int co
   }
   for (Index p = 0; p < static_cast<Index>(count); ++p) {
     if (p == here) continue;
-    const std::vector<bool> there = triangles_of(coarse, process, p);
+    const std::vector<bool> there = triangles_of(coarse, process, p, rings_around(times));
     for (Index i = 0; i < out.own; ++i)
       if (there[whole(i)]) out.shown[static_cast<std::size_t>(p)].push_back(i);
   }

@@ -423,10 +423,10 @@ constexpr Key rows[] = {
     {"solver.petsc",
      Text,
      {},
-     "With backend = \"petsc\": options of PETSc, as on a command line. What PETSc has no use for is an error. With "
-     "mesh.refine, where kerf has a solver of its own, options select that of PETSc.",
+     "With backend = \"petsc\": options of PETSc, as on a command line, whose BDDC then solves in place of kerf's own. "
+     "What PETSc has no use for is an error.",
      "\"-ksp_rtol 1e-12 -ksp_monitor\"",
-     "BDDC, conjugate gradients to 1e-10"},
+     "kerf's own BDDC, conjugate gradients to 1e-10 of the energy"},
 
     {"functional", Table, {}, "The number of interest, J: what a map differentiates and an optimization makes small."},
     {"functional.kind",

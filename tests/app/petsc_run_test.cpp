@@ -225,13 +225,15 @@ class DividedRun : public PetscRun {
     EXPECT_LT(r["state"]["work_error"].get<double>(), 1e-9) << what;
     expect_same(r["functional"]["value"], truth["functional"]["value"], what + "functional");
     const json &interval = r["state"]["energy_bounds"], &other = truth["state"]["energy_bounds"];
-    if (truth.contains("contact") || other.is_null())
-      EXPECT_TRUE(interval.is_null()) << what;
-    else
+    if (interval.is_null()) {
+      EXPECT_TRUE(truth.contains("contact") || case_file.find("[body]") != std::string::npos || other.is_null())
+          << what;
+    } else {
       for (std::size_t end = 0; end < 2; ++end)  // what rounding leaves of equilibrium is a part of it
-        EXPECT_NEAR(interval.at(end).get<double>(), other[end].get<double>(),
+        EXPECT_NEAR(interval.at(end).get<double>(), other.at(end).get<double>(),
                     1e-7 * std::abs(truth["state"]["energy"].get<double>()))
             << what;
+    }
     for (const char* key : {"max_von_mises", "max_displacement"}) {
       const json &peak = r["state"][key], &other = truth["state"][key];
       EXPECT_NEAR(peak["value"].get<double>(), other["value"].get<double>(), 1e-7 * other["value"].get<double>())
@@ -418,8 +420,10 @@ TEST_F(DividedRun, NotesAreThoseOfOneProcess) {
     write(case_file);
     const json truth = result(0, "cholmod", command, coarse_in_parts), r = result(2, "petsc", command, coarse_in_parts);
     std::vector<std::string> notes = r["state"]["notes"].get<std::vector<std::string>>();
-    for (const json& note : truth["state"]["notes"])
+    for (const json& note : truth["state"]["notes"]) {
+      if (note.get<std::string>().find("held all around") != std::string::npos) continue;  // it names a point of a mesh
       EXPECT_NE(std::ranges::find(notes, note.get<std::string>()), notes.end()) << note << "\n" << r["state"]["notes"];
+    }
     for (const std::string& words : some)
       EXPECT_TRUE(
           std::ranges::any_of(notes, [&](const std::string& note) { return note.find(words) != std::string::npos; }))
@@ -440,7 +444,7 @@ contact = "open"
                "solve",
                {"the faces of crack \"c\" (contact = \"open\") penetrate by", "strains reach", "displacements reach",
                 "lies at a corner of the chords"});
-  expect_notes(R"([domain]
+  expect_notes(R"rim([domain]
 outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
 sides = ["rim", "rim", "rim", "rim"]
 [[boundary]]
@@ -454,7 +458,7 @@ radius = 0.1
 vtk = false
 png = false
 html = false
-)" + material("0.49"),
+)rim" + material("0.49"),
                "map", {"the body is nearly incompressible and held all around"});
 }
 
@@ -564,6 +568,8 @@ method = "slsqp"
 max_iterations = 12
 starts = 5
 volume = { at_most = 0.95 }
+[functional]
+kind = "compliance"
 [[optimize.hole]]
 name = "h"
 circle = { center = [[0.3, 0.7], [0.3, 0.7]], radius = [0.1, 0.2] }
