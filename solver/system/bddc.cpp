@@ -74,10 +74,10 @@ Eigen::LLT<MatrixXd> definite(const MatrixXd& m, const VectorXd& diagonal, doubl
 
 /// Columns with the same span, orthonormal where each row is taken relative to the root of the diagonal.
 MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
+  if (columns.cols() == 0) return columns;
   const VectorXd size = diagonal.cwiseSqrt();
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * columns,
                  lengths = scaled.colwise().norm().cwiseInverse().asDiagonal();
-  if (columns.cols() == 0) return columns;
   Eigen::ColPivHouseholderQR<MatrixXd> qr(scaled * lengths);
   constexpr double dependent = 1e-9;
   qr.setThreshold(dependent);

@@ -29,7 +29,7 @@ void use_one_thread() {
 }
 
 void return_freed_memory() {
-#ifdef __GLIBC__
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)  // whose memory is none of the C library's
   malloc_trim(0);
 #endif
 }

@@ -80,6 +80,7 @@ MatrixXd soft_forces(const MatrixXd& Z, const MatrixXd& X, double threshold) {
   M.transposeInPlace();
   L.solveInPlace(M);
   const MatrixXd y = eigenvectors_above(M, threshold);
+  if (y.cols() == 0) return y;
   return llt.matrixU().solve(y);
 }
 
