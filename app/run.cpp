@@ -134,9 +134,9 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
     if (started_processes() > 1 && processes && jobs.optimize)
       throw Error(
           Fault::Usage,
-          fmt::format("mpiexec started {} processes, and all that they share of an optimization is the starts of "
-                      "methods by NLopt, of bodies that are known: set optimize.starts to 2 or more, or start "
-                      "kerf without mpiexec",
+          fmt::format("mpiexec started {} processes, which share no more of an optimization than the starts of a "
+                      "method by NLopt without readings: with such a method set optimize.starts to 2 or more, "
+                      "else start kerf as one process",
                       started_processes()));
     if (started_processes() > 1 && processes)
       throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, and backend = \"{}\" uses one; set "
