@@ -129,14 +129,23 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   return results;
 }
 
+namespace {
+
+constexpr std::size_t often = 5;  // an open middle and two open ends change four times
+
+std::size_t turns_of(const CrackResult& crack) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      crack.transitions, [](const CrackResult::Transition& t) { return t.from == "open" || t.to == "open"; }));
+}
+
+}  // namespace
+
 std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of) {
-  constexpr std::size_t often = 5;  // an open middle and two open ends change four times
   constexpr double little = 1e-3;
   std::vector<std::string> notes;
   for (std::size_t c = 0; c < cracks.size(); ++c) {
     const CrackResult& crack = cracks[c];
-    const auto turns = static_cast<std::size_t>(std::ranges::count_if(
-        crack.transitions, [](const CrackResult::Transition& t) { return t.from == "open" || t.to == "open"; }));
+    const std::size_t turns = turns_of(crack);
     if (turns < often) continue;
     // Means along the crack: at its tips what a mesh errs by is singular, too.
     double pressure = 0, gap = 0;
@@ -158,6 +167,7 @@ std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks
 
 std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
                                           const State& state) {
+  if (std::ranges::none_of(cracks, [](const CrackResult& crack) { return turns_of(crack) >= often; })) return {};
   ContactMeasures of{.stress = mean_stress(model, state)};
   for (Index c = 0; c < static_cast<Index>(cracks.size()); ++c) {
     of.profiles.push_back(crack_profile(model, state, c));

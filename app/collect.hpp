@@ -35,13 +35,14 @@ TipResult tip_result(const TipIntensity& tip);
 /// `tips`: with K, G and T at the tips.
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);
 
-/// Cracks whose faces touch and part in turn by less than the mesh errs by, as under loads that neither open nor close
-/// them.
+/// What contact on cracks is measured by.
 struct ContactMeasures {
   double stress;  // mean in the body
   std::vector<std::vector<CrackPoint>> profiles = {};
   std::vector<double> modulus = {};  // modulus_beside
 };
+/// Cracks whose faces touch and part in turn by less than the mesh errs by, as under loads that neither open nor close
+/// them.
 std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of);
 std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
                                           const State& state);
