@@ -7,20 +7,12 @@ namespace kerf {
 
 namespace {
 
-void put(const std::string& bytes, Packer& to) {
-  to.put(std::vector<char>(bytes.begin(), bytes.end()));
-}
-std::string string_from(Unpacker& from) {
-  const auto bytes = from.all<char>();
-  return {bytes.begin(), bytes.end()};
-}
-
 /// Every so-manieth task is that of a process; the answers of all go to the first one, in the order of the tasks.
 std::vector<std::string> share(const Case& c, const std::vector<std::string>& tasks, Peers& peers) {
   const auto here = static_cast<std::size_t>(peers.here()), count = static_cast<std::size_t>(peers.count());
   const Problem problem = problem_of(c, 1);
   Packer own;
-  for (std::size_t i = here; i < tasks.size(); i += count) put(try_start(problem, *c.optimize, tasks[i]), own);
+  for (std::size_t i = here; i < tasks.size(); i += count) own.put(try_start(problem, *c.optimize, tasks[i]));
   std::vector<std::string> to(count);
   to[0] = std::move(own).take();
   const std::vector<std::string> from = peers.exchange(to);
@@ -28,7 +20,7 @@ std::vector<std::string> share(const Case& c, const std::vector<std::string>& ta
   std::vector<std::string> answers(tasks.size());
   for (std::size_t p = 0; p < count; ++p) {
     Unpacker of(from[p]);
-    for (std::size_t i = p; i < tasks.size(); i += count) answers[i] = string_from(of);
+    for (std::size_t i = p; i < tasks.size(); i += count) answers[i] = of.text();
   }
   return answers;
 }
@@ -48,7 +40,7 @@ Farm farm_of(const Case& c, Processes* processes) {
     Packer packed;
     packed.put(starts);
     packed.put(tasks.size());
-    for (const std::string& task : tasks) put(task, packed);
+    for (const std::string& task : tasks) packed.put(task);
     std::vector<std::string> answers;
     processes->work(std::move(packed).take(), [&](Peers& peers) { answers = share(c, tasks, peers); });
     return answers;
@@ -59,7 +51,7 @@ void work_on(const Case& c, std::string_view task, Peers& peers) {
   if (task.empty() || task.front() != starts) return work_on_part(c, task, peers);
   Unpacker from(task.substr(1));
   std::vector<std::string> tasks(from.get<std::size_t>());
-  for (std::string& one : tasks) one = string_from(from);
+  for (std::string& one : tasks) one = from.text();
   share(c, tasks, peers);
 }
 

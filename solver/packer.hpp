@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// Bytes of plain values and of vectors of them, in the order in which they are written and read.
+/// Bytes of plain values, of vectors of them and of texts, in the order in which they are written and read.
 class Packer {
  public:
   template <typename T>
@@ -24,6 +24,10 @@ class Packer {
   void put(const std::vector<T>& values) {
     put(values.size());
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+  void put(const std::string& bytes) {
+    put(bytes.size());
+    bytes_ += bytes;
   }
   void put(const Eigen::MatrixXd& values) {
     for (Eigen::Index i = 0; i < values.size(); ++i) put(values.data()[i]);
@@ -50,6 +54,11 @@ class Unpacker {
     std::vector<T> values(get<std::size_t>());
     copy(values.data(), values.size() * sizeof(T));
     return values;
+  }
+  std::string text() {
+    std::string bytes(get<std::size_t>(), '\0');
+    copy(bytes.data(), bytes.size());
+    return bytes;
   }
   template <typename Fixed>
   Fixed matrix() {

@@ -112,7 +112,7 @@ std::string answer_of(const StartTried& tried) {
   to.put(tried.merit);
   to.put(tried.violation);
   to.put(tried.state_solves);
-  to.put(std::vector<char>(tried.failure.begin(), tried.failure.end()));
+  to.put(tried.failure);
   return std::move(to).take();
 }
 
@@ -122,8 +122,7 @@ void take_answer(std::string_view answer, StartTried& tried) {
   tried.merit = from.get<double>();
   tried.violation = from.get<double>();
   tried.state_solves += from.get<int>();
-  const auto failure = from.all<char>();
-  tried.failure.assign(failure.begin(), failure.end());
+  tried.failure = from.text();
 }
 
 bool better(const StartTried& a, const StartTried& b) {
