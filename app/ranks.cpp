@@ -369,9 +369,11 @@ int started_processes() {
 namespace {
 
 pid_t launcher = 0;
+volatile std::sig_atomic_t asked_to_stop = 0;
 
-// mpiexec passes it on to its processes, of which the first one ends cleanly.
+// mpiexec ends its processes, and itself as if it had not started them.
 extern "C" void pass_on(int signal) {
+  asked_to_stop = 1;
   kill(launcher, signal);
 }
 
@@ -403,9 +405,12 @@ int run_by_mpiexec(int count, char** argv) {
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (code == 127) throw Error(Fault::Files, "mpiexec cannot be started; is openmpi-bin installed?");
+  constexpr int killed = 128;
+  if (asked_to_stop && (code == 1 || code > killed))
+    throw Error(Fault::Numerics,
+                fmt::format("stopped, and with it {} processes; what was written before stays", count));
   // kerf itself has no code 1.
   if (code == 1) throw Error(Fault::Files, "mpiexec did not start the processes; it says why above");
-  constexpr int killed = 128;
   if (code > killed)
     throw Error(Fault::Files,
                 fmt::format("one of {} processes was killed (signal {}), which ends all of them; what was "
