@@ -53,7 +53,7 @@ struct Adaptation {
   std::function<bool(const Round&)> go_on = {};  // asked after each round
   std::function<void(const Mesh&)> meshed = {};  // told the mesh of each round
   std::shared_ptr<const Mesh> given = {};        // the first mesh, as it is, instead of one of the shape
-  int divisions = 0;  // solve_graded: every triangle of the mesh that is solved on into four, so many times
+  int divisions = 0;  // every triangle of the mesh that is solved on into four, so many times
   /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
   std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
   std::shared_ptr<Ranks> ranks = {};  // solve the condensed system in parts

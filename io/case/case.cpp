@@ -60,10 +60,9 @@ void read_mesh(const Value& document, Case& c) {
   take(*mesh, "min_angle", c.sizing.min_angle_deg);
   take(*mesh, "curved", c.sizing.curved);
   take(*mesh, "refine", c.divisions);
-  if (c.divisions > 0 && (c.sizing.curved || find(*mesh, "adapt"))) {
+  if (c.divisions > 0 && c.sizing.curved) {
     const Value divided = need(*mesh, "refine");
-    fail(divided.node->position, fmt::format("{} does not go with mesh.{}; leave one of them out", divided.name,
-                                             c.sizing.curved ? "curved" : "adapt"));
+    fail(divided.node->position, fmt::format("{} does not go with mesh.curved; leave one of them out", divided.name));
   }
   if (const auto mesher = find(*mesh, "mesher"); mesher && !find(need(document, "domain"), "file"))
     fail(mesher->node->position, mesher->name + " goes with a geometry in domain.file");

@@ -339,8 +339,10 @@ constexpr Key rows[] = {
     {"mesh.refine",
      Whole,
      {.range = {0, 10}},
-     "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. With backend = "
-     "\"petsc\" on several processes each of them divides its own part, and none has the whole: kerf solve alone.",
+     "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. With adapt that of "
+     "every round is divided. With backend = \"petsc\" on several processes each of them divides its own part, and "
+     "none "
+     "has the whole.",
      "2",
      "0"},
     {"mesh.curved",

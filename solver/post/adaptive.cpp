@@ -3,7 +3,7 @@
 #include "kerf/stop.hpp"
 
 #include "geometry/adapt.hpp"
-#include "solver/post/chords.hpp"
+#include "solver/adapting.hpp"
 
 #include "solver/system.hpp"
 
@@ -35,33 +35,11 @@ std::vector<Index> mark(const Eigen::VectorXd& eta) {
   return order;
 }
 
-Mesh refined(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Model& model,
-             const Indicator& indicator) {  // of the goal
-  if (wanted.refinement == Refinement::Bisect) {
-    require_straight(model, "bisection");
-    return bisect(model.mesh, mark(indicator.eta), sizing.mirrored_tips);
-  }
-  constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
-  // Below the goal: at singular points the error falls slower than the order of the element says.
-  constexpr double safety = 0.7;
-  const double share = std::pow(safety * wanted.error / indicator.relative, 1 / indicator.power);
-  Goal goal{.error = share * indicator.eta.norm(),
-            .order = static_cast<double>(model.element.order),
-            .max_triangles = std::min<double>(wanted.max_triangles, most_growth * indicator.eta.size())};
-  // The indicator grades the mesh: the growth that is right around a tip without it makes twice the triangles at
-  // degree 2.
-  Sizing steep = sizing;
-  steep.grading = std::max(sizing.grading, 0.5);
-  const std::span<const double> eta(indicator.eta.data(), static_cast<std::size_t>(indicator.eta.size()));
-  Background background{&model.mesh, equidistributed_sizes(model.mesh, eta, goal)};
-  Mesh mesh = triangulate(shape, steep, background);
-  // Sizes fit a number of triangles only nearly; the limit is one.
-  for (int attempt = 0; attempt < 3 && static_cast<double>(mesh.triangles.size()) > goal.max_triangles; ++attempt) {
-    const double excess = static_cast<double>(mesh.triangles.size()) / goal.max_triangles;
-    for (double& size : background.size) size *= 1.03 * std::sqrt(excess);
-    mesh = triangulate(shape, steep, background);
-  }
-  return mesh;
+// Of the triangles before each was divided into four, so many times: those of one follow each other.
+Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, int divisions) {
+  if (divisions == 0) return eta;
+  const Eigen::Index parts = Eigen::Index{1} << (2 * divisions);
+  return eta.reshaped(parts, eta.size() / parts).colwise().norm();
 }
 
 State solved(const Model& model, const Adaptation& how) {
@@ -256,14 +234,67 @@ class Grading {
   const Adaptation& how_;
 };
 
-// The first of the data that no estimate on this mesh can have seen.
+}  // namespace
+
+Mesh next_mesh(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Mesh& mesh, double order,
+               const Indicator& indicator) {
+  if (wanted.refinement == Refinement::Bisect) return bisect(mesh, mark(indicator.eta), sizing.mirrored_tips);
+  constexpr double most_growth = 6;  // of the number of triangles: coarse indicators know only so much
+  // Below the goal: at singular points the error falls slower than the order of the element says.
+  constexpr double safety = 0.7;
+  const double share = std::pow(safety * wanted.error / indicator.relative, 1 / indicator.power);
+  Goal goal{.error = share * indicator.eta.norm(),
+            .order = order,
+            .max_triangles = std::min<double>(std::ldexp(wanted.max_triangles, -2 * wanted.divisions),
+                                              most_growth * indicator.eta.size())};
+  // The indicator grades the mesh: the growth that is right around a tip without it makes twice the triangles at
+  // degree 2.
+  Sizing steep = sizing;
+  steep.grading = std::max(sizing.grading, 0.5);
+  const std::span<const double> eta(indicator.eta.data(), static_cast<std::size_t>(indicator.eta.size()));
+  Background background{&mesh, equidistributed_sizes(mesh, eta, goal)};
+  Mesh next = triangulate(shape, steep, background);
+  // Sizes fit a number of triangles only nearly; the limit is one.
+  for (int attempt = 0; attempt < 3 && static_cast<double>(next.triangles.size()) > goal.max_triangles; ++attempt) {
+    const double excess = static_cast<double>(next.triangles.size()) / goal.max_triangles;
+    for (double& size : background.size) size *= 1.03 * std::sqrt(excess);
+    next = triangulate(shape, steep, background);
+  }
+  return next;
+}
+
 std::string unseen_by_estimate(const Model& m) {
   for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
     if (u.stops_bounds) return fmt::format("{} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
   return {};
 }
 
-}  // namespace
+std::string reason_to_end(const std::vector<Round>& rounds, const std::string& unseen, const Adaptation& wanted) {
+  constexpr double gain = 0.95;
+  constexpr std::size_t most_rounds = 40;
+  int without_gain = 0;
+  double best = infinity;
+  for (const Round& round : rounds) {
+    without_gain = round.estimated_error < gain * best ? 0 : without_gain + 1;
+    best = std::min(best, round.estimated_error);
+  }
+  const Round& round = rounds.back();
+  std::string why;
+  if (round.estimated_error <= wanted.error && unseen.empty())
+    why = fmt::format("reached the asked error {:.3g}", wanted.error);
+  else if (round.triangles >= 0.9 * wanted.max_triangles)
+    why = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
+                      round.estimated_error, wanted.error);
+  else if (without_gain == 3)
+    why = fmt::format("stopped: the estimated error stays at {:.3g}, asked {:.3g}", best, wanted.error);
+  else if (rounds.size() == most_rounds)
+    why = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
+                      round.estimated_error, wanted.error);
+  else if (wanted.go_on && !wanted.go_on(round))
+    why = "stopped on request";
+  if (!why.empty() && !unseen.empty()) why += "; " + unseen;
+  return why;
+}
 
 Indicator refine_for(const Indicator& state, const Bounded& quantity, const std::vector<Eigen::VectorXd>& duals) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(state.eta.size());
@@ -297,7 +328,7 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   if (!how.estimate) return a;
   Stopwatch watch;
   a.indicator = error_indicator(a.model, a.state);
-  add_chords(shape, a.model, a.state, a.indicator);
+  add_chords(shape, how.divisions, a.model, a.state, a.indicator);
   a.rounds.back().estimate = watch.lap();
   return a;
 }
@@ -314,25 +345,28 @@ struct Adapting {
 /// A mesh solved, with its indicator, that of the goal, and what that took.
 struct Solved {
   Adapted adapted;
-  Indicator goal;
+  Indicator goal;  // on the mesh before it was divided
 };
 
 /// `meshing`: seconds.
 Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
+  Stopwatch watch;
+  for (int k = 0; k < of.wanted.divisions; ++k) mesh = refine(mesh);
   if (of.wanted.meshed) of.wanted.meshed(mesh);
-  Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
+  Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing + watch.lap()};
   Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads,
                         {.contact = known, .precision = of.wanted.precision}, of.wanted.ranks);
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
-  Stopwatch watch;
+  watch.lap();
   State state = solved(model, of.wanted);
   round.solve = watch.lap();
   round.contact = state.seconds.contact;
   Indicator indicator = error_indicator(model, state), goal;
   if (of.wanted.goal) goal = of.wanted.goal(model, state, indicator);
-  add_chords(of.shape, model, state, indicator);
+  add_chords(of.shape, of.wanted.divisions, model, state, indicator);
   if (!of.wanted.goal) goal = indicator;
+  goal.eta = on_undivided(goal.eta, of.wanted.divisions);
   round.estimate = watch.lap();
   round.estimated_error = goal.relative;
   return {{.model = std::move(model), .state = std::move(state), .indicator = std::move(indicator), .rounds = {round}},
@@ -352,29 +386,6 @@ void drop_factor(Model& m) {
                                                 inner.data});
 }
 
-/// Why the last round is the last one; empty: it is not. `without_gain`: rounds in a row.
-std::string reason_to_end(const Solved& now, const std::vector<Round>& rounds, const Adaptation& wanted,
-                          int without_gain, double best) {
-  constexpr std::size_t most_rounds = 40;
-  const Round& round = rounds.back();
-  const std::string unseen = now.goal.note.empty() ? unseen_by_estimate(now.adapted.model) : now.goal.note;
-  std::string why;
-  if (round.estimated_error <= wanted.error && unseen.empty())
-    why = fmt::format("reached the asked error {:.3g}", wanted.error);
-  else if (round.triangles >= 0.9 * wanted.max_triangles)
-    why = fmt::format("stopped at max_triangles = {}: estimated error {:.3g}, asked {:.3g}", wanted.max_triangles,
-                      round.estimated_error, wanted.error);
-  else if (without_gain == 3)
-    why = fmt::format("stopped: the estimated error stays at {:.3g}, asked {:.3g}", best, wanted.error);
-  else if (rounds.size() == most_rounds)
-    why = fmt::format("stopped after {} rounds: estimated error {:.3g}, asked {:.3g}", most_rounds,
-                      round.estimated_error, wanted.error);
-  else if (wanted.go_on && !wanted.go_on(round))
-    why = "stopped on request";
-  if (!why.empty() && !unseen.empty()) why += "; " + unseen;
-  return why;
-}
-
 }  // namespace
 
 Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element& e, const Scene& scene,
@@ -388,26 +399,26 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
   std::vector<Round> rounds;
   std::optional<Adapted> last;
   ContactGuess known;
-  double best = infinity;
-  int without_gain = 0;
   try {
     while (true) {
+      std::optional<Mesh> undivided;
+      if (wanted.divisions > 0) undivided = mesh;
       Solved solved = one_round({shape, e, scene, wanted}, std::move(mesh), watch.lap(), known);
       Adapted& now = solved.adapted;
       last.reset();
       watch.lap();
       rounds.push_back(now.rounds.front());
-      constexpr double gain = 0.95;
-      without_gain = rounds.back().estimated_error < gain * best ? 0 : without_gain + 1;
-      best = std::min(best, rounds.back().estimated_error);
-      now.stopped = reason_to_end(solved, rounds, wanted, without_gain, best);
+      now.stopped =
+          reason_to_end(rounds, solved.goal.note.empty() ? unseen_by_estimate(now.model) : solved.goal.note, wanted);
       now.rounds = rounds;
       now.sizing = sizing;
       if (!now.stopped.empty()) return std::move(now);
       sizing.ends = contact_ends(now.model, now.state);
       known = contact_guess(now.model, now.state);
       last.emplace(std::move(now));
-      mesh = refined(shape, sizing, wanted, last->model, solved.goal);
+      if (wanted.refinement == Refinement::Bisect) require_straight(last->model, "bisection");
+      mesh = next_mesh(shape, sizing, wanted, undivided ? *undivided : last->model.mesh, static_cast<double>(e.order),
+                       solved.goal);
       drop_factor(last->model);
     }
   } catch (const Stopped&) {

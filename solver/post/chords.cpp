@@ -1,4 +1,4 @@
-#include "solver/post/chords.hpp"
+#include "solver/adapting.hpp"
 
 #include "geometry/curved.hpp"
 #include "solver/system.hpp"
@@ -32,9 +32,8 @@ bool on_arc(const Arc& arc, const Vec2& x, double tolerance) {
   return along <= std::abs(sweep) + slack || along >= 2 * pi - slack;
 }
 
-/// Of the arc that an edge is a chord of; 0 for none.
-double chord_curvature(const std::vector<Arc>& arcs, const Vec2& a, const Vec2& b) {
-  const double h = (b - a).norm();
+/// Of the arc that an edge is a part of a chord of, which is as long as `h`; 0 for none.
+double chord_curvature(const std::vector<Arc>& arcs, const Vec2& a, const Vec2& b, double h) {
   for (const Arc& arc : arcs) {
     const double k = curvature(arc, 0.5 * (a + b)), height = h * h * k / 4 + 1e-9 * h;
     if (on_arc(arc, a, height) && on_arc(arc, b, height)) return k;
@@ -44,36 +43,31 @@ double chord_curvature(const std::vector<Arc>& arcs, const Vec2& a, const Vec2& 
 
 }  // namespace
 
-void add_chords(const Shape& shape, const Model& m, const State& s, Indicator& indicator) {
+void add_chords(const Shape& shape, int divisions, const Model& m, const State& s, Indicator& indicator) {
   const std::vector<Arc> arcs = arcs_of(shape);
   if (arcs.empty() || !std::isfinite(indicator.relative)) return;
   constexpr double zeta_3 = 1.2020569031595942;
-  const auto triangles = static_cast<Index>(m.mesh.triangles.size());
-  const TriangleRule& rule = m.inner->kernel.rule;
-  Eigen::VectorXd lost = Eigen::VectorXd::Zero(triangles);
-  double stress = 0;
-  for (Index t = 0; t < triangles; ++t) {
-    const Triangle shape_of = triangle(m, t);
-    stress +=
-        area(shape_of) *
-        rule_weights(rule, shape_of).dot(evaluate(m, s, t, rule_points(rule, shape_of)).stress.colwise().squaredNorm());
+  const Index own = own_triangles(m);
+  Eigen::VectorXd lost = Eigen::VectorXd::Zero(indicator.eta.size());
+  for (Index t = 0; t < own; ++t)
     for (const Index e : m.mesh.edges_of[static_cast<std::size_t>(t)]) {
       const auto k = static_cast<std::size_t>(e);
       if (!m.mesh.arc.empty() && m.mesh.arc[k] != none) continue;
       if (m.mesh.label[k] == none && m.mesh.crack[k] == none && !is_interface(m.mesh, e)) continue;
       const Vec2 &a = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][0])],
                  &b = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][1])];
-      const double bend = chord_curvature(arcs, a, b), h = (b - a).norm();
+      const double h = std::ldexp((b - a).norm(), divisions), bend = chord_curvature(arcs, a, b, h);
       if (!(bend > 0)) continue;
-      const double size = evaluate(m, s, t, 0.5 * (a + b)).stress.squaredNorm();
-      lost[t] += size * std::pow(h * h * bend, 2) * (zeta_3 / (2 * std::pow(pi, 3)) + h * bend / 144);
+      const double size = evaluate(m, s, t, 0.5 * (a + b)).stress.squaredNorm(),
+                   of_chord = size * std::pow(h * h * bend, 2) * (zeta_3 / (2 * std::pow(pi, 3)) + h * bend / 144);
+      lost[t] += std::ldexp(of_chord, -divisions);
     }
-  }
-  if (!(stress > 0)) return;
-  const double own = indicator.eta.squaredNorm(), error = indicator.relative * indicator.relative * stress;
-  const double squared_efficiency = error > 0 ? own / error : std::pow(m.element.efficiency, 2);
+  if (!(indicator.stress > 0)) return;
+  const double squared_efficiency =
+      indicator.error > 0 ? indicator.eta.head(own).squaredNorm() / indicator.error : std::pow(m.element.efficiency, 2);
   indicator.eta = (indicator.eta.array().square() + squared_efficiency * lost.array()).sqrt();
-  indicator.relative = std::sqrt((error + lost.sum()) / stress);
+  indicator.error += lost.sum();
+  indicator.relative = std::sqrt(indicator.error / indicator.stress);
 }
 
 }  // namespace kerf

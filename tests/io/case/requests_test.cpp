@@ -84,8 +84,6 @@ TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
   EXPECT_EQ(read(square + "[mesh]\nrefine = 2\n").divisions, 2);
   EXPECT_EQ(error(square + "[mesh]\nrefine = 1\ncurved = true\n"),
             "a.toml:8:10: refine in [mesh] does not go with mesh.curved; leave one of them out");
-  EXPECT_EQ(error(square + "[mesh]\nrefine = 1\nadapt = { error = 0.1 }\n"),
-            "a.toml:8:10: refine in [mesh] does not go with mesh.adapt; leave one of them out");
   const std::string curved = "[mesh]\ncurved = true\n";
   EXPECT_TRUE(read(square + curved + "[solver]\ndegree = 2\n").sizing.curved);
   EXPECT_EQ(error(square + curved + "[solver]\nelement = 'peers'\n").substr(0, 34),
