@@ -7,8 +7,8 @@
 namespace kerf {
 
 /// As energy_bounds (kerf/bounds.hpp), of the whole body and the same on all processes, which call it together: each
-/// adds what its own triangles contribute [theory: B.2]. None with contact and with body forces whose couples an
-/// element does not see: what balances these is solved for.
-EnergyBounds energy_bounds(const Model& part, const Field& state, const Sums& sums);
+/// adds what its own triangles contribute [theory: B.2]. `open`: asked where faces touch, and where a body force has
+/// couples that the element does not see.
+EnergyBounds energy_bounds(const Model& part, const Field& state, const Sums& sums, const OpenSolve& open);
 
 }  // namespace kerf

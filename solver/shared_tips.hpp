@@ -17,8 +17,7 @@ class SharedTips {
   /// Chords stand for curved cracks. `mesh`, `scene`: before the division.
   SharedTips(const Mesh& mesh, const Scene& scene, int divisions);
   ~SharedTips();
-  /// `profiles`: per crack all of its points. All processes call it together. NaN, as where no domain fits, on cracks
-  /// with a fluid pressure and in bodies with an eigenstrain.
+  /// `profiles`: per crack all of its points. All processes call it together. NaN where no domain fits.
   std::vector<TipIntensity> intensities(const Model& part, const Field& state,
                                         const std::vector<std::vector<CrackPoint>>& profiles, const Sums& sums) const;
 

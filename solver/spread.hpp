@@ -2,7 +2,7 @@
 // A body that several processes solve together, each on its own part of the mesh: none ever has the whole.
 
 #include "geometry/spread.hpp"
-#include "kerf/state.hpp"
+#include "kerf/adjoint.hpp"
 #include "solver/ranks.hpp"
 
 #include <cstring>
@@ -39,21 +39,40 @@ class Peers {
   virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads);
 };
 
-/// Plain values of each process, one after the other; the same on all.
+/// Plain values that came as bytes.
 template <typename T>
-std::vector<T> gathered(Peers& peers, const std::vector<T>& own) {
-  const std::string bytes(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
+std::vector<T> concatenated(const std::vector<std::string>& parts) {
   std::vector<T> all;
-  for (const std::string& from :
-       peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), bytes))) {
+  for (const std::string& from : parts) {
     const std::size_t begin = all.size();
     all.resize(begin + from.size() / sizeof(T));
     if (!from.empty()) std::memcpy(static_cast<void*>(all.data() + begin), from.data(), from.size());
   }
   return all;
 }
+/// Plain values of each process, one after the other; the same on all.
+template <typename T>
+std::vector<T> gathered(Peers& peers, const std::vector<T>& own) {
+  const std::string bytes(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
+  return concatenated<T>(peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), bytes)));
+}
+
+/// The same on the first process alone; nothing on the others.
+template <typename T>
+std::vector<T> gathered_by_first(Peers& peers, const std::vector<T>& own) {
+  std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
+  to[0].assign(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
+  return concatenated<T>(peers.exchange(to));
+}
 
 double sum(Peers& peers, double value);
+
+/// Per row in contact with neither gap nor pressure the response to a unit pair of forces that opens the crack there,
+/// closed rows tied, and the openings of all of them (kerf/analysis.hpp Biactive).
+struct OneSided {
+  std::vector<Field> response;
+  Eigen::MatrixXd opening;
+};
 
 /// The part of the body that this process has. Integrals over its model run over own triangles alone (solver/system.hpp
 /// OwnShare): their sum over the processes is that of the body.
@@ -71,7 +90,16 @@ class SharedBody {
   Index unknowns() const;  // of the body: condensed, those in contact included
   /// The state of own triangles and of the neighbors that are here; certificate and counts are those of the body.
   /// Contact is settled by systems of the whole, one for each set of points that touch, beginning with `guess`.
-  State solve(const ContactGuess& guess = {});
+  /// `keep_factor`: for what follows from the state.
+  State solve(const ContactGuess& guess = {}, bool keep_factor = false);
+  /// As kerf/adjoint.hpp has it, about the last state, of cracks without friction: `dJ` by all triangles and unknowns
+  /// that are here, the field on them.
+  TangentField solve_adjoint(const Field& state, const Sensitivity& dJ);
+  /// Throws Error(Numerics) where there are too many such rows.
+  OneSided one_sided(const Field& state);
+  /// OpenSolve (solver/sums.hpp).
+  Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);
+  void drop_factor();
   PartedEffort effort() const;
 
  private:

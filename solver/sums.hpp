@@ -1,6 +1,8 @@
 #pragma once
 // What processes that have a body in parts find out together.
 
+#include <Eigen/Core>
+
 #include <functional>
 #include <span>
 
@@ -10,5 +12,9 @@ namespace kerf {
 struct Sums {
   std::function<void(std::span<double>)> add, most;
 };
+
+/// How far the skeleton moves under forces, both per unknown, while all faces in contact move freely: one sweep of the
+/// penalty iteration, where there is a penalty.
+using OpenSolve = std::function<Eigen::VectorXd(const Eigen::VectorXd& forces)>;
 
 }  // namespace kerf

@@ -2,8 +2,26 @@
 // What maps and loops ask of an analysis besides kerf/analysis.hpp.
 
 #include "kerf/analysis.hpp"
+#include "solver/spread.hpp"
+
+#include <span>
 
 namespace kerf {
+
+/// Solves the body with measured displacements.
+using MeasuredBody =
+    std::function<std::pair<std::shared_ptr<const Model>, std::shared_ptr<const State>>(const Support& measured)>;
+
+/// What an analysis asks of all who have a part of a body, where a model is one part of it.
+struct WholeBody {
+  std::function<void(std::span<double>)> sum;  // over all
+  std::function<TangentField(const Sensitivity& dJ)> adjoint;
+  std::function<OneSided()> one_sided;
+  MeasuredBody measured;  // for a misfit
+};
+WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, MeasuredBody measured = {});
+/// `analyze` (kerf/analysis.hpp) of a part of a body: fields are those of the part, numbers those of the body.
+Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only);
 
 /// The recovered stresses of the state, the adjoint and the others, for Analysis::fields: once for several maps.
 /// `corners`: those of split_for_stress, where they are known already. `wanted`: as recover_stresses has it.

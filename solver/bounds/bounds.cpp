@@ -460,16 +460,6 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   return a;
 }
 
-/// Why a part has none, where the whole may.
-std::string unavailable_in_parts(const Model& m, const Forces& f) {
-  if (!m.mesh.arc.empty()) return "no bounds of the energy in parts: curved edges (mesh.curved)";
-  if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
-    return "no bounds of the energy in parts: cracks in contact";
-  if (f.couple.size() > 0)
-    return "no bounds of the energy in parts: a body force whose couples the element does not see";
-  return {};
-}
-
 }  // namespace
 
 int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
@@ -477,16 +467,19 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
       {stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? strain_degree : 0});
 }
 
-EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums) {
+EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, const OpenSolve& open) {
   AdmissiblePair a{.m = m};
   std::string why = unavailable(m);
-  if (why.empty()) why = unavailable_in_parts(m, a.f = forces(m));
+  if (why.empty() && !m.mesh.arc.empty()) why = "no bounds of the energy in parts: curved edges (mesh.curved)";
   if (!why.empty()) return {nan, nan, 0, false, why};
+  a.f = forces(m);
   double blind = unseen_by_bounds(m).empty() ? 0 : 1;
   sums.most({&blind, 1});
   if (blind > 0) return lost(infinity, "no bounds of the energy: data that the rules of the solver do not resolve");
   a.data = edge_data(m);
-  fill(s, s.interior, 0, false, a);
+  std::array<double, 2> asks{a.f.couple.size() > 0 ? 1.0 : 0.0, s.force.size() > 0 ? s.force.cwiseAbs().maxCoeff() : 0};
+  sums.most(asks);
+  fill(s, asks[0] > 0 || asks[1] > 0 ? static_interior(m, s, a.f.couple, open) : s.interior, 0, false, a);
   EnergySums own = own_sums(a, s);
   std::array<double*, 10> added{&own.sum.lower,
                                 &own.sum.upper,

@@ -2,6 +2,7 @@
 
 #include "solver/system.hpp"
 #include "solver/system/elementwise.hpp"
+#include "solver/system/penalty.hpp"
 
 #include "solver/parallel.hpp"
 
@@ -13,43 +14,45 @@ namespace kerf {
 
 namespace {
 
-// What must be added to the contact forces so that the cracks carry no tension anywhere: the Bernstein coefficients of
-// the normal stress on each edge become the unknowns of the same small contact problem, the moments of the opening
-// against the Bernstein polynomials their multipliers.
-// Where contact is large they are the ones there are, as far as they press: any that are not negative will do.
-Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
-  const bool large = has_large_contact(m);
-  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
-  const EdgeRule& trace = m.inner->kernel.trace;
+// From values at the Gauss points of an edge to moments against the Bernstein polynomials.
+Eigen::MatrixXd to_moments(const EdgeRule& trace) {
   const Eigen::Index n = trace.w.size();
-  Eigen::MatrixXd change(n, n);  // from values at the Gauss points to moments
+  Eigen::MatrixXd change(n, n);
   for (Eigen::Index b = 0; b < n; ++b)
     for (Eigen::Index g = 0; g < n; ++g)
       change(b, g) = trace.w[g] * std::round(std::tgamma(n) / (std::tgamma(b + 1) * std::tgamma(n - b))) *
                      std::pow(trace.s[g], b) * std::pow(1 - trace.s[g], n - 1 - b);
-  const Eigen::MatrixXd back = change.inverse();
-  Eigen::VectorXd force(contact_rows), jump(contact_rows);
-  for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading) {
-      force[row - leading] = s.force[u];
-      jump[row - leading] = s.skeleton[u];
-    }
+  return change;
+}
+
+// The unknowns of the openings in contact, those of each edge together.
+std::vector<std::vector<Index>> in_contact(const Model& m) {
+  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const auto n = static_cast<Index>(m.inner->kernel.trace.w.size());
   std::vector<std::vector<Index>> blocks;
   for (const auto& crack : m.mesh.cracks)
     for (const CrackEdge& c : crack) {
-      std::vector<Index> rows;
-      for (Index g = 0; g < static_cast<Index>(n); ++g)
-        if (const Index row = m.inner->ordering.row[m.inner->skeleton.jump[c.edge] + 2 * g];
-            row != none && row >= leading)
-          rows.push_back(row - leading);
-      if (!rows.empty()) blocks.push_back(rows);
+      std::vector<Index> unknowns;
+      for (Index g = 0; g < n; ++g) {
+        const Index u = m.inner->skeleton.jump[c.edge] + 2 * g, row = m.inner->ordering.row[u];
+        if (row != none && row >= leading) unknowns.push_back(u);
+      }
+      if (!unknowns.empty()) blocks.push_back(unknowns);
     }
-  if (large) {
-    Eigen::VectorXd pressure(contact_rows);
-    for (const auto& rows : blocks)
-      pressure(rows) = (change.transpose() * (back.transpose() * force(rows)).cwiseMax(0)).eval();
-    return pressure - force;
-  }
+  return blocks;
+}
+
+// What must be added to the contact forces so that the cracks carry no tension anywhere, per row in contact: the
+// Bernstein coefficients of the normal stress on each edge become the unknowns of the same small contact problem, the
+// moments of the opening against the Bernstein polynomials their multipliers.
+Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
+  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
+  const Eigen::VectorXd force = on_rows(m, s.force).tail(contact_rows),
+                        jump = on_rows(m, s.skeleton).tail(contact_rows);
+  std::vector<std::vector<Index>> blocks = in_contact(m);
+  for (auto& rows : blocks)
+    for (Index& row : rows) row = m.inner->ordering.row[row] - leading;
   Eigen::MatrixXd S = m.inner->factor->contact_complement();
   Eigen::VectorXd load = S * (jump + free_jumps) - force;
   std::vector<bool> closed(contact_rows, false);
@@ -66,18 +69,18 @@ Eigen::VectorXd pressures_everywhere(const Model& m, const Field& s, const Eigen
   return pressure - force;
 }
 
-}  // namespace
-
-Mat2 antisymmetric(double g) {
-  return (Mat2() << 0, 0.5 * g, -0.5 * g, 0).finished();
+// The same, per skeleton unknown, without that problem: the pressures there are, as far as they press.
+Eigen::VectorXd pressing_parts(const Model& m, const Field& s) {
+  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
+  Eigen::VectorXd added = Eigen::VectorXd::Zero(m.inner->skeleton.total);
+  for (const auto& u : in_contact(m))
+    added(u) = change.transpose() * (back.transpose() * s.force(u)).cwiseMax(0) - s.force(u);
+  return added;
 }
 
-Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple, Eigen::VectorXd* moved) {
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  const Index contact_rows = m.inner->ordering.contact_rows, size = m.inner->ordering.size;
-  const bool contact = contact_rows > 0 && s.force.cwiseAbs().maxCoeff() > 0;
-  if (size == 0 || (couple.size() == 0 && !contact)) return s.interior;
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(size);
+// What balances antisymmetric(couple[t]) on each triangle, per skeleton unknown.
+Eigen::VectorXd load_of_couples(const Model& m, const Eigen::VectorXd& couple) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index t = 0; t < static_cast<Index>(couple.size()); ++t) {
     const Triangle shape = triangle(m, t);
     const Seen view = seen(m.mesh, m.inner->skeleton, t);
@@ -89,37 +92,50 @@ Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::Vec
       for (Eigen::Index g = 0; g < m.inner->kernel.trace.w.size(); ++g)
         for (int d = 0; d < 2; ++d, ++i)
           for (const Index u : {view.base[i], view.jump[i]})
-            if (u != none && m.inner->ordering.row[u] != none)
-              load[m.inner->ordering.row[u]] -= m.inner->kernel.trace.w[g] * force[d];
+            if (u != none) load[u] -= m.inner->kernel.trace.w[g] * force[d];
     }
   }
-  const bool large = has_large_contact(m);
-  std::shared_ptr<const Factor> open = m.inner->factor;
-  if (large) open = m.inner->held->of(*m.inner->system.K, std::vector<bool>(contact_rows, false));
-  if (contact_rows > 0) {
-    const Eigen::VectorXd jumps = couple.size() > 0 && !large ? Eigen::VectorXd(open->solve(load).tail(contact_rows))
-                                                              : Eigen::VectorXd::Zero(contact_rows);
-    load.tail(contact_rows) += pressures_everywhere(m, s, jumps);
-  }
-  const Eigen::VectorXd change = open->solve(load);
-  if (moved) {
-    *moved = Eigen::VectorXd::Zero(m.inner->skeleton.total);
-    for (Index u = 0; u < m.inner->skeleton.total; ++u)
-      if (m.inner->ordering.row[u] != none) (*moved)[u] = change[m.inner->ordering.row[u]];
-  }
+  return load;
+}
+
+// The interior fields once the skeleton moves.
+Eigen::MatrixXd moved_interior(const Model& m, const Field& s, const Eigen::VectorXd& moved) {
   Eigen::MatrixXd interior_fields = s.interior;
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Seen view = seen(m.mesh, m.inner->skeleton, t);
-      SkeletonVector trace = SkeletonVector::Zero(view.count);
-      for (int i = 0; i < view.count; ++i)
-        for (const Index u : {view.base[i], view.jump[i]})
-          if (u != none && m.inner->ordering.row[u] != none) trace[i] += change[m.inner->ordering.row[u]];
-      interior_fields.col(t) +=
-          interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {}, trace, {penalty_at(m, t), 0});
-    }
+  parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t)
+      interior_fields.col(t) += interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
+                                         trace_seen(m.mesh, m.inner->skeleton, moved, t), {penalty_at(m, t), 0});
   });
   return interior_fields;
+}
+
+}  // namespace
+
+Mat2 antisymmetric(double g) {
+  return (Mat2() << 0, 0.5 * g, -0.5 * g, 0).finished();
+}
+
+Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple, Eigen::VectorXd* moved) {
+  const Index contact_rows = m.inner->ordering.contact_rows, size = m.inner->ordering.size;
+  const bool contact = contact_rows > 0 && s.force.cwiseAbs().maxCoeff() > 0;
+  if (size == 0 || (couple.size() == 0 && !contact)) return s.interior;
+  const bool large = has_large_contact(m);
+  Eigen::VectorXd load = on_rows(m, load_of_couples(m, couple));
+  std::shared_ptr<const Factor> open = m.inner->factor;
+  if (large) open = m.inner->held->of(*m.inner->system.K, std::vector<bool>(contact_rows, false));
+  if (contact_rows > 0 && large)
+    load += on_rows(m, pressing_parts(m, s));
+  else if (contact_rows > 0)
+    load.tail(contact_rows) += best_pressures(m, s,
+                                              couple.size() > 0 ? Eigen::VectorXd(open->solve(load).tail(contact_rows))
+                                                                : Eigen::VectorXd::Zero(contact_rows));
+  const Eigen::VectorXd change = on_skeleton(m, open->solve(load), nullptr);
+  if (moved) *moved = change;
+  return moved_interior(m, s, change);
+}
+
+Eigen::MatrixXd static_interior(const Model& m, const Field& s, const Eigen::VectorXd& couple, const OpenSolve& open) {
+  return moved_interior(m, s, open(load_of_couples(m, couple) + pressing_parts(m, s)));
 }
 
 }  // namespace kerf

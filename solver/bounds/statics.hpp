@@ -1,6 +1,7 @@
 #pragma once
 // The solution made ready to become a statically admissible stress [theory: B.4].
 
+#include "solver/sums.hpp"
 #include "solver/system.hpp"
 
 namespace kerf {
@@ -14,5 +15,9 @@ Mat2 antisymmetric(double asymmetry);
 /// the model and nothing else of how the state was found. `moved`: how far the multipliers go with it, or nothing.
 Eigen::MatrixXd static_interior(const Model& model, const Field& state, const Eigen::VectorXd& couple,
                                 Eigen::VectorXd* moved = nullptr);
+
+/// The same of a part of a body: the pressures that there are, as far as they press.
+Eigen::MatrixXd static_interior(const Model& part, const Field& state, const Eigen::VectorXd& couple,
+                                const OpenSolve& open);
 
 }  // namespace kerf

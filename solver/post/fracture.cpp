@@ -284,11 +284,14 @@ double trace_place(const Model& model, bool along_edge, int point) {
 /// A crack as far as its tip is concerned.
 struct Beside {
   const CrackTip& tip;
-  Material material;                    // CrackTip::frame aside
-  std::span<const CrackPoint> profile;  // of all of the crack
-  std::size_t points;                   // per edge
-  const std::vector<CrackEdge>* edges;  // of all of it; null where it is known in parts: straight, without a fluid
-  double stress;                        // its size in the body
+  Material material;                       // CrackTip::frame aside
+  std::span<const CrackPoint> profile;     // of all of the crack
+  std::size_t points;                      // per edge
+  const std::vector<CrackEdge>* edges;     // of all of it; null where it is known in parts: straight
+  double stress;                           // its size in the body
+  std::span<const EdgeValues> fluid = {};  // in parts: its pressure per edge from the tip, as far as the rings reach
+  double eigenstrain = 0;                  // Field::eigenstrain of the body
+  Eigen::Vector4d at_tip = Eigen::Vector4d::Zero();  // the eigenstrain there
 };
 
 /// Points of the profile per edge, from the tip.
@@ -302,7 +305,10 @@ std::vector<Face> faces(const Model& model, const Beside& crack) {
   for (std::size_t i = 0; i < tip.edges.size(); ++i) {
     Face face{.edge = i};
     const std::size_t place = tip.at_start ? i : edges - 1 - i;
-    if (fluid) face.fluid = &fluid->values[place];
+    if (!crack.edges)
+      face.fluid = i < crack.fluid.size() ? &crack.fluid[i] : nullptr;
+    else if (fluid)
+      face.fluid = &fluid->values[place];
     const CrackEdge* const edge = crack.edges ? &(*crack.edges)[place] : nullptr;
     if (edge) face.along_edge = edge->forward == tip.at_start;
     for (std::size_t k = 0; k < count; ++k) {
@@ -560,10 +566,8 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const double radius = safe * tip.room;
   Disc disc{tip, in_frame_of(tip, crack.material), place_rings(radius), 0, {}};
   TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
-  if (state.eigenstrain != 0) {
-    disc.eigenstrain = state.eigenstrain;
-    disc.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
-  }
+  disc.eigenstrain = crack.eigenstrain;
+  disc.at_tip = crack.at_tip;
   const bool all_over = model.scene.body || disc.eigenstrain != 0;
   const Cover c = cover(model, tip.at, all_over ? 0 : disc.ring.back().inner, radius, sums);
   const CrackLaw& law = model.scene.laws[tip.crack];
@@ -614,9 +618,11 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
     if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
     crack = tip.crack;
     const std::vector<CrackEdge>& edges = model.mesh.cracks[crack];
-    tips.push_back(intensity(
-        model, state,
-        {tip, material_at(model.mesh, model.scene, tip), profile, profile.size() / edges.size(), &edges, stress}));
+    Beside beside{tip,   material_at(model.mesh, model.scene, tip), profile, profile.size() / edges.size(), &edges,
+                  stress};
+    beside.eigenstrain = state.eigenstrain;
+    beside.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
+    tips.push_back(intensity(model, state, beside));
   }
   return tips;
 }
@@ -624,12 +630,45 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
 struct SharedTips::Tip {
   CrackTip tip;
   Material material;
+  std::vector<EdgeValues> fluid;  // Beside::fluid
 };
+
+namespace {
+
+/// The pressure in a straight crack on the edges behind its tip, away from it, as far as the rings reach.
+std::vector<EdgeValues> fluid_behind(const CrackTip& tip, const CrackLaw& law) {
+  std::vector<EdgeValues> values;
+  if (!has_pressure(law)) return values;
+  for (std::size_t i = 0; i < tip.edges.size() && tip.vertices[i].norm() < tip.room; ++i) {
+    const Vec2 a = tip.at + tip.frame * tip.vertices[i], b = tip.at + tip.frame * tip.vertices[i + 1],
+               along = (b - a).normalized();
+    values.push_back(edge_values(law.pressure, {a, b, Vec2(along.y(), -along.x())}, "pressure in a crack"));
+  }
+  return values;
+}
+
+/// At the tip, in the triangle on the left of the last edge of its crack: that of one process, on all.
+Eigen::Vector4d eigenstrain_at_tip(const Model& part, const CrackTip& tip, const Sums& sums) {
+  Eigen::Vector4d strain = Eigen::Vector4d::Zero();
+  const Mesh& mesh = part.mesh;
+  for (const CrackEdge& edge : mesh.cracks[static_cast<std::size_t>(tip.crack)]) {
+    const auto& [a, b] = mesh.edges[static_cast<std::size_t>(edge.edge)];
+    const Index left = mesh.sides[static_cast<std::size_t>(edge.edge)][0];
+    if ((mesh.points[a] == tip.at || mesh.points[b] == tip.at) && left < own_triangles(part))
+      strain = eigenstrain_at(part, 1, left, tip.at).col(0);
+  }
+  sums.add({strain.data(), 4});
+  return strain;
+}
+
+}  // namespace
 
 SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
   for (CrackTip& tip : find_tips(mesh, divisions)) {
     Material material = material_at(mesh, scene, tip);
-    tips_.push_back({std::move(tip), std::move(material)});
+    std::vector<EdgeValues> fluid;
+    if (!tip.curved) fluid = fluid_behind(tip, scene.laws[tip.crack]);
+    tips_.push_back({std::move(tip), std::move(material), std::move(fluid)});
   }
 }
 SharedTips::~SharedTips() = default;
@@ -641,14 +680,21 @@ std::vector<TipIntensity> SharedTips::intensities(const Model& part, const Field
   double squares = mean * mean * area(part), whole = area(part);
   all(sums, {&squares, &whole});
   const double stress = std::sqrt(squares / whole);
+  const bool strained = has_eigenstrain(part.scene);
   std::vector<TipIntensity> found;
   for (const Tip& t : tips_) {
-    const bool known = !t.tip.curved && !has_pressure(part.scene.laws[t.tip.crack]) && !has_eigenstrain(part.scene);
-    found.push_back(known ? intensity(part, state,
-                                      {t.tip, t.material, profiles[t.tip.crack],
-                                       static_cast<std::size_t>(part.inner->skeleton.per_edge) / 2, nullptr, stress},
-                                      sums)
-                          : unknown(t.tip));
+    if (t.tip.curved) {
+      found.push_back(unknown(t.tip));
+      continue;
+    }
+    Beside beside{
+        t.tip,  t.material, profiles[t.tip.crack], static_cast<std::size_t>(part.inner->skeleton.per_edge) / 2, nullptr,
+        stress, t.fluid};
+    if (strained) {
+      beside.eigenstrain = 1;
+      beside.at_tip = eigenstrain_at_tip(part, t.tip, sums);
+    }
+    found.push_back(intensity(part, state, beside, sums));
   }
   return found;
 }

@@ -1,9 +1,8 @@
 #include "kerf/adjoint.hpp"
 
-#include "solver/system.hpp"
-
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
+#include "solver/state/dual.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/half_solved.hpp"
 #include "solver/system/refine.hpp"
@@ -28,21 +27,25 @@ void add(Array& a, const Array& b) {
     a += b;
 }
 
-// What the derivative says about each rigid motion that the supports leave free.
+}  // namespace
+
 Eigen::VectorXd work_on_motions(const Model& m, const Sensitivity& dJ) {
   const Eigen::Index n = static_cast<Eigen::Index>(m.inner->floating.size());
   Eigen::VectorXd work = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     Eigen::VectorXd motion = Eigen::VectorXd::Zero(m.inner->skeleton.total);
     motion.head(m.inner->skeleton.base) = trace(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating[i]);
-    if (dJ.skeleton.size() > 0) work[i] += dJ.skeleton.dot(motion);
+    for (Index u = 0; u < static_cast<Index>(dJ.skeleton.size()); ++u)
+      if (owns(m, u)) work[i] += dJ.skeleton[u] * motion[u];
     if (dJ.interior.size() > 0)
-      for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+      for (Index t = 0; t < own_triangles(m); ++t)
         work[i] += dJ.interior.col(t).dot(interior(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t), {},
                                                    trace_seen(m.mesh, m.inner->skeleton, motion, t)));
   }
   return work;
 }
+
+namespace {
 
 // The derivative of int u . motion by the interior coefficients of t.
 Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion) {
@@ -56,18 +59,27 @@ Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion)
   return weigh(k, shape, x, f);
 }
 
-// With free rigid motions the state is the one of no mean motion, u - sum_i motion_i (gram^-1 moments)_i: the
-// derivative loses what it says about the motions, and with it the work that no support could take.
-Sensitivity balanced(const Model& m, Sensitivity dJ) {
+}  // namespace
+
+Sensitivity without_moments(const Model& m, Sensitivity dJ, const Eigen::VectorXd& share) {
   const std::vector<RigidMotion>& motions = m.inner->floating;
-  if (motions.empty()) return dJ;
-  const Eigen::VectorXd share = shares(m.mesh, m.inner->kernel, m.inner->skeleton, motions, work_on_motions(m, dJ));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   if (dJ.interior.size() == 0) dJ.interior.setZero(interior_count(m.element), triangles);
   for (Index t = 0; t < triangles; ++t)
     for (std::size_t i = 0; i < motions.size(); ++i)
       dJ.interior.col(t) -= share[static_cast<Eigen::Index>(i)] * weigh_motion(m, t, motions[i]);
   return dJ;
+}
+
+namespace {
+
+// With free rigid motions the state is the one of no mean motion, u - sum_i motion_i (gram^-1 moments)_i: the
+// derivative loses what it says about the motions, and with it the work that no support could take.
+Sensitivity balanced(const Model& m, Sensitivity dJ) {
+  const std::vector<RigidMotion>& motions = m.inner->floating;
+  if (motions.empty()) return dJ;
+  const Eigen::VectorXd share = shares(m.mesh, m.inner->kernel, m.inner->skeleton, motions, work_on_motions(m, dJ));
+  return without_moments(m, std::move(dJ), share);
 }
 
 // Triangles beside an edge whose displacement is prescribed and not 0.
@@ -203,36 +215,35 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
   return best;
 }
 
-// Loads of the dual problem: derivatives by the skeleton, and those by the interior condensed onto it.
-Loads dual_loads(const Model& m, const Sensitivity& dJ) {
+}  // namespace
+
+DualLoads dual_loads(const Model& m, const Sensitivity& dJ) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool penalized = m.inner->system.penalty > 0;
-  Loads loads;
-  loads.prescribed.assign(static_cast<std::size_t>(m.inner->skeleton.total), 0);
+  DualLoads loads;
   loads.own.setZero(penalized ? triangles : 0);
-  Eigen::VectorXd on_skeleton =
-      dJ.skeleton.size() > 0 ? dJ.skeleton : Eigen::VectorXd::Zero(m.inner->skeleton.total).eval();
-  if (dJ.interior.size() > 0) {
-    Eigen::MatrixXd local(skeleton_count(m.element), triangles);
-    parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-      for (Index t = begin; t < end; ++t) {
-        const DualLoad load = condense_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                                            dJ.interior.col(t), {penalty_at(m, t), 0});
-        local.col(t) = load.F;
-        if (penalized) loads.own[t] = load.own;
-      }
-    });
-    for (Index t = 0; t < triangles; ++t) {
-      const Seen view = seen(m.mesh, m.inner->skeleton, t);
-      for (int i = 0; i < view.count; ++i) {
-        on_skeleton[view.base[i]] += local(i, t);
-        if (view.jump[i] != none) on_skeleton[view.jump[i]] += local(i, t);
-      }
+  loads.forces = dJ.skeleton.size() > 0 ? dJ.skeleton : Eigen::VectorXd::Zero(m.inner->skeleton.total).eval();
+  if (dJ.interior.size() == 0) return loads;
+  Eigen::MatrixXd local(skeleton_count(m.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const DualLoad load = condense_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
+                                          dJ.interior.col(t), {penalty_at(m, t), 0});
+      local.col(t) = load.F;
+      if (penalized) loads.own[t] = load.own;
+    }
+  });
+  for (Index t = 0; t < triangles; ++t) {
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    for (int i = 0; i < view.count; ++i) {
+      loads.forces[view.base[i]] += local(i, t);
+      if (view.jump[i] != none) loads.forces[view.jump[i]] += local(i, t);
     }
   }
-  loads.F = on_rows(m, on_skeleton);
   return loads;
 }
+
+namespace {
 
 // A derivative by the force of a held row prescribes minus its value as the dual jump.
 // The force of a row that slides is its share of one that is held.
@@ -395,7 +406,10 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
   UniformPressure uniform;
   TangentField adjoint;
   Refining refining;
-  Loads loads = dual_loads(m, dJ);
+  DualLoads dual = dual_loads(m, dJ);
+  Loads loads{.F = on_rows(m, dual.forces),
+              .own = std::move(dual.own),
+              .prescribed = std::vector<double>(static_cast<std::size_t>(m.inner->skeleton.total), 0)};
   if (condensed.sliding)  // what held rows are loaded by is nothing, not the rounding of it
     for (Index i = 0, row = m.inner->ordering.size - m.inner->ordering.contact_rows; i < m.inner->ordering.contact_rows;
          ++i, ++row)

@@ -426,8 +426,11 @@ void check_volume(const Model& m, double change, double largest_strain) {
   const double displacement = std::transform_reduce(
       m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(), 0.0,
       [](double a, double b) { return std::max(a, b); }, [](double v) { return std::abs(v); });
+  check_volume(change, largest_strain, displacement, area(m));
+}
+
+void check_volume(double change, double largest_strain, double displacement, double whole) {
   constexpr double rounding = 1e-7;
-  const double whole = area(m);
   if (std::abs(change) > 2 * rounding * std::max(displacement * std::sqrt(whole), largest_strain * whole))
     throw Error(Fault::Numerics,
                 fmt::format("the body is incompressible (poisson = 0.5) and wholly enclosed by its supports, but the "

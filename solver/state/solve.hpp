@@ -16,5 +16,12 @@ Eigen::VectorXd floating_moments(const Model& m, const Field& field);
 /// An enclosed incompressible body: throws Error(Numerics) when what is prescribed changes its area beyond quadrature
 /// and the rounding of displacements and of the strains that other loads cause.
 void check_volume(const Model& m, double change, double largest_strain);
+/// The same of a body with this area whose largest prescribed displacement is known.
+void check_volume(double change, double largest_strain, double displacement, double area);
+
+/// Why an enclosed incompressible body whose cracks are all closed has no solution.
+inline constexpr const char* open_level =
+    "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure on its "
+    "cracks is open; free a part of the boundary";
 
 }  // namespace kerf

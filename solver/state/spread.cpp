@@ -1,4 +1,4 @@
-#include "solver/spread.hpp"
+#include "solver/state/shared_body.hpp"
 
 #include "solver/contact/law.hpp"
 #include "solver/factor.hpp"
@@ -71,497 +71,455 @@ Places jumps(const Model& m, Index t) {
   return {view.jump, view.count};
 }
 
-/// The system of all processes for one set of rows in contact that are held; those that move are rows as all others.
-struct HeldSystem {
-  std::vector<bool> held;  // per row in contact of all
-  Ordering order;
-  std::vector<Index> holder;        // per unknown who answers for its row
-  std::vector<Index> own_unknowns;  // of own rows, in their order
-  std::unique_ptr<SharedSolver> solver;
-  Index own_rows() const {
-    return static_cast<Index>(own_unknowns.size());
-  }
-};
-
 }  // namespace
 
-struct SharedBody::Impl {
-  Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
-       const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole)
-      : peers(with),
-        shown(std::move(given.shown)),
-        also_here(std::move(given.seen)),
-        process(given.process),
-        model(prepare_part(std::move(given.mesh), e, std::move(scene), threads,
-                           {given.own, with.here(), given.process, whole}, floating)) {
-    if (!floating.motions.empty()) balance({given.own, with.here(), given.process, whole}, floating);
-    find_contact({given.from, given.whole});
-    for (const Index t : given.origin) piece.push_back(of_whole[static_cast<std::size_t>(t)]);
-    if (!of_whole.empty()) uniform.size.setZero(1 + *std::ranges::max_element(of_whole));
-    for (Index u = 0; u < model.inner->skeleton.total; ++u)
-      if (model.inner->ordering.row[u] != none && owns(model, u)) ++unknowns;
-    unknowns = static_cast<Index>(sum(peers, unknowns));
+SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
+                       const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole)
+    : peers(with),
+      shown(std::move(given.shown)),
+      also_here(std::move(given.seen)),
+      process(given.process),
+      model(prepare_part(std::move(given.mesh), e, std::move(scene), threads,
+                         {given.own, with.here(), given.process, whole}, floating)) {
+  if (!floating.motions.empty()) balance({given.own, with.here(), given.process, whole}, floating);
+  find_contact({given.from, given.whole});
+  for (const Index t : given.origin) piece.push_back(of_whole[static_cast<std::size_t>(t)]);
+  if (!of_whole.empty()) uniform.size.setZero(1 + *std::ranges::max_element(of_whole));
+  for (Index u = 0; u < model.inner->skeleton.total; ++u)
+    if (model.inner->ordering.row[u] != none && owns(model, u)) ++unknowns;
+  unknowns = static_cast<Index>(sum(peers, unknowns));
+}
+
+Eigen::MatrixXd SharedBody::Impl::gram() {
+  const Inner& inner = *model.inner;
+  Eigen::MatrixXd g = gram_of(model.mesh, inner.kernel, inner.skeleton, inner.floating, own_triangles(model));
+  peers.sum({g.data(), static_cast<std::size_t>(g.size())});
+  return g;
+}
+
+void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
+  const Inner& inner = *model.inner;
+  const auto n = static_cast<Eigen::Index>(floating.motions.size());
+  Eigen::VectorXd net(n), size(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Work w = work_on(model.mesh, inner.kernel, inner.skeleton, {model.scene, inner.data},
+                           floating.motions[static_cast<std::size_t>(i)], own_triangles(model));
+    net[i] = w.value;
+    size[i] = w.size;
   }
+  peers.sum({net.data(), static_cast<std::size_t>(n)});
+  peers.sum({size.data(), static_cast<std::size_t>(n)});
+  constexpr double exact = 1e-12;
+  if ((net.cwiseAbs().array() <= exact * size.array()).all()) return;
+  Scene scene = balanced(std::move(model.scene), floating.motions, gram().llt().solve(net));
+  Mesh mesh = std::move(model.mesh);
+  model = prepare_part(std::move(mesh), model.element, std::move(scene), model.threads, std::move(own), floating);
+}
 
-  // Motions that the supports leave free.
-
-  Eigen::MatrixXd gram() {
-    const Inner& inner = *model.inner;
-    Eigen::MatrixXd g = gram_of(model.mesh, inner.kernel, inner.skeleton, inner.floating, own_triangles(model));
-    peers.sum({g.data(), static_cast<std::size_t>(g.size())});
-    return g;
+void SharedBody::Impl::hold(const std::vector<bool>& held) {
+  if (now.solver && now.held == held) return;
+  effort_before = effort();
+  now = {.held = held};
+  return_freed_memory();  // of the system before: one has a place at a time
+  const Inner& inner = *model.inner;
+  const Skeleton& s = inner.skeleton;
+  std::vector<bool> held_unknown(static_cast<std::size_t>(s.total), false);
+  for (Index u = s.base; u < s.total && contact_rows > 0; ++u)
+    held_unknown[u] = contact_of[u] != none && held[contact_of[u]];
+  now.order = as_numbered(s, &held_unknown);
+  now.holder = holders(model.mesh, s, now.order, process);
+  for (Index u = 0; u < s.total; ++u)
+    if (now.order.row[u] != none && now.holder[u] == peers.here()) now.own_unknowns.push_back(u);
+  // Own rows, in order, are numbers [first, first + own_rows()) among those of all.
+  const std::vector<Index> counts = gathered(peers, std::vector<Index>{now.own_rows()});
+  Index first = 0, total = 0;
+  for (Index p = 0; p < peers.count(); ++p) {
+    if (p < peers.here()) first += counts[static_cast<std::size_t>(p)];
+    total += counts[static_cast<std::size_t>(p)];
   }
+  Eigen::VectorXd at = Eigen::VectorXd::Constant(s.total, none);
+  for (Index i = 0; i < now.own_rows(); ++i) at[now.own_unknowns[i]] = static_cast<double>(first + i);
+  spread(at, now.holder, [&](Index t) { return places(model, now.order, t); });
+  std::vector<Index> numbers(static_cast<std::size_t>(now.order.size), none);
+  for (Index u = 0; u < s.total; ++u)
+    if (now.order.row[u] != none) numbers[now.order.row[u]] = static_cast<Index>(at[u]);
+  const Assembly from{model.mesh, inner.kernel, s, model.scene, inner.data, now.order};
+  std::vector<Index> own(static_cast<std::size_t>(inner.own->triangles));
+  std::iota(own.begin(), own.end(), 0);
+  now.solver = peers.solver(
+      packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total,
+      model.threads);
+}
 
-  /// As one process does (solver/state/model.cpp): what the loads do on them is taken back by a body force.
-  void balance(OwnShare own, const Floating& floating) {
-    const Inner& inner = *model.inner;
-    const auto n = static_cast<Eigen::Index>(floating.motions.size());
-    Eigen::VectorXd net(n), size(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Work w = work_on(model.mesh, inner.kernel, inner.skeleton, {model.scene, inner.data},
-                             floating.motions[static_cast<std::size_t>(i)], own_triangles(model));
-      net[i] = w.value;
-      size[i] = w.size;
-    }
-    peers.sum({net.data(), static_cast<std::size_t>(n)});
-    peers.sum({size.data(), static_cast<std::size_t>(n)});
-    constexpr double exact = 1e-12;
-    if ((net.cwiseAbs().array() <= exact * size.array()).all()) return;
-    Scene scene = balanced(std::move(model.scene), floating.motions, gram().llt().solve(net));
-    Mesh mesh = std::move(model.mesh);
-    model = prepare_part(std::move(mesh), model.element, std::move(scene), model.threads, std::move(own), floating);
+PartedEffort SharedBody::Impl::effort() const {
+  if (!now.solver) return effort_before;
+  PartedEffort e = now.solver->effort();
+  e.solves += effort_before.solves;
+  e.iterations = std::max(e.iterations, effort_before.iterations);
+  e.condition = std::max(e.condition, effort_before.condition);
+  e.sent = std::max(e.sent, effort_before.sent);
+  e.seconds += effort_before.seconds;
+  return e;
+}
+
+template <typename Where>
+void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>& holder, const Where& where) {
+  std::vector<bool> seen_here(static_cast<std::size_t>(values.size()), false);
+  for (Index t = 0; t < model.inner->own->triangles; ++t) {
+    const Places p = where(t);
+    for (int i = 0; i < p.count; ++i)
+      if (p.at[i] != none) seen_here[p.at[i]] = true;
   }
-
-  // The system [theory: E.34].
-
-  /// Makes the system in which these rows in contact are held, unless it is there.
-  void hold(const std::vector<bool>& held) {
-    if (now.solver && now.held == held) return;
-    effort_before = effort();
-    now = {.held = held};
-    return_freed_memory();  // of the system before: one has a place at a time
-    const Inner& inner = *model.inner;
-    const Skeleton& s = inner.skeleton;
-    std::vector<bool> held_unknown(static_cast<std::size_t>(s.total), false);
-    for (Index u = s.base; u < s.total && contact_rows > 0; ++u)
-      held_unknown[u] = contact_of[u] != none && held[contact_of[u]];
-    now.order = as_numbered(s, &held_unknown);
-    now.holder = holders(model.mesh, s, now.order, process);
-    for (Index u = 0; u < s.total; ++u)
-      if (now.order.row[u] != none && now.holder[u] == peers.here()) now.own_unknowns.push_back(u);
-    // Own rows, in order, are numbers [first, first + own_rows()) among those of all.
-    const std::vector<Index> counts = gathered(peers, std::vector<Index>{now.own_rows()});
-    Index first = 0, total = 0;
-    for (Index p = 0; p < peers.count(); ++p) {
-      if (p < peers.here()) first += counts[static_cast<std::size_t>(p)];
-      total += counts[static_cast<std::size_t>(p)];
-    }
-    Eigen::VectorXd at = Eigen::VectorXd::Constant(s.total, none);
-    for (Index i = 0; i < now.own_rows(); ++i) at[now.own_unknowns[i]] = static_cast<double>(first + i);
-    spread(at, now.holder, [&](Index t) { return places(model, now.order, t); });
-    std::vector<Index> numbers(static_cast<std::size_t>(now.order.size), none);
-    for (Index u = 0; u < s.total; ++u)
-      if (now.order.row[u] != none) numbers[now.order.row[u]] = static_cast<Index>(at[u]);
-    const Assembly from{model.mesh, inner.kernel, s, model.scene, inner.data, now.order};
-    std::vector<Index> own(static_cast<std::size_t>(inner.own->triangles));
-    std::iota(own.begin(), own.end(), 0);
-    now.solver = peers.solver(
-        packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total,
-        model.threads);
-  }
-  PartedEffort effort() const {
-    if (!now.solver) return effort_before;
-    PartedEffort e = now.solver->effort();
-    e.solves += effort_before.solves;
-    e.iterations = std::max(e.iterations, effort_before.iterations);
-    e.condition = std::max(e.condition, effort_before.condition);
-    e.sent = std::max(e.sent, effort_before.sent);
-    e.seconds += effort_before.seconds;
-    return e;
-  }
-
-  /// The values that their holders have, on all who see them. `where`: per triangle the places of what it tells.
-  template <typename Where>
-  void spread(Eigen::VectorXd& values, const std::vector<Index>& holder, const Where& where) {
-    std::vector<bool> seen_here(static_cast<std::size_t>(values.size()), false);
-    for (Index t = 0; t < model.inner->own->triangles; ++t) {
-      const Places p = where(t);
-      for (int i = 0; i < p.count; ++i)
-        if (p.at[i] != none) seen_here[p.at[i]] = true;
-    }
-    const auto once = [&](const auto& takes) {
-      std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
-      for (std::size_t p = 0; p < to.size(); ++p)
-        for (const Index t : shown[p]) {
-          const Places place = where(t);
-          for (int i = 0; i < place.count; ++i) {
-            const double value = place.at[i] == none ? 0 : values[place.at[i]];
-            to[p].append(reinterpret_cast<const char*>(&value), sizeof value);
-          }
-        }
-      const std::vector<std::string> from = peers.exchange(to);
-      for (std::size_t p = 0; p < from.size(); ++p) {
-        const char* at = from[p].data();
-        for (const Index t : also_here[p]) {
-          const Places place = where(t);
-          for (int i = 0; i < place.count; ++i, at += sizeof(double))
-            if (const Index u = place.at[i]; u != none && takes(u, static_cast<Index>(p)))
-              std::memcpy(&values[u], at, sizeof(double));
+  const auto once = [&](const auto& takes) {
+    std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
+    for (std::size_t p = 0; p < to.size(); ++p)
+      for (const Index t : shown[p]) {
+        const Places place = where(t);
+        for (int i = 0; i < place.count; ++i) {
+          const double value = place.at[i] == none ? 0 : values[place.at[i]];
+          to[p].append(reinterpret_cast<const char*>(&value), sizeof value);
         }
       }
-    };
-    once([&](Index u, Index p) { return holder[u] == p; });
-    // Now every process knows what its own triangles see, and tells the others of them.
-    once([&](Index u, Index) { return !seen_here[u]; });
-  }
-
-  // Contact.
-
-  /// Points of all processes, one after the other; rows in contact are numbered in that order.
-  void find_contact(const PartOfPaths& paths) {
-    const Skeleton& s = model.inner->skeleton;
-    const Ordering& o = model.inner->ordering;
-    std::vector<ContactPoint> own;
-    std::vector<Index> unknown_of(static_cast<std::size_t>(o.contact_rows), none);
-    const Index leading = leading_rows();
-    for (Index u = s.base; u < s.total; ++u)
-      if (o.row[u] != none && o.row[u] >= leading) unknown_of[o.row[u] - leading] = u;
-    Index rows = 0;
-    const auto number = [&](Index row) {
-      if (row == none) return none;
-      own_contact.push_back(unknown_of[row]);
-      return rows++;
-    };
-    for (const ContactPoint& p : contact_points(model)) {
-      if (!owns(model, unknown_of[p.normal])) continue;
-      ContactPoint q = p;
-      q.normal = number(p.normal);
-      q.tangential = number(p.tangential);
-      own.push_back(q);
+    const std::vector<std::string> from = peers.exchange(to);
+    for (std::size_t p = 0; p < from.size(); ++p) {
+      const char* at = from[p].data();
+      for (const Index t : also_here[p]) {
+        const Places place = where(t);
+        for (int i = 0; i < place.count; ++i, at += sizeof(double))
+          if (const Index u = place.at[i]; u != none && takes(u, static_cast<Index>(p)))
+            std::memcpy(&values[u], at, sizeof(double));
+      }
     }
-    const std::vector<Index> counts = gathered(peers, std::vector<Index>{rows}),
-                             sizes = gathered(peers, std::vector<Index>{static_cast<Index>(own.size())});
-    points = gathered(peers, own);
-    std::size_t next = 0;
-    Index offset = 0;
-    for (Index p = 0; p < peers.count(); ++p) {
-      if (p == peers.here()) first_contact = offset;
-      for (Index k = 0; k < sizes[p]; ++k, ++next)
-        for (Index* row : {&points[next].normal, &points[next].tangential})
-          if (*row != none) *row += offset;
-      offset += counts[p];
-    }
-    contact_rows = offset;
-    if (contact_rows == 0) return;
-    Eigen::VectorXd at = Eigen::VectorXd::Constant(s.total, none);
-    for (std::size_t i = 0; i < own_contact.size(); ++i)
-      at[own_contact[i]] = static_cast<double>(first_contact + static_cast<Index>(i));
-    spread(at, model.inner->own->holder, [&](Index t) { return jumps(model, t); });
-    contact_of.assign(static_cast<std::size_t>(s.total), none);
-    for (const Index u : unknown_of) contact_of[u] = static_cast<Index>(at[u]);
-    own_paths = {paths.from, paths.whole};
-    gaps = on_contact(on_skeleton(model, Eigen::VectorXd::Zero(o.size), &s.prescribed));
-  }
-
-  /// The set that a coarser mesh suggests; none without.
-  std::vector<Motion> first_motions(const ContactGuess& guess) {
-    const Inner& inner = *model.inner;
-    if (contact_rows == 0 || guess.empty()) return {};
-    const PartOfPaths paths{own_paths.first, own_paths.second};
-    const std::vector<Motion> local =
-        motions_of(model.mesh, inner.skeleton, inner.ordering, inner.kernel, guess, &paths);
-    std::vector<Motion> own;
-    for (const Index u : own_contact) own.push_back(local[inner.ordering.row[u] - leading_rows()]);
-    return gathered(peers, own);
-  }
-
-  // Rounds.
-
-  /// Of values per unknown those of the rows in contact, of all.
-  Eigen::VectorXd on_contact(const Eigen::VectorXd& values) {
-    Eigen::VectorXd all = Eigen::VectorXd::Zero(contact_rows);
-    for (std::size_t i = 0; i < own_contact.size(); ++i)
-      all[first_contact + static_cast<Index>(i)] = values[own_contact[i]];
-    peers.sum({all.data(), static_cast<std::size_t>(all.size())});
-    return all;
-  }
-  /// Forces per unknown as those on what the sides of cracks see, own rows.
-  Eigen::VectorXd on_own_rows(const Eigen::VectorXd& forces) const {
-    Eigen::VectorXd right(now.own_rows());
-    for (Index i = 0; i < now.own_rows(); ++i) {
-      const Index u = now.own_unknowns[i], jump = u < model.inner->skeleton.base ? jump_at(u) : none;
-      right[i] = forces[u] - (parts_freely(now.order, jump) ? forces[jump] : 0);
-    }
-    return right;
-  }
-  /// The jump on top of a trace, or none.
-  Index jump_at(Index base) const {
-    const Skeleton& s = model.inner->skeleton;
-    const Index first = s.jump[base / s.per_edge];
-    return first == none ? none : first + base % s.per_edge;
-  }
-
-  /// Moves x by what own rows do, as all see it.
-  void move(const Eigen::VectorXd& own, Twofold& x) {
-    const Skeleton& s = model.inner->skeleton;
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
-    for (Index i = 0; i < now.own_rows(); ++i) z[now.own_unknowns[i]] = own[i];
-    spread(z, now.holder, [&](Index t) { return places(model, now.order, t); });
-    for (Index u = 0; u < s.base; ++u) {
-      if (now.order.row[u] != none) moved[u] = z[u];
-      if (const Index j = jump_at(u); parts_freely(now.order, j)) moved[j] = z[j] - z[u];
-    }
-    add(x, 1, moved);
-  }
-  Eigen::VectorXd unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
-    Field field;
-    const Balance balance = recover_interior(model, x, theta, field);
-    return balance.forces - balance.loads;
-  }
-
-  /// What one round is judged by.
-  struct Round {
-    Twofold x;                     // per unknown: bodies move by far more than they are strained
-    Eigen::VectorXd theta, unmet;  // per triangle, per unknown
-    std::vector<Motion> motion;    // per row in contact of all
-    double penalty_error = 0;      // PenaltyIterate::penalty_error
-    Certificate certificate;
-    double size = 0;  // of the energy
   };
+  once([&](Index u, Index p) { return holder[u] == p; });
+  // Now every process knows what its own triangles see, and tells the others of them.
+  once([&](Index u, Index) { return !seen_here[u]; });
+}
 
-  /// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a
-  /// whole shows instead of none. `largest`: of them.
-  double force_of_rounding(double largest) const {
-    constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
-    double mu = 0;
-    for (const Material& m : all_materials(model.scene)) mu = std::max(mu, m.mu);
-    return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
+void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
+  const Skeleton& s = model.inner->skeleton;
+  const Ordering& o = model.inner->ordering;
+  std::vector<ContactPoint> own;
+  std::vector<Index> unknown_of(static_cast<std::size_t>(o.contact_rows), none);
+  const Index leading = leading_rows();
+  for (Index u = s.base; u < s.total; ++u)
+    if (o.row[u] != none && o.row[u] >= leading) unknown_of[o.row[u] - leading] = u;
+  Index rows = 0;
+  const auto number = [&](Index row) {
+    if (row == none) return none;
+    own_contact.push_back(unknown_of[row]);
+    return rows++;
+  };
+  for (const ContactPoint& p : contact_points(model)) {
+    if (!owns(model, unknown_of[p.normal])) continue;
+    ContactPoint q = p;
+    q.normal = number(p.normal);
+    q.tangential = number(p.tangential);
+    own.push_back(q);
   }
+  const std::vector<Index> counts = gathered(peers, std::vector<Index>{rows}),
+                           sizes = gathered(peers, std::vector<Index>{static_cast<Index>(own.size())});
+  points = gathered(peers, own);
+  std::size_t next = 0;
+  Index offset = 0;
+  for (Index p = 0; p < peers.count(); ++p) {
+    if (p == peers.here()) first_contact = offset;
+    for (Index k = 0; k < sizes[p]; ++k, ++next)
+      for (Index* row : {&points[next].normal, &points[next].tangential})
+        if (*row != none) *row += offset;
+    offset += counts[p];
+  }
+  contact_rows = offset;
+  if (contact_rows == 0) return;
+  Eigen::VectorXd at = Eigen::VectorXd::Constant(s.total, none);
+  for (std::size_t i = 0; i < own_contact.size(); ++i)
+    at[own_contact[i]] = static_cast<double>(first_contact + static_cast<Index>(i));
+  spread(at, model.inner->own->holder, [&](Index t) { return jumps(model, t); });
+  contact_of.assign(static_cast<std::size_t>(s.total), none);
+  for (const Index u : unknown_of) contact_of[u] = static_cast<Index>(at[u]);
+  own_paths = {paths.from, paths.whole};
+  gaps = on_contact(on_skeleton(model, Eigen::VectorXd::Zero(o.size), &s.prescribed));
+}
 
-  /// Fills in the rest of a round, and the interiors of its fields.
-  void judge(const Loads& loads, Round& r, Field& field) {
-    const Skeleton& s = model.inner->skeleton;
-    const Ordering& o = model.inner->ordering;
-    const Balance balance = recover_interior(model, r.x, r.theta, field);
-    r.unmet = balance.forces - balance.loads;
-    double load = std::numeric_limits<double>::min(), residual = 0, work = 0, given = 0;
-    for (Index u = 0; u < s.total; ++u) {
-      if (!owns(model, u)) continue;
-      load = std::max(load, std::abs(balance.loads[u]));
-      work += balance.loads[u] * r.x.high[u];
-      if (loads.prescribed[u] != 0) {
-        given = std::max(given, std::abs(loads.prescribed[u]));
-        load = std::max(load, std::abs(r.unmet[u]));
-        work += loads.prescribed[u] * r.unmet[u];
-      }
-      if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
+std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
+  const Inner& inner = *model.inner;
+  if (contact_rows == 0 || guess.empty()) return {};
+  const PartOfPaths paths{own_paths.first, own_paths.second};
+  const std::vector<Motion> local = motions_of(model.mesh, inner.skeleton, inner.ordering, inner.kernel, guess, &paths);
+  std::vector<Motion> own;
+  for (const Index u : own_contact) own.push_back(local[inner.ordering.row[u] - leading_rows()]);
+  return gathered(peers, own);
+}
+
+Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(contact_rows);
+  for (std::size_t i = 0; i < own_contact.size(); ++i)
+    all[first_contact + static_cast<Index>(i)] = values[own_contact[i]];
+  peers.sum({all.data(), static_cast<std::size_t>(all.size())});
+  return all;
+}
+
+Eigen::VectorXd SharedBody::Impl::on_own_rows(const Eigen::VectorXd& forces) const {
+  Eigen::VectorXd right(now.own_rows());
+  for (Index i = 0; i < now.own_rows(); ++i) {
+    const Index u = now.own_unknowns[i], jump = u < model.inner->skeleton.base ? jump_at(u) : none;
+    right[i] = forces[u] - (parts_freely(now.order, jump) ? forces[jump] : 0);
+  }
+  return right;
+}
+
+Index SharedBody::Impl::jump_at(Index base) const {
+  const Skeleton& s = model.inner->skeleton;
+  const Index first = s.jump[base / s.per_edge];
+  return first == none ? none : first + base % s.per_edge;
+}
+
+void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
+  const Skeleton& s = model.inner->skeleton;
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
+  for (Index i = 0; i < now.own_rows(); ++i) z[now.own_unknowns[i]] = own[i];
+  spread(z, now.holder, [&](Index t) { return places(model, now.order, t); });
+  for (Index u = 0; u < s.base; ++u) {
+    if (now.order.row[u] != none) moved[u] = z[u];
+    if (const Index j = jump_at(u); parts_freely(now.order, j)) moved[j] = z[j] - z[u];
+  }
+  add(x, 1, moved);
+}
+
+Eigen::VectorXd SharedBody::Impl::unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
+  Field field;
+  const Balance balance = recover_interior(model, x, theta, field);
+  return balance.forces - balance.loads;
+}
+
+double SharedBody::Impl::force_of_rounding(double largest) const {
+  constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
+  double mu = 0;
+  for (const Material& m : all_materials(model.scene)) mu = std::max(mu, m.mu);
+  return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
+}
+
+void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
+  const Skeleton& s = model.inner->skeleton;
+  const Ordering& o = model.inner->ordering;
+  const Balance balance = recover_interior(model, r.x, r.theta, field);
+  r.unmet = balance.forces - balance.loads;
+  double load = std::numeric_limits<double>::min(), residual = 0, work = 0, given = 0;
+  for (Index u = 0; u < s.total; ++u) {
+    if (!owns(model, u)) continue;
+    load = std::max(load, std::abs(balance.loads[u]));
+    work += balance.loads[u] * r.x.high[u];
+    if (loads.prescribed[u] != 0) {
+      given = std::max(given, std::abs(loads.prescribed[u]));
+      load = std::max(load, std::abs(r.unmet[u]));
+      work += loads.prescribed[u] * r.unmet[u];
     }
-    std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
+    if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
+  }
+  std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
+  peers.largest(most);
+  const double rounding = force_of_rounding(most[3]);
+  load = std::max(most[0], rounding);
+  r.certificate.residual = most[1] / load;
+  double law = 0;
+  field.force = Eigen::VectorXd::Zero(s.total);
+  if (contact_rows > 0) {
+    const Eigen::VectorXd force = on_contact(r.unmet);
+    const Admissible allowed = admissible(points, force);
+    Eigen::VectorXd bears = force;
+    for (Index i = 0; i < contact_rows; ++i) {
+      if (r.motion.empty() || r.motion[i] == Motion::Held) continue;
+      bears[i] = r.motion[i] == Motion::Forward ? allowed.low[i] : allowed.high[i];
+      r.certificate.residual = std::max(r.certificate.residual, std::abs(force[i] - bears[i]) / load);
+    }
+    for (Index u = s.base; u < s.total; ++u)
+      if (contact_of[u] != none) field.force[u] = bears[contact_of[u]];
+    for (const Index u : own_contact) work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
+    law = optimality(points, on_contact(r.x.high) - gaps, force, load);
+  }
+  std::array<double, 3> sums{balance.energy, work,
+                             balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
+  peers.sum(sums);
+  r.size = std::abs(sums[0]) + sums[2] + rounding * std::numeric_limits<double>::epsilon() * most[3];
+  r.certificate.work = r.size > 0 ? std::abs(sums[0] - sums[1]) / r.size : 0;
+  r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
+}
+
+void SharedBody::Impl::correct(Round& r, State& state) {
+  if (contact_rows == 0) {
+    hold({});
+    move(now.solver->solve(on_own_rows(-r.unmet)), r.x);
+    ++state.linear_solves;
+    return;
+  }
+  const Skeleton& s = model.inner->skeleton;
+  bool changed = false;  // x, since unmet
+  const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
+    std::vector<Motion> motion = wanted;
+    Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
+    agree(peers, motion, force);
+    hold(held_by(motion, contact_rows));
+    for (Index u = s.base; u < s.total; ++u)
+      if (contact_of[u] != none && now.held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
+        r.x.high[u] = s.prescribed[u];
+        r.x.low[u] = 0;
+        changed = true;
+      }
+    if (sum(peers, changed ? 1 : 0) > 0) r.unmet = unmet(r.x, r.theta);
+    Eigen::VectorXd rest = -r.unmet;
+    for (Index u = s.base; u < s.total; ++u)
+      if (contact_of[u] != none && !now.held[contact_of[u]]) rest[u] += force[contact_of[u]];
+    move(now.solver->solve(on_own_rows(rest)), r.x);
+    ++state.linear_solves;
+    r.unmet = unmet(r.x, r.theta);
+    changed = false;
+    return {on_contact(r.x.high) - gaps, on_contact(r.unmet)};
+  };
+  const Contact found = active_set(
+      {.rows = contact_rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, points, r.motion);
+  r.motion = found.motion;
+  state.contact_iterations += found.iterations;
+  state.converged = found.converged;
+}
+
+Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
+  for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
+  peers.sum({sum.data(), static_cast<std::size_t>(sum.size())});
+  return sum;
+}
+
+void SharedBody::Impl::find_responses(int& solves) {
+  if (uniform.response.size() > 0 && uniform.held == now.held) return;
+  const Skeleton& s = model.inner->skeleton;
+  const Eigen::MatrixXd& traces = model.inner->system.traces;
+  const Eigen::Index count = uniform.size.size(), rows = traces.rows() - 2;
+  const auto triangles = static_cast<Index>(piece.size());
+  uniform.held = now.held;
+  uniform.response.setZero(s.total, count);
+  uniform.stiffness.resize(count, count);
+  for (Index k = 0; k < static_cast<Index>(count); ++k) {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), left(triangles), weight(triangles);
+    Twofold x{force, force};
+    for (Index t = 0; t < triangles; ++t) {
+      if (piece[t] != k) continue;
+      const Seen view = seen(model.mesh, s, t);
+      for (int i = 0; i < view.count; ++i)
+        for (const Index u : {view.base[i], view.jump[i]})
+          if (u != none) force[u] -= penalty_at(model, t) * traces(i, t);
+    }
+    move(now.solver->solve(on_own_rows(force)), x);
+    ++solves;
+    for (Index t = 0; t < triangles; ++t) {
+      const auto column = traces.col(t);
+      const double a = penalty_at(model, t),
+                   mean = column.head(rows).dot(trace_seen(model.mesh, s, x.high, t)) / cell_area(model, t);
+      left[t] = a * ((piece[t] == k ? 1 - a * column[rows + 1] : 0) - mean);
+      weight[t] = piece[t] == k ? a : 0;
+    }
+    uniform.stiffness.col(k) = over_pieces(left);
+    uniform.size[k] = over_pieces(weight)[k];
+    uniform.response.col(k) = x.high;
+  }
+  uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
+}
+
+void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit) {
+  find_responses(solves);
+  Eigen::VectorXd theta = r.theta;
+  move_theta(model, loads, r.x, theta);
+  Eigen::VectorXd rest = over_pieces(theta - r.theta);
+  // In units in which each piece by itself has stiffness 1 at most.
+  const Eigen::VectorXd root = uniform.size.cwiseSqrt(), by = root.cwiseInverse();
+  Eigen::MatrixXd scaled = by.asDiagonal() * uniform.stiffness * by.asDiagonal();
+  constexpr double none_left = 1e-11;
+  uniform.level_open = !(root.dot(scaled * root) > none_left * uniform.size.sum());
+  if (uniform.level_open) {
+    std::array<double, 2> most{theta.cwiseAbs().maxCoeff(), 0};
+    for (const double v : model.inner->skeleton.prescribed) most[1] = std::max(most[1], std::abs(v));
     peers.largest(most);
-    const double rounding = force_of_rounding(most[3]);
-    load = std::max(most[0], rounding);
-    r.certificate.residual = most[1] / load;
-    double law = 0;
-    field.force = Eigen::VectorXd::Zero(s.total);
-    if (contact_rows > 0) {
-      const Eigen::VectorXd force = on_contact(r.unmet);
-      const Admissible allowed = admissible(points, force);
-      Eigen::VectorXd bears = force;
-      for (Index i = 0; i < contact_rows; ++i) {
-        if (r.motion.empty() || r.motion[i] == Motion::Held) continue;
-        bears[i] = r.motion[i] == Motion::Forward ? allowed.low[i] : allowed.high[i];
-        r.certificate.residual = std::max(r.certificate.residual, std::abs(force[i] - bears[i]) / load);
-      }
-      for (Index u = s.base; u < s.total; ++u)
-        if (contact_of[u] != none) field.force[u] = bears[contact_of[u]];
-      for (const Index u : own_contact) work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
-      law = optimality(points, on_contact(r.x.high) - gaps, force, load);
+    if (must_fit) check_volume(2 * rest.sum(), most[0], most[1], sum(peers, area(model)));
+    rest -= uniform.size * (rest.sum() / uniform.size.sum());
+    scaled += root * root.transpose() / uniform.size.sum();
+  }
+  const Eigen::VectorXd delta = by.cwiseProduct(scaled.ldlt().solve(by.cwiseProduct(rest)));
+  add(r.x, 1, uniform.response * delta);
+  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] += penalty_at(model, t) * delta[piece[t]];
+  if (uniform.level_open) take_out_level(loads, r);
+}
+
+/// The mean pressure, which nothing answers: theta/a of the solution with this theta has mean 0.
+void SharedBody::Impl::take_out_level(const Loads& loads, Round& r) {
+  Eigen::VectorXd next = r.theta;
+  move_theta(model, loads, r.x, next);
+  std::array<double, 2> sums{0, 0};
+  for (Index t = 0; t < own_triangles(model); ++t) {
+    sums[0] += cell_area(model, t) * next[t] / penalty_at(model, t);
+    sums[1] += cell_area(model, t);
+  }
+  peers.sum(sums);
+  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] -= penalty_at(model, t) * sums[0] / sums[1];
+}
+
+State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
+  State state;
+  Stopwatch watch;
+  const Loads loads = loads_of(model);
+  const bool penalized = model.inner->system.penalty > 0;
+  Round at{.x = {on_skeleton(model, Eigen::VectorXd::Zero(model.inner->ordering.size), &loads.prescribed),
+                 Eigen::VectorXd::Zero(model.inner->skeleton.total)}};
+  if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
+  at.motion = first_motions(guess);
+  judge(loads, at, state);
+  Round best;
+  const int most = penalized ? 40 : 15;
+  const double enough = penalized ? 1e-16 : 1e-12;
+  int without_gain = 0;
+  bool best_is_last = true;
+  for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
+    correct(at, state);
+    if (penalized) {
+      take_out_uniform(loads, at, state.linear_solves, true);
+      const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
+      std::array<double, 2> both{moved.change, moved.size};
+      peers.largest(both);
+      at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
     }
-    std::array<double, 3> sums{balance.energy, work,
-                               balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
-    peers.sum(sums);
-    r.size = std::abs(sums[0]) + sums[2] + rounding * std::numeric_limits<double>::epsilon() * most[3];
-    r.certificate.work = r.size > 0 ? std::abs(sums[0] - sums[1]) / r.size : 0;
-    r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
-  }
-
-  /// Moves on to the solution of the equations that a round has left unmet.
-  void correct(Round& r, State& state) {
-    if (contact_rows == 0) {
-      hold({});
-      move(now.solver->solve(on_own_rows(-r.unmet)), r.x);
-      ++state.linear_solves;
-      return;
-    }
-    const Skeleton& s = model.inner->skeleton;
-    bool changed = false;  // x, since unmet
-    const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
-      std::vector<Motion> motion = wanted;
-      Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
-      agree(peers, motion, force);
-      hold(held_by(motion, contact_rows));
-      for (Index u = s.base; u < s.total; ++u)
-        if (contact_of[u] != none && now.held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
-          r.x.high[u] = s.prescribed[u];
-          r.x.low[u] = 0;
-          changed = true;
-        }
-      if (sum(peers, changed ? 1 : 0) > 0) r.unmet = unmet(r.x, r.theta);
-      Eigen::VectorXd rest = -r.unmet;
-      for (Index u = s.base; u < s.total; ++u)
-        if (contact_of[u] != none && !now.held[contact_of[u]]) rest[u] += force[contact_of[u]];
-      move(now.solver->solve(on_own_rows(rest)), r.x);
-      ++state.linear_solves;
-      r.unmet = unmet(r.x, r.theta);
-      changed = false;
-      return {on_contact(r.x.high) - gaps, on_contact(r.unmet)};
-    };
-    const Contact found = active_set(
-        {.rows = contact_rows, .solve = respond, .most_iterations = 500, .trusts_guess = true}, points, r.motion);
-    r.motion = found.motion;
-    state.contact_iterations += found.iterations;
-    state.converged = found.converged;
-  }
-
-  // Uniform pressures, as UniformPressure has them (solver/system/penalty.hpp) [theory: E.23].
-
-  /// Per piece the sum of |T| values over the body.
-  Eigen::VectorXd over_pieces(const Eigen::VectorXd& values) {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
-    for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
-    peers.sum({sum.data(), static_cast<std::size_t>(sum.size())});
-    return sum;
-  }
-
-  /// The responses to theta = a on each piece, with what is held now.
-  void find_responses(State& state) {
-    if (uniform.response.size() > 0 && uniform.held == now.held) return;
-    const Skeleton& s = model.inner->skeleton;
-    const Eigen::MatrixXd& traces = model.inner->system.traces;
-    const Eigen::Index count = uniform.size.size(), rows = traces.rows() - 2;
-    const auto triangles = static_cast<Index>(piece.size());
-    uniform.held = now.held;
-    uniform.response.setZero(s.total, count);
-    uniform.stiffness.resize(count, count);
-    for (Index k = 0; k < static_cast<Index>(count); ++k) {
-      Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), left(triangles), weight(triangles);
-      Twofold x{force, force};
-      for (Index t = 0; t < triangles; ++t) {
-        if (piece[t] != k) continue;
-        const Seen view = seen(model.mesh, s, t);
-        for (int i = 0; i < view.count; ++i)
-          for (const Index u : {view.base[i], view.jump[i]})
-            if (u != none) force[u] -= penalty_at(model, t) * traces(i, t);
-      }
-      move(now.solver->solve(on_own_rows(force)), x);
-      ++state.linear_solves;
-      for (Index t = 0; t < triangles; ++t) {
-        const auto column = traces.col(t);
-        const double a = penalty_at(model, t),
-                     mean = column.head(rows).dot(trace_seen(model.mesh, s, x.high, t)) / cell_area(model, t);
-        left[t] = a * ((piece[t] == k ? 1 - a * column[rows + 1] : 0) - mean);
-        weight[t] = piece[t] == k ? a : 0;
-      }
-      uniform.stiffness.col(k) = over_pieces(left);
-      uniform.size[k] = over_pieces(weight)[k];
-      uniform.response.col(k) = x.high;
-    }
-    uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
-  }
-
-  void take_out_uniform(const Loads& loads, Round& r, State& state) {
-    find_responses(state);
-    Eigen::VectorXd theta = r.theta;
-    move_theta(model, loads, r.x, theta);
-    const Eigen::VectorXd rest = over_pieces(theta - r.theta);
-    // In units in which each piece by itself has stiffness 1 at most.
-    const Eigen::VectorXd
-        by = uniform.size.cwiseSqrt().cwiseInverse(),
-        delta = by.cwiseProduct(
-            (by.asDiagonal() * uniform.stiffness * by.asDiagonal()).eval().ldlt().solve(by.cwiseProduct(rest)));
-    add(r.x, 1, uniform.response * delta);
-    for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] += penalty_at(model, t) * delta[piece[t]];
-  }
-
-  State solve(const ContactGuess& guess) {
-    State state;
-    Stopwatch watch;
-    const Loads loads = loads_of(model);
-    const bool penalized = model.inner->system.penalty > 0;
-    Round at{.x = {on_skeleton(model, Eigen::VectorXd::Zero(model.inner->ordering.size), &loads.prescribed),
-                   Eigen::VectorXd::Zero(model.inner->skeleton.total)}};
-    if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
-    at.motion = first_motions(guess);
     judge(loads, at, state);
-    Round best;
-    const int most = penalized ? 40 : 15;
-    const double enough = penalized ? 1e-16 : 1e-12;
-    int without_gain = 0;
-    bool best_is_last = true;
-    for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
-      correct(at, state);
-      if (penalized) {
-        take_out_uniform(loads, at, state);
-        const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
-        std::array<double, 2> both{moved.change, moved.size};
-        peers.largest(both);
-        at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
-      }
-      judge(loads, at, state);
-      const double error = at.certificate.kkt, least = best.certificate.kkt;
-      const bool slow = round > 0 && error > 0.5 * least;
-      best_is_last = round == 0 || error < least;
-      if (best_is_last) best = at;
-      constexpr double settled = 1e-9;
-      const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
-      without_gain = slow ? without_gain + 1 : 0;
-      // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
-      const bool balanced = at.certificate.work <= settled;
-      if ((error <= enough && balanced) || without_gain == patience) break;
-    }
-    if (!best_is_last) judge(loads, best, state);
-    // The part of the rest that nothing answers, and the energy of the error that it stands for.
-    const Eigen::VectorXd rest = on_own_rows(best.unmet - state.force);
-    const double error = std::abs(sum(peers, rest.dot(now.solver->solve(rest))));
-    state.certificate = best.certificate;
-    if (best.size > 0) state.certificate.work = std::max(state.certificate.work, std::sqrt(error / best.size));
-    state.skeleton = std::move(best.x.high);
-    state.eigenstrain = model.inner->data.strain.empty() ? 0 : 1;
-    if (!model.inner->floating.empty()) {
-      Eigen::VectorXd moments = floating_moments(model, state);
-      peers.sum({moments.data(), static_cast<std::size_t>(moments.size())});
-      remove_motions(model, gram().llt().solve(moments), state);
-    }
-    effort_before = effort();
-    now.solver.reset();  // the most memory of all
-    state.seconds.solve = watch.lap();
-    return state;
+    const double error = at.certificate.kkt, least = best.certificate.kkt;
+    const bool slow = round > 0 && error > 0.5 * least;
+    best_is_last = round == 0 || error < least;
+    if (best_is_last) best = at;
+    constexpr double settled = 1e-9;
+    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
+    without_gain = slow ? without_gain + 1 : 0;
+    // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
+    const bool balanced = at.certificate.work <= settled;
+    if ((error <= enough && balanced) || without_gain == patience) break;
   }
-
-  Index leading_rows() const {
-    return model.inner->ordering.size - model.inner->ordering.contact_rows;
+  if (!best_is_last) judge(loads, best, state);
+  if (penalized && uniform.level_open && contact_rows > 0) throw Error(Fault::Numerics, open_level);
+  // The part of the rest that nothing answers, and the energy of the error that it stands for.
+  const Eigen::VectorXd rest = on_own_rows(best.unmet - state.force);
+  const double error = std::abs(sum(peers, rest.dot(now.solver->solve(rest))));
+  state.certificate = best.certificate;
+  if (best.size > 0) state.certificate.work = std::max(state.certificate.work, std::sqrt(error / best.size));
+  state.skeleton = std::move(best.x.high);
+  state.eigenstrain = model.inner->data.strain.empty() ? 0 : 1;
+  if (!model.inner->floating.empty()) {
+    Eigen::VectorXd moments = floating_moments(model, state);
+    peers.sum({moments.data(), static_cast<std::size_t>(moments.size())});
+    remove_motions(model, gram().llt().solve(moments), state);
   }
+  if (!keep_factor) drop_factor();
+  state.seconds.solve = watch.lap();
+  return state;
+}
 
-  Peers& peers;
-  std::vector<std::vector<Index>> shown, also_here;  // MeshPart::shown, seen
-  std::vector<Index> process;                        // per triangle
-  Model model;
-  HeldSystem now = {};
-  PartedEffort effort_before = {};        // of the systems before
-  Index unknowns = 0;                     // of the body
-  std::vector<ContactPoint> points = {};  // of all
-  std::vector<Index> own_contact = {};    // unknowns of own rows in contact, which begin at first_contact
-  Index first_contact = 0, contact_rows = 0;
-  std::vector<Index> contact_of = {};  // per unknown its row in contact of all
-  Eigen::VectorXd gaps = {};           // per row in contact of all its jump at first contact
-  std::pair<std::vector<std::vector<double>>, std::vector<double>> own_paths = {};  // PartOfPaths
-  std::vector<Index> piece = {};  // per triangle the connected part of its material
-  struct {
-    std::vector<bool> held;               // that the responses were found with
-    Eigen::MatrixXd response, stiffness;  // per unknown here and piece; per piece
-    Eigen::VectorXd size;                 // per piece the sum of |T| a
-  } uniform = {};
-};
+void SharedBody::Impl::drop_factor() {
+  effort_before = effort();
+  now.solver.reset();  // the most memory of all
+}
 
 SharedBody::SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
                        const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole)
@@ -574,8 +532,20 @@ const Model& SharedBody::model() const {
 Index SharedBody::unknowns() const {
   return impl_->unknowns;
 }
-State SharedBody::solve(const ContactGuess& guess) {
-  return impl_->solve(guess);
+State SharedBody::solve(const ContactGuess& guess, bool keep_factor) {
+  return impl_->solve(guess, keep_factor);
+}
+TangentField SharedBody::solve_adjoint(const Field& state, const Sensitivity& dJ) {
+  return impl_->solve_adjoint(state, dJ);
+}
+OneSided SharedBody::one_sided(const Field& state) {
+  return impl_->one_sided(state);
+}
+Eigen::VectorXd SharedBody::solve_open(const Eigen::VectorXd& forces) {
+  return impl_->solve_open(forces);
+}
+void SharedBody::drop_factor() {
+  impl_->drop_factor();
 }
 PartedEffort SharedBody::effort() const {
   return impl_->effort();

@@ -219,11 +219,12 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
   return b;
 }
 
-Elementwise::Elementwise(const Model& m) : m_(m) {
-  const int n = skeleton_count(m.element);
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
-  lower_.resize(n * (n + 1) / 2, triangles);
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+namespace {
+
+// take(t, K_T) of all triangles, by several threads.
+template <typename Take>
+void for_each_condensed(const Model& m, const Take& take) {
+  parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {
     std::array<LocalTriangle, 4> locals;
     std::array<Condensed, 4> found;
     for (Index first = begin; first < end; first += 4) {
@@ -234,12 +235,33 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
         m.inner->system.alike->share(t, locals[i]);
       }
       condense(m.inner->kernel, std::span(locals).first(count), std::span(found).first(count));
-      for (std::size_t at = 0; at < count; ++at) {
-        double* to = lower_.col(first + static_cast<Index>(at)).data();
-        for (int j = 0; j < n; ++j)
-          for (int i = j; i < n; ++i) *to++ = found[at].K(i, j);
-      }
+      for (std::size_t i = 0; i < count; ++i) take(first + static_cast<Index>(i), found[i].K);
     }
+  });
+}
+
+}  // namespace
+
+Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values) {
+  Eigen::MatrixXd forces(skeleton_count(m.element), static_cast<Eigen::Index>(m.mesh.triangles.size()));
+  Eigen::VectorXd energy(forces.cols());
+  for_each_condensed(m, [&](Index t, const SkeletonMatrix& K) {
+    const Strained s = strained(m, values, t);
+    const SkeletonVector f = K.selfadjointView<Eigen::Lower>() * s.rest;
+    energy[t] = s.rest.dot(f);
+    forces.col(t) = s.without_motions(f);
+  });
+  return {scattered(m, forces), energy.sum()};
+}
+
+Elementwise::Elementwise(const Model& m) : m_(m) {
+  const int n = skeleton_count(m.element);
+  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
+  lower_.resize(n * (n + 1) / 2, triangles);
+  for_each_condensed(m, [&](Index t, const SkeletonMatrix& K) {
+    double* to = lower_.col(t).data();
+    for (int j = 0; j < n; ++j)
+      for (int i = j; i < n; ++i) *to++ = K(i, j);
   });
 }
 

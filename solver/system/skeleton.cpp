@@ -1,5 +1,6 @@
 #include "solver/system/skeleton.hpp"
 #include "geometry/topology.hpp"
+#include "solver/state/solve.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/SVD>
@@ -307,10 +308,7 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
       contact = contact || kind == CrackLaw::Kind::Unilateral;
     }
   }
-  if (contact)
-    throw Error(Fault::Numerics,
-                "the body is incompressible (poisson = 0.5) and wholly enclosed by its supports: the level of pressure "
-                "on its cracks is open; free a part of the boundary");
+  if (contact) throw Error(Fault::Numerics, open_level);
   return true;
 }
 

@@ -21,7 +21,7 @@ Sensitivity scaled(double factor, Sensitivity s) {
   return s;
 }
 
-// Work of the tractions that the measured displacements replace, on them.
+// Work of the tractions that the measured displacements replace, on them: of own triangles.
 double work_on_measured(const Model& m, const Support& measured) {
   const EdgeRule rule = gauss(data_points);
   double work = 0;
@@ -29,6 +29,8 @@ double work_on_measured(const Model& m, const Support& measured) {
     if (traction.label != measured.label) continue;
     const std::vector<Index>& edges = labeled(m.inner->data, traction.label);
     for (std::size_t j = 0; j < edges.size(); ++j) {
+      const auto& [left, right] = m.mesh.sides[edges[j]];
+      if (std::max(left, right) >= own_triangles(m)) continue;
       const EdgeValues u =
           edge_values(measured.value, {m.mesh, m.inner->skeleton.bows, edges[j]}, "measured displacement", false);
       for (int q = 0; q < data_points; ++q)
@@ -38,26 +40,33 @@ double work_on_measured(const Model& m, const Support& measured) {
   return work;
 }
 
-double along(const Sensitivity& d, const Field& s) {
+// Of own unknowns and triangles.
+double along(const Model& m, const Sensitivity& d, const Field& s) {
   double sum = 0;
-  if (d.skeleton.size() > 0) sum += d.skeleton.dot(s.skeleton);
-  if (d.interior.size() > 0) sum += d.interior.cwiseProduct(s.interior).sum();
+  for (Index u = 0; u < static_cast<Index>(d.skeleton.size()); ++u)
+    if (owns(m, u)) sum += d.skeleton[u] * s.skeleton[u];
+  const Index own = own_triangles(m);
+  if (d.interior.size() > 0) sum += d.interior.leftCols(own).cwiseProduct(s.interior.leftCols(own)).sum();
   return sum;
 }
 
-// Sum over the biactive rows of their share of the crack.
+// Sum over the biactive rows of their share of the crack: of own edges.
 double length_of(const Model& m, const Field& s) {
   double length = 0;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
     if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
-    for (const CrackPoint& p : crack_profile(m, s, static_cast<Index>(c)))
-      if (p.status == CrackPoint::Status::Biactive) length += p.length;
+    const std::vector<CrackPoint> profile = crack_profile(m, s, static_cast<Index>(c));
+    const std::vector<CrackEdge>& path = m.mesh.cracks[c];
+    const std::size_t each = path.empty() ? 1 : profile.size() / path.size();
+    for (std::size_t i = 0; i < profile.size(); ++i)
+      if (profile[i].status == CrackPoint::Status::Biactive && m.mesh.sides[path[i / each].edge][1] < own_triangles(m))
+        length += profile[i].length;
   }
   return length;
 }
 
-std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<ContactStatus>& status,
-                                              const Sensitivity& dJ) {
+OneSided one_sided(const Model& m, const Field& state) {
+  const std::vector<ContactStatus> status = contact_status(m, state);
   std::vector<Index> unknowns;
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
@@ -65,27 +74,34 @@ std::shared_ptr<const Biactive> biactive_rows(const Model& m, const std::vector<
     if (row >= leading && status[static_cast<std::size_t>(row - leading)] == ContactStatus::Biactive)
       unknowns.push_back(u);
   }
-  if (unknowns.empty()) return nullptr;
+  OneSided found;
+  if (unknowns.empty()) return found;
   constexpr std::size_t most = 2000;
   if (unknowns.size() > most)
     throw Error(Fault::Numerics,
                 "more than 2000 points of the cracks carry neither a gap nor a pressure, too many for one-sided "
                 "derivatives; use longer edges there (mesh.size), or loads that open or close the cracks");
-  auto b = std::make_shared<Biactive>();
   const Eigen::Index n = static_cast<Eigen::Index>(unknowns.size());
-  b->opening.resize(n, n);
-  b->slope.resize(n);
+  found.opening.resize(n, n);
   TangentSolver solver(m, tied(status));  // without friction
   const auto unit = [&](std::size_t i) -> Eigen::VectorXd {
     return Eigen::VectorXd::Unit(m.inner->skeleton.total, unknowns[i]);
   };
-  for (TangentField& field : solver.solve_all(unknowns.size(), unit)) b->response.push_back(std::move(field));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Field& field = b->response[static_cast<std::size_t>(i)];
-    for (Eigen::Index k = 0; k < n; ++k) b->opening(k, i) = field.skeleton[unknowns[static_cast<std::size_t>(k)]];
-    b->slope[i] = along(dJ, field);
-  }
-  b->opening = 0.5 * (b->opening + b->opening.transpose()).eval();
+  for (TangentField& field : solver.solve_all(unknowns.size(), unit)) found.response.push_back(std::move(field));
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < n; ++k)
+      found.opening(k, i) = found.response[static_cast<std::size_t>(i)].skeleton[unknowns[static_cast<std::size_t>(k)]];
+  found.opening = 0.5 * (found.opening + found.opening.transpose()).eval();
+  return found;
+}
+
+std::shared_ptr<const Biactive> biactive(const Model& m, OneSided found, const Sensitivity& dJ, const WholeBody& body) {
+  if (found.response.empty()) return nullptr;
+  auto b = std::make_shared<Biactive>(Biactive{std::move(found.response), std::move(found.opening), {}});
+  b->slope.resize(b->opening.cols());
+  for (Eigen::Index i = 0; i < b->slope.size(); ++i)
+    b->slope[i] = along(m, dJ, b->response[static_cast<std::size_t>(i)]);
+  body.sum({b->slope.data(), static_cast<std::size_t>(b->slope.size())});
   return b;
 }
 
@@ -132,11 +148,12 @@ namespace {
 
 // A crack with a pressure that reaches into the ring of a term.
 bool pressed_within(const Term& term, const Model& m) {
-  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
+  const Mesh& mesh = whole_mesh(m);
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
     if (has_pressure(m.scene.laws[c]))
-      for (const CrackEdge& edge : m.mesh.cracks[c])
-        for (const Index v : m.mesh.edges[edge.edge])
-          if ((m.mesh.points[v] - term.feature).norm() <= term.feature_radius) return true;
+      for (const CrackEdge& edge : mesh.cracks[c])
+        for (const Index v : mesh.edges[edge.edge])
+          if ((mesh.points[v] - term.feature).norm() <= term.feature_radius) return true;
   return false;
 }
 
@@ -187,23 +204,48 @@ void require_supports(const Functional& j, const Model& model) {
 }
 
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
+  const WholeBody body{
+      .sum = [](std::span<double>) {},
+      .adjoint = [&](const Sensitivity& dJ) { return solve_adjoint(model, dJ, tangent_cone(model, state)); },
+      .one_sided = [&] { return one_sided(model, state); },
+      .measured =
+          [&](const Support& displacement) {
+            auto other = std::make_shared<Model>(
+                prepare(model.mesh, model.element, measured_scene(model.scene, displacement), model.threads));
+            auto solved = std::make_shared<State>(solve(*other));
+            return std::pair<std::shared_ptr<const Model>, std::shared_ptr<const State>>{std::move(other),
+                                                                                         std::move(solved)};
+          }};
+  return analyze(j, model, state, body, value_only);
+}
+
+WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, MeasuredBody measured) {
+  return {.sum = [&](std::span<double> values) { peers.sum(values); },
+          .adjoint = [&](const Sensitivity& dJ) { return body.solve_adjoint(state, dJ); },
+          .one_sided = [&] { return body.one_sided(state); },
+          .measured = std::move(measured)};
+}
+
+Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   require_known_loads(j, model);
+  const auto summed = [&](double value) {
+    body.sum({&value, 1});
+    return value;
+  };
   const bool friction = has_frictional_cracks(model.scene);
   if (friction && !value_only) require_friction_decided(j, model, state);
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
                   [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
-    a.biactive_length = length_of(model, state);
-  const bool self_adjoint_work = has_self_adjoint_work(model);
+    a.biactive_length = summed(length_of(model, state));
+  const bool self_adjoint_work = summed(has_self_adjoint_work(model) ? 0 : 1) == 0;
   for (const Term& term : j.terms) {
     const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
     double value = 0;
     Sensitivity by_state;
     if (term.measured) {
       if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
-      auto other = std::make_shared<Model>(
-          prepare(model.mesh, model.element, measured_scene(model.scene, *term.measured), model.threads));
-      auto solved = std::make_shared<State>(solve(*other));
+      auto [other, solved] = body.measured(*term.measured);
       if (!certified(*solved))
         throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
       value =
@@ -219,6 +261,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
     } else {
       value = integral(term, model, state);
     }
+    value = summed(value);
     if (term.power != 1 && value < 0)
       throw Error(Fault::Usage, fmt::format("the integral of \"{}\" is negative: its weight must not be", term.kind));
     const double result = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power);
@@ -239,14 +282,14 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
   }
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;
-  const TangentField adjoint = solve_adjoint(model, a.derivative, tangent_cone(model, state));
+  const TangentField adjoint = body.adjoint(a.derivative);
   constexpr double solved = 1e-6;
   if (!(adjoint.residual < solved))
     throw Error(Fault::Numerics, "the adjoint could not be solved for: its residual stays large");
   a.adjoint = adjoint;
   // What a change does to the gaps is bilinear in the state: nothing, where nothing is loaded.
-  if (!friction && !state.interior.isZero(0))
-    a.biactive = biactive_rows(model, contact_status(model, state), a.derivative);
+  if (!friction && summed(state.interior.isZero(0) ? 0 : 1) > 0)
+    a.biactive = biactive(model, body.one_sided(), a.derivative, body);
   return a;
 }
 

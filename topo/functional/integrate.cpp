@@ -54,7 +54,7 @@ FieldPoint field_point(const Term& term, const Sampled& p, Eigen::Index q) {
   return f;
 }
 
-// Sum over triangles of what `value` says of each, in their order whoever computes it.
+// Sum over own triangles of what `value` says of each, in their order whoever computes it; all are asked.
 double sum_over(const Model& m, const std::vector<bool>& use, const std::function<double(Index)>& value) {
   const Index n = static_cast<Index>(m.mesh.triangles.size());
   std::vector<double> part(static_cast<std::size_t>(n), 0);
@@ -62,7 +62,14 @@ double sum_over(const Model& m, const std::vector<bool>& use, const std::functio
     for (Index t = begin; t < end; ++t)
       if (use.empty() || use[t]) part[t] = value(t);
   });
-  return std::accumulate(part.begin(), part.end(), 0.0);
+  return std::accumulate(part.begin(), part.begin() + own_triangles(m), 0.0);
+}
+
+// Whether the sum over an edge of boundary or crack is of this process: that of its triangle, or of the one on its
+// right.
+bool counts(const Model& m, Index edge) {
+  const auto& [left, right] = m.mesh.sides[edge];
+  return (right != none ? right : left) < own_triangles(m);
 }
 
 // Calls at(x, n, weight, unknowns' basis values) at the quadrature points of the labeled edges.
@@ -108,14 +115,14 @@ Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
 struct JumpPoint {
   Vec2 x;
   double share;  // of the crack's length
-  Index unknown;
+  Index edge, unknown;
 };
 void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
   for (const CrackEdge& c : m.mesh.cracks[crack]) {
     if (m.inner->skeleton.jump[c.edge] == none) continue;
     for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g) {
       const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, c.edge, m.inner->kernel.trace.s[g]);
-      at({p.x, p.slope.norm() * m.inner->kernel.trace.w[g],
+      at({p.x, p.slope.norm() * m.inner->kernel.trace.w[g], c.edge,
           m.inner->skeleton.jump[c.edge] + 2 * static_cast<Index>(g)});
     }
   }
@@ -148,10 +155,12 @@ double on_surfaces(const Term& term, const Model& m, const Field& s) {
   double sum = 0;
   if (term.on_boundary)
     along_label(m, term.label, [&](const BoundaryPoint& p) {
-      sum += p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value;
+      if (counts(m, p.edge)) sum += p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value;
     });
   if (term.on_crack)
-    along_crack(m, term.crack, [&](const JumpPoint& p) { sum += p.share * term.on_crack(crack_state(s, p)).value; });
+    along_crack(m, term.crack, [&](const JumpPoint& p) {
+      if (counts(m, p.edge)) sum += p.share * term.on_crack(crack_state(s, p)).value;
+    });
   return sum;
 }
 

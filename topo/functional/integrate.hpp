@@ -8,10 +8,11 @@
 
 namespace kerf {
 
-/// The integral itself, before power and factor.
+/// The integral itself, before power and factor; of a part of a body over own triangles (solver/system.hpp OwnShare).
 double integral(const Term& term, const Model& model, const Field& state);
 
-/// Its derivative by the state, exact for the quadrature that `integral` uses. Empty for energies, misfits, volumes.
+/// Its derivative by the state, by all triangles and unknowns that are here, exact for the quadrature that `integral`
+/// uses. Empty for energies, misfits, volumes.
 Sensitivity derivative(const Term& term, const Model& model, const Field& state);
 
 /// Both, from one pass over the fields.

@@ -6,10 +6,13 @@
 
 namespace kerf {
 
+struct GreenOfBody;  // topo/map/green_of_body.hpp
+
 struct MapFields {
-  Corners corners;                         // of split_for_stress
-  std::vector<bool> singular;              // per corner
-  std::vector<RecoveredStress> recovered;  // per FieldOf::number; empty where there is no such field
+  Corners corners;                                // of split_for_stress
+  std::vector<bool> singular;                     // per corner
+  std::vector<RecoveredStress> recovered;         // per FieldOf::number; empty where there is no such field
+  std::shared_ptr<const GreenOfBody> green = {};  // of a part of a body: for clamped holes
 };
 
 /// Of all fields at a point x of triangle t.

@@ -9,6 +9,7 @@
 #include "solver/parallel.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
+#include "topo/map/green_of_body.hpp"
 #include "topo/map/green_samples.hpp"
 #include "topo/map/mask.hpp"
 #include "topo/orthotropic.hpp"
@@ -248,19 +249,22 @@ namespace {
 std::vector<ClampedChange> changes_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
                                       bool sized) {
   const Clamped predicted(a, j, eps);
-  GreenTensor tensor(*a.model, *a.state);
-  std::optional<GreenTensor> measured;
-  if (a.measured) measured.emplace(*a.measured_model, *a.measured);
+  const GreenOfBody* const known = a.fields ? a.fields->green.get() : nullptr;
+  std::optional<GreenTensor> tensor, measured;
+  if (!known) tensor.emplace(*a.model, *a.state);
+  if (!known && a.measured) measured.emplace(*a.measured_model, *a.measured);
   const std::vector<Index> where = locate(a.model->mesh, points);
   const std::vector<bool> masked = too_close(*a.model, j, points, clear_radii * eps, eps);
   std::vector<ClampedChange> found(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Index t = where[i];
     if (t == none || masked[i]) continue;
-    const Green green = tensor.at(points[i], t, predicted.inserts());
+    const Green green = known ? Green{.regular = known->regular(known->body, points[i]), .field = {}}
+                              : tensor->at(points[i], t, predicted.inserts());
     Mat2 other;
-    if (measured) other = measured->at(points[i], t, false).regular;
-    found[i] = predicted.change(points[i], t, green, measured ? &other : nullptr, sized);
+    if (a.measured)
+      other = known ? known->regular(known->measured.value(), points[i]) : measured->at(points[i], t, false).regular;
+    found[i] = predicted.change(points[i], t, green, a.measured ? &other : nullptr, sized);
   }
   return found;
 }
@@ -294,12 +298,13 @@ ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps
   }
   ClampedMap map;
   map.value = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.x.size()), nan);
-  const GreenSamples tensor = sample_green(*a.model, *a.state, eps, place, in);
+  const GreenOfBody* const known = a.fields ? a.fields->green.get() : nullptr;
+  const GreenSamples tensor = known ? known->body.samples : sample_green(*a.model, *a.state, eps, place, in);
   map.error = tensor.error;
   map.samples = static_cast<Index>(tensor.x.size());
   std::optional<GreenSamples> measured;
   if (a.measured) {
-    measured = sample_green(*a.measured_model, *a.measured, eps, place, in);
+    measured = known ? known->measured.value().samples : sample_green(*a.measured_model, *a.measured, eps, place, in);
     map.error = std::max(map.error, measured->error);
     map.samples += static_cast<Index>(measured->x.size());
   }

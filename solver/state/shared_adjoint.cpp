@@ -1,0 +1,182 @@
+#include "solver/parallel.hpp"
+#include "solver/state/dual.hpp"
+#include "solver/state/shared_body.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+/// K x, with what the strains theta of the penalty add [theory: E.12].
+Eigen::VectorXd forces_of(const Model& m, const Twofold& x, const Eigen::VectorXd& theta) {
+  Eigen::VectorXd forces = multiply_elementwise(m, x).forces;
+  for (Index t = 0; t < static_cast<Index>(theta.size()); ++t) {
+    const Seen view = seen(m.mesh, m.inner->skeleton, t);
+    for (int i = 0; i < view.count; ++i)
+      for (const Index u : {view.base[i], view.jump[i]})
+        if (u != none) forces[u] += theta[t] * m.inner->system.traces(i, t);
+  }
+  return forces;
+}
+
+/// The interiors of a field: find(triangle, its shape, what strains it, Penalty).
+template <typename Find>
+void fill_interior(const Model& m, const Twofold& x, const Eigen::VectorXd& theta, const Find& find, Field& field) {
+  const auto triangles = static_cast<Index>(m.mesh.triangles.size());
+  field.interior.resize(interior_count(m.element), triangles);
+  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Strained s = strained(m, x, t);
+      field.interior.col(t) =
+          find(t, triangle(m, t), s.rest, Penalty{penalty_at(m, t), theta.size() > 0 ? theta[t] : 0});
+      add_motion(m, t, s.motion, field.interior.col(t));
+    }
+  });
+}
+
+}  // namespace
+
+SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, TangentField& field) {
+  const Skeleton& s = model.inner->skeleton;
+  const bool penalized = model.inner->system.penalty > 0 && !problem.one_sweep;
+  const Loads loads{.F = {}, .own = problem.own, .prescribed = {}};
+  const auto held = [&](Index u) {
+    return !contact_of.empty() && contact_of[u] != none && problem.held[contact_of[u]];
+  };
+  hold(problem.held);
+  Round at{.x = {Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)}};
+  if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
+  for (Index u = 0; u < s.total; ++u)
+    if (held(u)) at.x.high[u] = problem.jump[contact_of[u]];
+  const auto largest = [&](const Eigen::VectorXd& force) {
+    double most = 0;
+    for (Index u = 0; u < s.total; ++u)
+      if (owns(model, u) && now.order.row[u] != none) most = std::max(most, std::abs(force[u]));
+    peers.largest({&most, 1});
+    return most;
+  };
+  at.unmet = forces_of(model, at.x, at.theta) - problem.load;
+  const double size = std::max({largest(problem.load), largest(at.unmet), std::numeric_limits<double>::min()});
+  Round best = at;
+  best.certificate.kkt = infinity;
+  const int most = penalized ? 40 : 4;
+  int without_gain = 0;
+  for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
+    move(now.solver->solve(on_own_rows(-at.unmet)), at.x);
+    ++field.linear_solves;
+    if (penalized) {
+      take_out_uniform(loads, at, field.linear_solves, false);
+      const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
+      std::array<double, 2> both{moved.change, moved.size};
+      peers.largest(both);
+      at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
+    }
+    at.unmet = forces_of(model, at.x, at.theta) - problem.load;
+    at.certificate.kkt = std::max(largest(at.unmet) / size, at.penalty_error);
+    const bool gains = at.certificate.kkt < 0.5 * best.certificate.kkt;
+    if (at.certificate.kkt < best.certificate.kkt) best = at;
+    without_gain = gains ? 0 : without_gain + 1;
+    constexpr double settled = 1e-9;
+    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
+    if (best.certificate.kkt <= TangentSolver::to_rounding || without_gain == patience) break;
+  }
+  field.residual = best.certificate.kkt;
+  field.skeleton = best.x.high;
+  field.force.setZero(s.total);
+  return best;
+}
+
+std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
+  const std::vector<ContactStatus> here = contact_status(model, state);
+  std::vector<ContactStatus> own;
+  for (const Index u : own_contact)
+    own.push_back(here[static_cast<std::size_t>(model.inner->ordering.row[u] - leading_rows())]);
+  return gathered(peers, own);
+}
+
+TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ) {
+  if (!model.inner->floating.empty()) {
+    Eigen::VectorXd work = work_on_motions(model, dJ);
+    peers.sum({work.data(), static_cast<std::size_t>(work.size())});
+    dJ = without_moments(model, std::move(dJ), gram().llt().solve(work));
+  }
+  DualLoads loads = dual_loads(model, dJ);
+  Problem problem{.held = tied(status(state)),
+                  .jump = Eigen::VectorXd::Zero(contact_rows),
+                  .load = std::move(loads.forces),
+                  .own = std::move(loads.own)};
+  if (dJ.force.size() > 0 && contact_rows > 0) {
+    const Eigen::VectorXd by = on_contact(dJ.force);
+    for (Index i = 0; i < contact_rows; ++i)
+      if (problem.held[static_cast<std::size_t>(i)]) problem.jump[i] = -by[i];
+  }
+  TangentField field;
+  const Round found = solve_linear(problem, field);
+  const Kernel& k = model.inner->kernel;
+  const bool loaded = dJ.interior.size() > 0;
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(model.element));
+  const auto dual = [&](Index t, const Triangle& shape, const SkeletonVector& rest, const Penalty& p) {
+    return interior_dual(k, shape, material_of(model.mesh, model.scene, t),
+                         loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, rest, p);
+  };
+  fill_interior(model, found.x, found.theta, dual, field);
+  return field;
+}
+
+Eigen::VectorXd SharedBody::Impl::solve_open(const Eigen::VectorXd& forces) {
+  TangentField field;
+  solve_linear({.held = std::vector<bool>(static_cast<std::size_t>(contact_rows), false),
+                .jump = Eigen::VectorXd::Zero(contact_rows),
+                .load = forces,
+                .own = {},
+                .one_sweep = true},
+               field);
+  return field.skeleton;
+}
+
+OneSided SharedBody::Impl::one_sided(const Field& state) {
+  const std::vector<ContactStatus> of = status(state);
+  std::vector<Index> rows;
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (of[i] == ContactStatus::Biactive) rows.push_back(static_cast<Index>(i));
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  OneSided found{.response = {}, .opening = Eigen::MatrixXd::Zero(n, n)};
+  constexpr Eigen::Index most = 200;  // each takes a solve
+  if (n > most)
+    throw Error(Fault::Numerics,
+                fmt::format("{} points of the cracks carry neither a gap nor a pressure, too many for one-sided "
+                            "derivatives in parts; use longer edges there (mesh.size), or loads that open or close the "
+                            "cracks",
+                            n));
+  const Index triangles = static_cast<Index>(model.mesh.triangles.size());
+  Problem problem{.held = tied(of),
+                  .jump = Eigen::VectorXd::Zero(contact_rows),
+                  .load = {},
+                  .own = Eigen::VectorXd::Zero(model.inner->system.penalty > 0 ? triangles : 0)};
+  const Kernel& k = model.inner->kernel;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Index row = rows[static_cast<std::size_t>(i)];
+    problem.load = Eigen::VectorXd::Zero(model.inner->skeleton.total);
+    for (Index u = model.inner->skeleton.base; u < model.inner->skeleton.total; ++u)
+      if (contact_of[u] == row) problem.load[u] = 1;
+    TangentField field;
+    const Round at = solve_linear(problem, field);
+    const auto tangent = [&](Index t, const Triangle& shape, const SkeletonVector& rest, const Penalty& p) {
+      return interior(k, shape, material_of(model.mesh, model.scene, t), {}, rest, p);
+    };
+    fill_interior(model, at.x, at.theta, tangent, field);
+    const Eigen::VectorXd jumps = on_contact(field.skeleton);
+    for (Eigen::Index j = 0; j < n; ++j) found.opening(j, i) = jumps[rows[static_cast<std::size_t>(j)]];
+    found.response.push_back(std::move(field));
+  }
+  found.opening = 0.5 * (found.opening + found.opening.transpose()).eval();
+  return found;
+}
+
+}  // namespace kerf

@@ -1,0 +1,144 @@
+#pragma once
+// What SharedBody (solver/spread.hpp) has inside.
+
+#include "solver/spread.hpp"
+#include "solver/state/guess.hpp"
+#include "solver/state/solve.hpp"
+#include "solver/system/elementwise.hpp"
+#include "solver/system/penalty.hpp"
+
+namespace kerf {
+
+/// The system of all processes for one set of rows in contact that are held; those that move are rows as all others.
+struct HeldSystem {
+  std::vector<bool> held;  // per row in contact of all
+  Ordering order;
+  std::vector<Index> holder;        // per unknown who answers for its row
+  std::vector<Index> own_unknowns;  // of own rows, in their order
+  std::unique_ptr<SharedSolver> solver;
+  Index own_rows() const {
+    return static_cast<Index>(own_unknowns.size());
+  }
+};
+
+struct SharedBody::Impl {
+  Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
+       const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole);
+
+  // Motions that the supports leave free.
+
+  Eigen::MatrixXd gram();
+
+  /// As one process does (solver/state/model.cpp): what the loads do on them is taken back by a body force.
+  void balance(OwnShare own, const Floating& floating);
+
+  // The system [theory: E.34].
+
+  /// Makes the system in which these rows in contact are held, unless it is there.
+  void hold(const std::vector<bool>& held);
+  void drop_factor();
+  PartedEffort effort() const;
+
+  /// The values that their holders have, on all who see them. `where`: per triangle the places of what it tells.
+  template <typename Where>
+  void spread(Eigen::VectorXd& values, const std::vector<Index>& holder, const Where& where);
+
+  // Contact.
+
+  /// Points of all processes, one after the other; rows in contact are numbered in that order.
+  void find_contact(const PartOfPaths& paths);
+
+  /// The set that a coarser mesh suggests; none without.
+  std::vector<Motion> first_motions(const ContactGuess& guess);
+
+  // Rounds.
+
+  /// Of values per unknown those of the rows in contact, of all.
+  Eigen::VectorXd on_contact(const Eigen::VectorXd& values);
+  /// Forces per unknown as those on what the sides of cracks see, own rows.
+  Eigen::VectorXd on_own_rows(const Eigen::VectorXd& forces) const;
+  /// The jump on top of a trace, or none.
+  Index jump_at(Index base) const;
+
+  /// Moves x by what own rows do, as all see it.
+  void move(const Eigen::VectorXd& own, Twofold& x);
+  Eigen::VectorXd unmet(const Twofold& x, const Eigen::VectorXd& theta) const;
+
+  /// What one round is judged by.
+  struct Round {
+    Twofold x;                     // per unknown: bodies move by far more than they are strained
+    Eigen::VectorXd theta, unmet;  // per triangle, per unknown
+    std::vector<Motion> motion;    // per row in contact of all
+    double penalty_error = 0;      // PenaltyIterate::penalty_error
+    Certificate certificate;
+    double size = 0;  // of the energy
+  };
+
+  /// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a
+  /// whole shows instead of none. `largest`: of them.
+  double force_of_rounding(double largest) const;
+
+  /// Fills in the rest of a round, and the interiors of its fields.
+  void judge(const Loads& loads, Round& r, Field& field);
+
+  /// Moves on to the solution of the equations that a round has left unmet.
+  void correct(Round& r, State& state);
+
+  // Uniform pressures, as UniformPressure has them (solver/system/penalty.hpp) [theory: E.23].
+
+  /// Per piece the sum of |T| values over the body.
+  Eigen::VectorXd over_pieces(const Eigen::VectorXd& values);
+
+  /// The responses to theta = a on each piece, with what is held now.
+  void find_responses(int& solves);
+
+  /// `must_fit`: throws where an enclosed incompressible body is to change its area (check_volume).
+  void take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit);
+  void take_out_level(const Loads& loads, Round& r);
+
+  State solve(const ContactGuess& guess, bool keep_factor);
+
+  // Linear problems on the tangent cone of the contact [theory: A.2] (shared_adjoint.cpp).
+
+  struct Problem {
+    std::vector<bool> held;  // per row in contact of all
+    Eigen::VectorXd jump;    // of these, 0 on the others
+    Eigen::VectorXd load;    // per unknown
+    Eigen::VectorXd own;     // per triangle Loads::own, with a penalty
+    bool one_sweep = false;  // of the penalty iteration
+  };
+  /// Fills in residual and counts of the field; its interior is left to others.
+  Round solve_linear(const Problem& problem, TangentField& field);
+  /// Per row in contact of all.
+  std::vector<ContactStatus> status(const Field& state);
+  TangentField solve_adjoint(const Field& state, Sensitivity dJ);
+  OneSided one_sided(const Field& state);
+  Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);
+
+  Index leading_rows() const {
+    return model.inner->ordering.size - model.inner->ordering.contact_rows;
+  }
+
+  Peers& peers;
+  std::vector<std::vector<Index>> shown, also_here;  // MeshPart::shown, seen
+  std::vector<Index> process;                        // per triangle
+  Model model;
+  HeldSystem now = {};
+  PartedEffort effort_before = {};        // of the systems before
+  Index unknowns = 0;                     // of the body
+  std::vector<ContactPoint> points = {};  // of all
+  std::vector<Index> own_contact = {};    // unknowns of own rows in contact, which begin at first_contact
+  Index first_contact = 0, contact_rows = 0;
+  std::vector<Index> contact_of = {};  // per unknown its row in contact of all
+  Eigen::VectorXd gaps = {};           // per row in contact of all its jump at first contact
+  std::pair<std::vector<std::vector<double>>, std::vector<double>> own_paths = {};  // PartOfPaths
+  std::vector<Index> piece = {};  // per triangle the connected part of its material
+  struct {
+    std::vector<bool> held;               // that the responses were found with
+    Eigen::MatrixXd response, stiffness;  // per unknown here and piece; per piece
+    Eigen::VectorXd size;                 // per piece the sum of |T| a
+    bool level_open = false;              // as UniformPressure has it
+  } uniform = {};
+};
+
+}  // namespace kerf
