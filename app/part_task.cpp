@@ -80,6 +80,7 @@ std::string packed(const PartTask& task) {
   to.put(task.map);
   put(task.zones.points, to);
   to.put(task.zones.radius);
+  to.put(task.precision);
   to.put(task.piece);
   to.put(task.contact.size());
   for (const auto& faces : task.contact) to.put(faces);
@@ -121,6 +122,7 @@ PartTask unpacked(std::string_view bytes) {
   task.map = from.get<bool>();
   task.zones.points = points_from(from);
   task.zones.radius = from.get<double>();
+  task.precision = from.get<Precision>();
   task.piece = from.all<Index>();
   task.contact.resize(from.get<std::size_t>());
   for (auto& faces : task.contact) faces = from.all<FaceMotion>();

@@ -17,6 +17,7 @@ struct PartTask {
   int divisions = 0, threads = 1;
   bool vtk = true, estimate = true, peaks = true, tips = true, bounds = true, copy = false, map = false;
   SingularZones zones = {};  // of the body, which a part does not show
+  Precision precision = Precision::Double;
   Floating floating = {};
   std::vector<Index> piece = {};  // SharedBody
   ContactGuess contact = {};

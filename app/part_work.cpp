@@ -283,7 +283,7 @@ struct Bodies {
   Peers& peers;
   std::shared_ptr<const Mesh> whole;
   SharedBody make(MeshPart part, const Scene& scene, const Floating& floating) const {
-    return {std::move(part), c.element, scene, task.threads, floating, task.piece, peers, whole};
+    return {std::move(part), c.element, scene, task.threads, floating, task.piece, peers, whole, task.precision};
   }
 };
 

@@ -131,6 +131,10 @@ struct InParts {
   FoundTogether solve() {
     if (c.adapt && c.adapt->of) fail_in_parts(c, "mesh.adapt.of asks for intervals, which take the whole");
     if (c.adapt) require(c.element, can_estimate_error);
+    if (c.precision == FactorPrecision::Single && !c.petsc.empty())
+      throw Error(Fault::Usage, fmt::format("{}: options select PETSc's solver, whose factors are in double precision; "
+                                            "leave out solver.precision",
+                                            place_of(c, "solver.petsc")));
     std::vector<Round> rounds;
     std::shared_ptr<const Mesh> given = c.mesh;
     while (true) {
@@ -197,6 +201,7 @@ struct InParts {
                   .bounds = c.output.energy_bounds,
                   .copy = journal.png || journal.html,
                   .map = with_map,
+                  .precision = c.precision == FactorPrecision::Single ? Precision::Single : Precision::Double,
                   .floating = floating_of(u.model, c.divisions),
                   .piece = pieces_for_pressure(mesh, c.scene),
                   .contact = u.contact,
@@ -288,6 +293,8 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
   if (!certified(found.state)) {
     r.status = "not converged";
     r.reason = failure(coarse, found.state);
+    if (c.precision == FactorPrecision::Single)
+      *r.reason += "; factors in double precision may serve (solver.precision)";
   }
   journal.begin("write the state");
   const auto write_grid = [&](const std::string& name, const std::vector<NamedField>& fields) {

@@ -192,8 +192,8 @@ class MpiPeers : public Peers {
     loaded().call->swap(sent.data(), out.data(), got.data(), in.data());
     return from;
   }
-  std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads) override {
-    if (!by_petsc_) return Peers::solver(std::move(packed), total, threads);
+  std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads, Precision precision) override {
+    if (!by_petsc_) return Peers::solver(std::move(packed), total, threads, precision);
     return std::make_unique<PetscSolver>(std::move(packed), total, count_);
   }
 
@@ -206,7 +206,9 @@ class MpiPeers : public Peers {
 class Share {
  public:
   Share(std::string packed, int total, int owned, int rank, int count, bool by_petsc)
-      : peers_(rank, count, by_petsc), owned_(owned), solver_(peers_.solver(std::move(packed), total, 1)) {}
+      : peers_(rank, count, by_petsc),
+        owned_(owned),
+        solver_(peers_.solver(std::move(packed), total, 1, Precision::Double)) {}
 
   /// `b`, `x`, `counts`: of the first process, of all; else null. Throws Error(Numerics) on all processes.
   void solve(const double* b, double* x, const int* counts) {

@@ -36,7 +36,8 @@ class Peers {
   virtual std::vector<std::string> exchange(const std::vector<std::string>& to) = 0;
   /// `packed`: solver/system/parted.hpp, what this process has of K; `total`: unknowns of all. By BDDC of our own
   /// (E.36) unless processes have been given another one.
-  virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads);
+  /// `precision`: of the factors of the insides.
+  virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads, Precision precision);
 };
 
 /// Plain values that came as bytes.
@@ -80,9 +81,11 @@ class SharedBody {
  public:
   /// `part` of a body that its supports hold, but for the motions that are floating. Throws Error(Usage) for an element
   /// that is not solved in parts. `piece`: of each triangle before it was divided, the connected part of its material
-  /// (pieces_for_pressure). `whole`: the mesh before it was divided, for maps (OwnShare::whole).
+  /// (pieces_for_pressure). `whole`: the mesh before it was divided, for maps (OwnShare::whole). `precision`: in which
+  /// the factors of the insides are kept, most of the memory; rounds then go on until the residual is the same.
   SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
-             const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole = nullptr);
+             const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole = nullptr,
+             Precision precision = Precision::Double);
   SharedBody(SharedBody&&) noexcept;
   ~SharedBody();
 

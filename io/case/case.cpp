@@ -84,8 +84,10 @@ void read_solver(const Value& document, Case& c) {
   take(*solver, "contact", c.contact);
   take(*solver, "backend", c.backend);
   take(*solver, "precision", c.precision);
-  if (c.precision == FactorPrecision::Single && c.backend != Backend::Cholmod)
-    fail(find(*solver, "precision")->node->position, "solver.precision = \"single\" goes with backend = \"cholmod\"");
+  if (c.precision == FactorPrecision::Single && c.backend != Backend::Cholmod &&
+      (c.backend != Backend::Petsc || c.divisions == 0))
+    fail(find(*solver, "precision")->node->position,
+         "solver.precision = \"single\" goes with backend = \"cholmod\", or with \"petsc\" and mesh.refine");
   if (const auto options = find(*solver, "petsc")) {
     c.petsc = text(*options);
     if (c.backend != Backend::Petsc) fail(options->node->position, options->name + " goes with backend = \"petsc\"");

@@ -419,7 +419,9 @@ constexpr Key rows[] = {
      "In which the factor is kept, which is most of the memory; all is computed in double precision. single takes half "
      "of it, and a few steps of conjugate gradients for each solve, to the same residual; where it does not serve "
      "(bodies thousands of times as long as wide) it is double, with a note. auto: double, or single where double is "
-     "more than the memory that there is or --max-memory allows. The loops of optimizations keep double.",
+     "more than the memory that there is or --max-memory allows. The loops of optimizations keep double. With petsc "
+     "and "
+     "mesh.refine it is that of the factor of each part, and auto is double.",
      "\"single\"",
      "\"auto\""},
     {"solver.petsc",

@@ -70,13 +70,7 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
     move(now.solver->solve(on_own_rows(-at.unmet)), at.x);
     ++field.linear_solves;
-    if (penalized) {
-      take_out_uniform(loads, at, field.linear_solves, false);
-      const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
-      std::array<double, 2> both{moved.change, moved.size};
-      peers.largest(both);
-      at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
-    }
+    if (penalized) step_theta(loads, at, field.linear_solves, false);
     at.unmet = forces_of(model, at.x, at.theta) - problem.load;
     at.certificate.kkt = std::max(largest(at.unmet) / size, at.penalty_error);
     const bool gains = at.certificate.kkt < 0.5 * best.certificate.kkt;

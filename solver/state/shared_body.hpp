@@ -92,7 +92,9 @@ struct SharedBody::Impl {
   /// The responses to theta = a on each piece, with what is held now.
   void find_responses(int& solves);
 
-  /// `must_fit`: throws where an enclosed incompressible body is to change its area (check_volume).
+  /// One step of the penalty iteration, with its error. `must_fit`: throws where an enclosed incompressible body is to
+  /// change its area (check_volume).
+  void step_theta(const Loads& loads, Round& r, int& solves, bool must_fit);
   void take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit);
   void take_out_level(const Loads& loads, Round& r);
 
@@ -123,6 +125,7 @@ struct SharedBody::Impl {
   std::vector<std::vector<Index>> shown, also_here;  // MeshPart::shown, seen
   std::vector<Index> process;                        // per triangle
   Model model;
+  Precision precision = Precision::Double;  // of the factors of the insides
   HeldSystem now = {};
   PartedEffort effort_before = {};        // of the systems before
   Index unknowns = 0;                     // of the body

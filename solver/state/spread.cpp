@@ -19,10 +19,10 @@
 
 namespace kerf {
 
-std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads) {
+std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads, Precision precision) {
   RankPart part = condensed_part(packed);
   std::string().swap(packed);
-  return bddc(std::move(part), *this, threads);
+  return bddc(std::move(part), *this, threads, precision);
 }
 
 double sum(Peers& peers, double value) {
@@ -148,7 +148,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& held) {
   std::iota(own.begin(), own.end(), 0);
   now.solver = peers.solver(
       packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total,
-      model.threads);
+      model.threads, precision);
 }
 
 PartedEffort SharedBody::Impl::effort() const {
@@ -424,6 +424,14 @@ void SharedBody::Impl::find_responses(int& solves) {
   uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
 }
 
+void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, bool must_fit) {
+  take_out_uniform(loads, r, solves, must_fit);
+  const ThetaChange moved = move_theta(model, loads, r.x, r.theta);
+  std::array<double, 2> both{moved.change, moved.size};
+  peers.largest(both);
+  r.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
+}
+
 void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit) {
   find_responses(solves);
   Eigen::VectorXd theta = r.theta;
@@ -478,13 +486,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   bool best_is_last = true;
   for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
     correct(at, state);
-    if (penalized) {
-      take_out_uniform(loads, at, state.linear_solves, true);
-      const ThetaChange moved = move_theta(model, loads, at.x, at.theta);
-      std::array<double, 2> both{moved.change, moved.size};
-      peers.largest(both);
-      at.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
-    }
+    if (penalized) step_theta(loads, at, state.linear_solves, true);
     judge(loads, at, state);
     const double error = at.certificate.kkt, least = best.certificate.kkt;
     const bool slow = round > 0 && error > 0.5 * least;
@@ -522,8 +524,11 @@ void SharedBody::Impl::drop_factor() {
 }
 
 SharedBody::SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
-                       const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole)
-    : impl_(std::make_unique<Impl>(std::move(part), e, std::move(scene), threads, floating, piece, peers, whole)) {}
+                       const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole,
+                       Precision precision)
+    : impl_(std::make_unique<Impl>(std::move(part), e, std::move(scene), threads, floating, piece, peers, whole)) {
+  impl_->precision = precision;
+}
 SharedBody::SharedBody(SharedBody&&) noexcept = default;
 SharedBody::~SharedBody() = default;
 const Model& SharedBody::model() const {

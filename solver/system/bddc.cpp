@@ -88,13 +88,13 @@ MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
 
 class Bddc : public SharedSolver {
  public:
-  Bddc(RankPart part, Peers& peers, int threads)
+  Bddc(RankPart part, Peers& peers, int threads, Precision precision)
       : peers_(peers),
         interface_(find_interface(part, peers)),
         diagonal_(diagonal_of(part, interface_.rows)),
         rows_(part.rows),
         own_(rows_owned(part)),
-        inside_(part, interface_.rows, threads, given_),
+        inside_(part, interface_.rows, threads, precision, given_),
         S_(std::move(given_)),
         gradients_(peers, counted()) {
     effort_.parts = static_cast<int>(peers.count());
@@ -352,8 +352,8 @@ class Bddc : public SharedSolver {
 
 }  // namespace
 
-std::unique_ptr<SharedSolver> bddc(RankPart part, Peers& peers, int threads) {
-  return std::make_unique<Bddc>(std::move(part), peers, threads);
+std::unique_ptr<SharedSolver> bddc(RankPart part, Peers& peers, int threads, Precision precision) {
+  return std::make_unique<Bddc>(std::move(part), peers, threads, precision);
 }
 
 }  // namespace kerf

@@ -72,7 +72,12 @@ LowerTriangle in_order(RankPart& part, const std::vector<Index>& order) {
 
 }  // namespace
 
-Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Eigen::MatrixXd& S)
+bool Inside::factorize(const LowerTriangle& lower, Eigen::MatrixXd& S) {
+  return values_ ? numeric_->factorize(lower, values_.get(), S, threads_)
+                 : numeric_->factorize(lower, rounded_.get(), S, threads_);
+}
+
+Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S)
     : order_(sequence(part, shared, threads)), threads_(threads) {
   const auto kept = static_cast<Index>(shared.size());
   S.setZero(kept, kept);
@@ -81,12 +86,16 @@ Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Eigen
   return_freed_memory();  // of the part, and of its ordering
   numeric_ = std::make_unique<Multifrontal>(analyze_pattern(lower).supernodes, kept);
   return_freed_memory();  // of the analysis
-  values_.reset(new double[static_cast<std::size_t>(numeric_->entries())]);
-  if (numeric_->factorize(lower, values_.get(), S, threads_)) return;
+  const auto entries = static_cast<std::size_t>(numeric_->entries());
+  if (precision == Precision::Single)
+    rounded_.reset(new float[entries]);
+  else
+    values_.reset(new double[entries]);
+  if (factorize(lower, S)) return;
   constexpr double shift = 1e-13;  // as for any slender body, the factor is a preconditioner then
   for (Index row = 0; row < lower.size - kept; ++row) lower.values[lower.start[row]] *= 1 + shift;
   S.setZero();
-  if (!numeric_->factorize(lower, values_.get(), S, threads_))
+  if (!factorize(lower, S))
     throw LostDefiniteness(
         "rounding has eaten the stiffness of a part of the body: it is slender, triangles are very flat, or materials "
         "differ too much; refine the mesh there, or use fewer processes");
@@ -95,12 +104,14 @@ Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Eigen
 Eigen::VectorXd Inside::forward(const Eigen::VectorXd& b) const {
   Eigen::VectorXd y(b.size());
   for (std::size_t k = 0; k < order_.size(); ++k) y[static_cast<Eigen::Index>(k)] = b[order_[k]];
-  if (numeric_) numeric_->forward(values_.get(), y, threads_);
+  if (values_) numeric_->forward(values_.get(), y, threads_);
+  if (rounded_) numeric_->forward(rounded_.get(), y, threads_);
   return y;
 }
 
 Eigen::VectorXd Inside::backward(Eigen::VectorXd y) const {
-  if (numeric_) numeric_->backward(values_.get(), y, threads_);
+  if (values_) numeric_->backward(values_.get(), y, threads_);
+  if (rounded_) numeric_->backward(rounded_.get(), y, threads_);
   Eigen::VectorXd x(y.size());
   for (std::size_t k = 0; k < order_.size(); ++k) x[order_[k]] = y[static_cast<Eigen::Index>(k)];
   return x;

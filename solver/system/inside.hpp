@@ -1,6 +1,7 @@
 #pragma once
 // The inside of a part eliminated exactly: its factor, and what is left of the rows that the part shares.
 
+#include "kerf/model.hpp"
 #include "solver/ranks.hpp"
 #include "solver/system/multifrontal.hpp"
 
@@ -15,7 +16,8 @@ class Inside {
   /// `shared`: rows of the part, in the order of S. Nothing stays of the part: its matrix exists once at a time. `S`:
   /// the lower half of K_GG - K_GI K_II^-1 K_IG, above it what has no meaning. Throws LostDefiniteness when K_II is not
   /// positive definite, std::bad_alloc.
-  Inside(RankPart& part, std::span<const Index> shared, int threads, Eigen::MatrixXd& S);
+  /// `precision`: in which L is kept; all is computed in double precision, S and what follows from L.
+  Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S);
 
   /// (L^-1 b_I, b_G - K_GI K_II^-1 b_I) of b in rows of the part.
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
@@ -23,9 +25,12 @@ class Inside {
   Eigen::VectorXd backward(Eigen::VectorXd y) const;
 
  private:
+  bool factorize(const LowerTriangle& lower, Eigen::MatrixXd& S);
+
   std::vector<Index> order_;  // order_[k] is the k-th row to be eliminated; those that are shared are the last
   std::unique_ptr<Multifrontal> numeric_;
   std::unique_ptr<double[]> values_;  // L
+  std::unique_ptr<float[]> rounded_;  // or this
   int threads_;
 };
 

@@ -40,35 +40,41 @@ bool small_panel(Index height, Index width, double* a) {
   return true;
 }
 
-/// c (lower, n x n) -= a a' for narrow a (n x k, columns `lda` apart), two columns by four at a time.
-void small_square(Index n, Index k, const double* a, Index lda, double* c) {
-  const auto column = [=](Index j) { return a + std::int64_t{j} * lda; };
+/// The rest less a a', a the panel's narrow part below its own rows, two columns by four at a time.
+void small_rest(const FrontMatrix& f) {
+  const Index n = f.height - f.width, width = f.width;
+  const auto column = [&](Index k) { return f.panel + width + std::int64_t{k} * f.height; };
+  const auto next = [&](double* first, Index j) { return first + (f.square ? n : n - j - 1); };  // where row 0 would be
+  double* first = f.rest;
   Index j = 0;
   for (; j + 2 <= n; j += 2) {
-    double* __restrict left = c + std::int64_t{j} * n, * __restrict right = left + n;
+    double* __restrict left = first;
+    double* __restrict right = next(left, j);
+    first = next(right, j + 1);
     Index t = 0;
-    for (; t + 4 <= k; t += 4) {
+    for (; t + 4 <= width; t += 4) {
       const double *p = column(t), *q = column(t + 1), *r = column(t + 2), *s = column(t + 3);
       const double p0 = p[j], q0 = q[j], r0 = r[j], s0 = s[j], p1 = p[j + 1], q1 = q[j + 1], r1 = r[j + 1],
                    s1 = s[j + 1];
-      for (Index i = j; i < n; ++i) {
+      left[j] -= p0 * p0 + q0 * q0 + r0 * r0 + s0 * s0;
+      for (Index i = j + 1; i < n; ++i) {
         left[i] -= p[i] * p0 + q[i] * q0 + r[i] * r0 + s[i] * s0;
         right[i] -= p[i] * p1 + q[i] * q1 + r[i] * r1 + s[i] * s1;
       }
     }
-    for (; t < k; ++t) {
+    for (; t < width; ++t) {
       const double *p = column(t), p0 = p[j], p1 = p[j + 1];
-      for (Index i = j; i < n; ++i) {
+      left[j] -= p0 * p0;
+      for (Index i = j + 1; i < n; ++i) {
         left[i] -= p[i] * p0;
         right[i] -= p[i] * p1;
       }
     }
   }
   for (; j < n; ++j)
-    for (Index t = 0; t < k; ++t) {
+    for (Index t = 0; t < width; ++t) {
       const double* p = column(t);
-      double* to = c + std::int64_t{j} * n;
-      for (Index i = j; i < n; ++i) to[i] -= p[i] * p[j];
+      for (Index i = j; i < n; ++i) first[i] -= p[i] * p[j];
     }
 }
 
@@ -91,8 +97,8 @@ template <typename Scalar>
 struct Multifrontal::Run {
   struct Work : Front {  // in the making
     double* panel;       // height x width
-    FrontMatrix matrix(double* rest) const {
-      return {height, width, panel, rest};
+    FrontMatrix matrix(double* rest, bool square) const {
+      return {height, width, panel, rest, square};
     }
   };
   const Multifrontal& of;
@@ -100,7 +106,7 @@ struct Multifrontal::Run {
   Scalar* values;
   Eigen::MatrixXd& last;  // rows and columns of L
   Team& team;
-  std::vector<double*> left = {};                    // per front what it leaves: lower, rest x rest
+  std::vector<double*> left = {};                    // per front what it leaves, a LowerHalf
   std::vector<std::unique_ptr<double[]>> kept = {};  // of roots of subtrees
   Spares<Arena> free = {};
   std::atomic<bool> definite = true;
@@ -129,13 +135,12 @@ struct Multifrontal::Run {
   }
 
   /// Columns from .. to of what the child leaves; `places`: of its rows in the front.
-  static void add_child(const Work& f, double* rest, const double* child, const std::vector<Index>& places, Index from,
+  static void add_child(const FrontMatrix& matrix, const double* child, const std::vector<Index>& places, Index from,
                         Index to) {
     const auto m = static_cast<Index>(places.size());
-    const FrontMatrix matrix = f.matrix(rest);
     for (Index j = from; j < to; ++j) {
       const Index at = places[static_cast<std::size_t>(j)];
-      const double* source = child + std::int64_t{j} * m;
+      const double* source = child + LowerHalf::place(m, j);
       double* target = matrix.column(at);
       for (Index i = j; i < m; ++i) target[places[static_cast<std::size_t>(i)]] += source[i];
     }
@@ -148,15 +153,15 @@ struct Multifrontal::Run {
     return places;
   }
 
-  bool eliminate_front(const Work& f, double* rest, double* packed, bool together) const {
+  bool eliminate_front(const FrontMatrix& f, double* packed, bool together) const {
     constexpr double little = 5e5;  // flops below which columns alone are faster than tiles
     const Index height = f.height, width = f.width;
     if (double(width) * height * height < little) {
       if (!small_panel(height, width, f.panel)) return false;
-      small_square(f.rest(), width, f.panel + width, height, rest);
+      small_rest(f);
       return true;
     }
-    return eliminate(f.matrix(rest), packed,
+    return eliminate(f, packed,
                      [&](Index count, const std::function<void(Index)>& body) { each(count, together, body); });
   }
 
@@ -225,7 +230,7 @@ struct Multifrontal::Run {
     const Index first = of.columns_ - of.kept_;
     for (Index j = 0; j < f.rest(); ++j)
       for (Index i = j; i < f.rest(); ++i)
-        last(f.rows[f.width + i] - first, f.rows[f.width + j] - first) += rest[std::int64_t{j} * f.rest() + i];
+        last(f.rows[f.width + i] - first, f.rows[f.width + j] - first) += rest[LowerHalf::place(f.rest(), j) + i];
   }
 
   /// What the front leaves is made on top of the stack, then moved down to where that of its children was; `in_last`:
@@ -235,19 +240,20 @@ struct Multifrontal::Run {
     double *lowest = arena.stack.get() + top, *rest = in_last ? last.data() : lowest;
     find_places(f, arena.place);
     in_strips(f.width, together, [&](Index from, Index to) { add_entries(f, arena.place, from, to); });
+    const FrontMatrix matrix = f.matrix(rest, in_last);
     in_strips(in_last ? 0 : f.rest(), together, [&](Index from, Index to) {
-      std::fill_n(rest + std::int64_t{from} * f.rest(), std::int64_t{to - from} * f.rest(), 0.0);
+      std::fill(rest + LowerHalf::start(f.rest(), from), rest + LowerHalf::start(f.rest(), to), 0.0);
     });
     for (Index c = of.first_child_[s]; c != none; c = of.next_[c]) {
       const std::vector<Index> places = places_of(c, arena.place);
       in_strips(static_cast<Index>(places.size()), together,
-                [&](Index from, Index to) { add_child(f, rest, left[c], places, from, to); });
+                [&](Index from, Index to) { add_child(matrix, left[c], places, from, to); });
       if (kept[c])
         kept[c].reset();
       else
         lowest = std::min(lowest, left[c]);
     }
-    if (!eliminate_front(f, rest, arena.packed.get(), together)) return false;
+    if (!eliminate_front(matrix, arena.packed.get(), together)) return false;
     in_strips(f.width, together, [&](Index from, Index to) { store(f, s, from, to); });
     store_last(f);
     if (in_last) {

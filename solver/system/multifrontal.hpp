@@ -96,7 +96,7 @@ class Multifrontal {
       return height - width;
     }
     std::size_t rest_size() const {
-      return static_cast<std::size_t>(rest()) * static_cast<std::size_t>(rest());
+      return static_cast<std::size_t>(rest()) * static_cast<std::size_t>(rest() + 1) / 2;
     }
   };
   struct Arena;

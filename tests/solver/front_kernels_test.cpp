@@ -31,7 +31,7 @@ struct Front {
     rest = all.bottomRightCorner(h - w, h - w).triangularView<Eigen::Lower>();
   }
   bool eliminate(const Each& each = in_order) {
-    return kerf::eliminate({height, width, panel.data(), rest.data()}, packed.data(), each);
+    return kerf::eliminate({height, width, panel.data(), rest.data(), true}, packed.data(), each);
   }
 };
 
@@ -57,6 +57,24 @@ TEST(FrontKernels, MakeTheCholeskyFactorAndWhatItLeaves) {
     const Eigen::MatrixXd left = f.all.bottomRightCorner(m, m) - L.bottomRows(m) * L.bottomRows(m).transpose();
     const Eigen::MatrixXd wrong = (f.rest - left).triangularView<Eigen::Lower>();
     EXPECT_LT(wrong.norm(), 1e-13 * size);
+  }
+}
+
+TEST(FrontKernels, LeaveTheSameBitsInALowerHalf) {
+  for (const auto& [height, width] : sizes) {
+    Front f(height, width), g(height, width);
+    const Index m = height - width;
+    std::vector<double> half(LowerHalf::size(m));
+    const auto at = [&](Index i, Index j) -> double& {
+      return half[static_cast<std::size_t>(LowerHalf::place(m, j) + i)];
+    };
+    for (Index j = 0; j < m; ++j)
+      for (Index i = j; i < m; ++i) at(i, j) = g.rest(i, j);
+    ASSERT_TRUE(f.eliminate());
+    ASSERT_TRUE(eliminate({height, width, g.panel.data(), half.data()}, g.packed.data(), in_order));
+    EXPECT_TRUE(f.panel == g.panel);
+    for (Index j = 0; j < m; ++j)
+      for (Index i = j; i < m; ++i) ASSERT_EQ(at(i, j), f.rest(i, j));
   }
 }
 
