@@ -45,7 +45,6 @@ void refuse(const Model& coarse, const Case& c, bool with_map) {
   require_known_loads(c.functional, coarse);
   if (!with_map) return;
   require_supports(c.functional, coarse);
-  if (has_frictional_cracks(c.scene)) fail("a map with friction on the cracks is not made there");
   if (c.map_request.second) fail("the second term takes solves of the whole");
 }
 
@@ -257,6 +256,7 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
   s.von_mises = found.von_mises;
   s.displacement = found.displacement;
   s.thickness = c.thickness;
+  s.of_polygon = is_of_polygon(c.shape, coarse.mesh);
   s.notes = coarse.notes;
   if (const std::string note = lost_digits(found.state); !note.empty()) s.notes.push_back(note);
   for (const std::string& note : notes_on_data(coarse.mesh, c.scene, coarse.inner->data, c.shape))

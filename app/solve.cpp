@@ -147,6 +147,10 @@ void add_resultants(const Model& model, const std::vector<LabelResultant>& react
   out.balance = ResultantResult{"", sum.force, sum.moment};
 }
 
+bool is_of_polygon(const Shape& shape, const Mesh& mesh) {
+  return !arcs_of(shape).empty() && mesh.arc.empty();
+}
+
 StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
@@ -159,7 +163,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   }
   s.cracks = crack_results(model, state, shape, c.output.tips);
   (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
-  s.state.of_polygon = !arcs_of(shape).empty() && model.mesh.arc.empty();
+  s.state.of_polygon = is_of_polygon(shape, model.mesh);
   add_resultants(model, reactions(model, state), shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);

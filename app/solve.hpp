@@ -32,6 +32,9 @@ bool has_stress(const Model& model, const State& state);
 /// Open faces that penetrate, and tips without K because of friction.
 std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, const Scene& scene);
 
+/// Whether chords stand for curved sides, so that what is bounded is of the polygon.
+bool is_of_polygon(const Shape& shape, const Mesh& mesh);
+
 /// What a mesh from a file leaves to be desired.
 std::vector<std::string> notes_on_file(const Case& c);
 

@@ -95,8 +95,8 @@ class SharedBody {
   /// Contact is settled by systems of the whole, one for each set of points that touch, beginning with `guess`.
   /// `keep_factor`: for what follows from the state.
   State solve(const ContactGuess& guess = {}, bool keep_factor = false);
-  /// As kerf/adjoint.hpp has it, about the last state, of cracks without friction: `dJ` by all triangles and unknowns
-  /// that are here, the field on them.
+  /// As kerf/adjoint.hpp has it, about the last state, and solver/tangent_cone.hpp with friction: `dJ` by all triangles
+  /// and unknowns that are here, the field on them.
   TangentField solve_adjoint(const Field& state, const Sensitivity& dJ);
   /// Throws Error(Numerics) where there are too many such rows.
   OneSided one_sided(const Field& state);

@@ -62,7 +62,7 @@ class ConeSolver {
 Sensitivity work_of_slips(const Field& state);
 
 /// Where friction leaves open what faces do next: they touch without pressure, or do not slide and have no friction
-/// left. Of one crack.
+/// left. Of one crack, own edges.
 struct Undecided {
   double length = 0, whole = 0;
   Vec2 at = Vec2::Zero();  // the first such point

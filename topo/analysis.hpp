@@ -14,7 +14,8 @@ using MeasuredBody =
 
 /// What an analysis asks of all who have a part of a body, where a model is one part of it.
 struct WholeBody {
-  std::function<void(std::span<double>)> sum;  // over all
+  std::function<void(std::span<double>)> sum;                             // over all
+  std::function<std::vector<double>(const std::vector<double>&)> gather;  // of all, one after the other
   std::function<TangentField(const Sensitivity& dJ)> adjoint;
   std::function<OneSided()> one_sided;
   MeasuredBody measured;  // for a misfit

@@ -375,6 +375,7 @@ Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
   const int points = m.inner->skeleton.per_edge / 2;
   for (const CrackEdge& c : m.mesh.cracks[crack])
     for (int k = 0; k < points; ++k, ++point) {
+      if (m.mesh.sides[c.edge][1] >= own_triangles(m)) continue;  // of another process
       const CrackPoint& p = profile[point];
       found.whole += p.length;
       const Index slip = m.inner->skeleton.jump[c.edge] + 2 * (c.forward ? k : points - 1 - k) + 1;

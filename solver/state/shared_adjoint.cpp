@@ -1,3 +1,4 @@
+#include "solver/contact/gmres.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/shared_body.hpp"
@@ -94,6 +95,48 @@ std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
   return gathered(peers, own);
 }
 
+std::vector<SlidingPoint> SharedBody::Impl::sliding(const Field& state, const std::vector<bool>& held) {
+  if (contact_rows == 0) return {};
+  const Eigen::VectorXd jump = on_contact(state.skeleton) - gaps;
+  std::vector<SlidingPoint> found;
+  for (const ContactPoint& p : points)
+    if (p.friction > 0 && held[static_cast<std::size_t>(p.normal)] && !held[static_cast<std::size_t>(p.tangential)])
+      found.push_back({p.normal, p.tangential, jump[p.tangential] > 0 ? -p.friction : p.friction});
+  return found;
+}
+
+void SharedBody::Impl::tie(Problem& problem, const std::vector<SlidingPoint>& sliding, int& solves) {
+  if (sliding.empty()) return;
+  const auto n = static_cast<Eigen::Index>(sliding.size());
+  const auto follow = [&](const Problem& of) -> Eigen::VectorXd {  // what the slips ask of the normal rows
+    TangentField field;
+    solve_linear(of, field);
+    solves += field.linear_solves;
+    const Eigen::VectorXd jumps = on_contact(field.skeleton);
+    Eigen::VectorXd normal(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const SlidingPoint& p = sliding[static_cast<std::size_t>(i)];
+      normal[i] = -p.share * jumps[p.tangential];
+    }
+    return normal;
+  };
+  const auto put = [&](const Eigen::VectorXd& normal, Eigen::VectorXd& jump) {
+    for (Eigen::Index i = 0; i < n; ++i) jump[sliding[static_cast<std::size_t>(i)].normal] += normal[i];
+  };
+  Problem change{.held = problem.held,
+                 .jump = {},
+                 .load = Eigen::VectorXd::Zero(problem.load.size()),
+                 .own = Eigen::VectorXd::Zero(problem.own.size())};
+  const auto answer = [&](const Eigen::VectorXd& normal) -> Eigen::VectorXd {
+    change.jump = Eigen::VectorXd::Zero(contact_rows);
+    put(normal, change.jump);
+    return follow(change);
+  };
+  const Eigen::VectorXd asked = follow(problem);
+  constexpr double enough = 1e-13;
+  if (!asked.isZero(0)) put(gmres(answer, asked, enough * asked.norm()), problem.jump);
+}
+
 TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ) {
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd work = work_on_motions(model, dJ);
@@ -105,13 +148,26 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
                   .jump = Eigen::VectorXd::Zero(contact_rows),
                   .load = std::move(loads.forces),
                   .own = std::move(loads.own)};
+  const std::vector<SlidingPoint> slides = sliding(state, problem.held);
   if (dJ.force.size() > 0 && contact_rows > 0) {
-    const Eigen::VectorXd by = on_contact(dJ.force);
+    Eigen::VectorXd by = on_contact(dJ.force);
+    for (const SlidingPoint& p : slides) by[p.normal] += p.share * by[p.tangential];
     for (Index i = 0; i < contact_rows; ++i)
       if (problem.held[static_cast<std::size_t>(i)]) problem.jump[i] = -by[i];
   }
+  const Eigen::VectorXd given = problem.jump;
   TangentField field;
+  int before = 0;
+  tie(problem, slides, before);
   const Round found = solve_linear(problem, field);
+  field.linear_solves += before;
+  if (!slides.empty()) {
+    const Eigen::VectorXd jumps = on_contact(field.skeleton);
+    for (const SlidingPoint& p : slides)
+      field.residual =
+          std::max(field.residual, std::abs(jumps[p.normal] - given[p.normal] + p.share * jumps[p.tangential]) /
+                                       jumps.cwiseAbs().maxCoeff());
+  }
   const Kernel& k = model.inner->kernel;
   const bool loaded = dJ.interior.size() > 0;
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(model.element));

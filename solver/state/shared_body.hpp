@@ -113,6 +113,11 @@ struct SharedBody::Impl {
   Round solve_linear(const Problem& problem, TangentField& field);
   /// Per row in contact of all.
   std::vector<ContactStatus> status(const Field& state);
+  /// By rows in contact of all, as tangent_cone has them.
+  std::vector<SlidingPoint> sliding(const Field& state, const std::vector<bool>& held);
+  /// Adds to the jumps of normal rows under sliding points minus their shares of the slips, which answer them
+  /// [theory: A.15].
+  void tie(Problem& problem, const std::vector<SlidingPoint>& sliding, int& solves);
   TangentField solve_adjoint(const Field& state, Sensitivity dJ);
   OneSided one_sided(const Field& state);
   Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);

@@ -427,6 +427,9 @@ TEST_F(DividedRun, MapsWithAdjoints) {
   expect_same_map(body + material("0.3"), "kind = \"crack_pressure\"\ncrack = \"c\"\ntarget = 0.2");
   expect_same_map(body + material("0.3"), "kind = \"energy_release_rate\"\ncrack = \"c\"\ntip = \"end\"");
   expect_same_map(pulled + material("0.3"), "kind = \"compliance\"");
+  std::string rubbing = body;
+  rubbing.replace(rubbing.find("[solver]"), 8, "friction = 0.3\n[solver]");
+  expect_same_map(rubbing + material("0.3"), "kind = \"energy\"");
   expect_same_map(body + material("0.3"), "kind = \"misfit\"\non = \"right\"\nmeasured = [\"0.3\", \"2*y\"]");
 }
 
@@ -455,6 +458,7 @@ TEST_F(DividedRun, ChordsOfTheUndividedMeshAreInTheEstimate) {
   const double divided = result(0, "cholmod", "solve", coarse + "3")["state"]["estimated_error"].get<double>();
   const json parts = result(3, "petsc", "solve", coarse + "3");
   EXPECT_NEAR(parts["state"]["estimated_error"].get<double>(), divided, 0.2 * divided);
+  EXPECT_EQ(parts["state"]["energy_bounds_of"], "polygon");
   // What the polygon lacks does not fall with the divisions.
   const double once = result(0, "cholmod", "solve", coarse + "2")["state"]["estimated_error"].get<double>();
   EXPECT_GT(divided, 0.6 * once);

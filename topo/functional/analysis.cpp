@@ -105,18 +105,34 @@ std::shared_ptr<const Biactive> biactive(const Model& m, OneSided found, const S
   return b;
 }
 
+// Of all of a crack; nothing where nothing is loaded.
+Undecided undecided(const Model& m, const Field& s, Index crack, const WholeBody& body) {
+  const bool here = crack < static_cast<Index>(m.mesh.cracks.size()) && !s.interior.isZero(0);
+  const Undecided own = here ? undecided_friction(m, s, crack) : Undecided{};
+  const std::vector<double> all = body.gather({own.length, own.whole, own.at.x(), own.at.y(), own.touches ? 1.0 : 0.0});
+  Undecided found;
+  for (std::size_t i = 0; i < all.size(); i += 5) {
+    if (found.length == 0 && all[i] > 0) {
+      found.at = {all[i + 2], all[i + 3]};
+      found.touches = all[i + 4] > 0;
+    }
+    found.length += all[i];
+    found.whole += all[i + 1];
+  }
+  return found;
+}
+
 // With friction there are no one-sided derivatives: points that are about to change what they do are refused where they
 // have a length.
-void require_friction_decided(const Functional& j, const Model& m, const Field& s) {
+void require_friction_decided(const Functional& j, const Model& m, const Field& s, const WholeBody& body) {
   for (const Term& term : j.terms)
     if (term.measured)
       throw Error(Fault::Usage,
                   "functional \"misfit\" needs cracks without friction for its derivatives: neither of its two states "
                   "minimizes an energy; remove friction and tresca, or track the displacements (boundary_tracking)");
-  if (s.interior.isZero(0)) return;
   constexpr double few = 0.01;
-  for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
-    const Undecided open = undecided_friction(m, s, static_cast<Index>(c));
+  for (std::size_t c = 0; c < m.scene.laws.size(); ++c) {
+    const Undecided open = undecided(m, s, static_cast<Index>(c), body);
     if (open.length <= few * open.whole) continue;
     throw Error(
         Fault::Numerics,
@@ -206,6 +222,7 @@ void require_supports(const Functional& j, const Model& model) {
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   const WholeBody body{
       .sum = [](std::span<double>) {},
+      .gather = [](const std::vector<double>& own) { return own; },
       .adjoint = [&](const Sensitivity& dJ) { return solve_adjoint(model, dJ, tangent_cone(model, state)); },
       .one_sided = [&] { return one_sided(model, state); },
       .measured =
@@ -221,6 +238,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
 
 WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, MeasuredBody measured) {
   return {.sum = [&](std::span<double> values) { peers.sum(values); },
+          .gather = [&](const std::vector<double>& own) { return gathered(peers, own); },
           .adjoint = [&](const Sensitivity& dJ) { return body.solve_adjoint(state, dJ); },
           .one_sided = [&] { return body.one_sided(state); },
           .measured = std::move(measured)};
@@ -234,7 +252,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
     return value;
   };
   const bool friction = has_frictional_cracks(model.scene);
-  if (friction && !value_only) require_friction_decided(j, model, state);
+  if (friction && !value_only) require_friction_decided(j, model, state, body);
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
                   [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
     a.biactive_length = summed(length_of(model, state));
