@@ -32,7 +32,20 @@ std::vector<CopiedCorner> copied_corners(const Mesh& coarse, std::span<const Ind
   return copied;
 }
 
-CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners) {
+std::vector<CopiedCenter> copied_centers(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
+                                         const Mapped& map) {
+  std::vector<CopiedCenter> copied;
+  const bool oriented = map.full.angle.size() > 0;
+  for (Index t = 0; t < own; ++t) {
+    const Index from = origin[static_cast<std::size_t>(t)];
+    constexpr double same = 1e-6;
+    if ((centroid(mesh, t) - centroid(coarse, from)).squaredNorm() > same * area(mesh, t)) continue;
+    copied.push_back({from, map.full.at_centroids[t], oriented ? map.full.angle[t] : nan});
+  }
+  return copied;
+}
+
+CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners, std::span<const CopiedCenter> centers) {
   CoarseCopy copy{.adapted = {.model = std::move(model)}, .data = {}, .map = {}};
   copy.data = plot_corners(copy.adapted.model);
   const auto n = static_cast<Eigen::Index>(copy.data.points.size());
@@ -43,6 +56,7 @@ CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners) {
   copy.map.full.at_corners.setConstant(n, nan);
   copy.map.full.margin.setConstant(n, nan);
   copy.map.left_out_corner.assign(static_cast<std::size_t>(n), LeftOut::No);
+  copy.map.full.masked_corner.assign(static_cast<std::size_t>(n), false);
   for (const CopiedCorner& c : corners) {
     const Index at = copy.data.corners.of[static_cast<std::size_t>(c.triangle)][static_cast<std::size_t>(c.corner)];
     values.displacement.col(at) << c.displacement[0], c.displacement[1];
@@ -51,10 +65,16 @@ CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners) {
     copy.map.full.at_corners[at] = c.derivative;
     copy.map.full.margin[at] = c.margin;
     copy.map.left_out_corner[static_cast<std::size_t>(at)] = c.left_out;
+    copy.map.full.masked_corner[static_cast<std::size_t>(at)] = c.left_out != LeftOut::No;
   }
-  copy.map.full.at_centroids.resize(static_cast<Eigen::Index>(copy.data.corners.of.size()));
-  for (Eigen::Index t = 0; t < copy.map.full.at_centroids.size(); ++t)
-    copy.map.full.at_centroids[t] = copy.map.full.at_corners(copy.data.corners.of[static_cast<std::size_t>(t)]).mean();
+  const auto triangles = static_cast<Eigen::Index>(copy.data.corners.of.size());
+  copy.map.full.at_centroids.setConstant(triangles, nan);
+  if (std::ranges::any_of(centers, [](const CopiedCenter& c) { return !std::isnan(c.angle); }))
+    copy.map.full.angle.setConstant(triangles, nan);
+  for (const CopiedCenter& c : centers) {
+    copy.map.full.at_centroids[c.triangle] = c.derivative;
+    if (copy.map.full.angle.size() > 0) copy.map.full.angle[c.triangle] = c.angle;
+  }
   return copy;
 }
 

@@ -19,11 +19,19 @@ struct CopiedCorner {
 std::vector<CopiedCorner> copied_corners(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
                                          const PlotData& data, const Mapped* map);
 
+/// What a map has at the centroid of a triangle of the mesh before, which is that of the middle one of its parts.
+struct CopiedCenter {
+  Index triangle;
+  double derivative, angle;  // NaN where a map has none
+};
+std::vector<CopiedCenter> copied_centers(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
+                                         const Mapped& map);
+
 struct CoarseCopy {
   Adapted adapted;  // the model before the division, without a factor and a state
   PlotData data;
-  Mapped map;  // at the corners alone; empty without one
+  Mapped map;  // empty without one
 };
-CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners);
+CoarseCopy coarse_copy(Model model, std::span<const CopiedCorner> corners, std::span<const CopiedCenter> centers);
 
 }  // namespace kerf

@@ -206,6 +206,11 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
   if (journal.vtk && is_everywhere(map.full)) write_fields(journal, "map.vtu", data, map_fields(map));
+  write_map_table(journal, task, map, mesh, data);
+}
+
+void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data) {
   const bool bounds = task.request.bounds, second = task.request.second, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});

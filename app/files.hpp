@@ -30,6 +30,9 @@ std::vector<NamedField> map_fields(const Mapped& map);
 /// map.vtu; map.csv at the asked points, or at all corners.
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);
+/// map.csv alone.
+void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data);
 
 /// x, y, the state and a derivative at a point; NaN for what is not known: all of it outside the body.
 std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x, double derivative);

@@ -412,9 +412,12 @@ FoundTogether work_together(const Case& c, PartTask task, Peers& peers) {
     write_piece(task, "state", own, peers.here(), found.fields);
     const std::optional<Mapped> map =
         task.map ? std::optional(map_part(c, task, functional, data, own, peers, found)) : std::nullopt;
-    if (task.copy)
-      found.copied = gathered_by_first(
-          peers, copied_corners(*whole, origin, own_triangles(model), model.mesh, data, map ? &*map : nullptr));
+    if (task.copy) {
+      const Index own_count = own_triangles(model);
+      found.copied =
+          gathered_by_first(peers, copied_corners(*whole, origin, own_count, model.mesh, data, map ? &*map : nullptr));
+      if (map) found.centers = gathered_by_first(peers, copied_centers(*whole, origin, own_count, model.mesh, *map));
+    }
   }
   found.state.certificate = state.certificate;
   found.state.converged = state.converged;

@@ -30,6 +30,7 @@ struct FoundTogether {
   std::vector<NamedField> fields, map_fields;  // names, kinds and components of the files
   std::optional<MapResult> map;
   std::vector<std::vector<std::vector<double>>> probes;  // rows of each
+  std::vector<CopiedCenter> centers;                     // of the first process alone, as those at the corners
   std::vector<CopiedCorner> copied;                      // of the first process alone
   // With PartTask::adapts: this round; why it is the last one, or else the indicator of the triangles before they were
   // divided, of the first process alone, and nothing of what is above.

@@ -109,7 +109,7 @@ void describe_divided(const Mesh& coarse, int divisions, Result& r) {
   r.mesh.h_max = std::ldexp(r.mesh.h_max, -divisions);
 }
 
-/// The pictures, and the map for the page.
+/// The pictures, the table of the map, and the map for the page.
 void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
   const Model& model = copy.adapted.model;
   journal.picture("mesh.png", [&] { return mesh_picture(journal.title, model.mesh); });
@@ -118,6 +118,7 @@ void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
   copy.map.result = *r.map;
   static const std::vector<Vec2> everywhere;
   const MapTask task{c.functional, c.map_request, c.map ? c.map->points : everywhere};
+  if (task.points.empty()) write_map_table(journal, task, copy.map, model.mesh, copy.data);
   journal.picture("map.png", [&] { return map_picture(journal.title, task, model, copy.data, copy.map); });
   if (journal.html) add_map(journal.arrays, task, copy.map, model, copy.data);
 }
@@ -198,7 +199,7 @@ struct InParts {
                   .peaks = c.output.peaks,
                   .tips = c.output.tips,
                   .bounds = c.output.energy_bounds,
-                  .copy = journal.png || journal.html,
+                  .copy = journal.png || journal.html || with_map,
                   .map = with_map,
                   .precision = c.precision == FactorPrecision::Single ? Precision::Single : Precision::Double,
                   .floating = floating_of(u.model, c.divisions),
@@ -309,12 +310,12 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
       s.notes.push_back(std::move(note));
     write_grid("map", found.map_fields);
     if (!r.map->points.empty())
-      write_map_files(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
+      write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
   }
   write_crack_files(journal, r.cracks);
   for (std::size_t k = 0; k < c.probes.size(); ++k)
     write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
-  CoarseCopy copy = coarse_copy(std::move(before.model), found.copied);
+  CoarseCopy copy = coarse_copy(std::move(before.model), found.copied, found.centers);
   draw(c, r, copy, journal);
   journal.seconds.output += journal.lap();
   return copy;
