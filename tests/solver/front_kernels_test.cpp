@@ -49,8 +49,9 @@ TEST(FrontKernels, MakeTheCholeskyFactorAndWhatItLeaves) {
     const Eigen::MatrixXd own = f.all.topLeftCorner(width, width).llt().matrixL();
     Eigen::MatrixXd L(height, width);
     L.topRows(width) = own;
-    L.bottomRows(m) =
-        own.triangularView<Eigen::Lower>().solve(f.all.bottomLeftCorner(m, width).transpose()).transpose();
+    if (m > 0)
+      L.bottomRows(m) =
+          own.triangularView<Eigen::Lower>().solve(f.all.bottomLeftCorner(m, width).transpose()).transpose();
     const double size = f.all.norm();
     EXPECT_LT((f.panel - L).norm(), 1e-13 * size);  // zeros above the diagonal, too
     if (m == 0) continue;
