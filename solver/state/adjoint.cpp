@@ -344,17 +344,24 @@ std::vector<bool> tied(const std::vector<ContactStatus>& status) {
   return held;
 }
 
+std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points, const std::vector<bool>& held,
+                                         const Eigen::VectorXd& jump) {
+  std::vector<SlidingPoint> found;
+  for (const ContactPoint& p : points)
+    if (p.friction > 0 && held[p.normal] && !held[p.tangential])
+      found.push_back({p.normal, p.tangential, jump[p.tangential] > 0 ? -p.friction : p.friction});
+  return found;
+}
+
 TangentCone tangent_cone(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   TangentCone cone(tied(status));
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
-  std::vector<double> jump(status.size(), 0);
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(status.size()));
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
     if (const Index row = m.inner->ordering.row[u]; row >= leading)
-      jump[static_cast<std::size_t>(row - leading)] = state.skeleton[u] - m.inner->skeleton.prescribed[u];
-  for (const ContactPoint& p : contact_points(m))
-    if (p.friction > 0 && cone.held[p.normal] && !cone.held[p.tangential])
-      cone.sliding.push_back({p.normal, p.tangential, jump[p.tangential] > 0 ? -p.friction : p.friction});
+      jump[row - leading] = state.skeleton[u] - m.inner->skeleton.prescribed[u];
+  cone.sliding = sliding_points(contact_points(m), cone.held, jump);
   return cone;
 }
 

@@ -97,12 +97,7 @@ std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
 
 std::vector<SlidingPoint> SharedBody::Impl::sliding(const Field& state, const std::vector<bool>& held) {
   if (contact_rows == 0) return {};
-  const Eigen::VectorXd jump = on_contact(state.skeleton) - gaps;
-  std::vector<SlidingPoint> found;
-  for (const ContactPoint& p : points)
-    if (p.friction > 0 && held[static_cast<std::size_t>(p.normal)] && !held[static_cast<std::size_t>(p.tangential)])
-      found.push_back({p.normal, p.tangential, jump[p.tangential] > 0 ? -p.friction : p.friction});
-  return found;
+  return sliding_points(points, held, on_contact(state.skeleton) - gaps);
 }
 
 void SharedBody::Impl::tie(Problem& problem, const std::vector<SlidingPoint>& sliding, int& solves) {
