@@ -90,7 +90,7 @@ void print_body(Lines& out, const Shape& shape, const Mesh& mesh, const Bows& bo
             shape.holes.size() == 1 ? "" : "s");
 }
 
-std::string in_words(const Elastic& e) {
+std::string elastic_in_words(const Elastic& e) {
   if (!e.orthotropy) return fmt::format("young {:g}, poisson {:g}", e.young, e.poisson);
   const Orthotropy& o = *e.orthotropy;
   return fmt::format("young [{:g}, {:g}], poisson {:g}, shear {:g}, angle {:g}", o.young[0], o.young[1], o.poisson,
@@ -111,8 +111,8 @@ void print_regions(Lines& out, const Case& c, const Mesh& mesh, const Bows& bows
     for (std::size_t t = 0; t < mesh.region.size(); ++t)
       if (mesh.region[t] == static_cast<Index>(r))
         size += cell_area(cell_of(mesh, bows, static_cast<Index>(t))), ++count;
-    out.print("region    {}: {}, area {:.6g}, {} triangles{}\n", shape.regions[r].name, in_words(c.regions[r]), size,
-              count, with_eigenstrain(c.scene, static_cast<Index>(r)));
+    out.print("region    {}: {}, area {:.6g}, {} triangles{}\n", shape.regions[r].name, elastic_in_words(c.regions[r]),
+              size, count, with_eigenstrain(c.scene, static_cast<Index>(r)));
   }
 }
 
@@ -238,7 +238,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       *problem));
   out.print("{}\n", c.title);
   print_body(out, c.shape, mesh, bows);
-  out.print("material  {}, plane {}{}\n", in_words({c.young, c.poisson, c.orthotropy}),
+  out.print("material  {}, plane {}{}\n", elastic_in_words({c.young, c.poisson, c.orthotropy}),
             c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
   print_regions(out, c, mesh, bows);
   print_mesh(out, mesh);

@@ -147,7 +147,7 @@ void add_arrows(const std::vector<Vec2>& chain, const BoundaryField& load, doubl
 }
 
 /// All loaded parts of boundary and cracks with what acts on them, and the largest traction at the middle of an edge.
-struct Loaded {
+struct LoadedSides {
   std::vector<std::pair<std::vector<Vec2>, BoundaryField>> chains;
   double largest = 0;
 
@@ -161,15 +161,15 @@ struct Loaded {
   }
 };
 
-Loaded loaded_chains(const Mesh& mesh, std::span<const Traction> tractions) {
-  Loaded out;
+LoadedSides loaded_chains(const Mesh& mesh, std::span<const Traction> tractions) {
+  LoadedSides out;
   for (const Traction& t : tractions)
     for (auto& chain : chains(mesh, t.label)) out.add(std::move(chain), t.value);
   return out;
 }
 
 /// A pressure in a crack pushes both faces away from it.
-void add_pressures(const Mesh& mesh, const Scene& scene, Loaded& loaded) {
+void add_pressures(const Mesh& mesh, const Scene& scene, LoadedSides& loaded) {
   for (std::size_t c = 0; c < std::min(mesh.cracks.size(), scene.laws.size()); ++c) {
     const BoundaryField& pressure = scene.laws[c].pressure;
     if (!pressure) continue;
@@ -201,7 +201,7 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   std::vector<Traction> tractions = scene.tractions;
   for (const LoadCase& loads : further)
     tractions.insert(tractions.end(), loads.tractions.begin(), loads.tractions.end());
-  Loaded loaded = loaded_chains(mesh, tractions);
+  LoadedSides loaded = loaded_chains(mesh, tractions);
   add_pressures(mesh, scene, loaded);
   if (loaded.largest > 0)
     for (const auto& [chain, load] : loaded.chains) add_arrows(chain, load, loaded.largest, size, p);

@@ -15,7 +15,7 @@ namespace {
 constexpr double degree = pi / 180;
 
 /// 0: counts for the extrema; 1: masked; 2: near a singular point.
-Eigen::RowVectorXd flags(std::span<const LeftOut> values) {
+Eigen::RowVectorXd flags_of_points(std::span<const LeftOut> values) {
   Eigen::RowVectorXd row(static_cast<Eigen::Index>(values.size()));
   for (Eigen::Index i = 0; i < row.size(); ++i) row[i] = static_cast<double>(values[static_cast<std::size_t>(i)]);
   return row;
@@ -58,8 +58,8 @@ std::vector<NamedField> map_fields(const Mapped& mapped) {
   const FullMap& map = mapped.full;
   std::vector<NamedField> fields{{"topological_derivative", false, map.at_corners.transpose()},
                                  {"topological_derivative_at_centroid", true, map.at_centroids.transpose()},
-                                 {"mask", false, flags(mapped.left_out_corner)},
-                                 {"mask_at_centroid", true, flags(mapped.left_out_centroid)}};
+                                 {"mask", false, flags_of_points(mapped.left_out_corner)},
+                                 {"mask_at_centroid", true, flags_of_points(mapped.left_out_centroid)}};
   if (map.lower.size() > 0) {
     fields.push_back({"lower", false, map.lower.transpose()});
     fields.push_back({"upper", false, map.upper.transpose()});

@@ -12,17 +12,17 @@ namespace kerf {
 
 namespace {
 
-struct Solved {
+struct SolvedStep {
   Model model;
   State state;
 };
 
-std::string in_words(const LoadStep& step) {
+std::string step_in_words(const LoadStep& step) {
   return step.parts > 1 ? fmt::format("step \"{}\", part {} of {}", step.name, step.part, step.parts)
                         : fmt::format("step \"{}\"", step.name);
 }
 
-StepResult result_of(const LoadStep& step, const Solved& now, const Solved* before, const StepResult* last,
+StepResult result_of(const LoadStep& step, const SolvedStep& now, const SolvedStep* before, const StepResult* last,
                      const Case& c) {
   StepResult r{.name = step.name, .part = step.part, .parts = step.parts, .values = step.values};
   const InHistory here{now.model, now.state};
@@ -65,16 +65,17 @@ Adapted solve_steps(const Case& c, const Adaptation& how, Journal& journal, std:
   Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
   journal.seconds.mesh += journal.lap();
   if (how.meshed) how.meshed(mesh);
-  std::optional<Solved> now;
+  std::optional<SolvedStep> now;
   for (const LoadStep& step : c.steps) {
-    journal.begin(in_words(step));
+    journal.begin(step_in_words(step));
     Model model =
         now ? continued(now->model, step.scene, now->state)
             : prepare(std::move(mesh), c.element, step.scene, journal.options.threads, {.precision = how.precision});
     State state = solve(model, c.contact);
     if (!certified(state))
-      throw Error(Fault::Numerics, fmt::format("{} could not be solved: {}", in_words(step), failure(model, state)));
-    Solved next{std::move(model), std::move(state)};
+      throw Error(Fault::Numerics,
+                  fmt::format("{} could not be solved: {}", step_in_words(step), failure(model, state)));
+    SolvedStep next{std::move(model), std::move(state)};
     out.push_back(result_of(step, next, now ? &*now : nullptr, out.empty() ? nullptr : &out.back(), c));
     // What is done stays when the next one fails.
     journal.later([path = journal.file("steps.csv"), out] { write_steps_csv(path, out); });

@@ -1,5 +1,6 @@
-// kerf: the commands and their arguments. CLI11 lives here and nowhere else.
+// kerf: the commands and their arguments.
 
+#include "app/command_line.hpp"
 #include "app/farm.hpp"
 #include "app/forecast.hpp"
 #include "app/keys.hpp"
@@ -19,7 +20,6 @@
 #include "kerf/stop.hpp"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 
@@ -75,84 +75,70 @@ const std::vector<Command>& commands() {
   return all;
 }
 
-void declare_sweep(CLI::App& sub, Arguments& arguments) {
-  sub.add_option("--over", arguments.over, "A key and its values: 'mesh.size=[0.1, 0.05]' (may be repeated)")
-      ->required()
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false)
-      ->type_name("KEY=[VALUES]");
-  sub.add_option("--jobs", arguments.jobs, "Runs at a time; default one per core")->check(CLI::Range(1, 4096));
-  sub.add_option("--threads", arguments.threads_of_run, "Number of threads of each run; default 1")
-      ->check(CLI::Range(1, 256));
-  sub.add_option("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing")
-      ->check(CLI::IsMember({"snakemake", "slurm"}));
-  sub.add_flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
-  sub.add_flag("--quiet", arguments.quiet, "No summary and no progress");
+void declare_sweep(CommandOptions& sub, Arguments& arguments) {
+  sub.several("--over", arguments.over, "A key and its values: 'mesh.size=[0.1, 0.05]' (may be repeated)",
+              "KEY=[VALUES]", true);
+  sub.number("--jobs", arguments.jobs, "Runs at a time; default one per core", {1, 4096});
+  sub.number("--threads", arguments.threads_of_run, "Number of threads of each run; default 1", {1, 256});
+  sub.one_of("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing",
+             {"snakemake", "slurm"});
+  sub.flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
+  sub.flag("--quiet", arguments.quiet, "No summary and no progress");
 }
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", "kerf " KERF_VERSION);
-  app.require_subcommand(0, 1);
-  app.footer(exit_codes);
+void declare(CommandLine& line, Arguments& arguments) {
+  line.version("kerf " KERF_VERSION);
   for (const Command& command : commands()) {
-    CLI::App* sub = app.add_subcommand(command.name, command.description);
-    sub->callback([&arguments, name = command.name] { arguments.command = name; });
+    CommandOptions sub = line.command(command.name, command.description,
+                                      [&arguments, name = command.name] { arguments.command = name; });
     if (command.name == "keys") {
-      sub->add_option("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
-      sub->add_flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
-      sub->add_flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
-      sub->add_option("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
-      sub->add_option("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
+      sub.words("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
+      sub.flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
+      sub.flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
+      sub.words("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
+      sub.words("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
       continue;
     }
     if (command.name == "init") {
-      sub->add_option("NAME", arguments.template_name, "Which one; see --list");
-      sub->add_flag("--list", arguments.list, "Print the names and what they show; write nothing");
-      sub->add_option("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
-      sub->add_flag("--force", arguments.force, "Overwrite the file");
+      sub.words("NAME", arguments.template_name, "Which one; see --list");
+      sub.flag("--list", arguments.list, "Print the names and what they show; write nothing");
+      sub.words("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
+      sub.flag("--force", arguments.force, "Overwrite the file");
       continue;
     }
     if (command.name == "report") {
-      sub->add_option("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>")->required();
-      sub->add_flag("--quiet", arguments.quiet, "Do not say what was written");
+      sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
+      sub.flag("--quiet", arguments.quiet, "Do not say what was written");
       continue;
     }
     if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
-    sub->add_option("CASE", arguments.case_file, "The case file (TOML)")->required();
+    sub.words("CASE", arguments.case_file, "The case file (TOML)", true);
     if (command.name == "mesh") {
-      sub->add_option("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
-      sub->add_option("--format", arguments.format, "Of gmsh, for .msh; default 4.1")
-          ->check(CLI::IsMember({"4.1", "2.2"}));
+      sub.words("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
+      sub.one_of("--format", arguments.format, "Of gmsh, for .msh; default 4.1", {"4.1", "2.2"});
     } else {
-      sub->add_option("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
+      sub.words("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
     }
-    sub->add_option("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+    sub.several("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)",
+                "KEY=VALUE");
     if (command.name == "sweep") {
-      declare_sweep(*sub, arguments);
+      declare_sweep(sub, arguments);
       continue;
     }
     if (command.name == "run" || command.name == "optimize")
-      sub->add_flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
-    sub->add_option("--threads", arguments.threads, "Number of threads; default all cores")->check(CLI::Range(1, 256));
+      sub.flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
+    sub.number("--threads", arguments.threads, "Number of threads; default all cores", {1, 256});
     if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
-      sub->add_option("--processes", arguments.processes,
-                      "Start so many by mpiexec, for solver.backend = \"petsc\" or optimize.starts; default 1")
-          ->check(CLI::Range(1, 4096));
-    sub->add_flag("--quiet", arguments.quiet, "No summary and no progress");
-    sub->add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
-        ->check(CLI::IsMember(log_levels()));
-    sub->add_flag("--force", arguments.force, "Overwrite results");
+      sub.number("--processes", arguments.processes,
+                 "Start so many by mpiexec, for solver.backend = \"petsc\" or optimize.starts; default 1", {1, 4096});
+    sub.flag("--quiet", arguments.quiet, "No summary and no progress");
+    sub.one_of("--log-level", arguments.log_level, "How much to log on stderr; default info", log_levels());
+    sub.flag("--force", arguments.force, "Overwrite results");
     if (command.name == "check") continue;
-    sub->add_flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
-    sub->add_option("--max-memory", arguments.max_memory,
-                    "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is");
-    sub->add_option("--max-seconds", arguments.max_seconds, "Refuse what would take longer, and end what does")
-        ->check(CLI::Range(1e-3, 1e9));
+    sub.flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
+    sub.words("--max-memory", arguments.max_memory,
+              "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is");
+    sub.number("--max-seconds", arguments.max_seconds, "Refuse what would take longer, and end what does", {1e-3, 1e9});
   }
 }
 
@@ -182,29 +168,16 @@ std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arg
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   arguments.line = command_line(argc, argv);
-  CLI::App app("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf");
-  declare(app, arguments);
+  CommandLine line("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf", exit_codes);
+  declare(line, arguments);
   std::vector<std::string> names;
   for (const Command& command : commands()) names.push_back(command.name);
   if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
     throw Error(Fault::Usage, fmt::format("unknown command {}; {}", quote(argv[1]), suggest(argv[1], names)));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) {
-      app.exit(e);
-      return std::nullopt;
-    }
-    const auto parsed = app.get_subcommands();
-    refuse_arguments(e.what(), parsed.empty() ? "" : parsed.front()->get_name() + " ");
-  }
-  for (const CLI::App* sub : app.get_subcommands({})) {
-    arguments.commands.push_back({sub->get_name(), {}});
-    for (const CLI::Option* option : sub->get_options())
-      for (const std::string& name : option->get_lnames()) arguments.commands.back().options.push_back("--" + name);
-  }
+  if (!line.parse(argc, argv)) return std::nullopt;
+  arguments.commands = line.commands();
   if (arguments.command.empty()) {
-    std::cout << app.help();
+    std::cout << line.help();
     throw Error(Fault::Usage, "a command is missing");
   }
   return arguments;

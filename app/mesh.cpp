@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 /// 1 at the vertices that an edge of the group has.
-NamedField flags(const std::string& name, const Mesh& mesh, const std::vector<Index>& of_edge, Index group) {
+NamedField flags_of_edges(const std::string& name, const Mesh& mesh, const std::vector<Index>& of_edge, Index group) {
   NamedField field{name, false, Eigen::MatrixXd::Zero(1, static_cast<Eigen::Index>(mesh.points.size()))};
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
     if (of_edge[e] == group)
@@ -26,9 +26,9 @@ void write_groups(const std::filesystem::path& path, const Mesh& mesh, const Sha
     region.values(0, static_cast<Eigen::Index>(t)) = region_of(mesh, static_cast<Index>(t));
   fields.push_back(std::move(region));
   for (std::size_t k = 0; k < shape.labels.size(); ++k)
-    fields.push_back(flags(shape.labels[k], mesh, mesh.label, static_cast<Index>(k)));
+    fields.push_back(flags_of_edges(shape.labels[k], mesh, mesh.label, static_cast<Index>(k)));
   for (std::size_t k = 0; k < shape.cracks.size(); ++k)
-    fields.push_back(flags("crack:" + shape.cracks[k].name, mesh, mesh.crack, static_cast<Index>(k)));
+    fields.push_back(flags_of_edges("crack:" + shape.cracks[k].name, mesh, mesh.crack, static_cast<Index>(k)));
   write_vtu(path, mesh.points, mesh.triangles, fields);
 }
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What the initial guess found, and how much of the data it explains.
-std::vector<std::string> in_words(const InitialGuess& found, const Design& design) {
+std::vector<std::string> guesses_in_words(const InitialGuess& found, const Design& design) {
   std::vector<std::string> notes;
   for (const Guess& guess : found.guesses) notes.push_back("one shot: " + in_words(guess, design));
   if (std::isfinite(found.explained))
@@ -34,7 +34,7 @@ std::vector<std::string> fill_in_start(const Problem& problem, OptimizeRequest& 
   if (journal.options.on_phase) journal.options.on_phase("read the start off the topological derivative");
   InitialGuess guess = initial_guess(problem, request.design, request.min_distance);
   request.design = std::move(guess.design);
-  return in_words(guess, request.design);
+  return guesses_in_words(guess, request.design);
 }
 
 /// How many there are; their starts are then what fits the readings best.

@@ -22,18 +22,18 @@ std::uint32_t index(Index i) {
 }
 
 /// The corner number that a triangle has at a vertex.
-std::uint32_t corner(const Mesh& mesh, const Corners& corners, Index t, Index vertex) {
+std::uint32_t corner_number(const Mesh& mesh, const Corners& corners, Index t, Index vertex) {
   for (int i = 0; i < 3; ++i)
     if (mesh.triangles[t][i] == vertex) return index(corners.of[t][i]);
   return 0;
 }
 
 /// Pairs of corners: boundary edges, edges between materials, both faces of cracks.
-void add_lines(std::vector<NamedArray>& arrays, const Mesh& mesh, const Corners& corners) {
+void add_line_arrays(std::vector<NamedArray>& arrays, const Mesh& mesh, const Corners& corners) {
   NamedArray outline{.name = "outline", .width = 2}, interfaces{.name = "interfaces", .width = 2},
       cracks{.name = "cracks", .width = 2};
   const auto add = [&](NamedArray& to, Index t, Index e) {
-    for (const Index v : mesh.edges[e]) to.indices.push_back(corner(mesh, corners, t, v));
+    for (const Index v : mesh.edges[e]) to.indices.push_back(corner_number(mesh, corners, t, v));
   };
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const auto& [left, right] = mesh.sides[e];
@@ -74,7 +74,7 @@ void add_state(std::vector<NamedArray>& arrays, const Adapted& adapted, const Pl
   arrays.push_back(floats("stress", stress));
   arrays.push_back(floats("von_mises", data.von_mises.transpose()));
   if (adapted.indicator.eta.size() > 0) arrays.push_back(floats("error_indicator", adapted.indicator.eta.transpose()));
-  add_lines(arrays, adapted.model.mesh, data.corners);
+  add_line_arrays(arrays, adapted.model.mesh, data.corners);
   add_pieces(arrays, "supports", drawing.supports);
   add_pieces(arrays, "rollers", drawing.rollers);
   std::vector<std::vector<Vec2>> arrows;

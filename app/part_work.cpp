@@ -96,8 +96,8 @@ void write_piece(const PartTask& task, std::string_view name, const OwnPlot& own
 
 /// Least and largest value of each kind of place that may be left out (LeftOut), over all processes: those of the
 /// first kind, and of the ones before it, where there are any.
-std::array<PlacedValue, 2> extrema(Peers& peers, const OwnPlot& own, const Eigen::VectorXd& values,
-                                   const std::vector<LeftOut>& left_out) {
+std::array<PlacedValue, 2> extrema_of_parts(Peers& peers, const OwnPlot& own, const Eigen::VectorXd& values,
+                                            const std::vector<LeftOut>& left_out) {
   struct Flat {
     double value = nan, x = 0, y = 0;
   };
@@ -176,7 +176,7 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
     const std::vector<MapPoint> at = map_at_points(c, a, c.probes[k].points, peers);
     for (std::size_t i = 0; i < at.size(); ++i) found.probes[k][i].back() = at[i].value;
   }
-  const auto [least, most] = extrema(peers, own, map.full.at_corners, map.left_out_corner);
+  const auto [least, most] = extrema_of_parts(peers, own, map.full.at_corners, map.left_out_corner);
   r.min = least;
   r.max = most;
   r.excluded_radius = task.zones.radius;

@@ -39,7 +39,7 @@ namespace {
 }
 
 /// Throws Error(Usage) for what needs more of the whole than the sums of its parts.
-void refuse(const Model& coarse, const Case& c, bool with_map) {
+void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
   const auto fail = [&](const char* why) { fail_in_parts(c, why); };
   if (!coarse.inner->standing.empty()) fail("what contact alone holds is known of the whole alone");
   require_known_loads(c.functional, coarse);
@@ -182,7 +182,7 @@ struct InParts {
 
   PartTask task_for(const Undivided& u) {
     const Mesh& mesh = u.model.mesh;
-    refuse(u.model, c, with_map);
+    refuse_parts(u.model, c, with_map);
     if (mesh.triangles.size() < least_of_part * static_cast<std::size_t>(processes.count()))
       throw Error(Fault::Usage,
                   fmt::format("{}: {} triangles before they are divided are too few for {} processes; use a "

@@ -14,7 +14,7 @@ namespace kerf {
 
 namespace {
 
-std::string in_words(const Vec2& x) {
+std::string point_in_words(const Vec2& x) {
   return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
 }
 
@@ -81,13 +81,13 @@ std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const 
       notes.push_back(
           fmt::format("strains reach {:.2g} at {}: linear elasticity is about small ones (below {:g}); "
                       "check the units of young and of the loads, or read the results per load",
-                      regular->value, in_words(regular->at), small_strain));
+                      regular->value, point_in_words(regular->at), small_strain));
   }
   if (displacement && displacement->largest.value > small_displacement * extent)
-    notes.push_back(
-        fmt::format("displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
-                    "about small ones (below {:g})",
-                    displacement->largest.value / extent, in_words(displacement->largest.at), small_displacement));
+    notes.push_back(fmt::format(
+        "displacements reach {:.2g} of the extent of the body at {}: linear elasticity is "
+        "about small ones (below {:g})",
+        displacement->largest.value / extent, point_in_words(displacement->largest.at), small_displacement));
   return notes;
 }
 
@@ -146,7 +146,7 @@ std::string note_on_chords(const Case& c, const PlacedValue& top, double beside)
   return fmt::format(
       "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
       "it is larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
-      top.value, in_words(top.at), beside,
+      top.value, point_in_words(top.at), beside,
       can_be_curved(c.element) && !c.mesh && !c.optimize ? "; with mesh.curved = true edges follow the curve" : "");
 }
 

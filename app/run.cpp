@@ -175,7 +175,7 @@ void refuse_divided(const Case& c, const Jobs& jobs) {
                             place_of(c, "mesh.refine"), job));
 }
 
-void refuse(const Case& c, const Jobs& jobs) {
+void refuse_jobs(const Case& c, const Jobs& jobs) {
   refuse_divided(c, jobs);
   if (!c.steps.empty()) {
     refuse_steps(c);
@@ -221,7 +221,7 @@ void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
 // The steps, with what they add to the result. Sections are there as soon as they are known: what fails later leaves
 // them.
 
-struct Solved {
+struct SolvedState {
   Adapted adapted;
   PlotData data;
 };
@@ -258,7 +258,7 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   return adapted;
 }
 
-Solved solve_state(const Case& c, Journal& journal, Result& r) {
+SolvedState solve_state(const Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body(c, journal, r);
   if (stop_requested()) {  // between rounds: the last one is there
     write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
@@ -300,7 +300,7 @@ Solved solve_state(const Case& c, Journal& journal, Result& r) {
   return {std::move(adapted), std::move(data)};
 }
 
-Analysis evaluate_functional(const Case& c, const Solved& solved, bool with_map, Journal& journal, Result& r) {
+Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with_map, Journal& journal, Result& r) {
   const auto note = [&r](const std::vector<std::string>& notes) {
     r.state->notes.insert(r.state->notes.end(), notes.begin(), notes.end());
   };
@@ -364,8 +364,8 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 }
 
 /// The state of the optimal design; J is what the optimization says, over all load cases.
-Solved solve_design(const Case& design, Journal& journal, Result& r) {
-  Solved solved = solve_state(design, journal, r);
+SolvedState solve_design(const Case& design, Journal& journal, Result& r) {
+  SolvedState solved = solve_state(design, journal, r);
   write_design_mesh(journal, solved.adapted.model.mesh, design.shape);
   journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });
   r.functional = {design.functional.kind, r.optimize->objective};
@@ -391,7 +391,7 @@ void fail(const Error& e, Journal& journal, Result& r) {
 /// The body that the state of a run belongs to. It stays where it is: the analysis points to the state.
 struct Outcome {
   Case c;
-  Solved solved;
+  SolvedState solved;
   std::optional<Analysis> analysis = {};
 };
 
@@ -403,7 +403,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   std::unique_ptr<Outcome> out;
   try {
     if (!jobs.optimize || jobs.map || jobs.validate) {
-      Solved solved = solve_state(c, journal, r);
+      SolvedState solved = solve_state(c, journal, r);
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
   } catch (const Error& e) {
@@ -422,7 +422,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       if (out) {
         draw_design(design, journal, r);
       } else {
-        Solved solved = solve_design(design, journal, r);
+        SolvedState solved = solve_design(design, journal, r);
         out = std::make_unique<Outcome>(Outcome{std::move(design), std::move(solved)});
       }
     }
@@ -551,7 +551,7 @@ Result run(const Case& read, Job job, const RunOptions& options) {
   const Jobs jobs = jobs_of(read, job);
   if (options.resume && !jobs.optimize)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
-  refuse(read, jobs);
+  refuse_jobs(read, jobs);
   refuse_processes(read, jobs, options.processes);
   const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
   prepare_folder(options, read.fingerprint);

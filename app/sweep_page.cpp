@@ -52,14 +52,14 @@ std::string label(const SweepTable& table, const SweepTable::Row& row, std::size
 }
 
 /// A number of the results against the first key whose values are numbers, a curve for all that the other keys say.
-struct Panel {
+struct SweepPanel {
   std::string name;
   std::map<std::string, std::vector<std::pair<double, double>>> curves;
   Vec2 low{infinity, infinity}, high{-infinity, -infinity};
 };
 
-std::optional<Panel> panel_of(const SweepTable& table, std::size_t key, std::size_t column) {
-  Panel out{.name = table.columns[column], .curves = {}};
+std::optional<SweepPanel> panel_of(const SweepTable& table, std::size_t key, std::size_t column) {
+  SweepPanel out{.name = table.columns[column], .curves = {}};
   std::size_t count = 0;
   for (const SweepTable::Row& row : table.rows) {
     const auto x = number_in(row.values[key]), y = number_in(row.cells[column]);
@@ -75,7 +75,7 @@ std::optional<Panel> panel_of(const SweepTable& table, std::size_t key, std::siz
   return out;
 }
 
-std::string drawn(const Panel& panel, const std::string& key) {
+std::string drawn(const SweepPanel& panel, const std::string& key) {
   constexpr double width = 260, height = 170, left = 12, right = 12, top = 10, bottom = 26;
   const auto at = [&](double x, double y) {
     const Vec2 size = panel.high - panel.low;

@@ -20,7 +20,7 @@ namespace kerf {
 
 namespace {
 
-Shape square(double half) {
+Shape square_with_half(double half) {
   Shape shape;
   shape.outline = polygon("outline", {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, 0);
   shape.labels = {"bottom", "right", "top", "left"};
@@ -50,20 +50,26 @@ struct ContactProblem {
   double size = 0.5;  // of the edges far from everything
 };
 
-double distance_to(const Crack& crack, const Vec2& x) {
+double distance_to_crack(const Crack& crack, const Vec2& x) {
   return distance(x, crack.points.front(), crack.points.back());
 }
 
 // Pressed at one end and open at the other.
 ContactProblem one_crack(double unknowns) {
-  ContactProblem p{square(2), clamped({Pull{}, [](const Vec2& x) -> Vec2 { return {0.2, x.x()}; }, Pull{}}), {}};
+  ContactProblem p{square_with_half(2),
+                   clamped({Pull{},
+                            [](const Vec2& x) -> Vec2 {
+                              return {0.2, x.x()};
+                            },
+                            Pull{}}),
+                   {}};
   p.shape.cracks = {{"c", {{-0.92, -0.39}, {0.92, 0.39}}, {}}};
   const double edge = 2 * 2 / unknowns;  // two unknowns on each of a crack of length 2
   p.mesh = [edge](const Shape& shape, double coarser) {
     const Mesh coarse = triangulate(shape, {.size = 0.2});
     Background background{&coarse, {}};
     for (const Vec2& x : coarse.points)
-      background.size.push_back(coarser * edge + 0.5 * distance_to(shape.cracks[0], x));
+      background.size.push_back(coarser * edge + 0.5 * distance_to_crack(shape.cracks[0], x));
     return triangulate(shape, {.size = 0.5, .grading = 0.5}, background);
   };
   return p;
@@ -72,7 +78,7 @@ ContactProblem one_crack(double unknowns) {
 /// Straight cracks at random, none nearer than .15 to another, as many per area for any count.
 Shape random_cracks(int count) {
   const double half = 0.6 + 0.7 * std::sqrt(static_cast<double>(count));
-  Shape shape = square(half);
+  Shape shape = square_with_half(half);
   std::mt19937 bits(7);
   const auto random = [&](double low, double high) { return low + (high - low) * (bits() / 4294967296.0); };
   const double room = half - 0.6;
@@ -83,7 +89,7 @@ Shape random_cracks(int count) {
     const auto near = [&](const Crack& other) {
       if ((other.points[0] + other.points[1] - 2 * center).norm() > 2.4) return false;
       for (int i = 0; i <= 20; ++i)
-        if (distance_to(other, next.points[0] + i / 20.0 * (next.points[1] - next.points[0])) < 0.15) return true;
+        if (distance_to_crack(other, next.points[0] + i / 20.0 * (next.points[1] - next.points[0])) < 0.15) return true;
       return false;
     };
     if (std::ranges::none_of(shape.cracks, near)) shape.cracks.push_back(next);
@@ -111,7 +117,7 @@ ContactProblem many_cracks(double count) {
 }
 
 ContactProblem beneath(double depth, const std::array<Pull, 3>& pulls) {
-  ContactProblem p{square(0.5), clamped(pulls), {}};
+  ContactProblem p{square_with_half(0.5), clamped(pulls), {}};
   p.shape.cracks = {{"c", {{-0.25, 0.5 - depth}, {0.25, 0.5 - depth}}, {}}};
   p.mesh = [](const Shape& shape, double coarser) {
     return triangulate(shape, {.size = 0.05 * coarser, .long_ligaments = true});
@@ -221,7 +227,7 @@ void measure_contact(const ContactProblem& p, ContactRow& row) {
   row.memory_mb = std::max(0.0, peak - peak_open);
 }
 
-std::string table(const ContactBench& bench) {
+std::string contact_table(const ContactBench& bench) {
   std::string out =
       "| family | knob | friction | triangles | contact unknowns | sets | linear solve, s | contact over it | MB on "
       "top "
@@ -237,13 +243,13 @@ std::string table(const ContactBench& bench) {
   return out;
 }
 
-std::string page(const ContactBench& bench) {
+std::string contact_page(const ContactBench& bench) {
   std::string out =
       "# Contact\n\nMade by `kerf bench contact`: bdms of degree 1, one thread, processor time without meshing. What "
       "contact takes, with the coarser meshes that it begins with where it is large, over what the same body with open "
       "cracks takes in the same run; the peak of memory, less that with open cracks.\n\n";
   for (const Family& f : families()) out += fmt::format("- {}: {}\n", f.name, f.knob);
-  return out + "\n" + table(bench);
+  return out + "\n" + contact_table(bench);
 }
 
 }  // namespace
@@ -269,12 +275,12 @@ ContactBench run_contact_bench(const BenchOptions& options) {
   bench.stopped = stop_asked(options);
   write_contact_csv(options.folder / "contact.csv", bench);
   write_contact_json(options.folder / "contact.json", bench);
-  write_file(options.folder / "contact.md", page(bench));
+  write_file(options.folder / "contact.md", contact_page(bench));
   return bench;
 }
 
 std::string summary(const ContactBench& bench) {
-  return table(bench);
+  return contact_table(bench);
 }
 
 std::vector<std::string> contact_case_names() {

@@ -51,7 +51,7 @@ constexpr double stress_error = 5e-3;
 
 using Segments = std::vector<std::array<Vec2, 2>>;
 
-double distance_to(const Segments& segments, const Vec2& x) {
+double distance_to_segments(const Segments& segments, const Vec2& x) {
   double nearest = infinity;
   for (const auto& [a, b] : segments) nearest = std::min(nearest, distance(x, a, b));
   return nearest;
@@ -76,9 +76,9 @@ Eigen::VectorXd solid_parts(const OptimizeProblem& p, const Mesh& mesh, double t
   Eigen::VectorXd out(static_cast<Eigen::Index>(mesh.points.size()));
   for (Eigen::Index v = 0; v < out.size(); ++v) {
     const Vec2& x = mesh.points[v];
-    out[v] = distance_to(loads, x) - thickness;
+    out[v] = distance_to_segments(loads, x) - thickness;
     for (const Segments& closed : frozen) {
-      const double away = distance_to(closed, x);
+      const double away = distance_to_segments(closed, x);
       // On the frame's own boundary, where these parts end, they are solid.
       out[v] = std::min(out[v], inside(closed, x) || away < 1e-9 ? -std::max(away, thickness) : away);
     }

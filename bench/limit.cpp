@@ -24,7 +24,7 @@ namespace kerf {
 
 namespace {
 
-constexpr const char* crack = "closing-crack";
+constexpr const char* limit_problem = "closing-crack";
 
 /// Flops per second of a product of square matrices that fit into no cache near the processor; the best of three.
 double dgemm_rate() {
@@ -64,7 +64,7 @@ class Phases {
   double processor_of_rest_ = 0;
 };
 
-LimitRow run_one(const BenchProblem& problem, const MeshPlan& plan, int threads) {
+LimitRow run_limit(const BenchProblem& problem, const MeshPlan& plan, int threads) {
   LimitRow row{.threads = threads, .phases = {}, .dgemm_rate = dgemm_rate()};
   forget_peak_memory();
   row.before_mb = peak_memory_mb();
@@ -160,7 +160,7 @@ LimitBench run_limit_bench(const BenchOptions& options, bool large) {
   std::vector<Index> counts{10000, 100000, 355000};
   if (options.quick) counts = {1000, 2000};
   if (large) counts.push_back(1400000);
-  const BenchProblem problem = map_problem(crack, 0.3);
+  const BenchProblem problem = map_problem(limit_problem, 0.3);
   for (const Index count : counts) {
     const MeshPlan plan = bench_plan(problem, Grading::Graded, 1, level_of(problem, Grading::Graded, 1, count));
     for (const int threads : {1, 2}) {
@@ -168,7 +168,7 @@ LimitBench run_limit_bench(const BenchOptions& options, bool large) {
       if (options.on_phase) options.on_phase(fmt::format("{} triangles, {} threads", count, threads));
       std::vector<LimitRow> runs;
       const int repeat = options.quick || count > 200000 ? 1 : 3;
-      for (int i = 0; i < repeat; ++i) runs.push_back(run_one(problem, plan, threads));
+      for (int i = 0; i < repeat; ++i) runs.push_back(run_limit(problem, plan, threads));
       std::ranges::sort(runs, {}, &LimitRow::wall);
       bench.rows.push_back(runs[runs.size() / 2]);
     }
@@ -214,7 +214,7 @@ std::string summary(const LimitBench& bench) {
 }
 
 std::vector<std::string> limit_case_names() {
-  return {crack};
+  return {limit_problem};
 }
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
-// kerf-bench: speed against error. `kerf bench` starts it. In this room CLI11 lives here and nowhere else.
+// kerf-bench: speed against error. `kerf bench` starts it.
 
+#include "app/command_line.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/ranks.hpp"
@@ -16,7 +17,6 @@
 #include "kerf/types.hpp"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ namespace kerf {
 namespace {
 
 struct Arguments {
-  std::string name, folder;
+  std::string name, folder, peers;
   BenchOptions options;
   std::vector<std::string> elements;  // state, map
   double seconds = 300;               // state, map
@@ -64,50 +64,34 @@ const std::vector<Bench>& benches() {
   return all;
 }
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandOptions line, Arguments& arguments) {
   BenchOptions& options = arguments.options;
-  app.footer(exit_codes);
-  app.add_option("NAME", arguments.name, "Which one; see --list");
-  app.add_flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
-  app.add_option("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
-  app.add_option("--seconds", arguments.seconds, "state, map: time for kerf's runs; default 300")
-      ->check(CLI::Range(1e-3, 1e6));
-  app.add_option("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200")
-      ->check(CLI::Range(1e-3, 1e6));
-  const auto several = [&app](const char* name, std::vector<std::string>& names, const char* words) {
-    app.add_option(name, names, words)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false);
-  };
-  several("--case", options.cases, "Only this case (may be repeated)");
-  several("--element", arguments.elements, "Only this element (may be repeated)");
-  app.add_flag(
+  line.words("NAME", arguments.name, "Which one; see --list");
+  line.flag("--list", arguments.list, "Print the benches, their cases and elements; run nothing");
+  line.words("-o,--output", arguments.folder, "Folder for the results; default out/bench_<name>");
+  line.number("--seconds", arguments.seconds, "state, map: time for kerf's runs; default 300", {1e-3, 1e6});
+  line.number("--peer-seconds", options.peer_seconds, "Time for the runs of other programs; default 1200", {1e-3, 1e6});
+  line.several("--case", options.cases, "Only this case (may be repeated)");
+  line.several("--element", arguments.elements, "Only this element (may be repeated)");
+  line.flag(
       "--quick", options.quick,
-      "Two coarse meshes of everything (proof: one): shows that it works, measures nothing; hard: a few values of each "
-      "knob; "
-      "verify: the quick half");
-  app.add_option("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
-  app.add_flag("--large", arguments.large, "map, limit: a million triangles, too; about 10 GB and a few minutes");
-  app.add_option("--peers", options.peers, "Folder with the scripts of other programs, run too where installed");
-  app.add_flag("--quiet", arguments.quiet, "No summary and no progress");
-  app.add_option("--log-level", arguments.log_level, "How much to log on stderr; default info")
-      ->check(CLI::IsMember(log_levels()));
-  app.add_flag("--force", arguments.force, "Overwrite results");
+      "Two coarse meshes of everything (proof: one): shows that it works, measures nothing; hard: a few values of "
+      "each knob; verify: the quick half");
+  line.words("--write", arguments.pages, "verify: folder for the pages of the manual; default that of the results");
+  line.flag("--large", arguments.large, "map, limit: a million triangles, too; about 10 GB and a few minutes");
+  line.words("--peers", arguments.peers, "Folder with the scripts of other programs, run too where installed");
+  line.flag("--quiet", arguments.quiet, "No summary and no progress");
+  line.one_of("--log-level", arguments.log_level, "How much to log on stderr; default info", log_levels());
+  line.flag("--force", arguments.force, "Overwrite results");
 }
 
 /// Nothing when help was asked for and has been printed.
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Speed against error, with CSV, JSON and pictures", "kerf bench");
-  declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) refuse_arguments(e.what(), "bench ");
-    app.exit(e);
-    return std::nullopt;
-  }
+  CommandLine line("Speed against error, with CSV, JSON and pictures", "kerf bench", exit_codes);
+  declare(line.options(), arguments);
+  if (!line.parse(argc, argv, "bench ")) return std::nullopt;
+  arguments.options.peers = arguments.peers;
   return arguments;
 }
 

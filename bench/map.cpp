@@ -16,24 +16,24 @@ namespace kerf {
 namespace {
 
 constexpr const char* validation = "validation";
-constexpr double good_enough = 1e-5;  // no sequence goes beyond this error
-constexpr double growth = 2.3;        // of the time from one level to the next
+constexpr double least_map_error = 1e-5;    // no sequence goes beyond this error
+constexpr double growth_of_map_time = 2.3;  // of the time from one level to the next
 
 Grading grading_of(const BenchProblem& problem) {
   return problem.shape.cracks.empty() ? Grading::Uniform : Grading::Graded;
 }
 
-struct Sequence {
+struct MapSequence {
   BenchProblem problem;
   const Element* element;
 };
 
-class Runner {
+class MapRunner {
  public:
-  Runner(const MapBenchOptions& options, MapBench& bench) : options_(options), bench_(bench) {}
+  MapRunner(const MapBenchOptions& options, MapBench& bench) : options_(options), bench_(bench) {}
 
   void sequences() {
-    std::vector<Sequence> all;
+    std::vector<MapSequence> all;
     for (const BenchProblem& p : problems())
       for (const Element& e : elements)
         if (p.exact && (options_.elements.empty() ? e.name == "bdms" : is_wanted(options_.elements, e.name)))
@@ -103,10 +103,11 @@ class Runner {
     }
   }
 
-  void sequence(const Sequence& s, double seconds) {
+  void sequence(const MapSequence& s, double seconds) {
     const std::string name = fmt::format("{} {} {}", tag(s.problem), s.element->name, s.element->degree);
     double spent = 0, last = 0;
-    for (int level = 0; level < (options_.quick ? 2 : 40) && !stopped() && spent + growth * last <= seconds; ++level) {
+    for (int level = 0; level < (options_.quick ? 2 : 40) && !stopped() && spent + growth_of_map_time * last <= seconds;
+         ++level) {
       Stopwatch watch;
       if (!attempt(fmt::format("{} level {}", name, level), [&] {
             bench_.sequences.push_back(
@@ -115,7 +116,7 @@ class Runner {
         return;
       last = watch.lap();
       spent += last;
-      if (bench_.sequences.back().error < good_enough) return;
+      if (bench_.sequences.back().error < least_map_error) return;
     }
   }
 
@@ -163,7 +164,7 @@ MapBench run_map_bench(const MapBenchOptions& options) {
   if (!options.peers.empty()) require_scripts(options.peers, PeerTask::Map);
   make_folder(options.folder);
   MapBench bench;
-  Runner runner(options, bench);
+  MapRunner runner(options, bench);
   runner.sequences();
   runner.sizes();
   runner.validations();

@@ -53,7 +53,8 @@ const Functional& tracking() {
   return j;
 }
 
-MapMeasurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_error) {
+MapMeasurement measured_map(const BenchProblem& problem, const Element& e, Grading grading, double level,
+                            bool with_error) {
   forget_peak_memory();
   MapMeasurement m{.problem = problem.name,
                    .poisson = problem.poisson,
@@ -143,7 +144,7 @@ BenchProblem map_problem(const std::string& name, double poisson) {
 
 MapMeasurement measure_map(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
   std::vector<MapMeasurement> runs;
-  for (int i = 0; i < std::max(1, repeat); ++i) runs.push_back(once(problem, e, grading, level, i == 0));
+  for (int i = 0; i < std::max(1, repeat); ++i) runs.push_back(measured_map(problem, e, grading, level, i == 0));
   MapMeasurement m = runs.front();
   m.state = median_state(runs);
   for (double MapMeasurement::*time : {&MapMeasurement::value_s, &MapMeasurement::evaluate_s,

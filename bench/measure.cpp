@@ -27,7 +27,8 @@ void recover_displacement(const Model& model, const State& state) {
   }
 }
 
-StateMeasurement once(const BenchProblem& problem, const Element& e, Grading grading, double level, bool with_errors) {
+StateMeasurement measured_state(const BenchProblem& problem, const Element& e, Grading grading, double level,
+                                bool with_errors) {
   forget_peak_memory();
   StateMeasurement m{.problem = problem.name,
                      .poisson = problem.poisson,
@@ -117,10 +118,10 @@ std::string_view name_of(Grading grading) {
 }
 
 StateMeasurement measure(const BenchProblem& problem, const Element& e, Grading grading, double level, int repeat) {
-  std::vector<StateMeasurement> runs{once(problem, e, grading, level, true)};
+  std::vector<StateMeasurement> runs{measured_state(problem, e, grading, level, true)};
   const StateMeasurement first = runs.front();
   if (first.seconds.work() < 1)
-    while (static_cast<int>(runs.size()) < repeat) runs.push_back(once(problem, e, grading, level, false));
+    while (static_cast<int>(runs.size()) < repeat) runs.push_back(measured_state(problem, e, grading, level, false));
   const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
   std::nth_element(runs.begin(), middle, runs.end(), [](const StateMeasurement& a, const StateMeasurement& b) {
     return a.seconds.work() < b.seconds.work();

@@ -57,9 +57,9 @@ struct Passed {
   Shape shape;
 };
 
-class Runner {
+class OptimizeRunner {
  public:
-  Runner(const BenchOptions& options, OptimizeBench& bench)
+  OptimizeRunner(const BenchOptions& options, OptimizeBench& bench)
       : options_(options), bench_(bench), cases_(options.folder / "cases") {
     make_folder(cases_);
     for (const std::string& name : wanted_scenarios(options.cases))
@@ -361,7 +361,7 @@ OptimizeBench run_optimize_bench(const BenchOptions& options) {
   if (!options.peers.empty()) require_design_scripts(options.peers);
   make_folder(options.folder);
   OptimizeBench bench;
-  Runner runner(options, bench);
+  OptimizeRunner runner(options, bench);
   runner.own_runs();
   runner.peers();
   runner.volume_peers();

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Job {
+struct DesignJob {
   std::string problem, name, command;
   int cells;  // per length
   double volume;
@@ -31,7 +31,7 @@ constexpr const char* simp_script = "simp_scenario.py";
 constexpr const char* trace_file = "trace.txt";
 constexpr double longest = 900;  // seconds that one run may take
 
-Job simp_job(const OptimizeProblem& p, double volume, int cells, bool strong, const DesignPeerOptions& options) {
+DesignJob simp_job(const OptimizeProblem& p, double volume, int cells, bool strong, const DesignPeerOptions& options) {
   const std::string scenario = fmt::format("{}_{}.json", p.name, volume);
   write_file(options.work / scenario, density_scenario(p, volume));
   return {p.name,
@@ -43,8 +43,8 @@ Job simp_job(const OptimizeProblem& p, double volume, int cells, bool strong, co
           strong};
 }
 
-std::vector<Job> simp_jobs(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options) {
-  std::vector<Job> jobs;
+std::vector<DesignJob> simp_jobs(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options) {
+  std::vector<DesignJob> jobs;
   for (const OptimizeProblem& p : problems) {
     if (!has_density(p)) continue;
     const double volume = *p.request.volume_at_most;
@@ -56,8 +56,8 @@ std::vector<Job> simp_jobs(const std::vector<OptimizeProblem>& problems, const D
 }
 
 /// Of the bodies that its script knows.
-std::vector<Job> freefem_jobs(const std::vector<OptimizeProblem>& problems, bool quick) {
-  std::vector<Job> jobs;
+std::vector<DesignJob> freefem_design_jobs(const std::vector<OptimizeProblem>& problems, bool quick) {
+  std::vector<DesignJob> jobs;
   for (const OptimizeProblem& p : problems) {
     if (p.name != "cantilever" && p.name != "mbb") continue;
     for (const int n : quick ? std::vector{20} : std::vector{50, 100})
@@ -74,8 +74,8 @@ bool has_numpy() {
 }
 
 /// Those of FreeFem++ that can be run, or a note.
-std::vector<Job> prepare_freefem(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options,
-                                 DesignPeers& result) {
+std::vector<DesignJob> prepare_freefem(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options,
+                                       DesignPeers& result) {
   if (options.scripts.empty()) return {};
   copy_scripts(options.scripts, options.work);
   const auto script = traced_tdopt(read_file(options.scripts / "tdopt.edp"));
@@ -87,10 +87,10 @@ std::vector<Job> prepare_freefem(const std::vector<OptimizeProblem>& problems, c
     return {};
   }
   write_file(options.work / traced, *script);
-  return freefem_jobs(problems, options.quick);
+  return freefem_design_jobs(problems, options.quick);
 }
 
-void run_job(const Job& job, double limit, const DesignPeerOptions& options, DesignPeers& result) {
+void run_design_job(const DesignJob& job, double limit, const DesignPeerOptions& options, DesignPeers& result) {
   if (options.on_phase) options.on_phase(fmt::format("{}: {}", job.problem, job.name));
   const fs::path trace = options.work / trace_file;
   fs::remove(trace);
@@ -159,23 +159,23 @@ std::vector<PeerSnapshot> read_snapshots(const std::string& text) {
 DesignPeers run_design_peers(const std::vector<OptimizeProblem>& problems, const DesignPeerOptions& options) {
   DesignPeers result;
   fs::create_directories(options.work);
-  std::vector<Job> jobs = prepare_freefem(problems, options, result);
+  std::vector<DesignJob> jobs = prepare_freefem(problems, options, result);
   if (has_numpy()) {
     write_file(options.work / simp_script, simp_scenario_script);
-    for (Job& job : simp_jobs(problems, options)) jobs.push_back(std::move(job));
+    for (DesignJob& job : simp_jobs(problems, options)) jobs.push_back(std::move(job));
   } else {
     result.notes.push_back(fmt::format("{} has no numpy and scipy: SIMP is left out", python));
   }
   // Small runs first: when time runs out, every problem has one.
-  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.cells < b.cells; });
+  std::stable_sort(jobs.begin(), jobs.end(), [](const DesignJob& a, const DesignJob& b) { return a.cells < b.cells; });
   Stopwatch watch;
   double spent = 0;
   std::size_t done = 0;
-  for (const Job& job : jobs) {
+  for (const DesignJob& job : jobs) {
     spent += watch.lap();
     if (spent > options.seconds || stop_requested() || (options.stop_asked && options.stop_asked())) break;
     ++done;
-    run_job(job, std::clamp(options.seconds - spent, 10.0, longest), options, result);
+    run_design_job(job, std::clamp(options.seconds - spent, 10.0, longest), options, result);
   }
   if (done < jobs.size())
     result.notes.push_back(
@@ -188,7 +188,7 @@ DesignPeers run_simp(const OptimizeProblem& p, double volume, int cells, const D
   fs::create_directories(options.work);
   if (!has_numpy()) return result;
   write_file(options.work / simp_script, simp_scenario_script);
-  run_job(simp_job(p, volume, cells, false, options), longest, options, result);
+  run_design_job(simp_job(p, volume, cells, false, options), longest, options, result);
   return result;
 }
 

@@ -16,8 +16,8 @@ namespace {
 using Coordinates = std::function<Vec2(const StateMeasurement&)>;
 
 /// One style per element and degree, dashed on uniform meshes, dotted on adaptive ones.
-std::vector<Series> sequences(const StateBench& bench, const std::string& problem, double poisson,
-                              const Coordinates& at) {
+std::vector<Series> series_of_sequences(const StateBench& bench, const std::string& problem, double poisson,
+                                        const Coordinates& at) {
   std::vector<std::string> elements;
   std::vector<Series> all;
   for (const StateMeasurement& m : bench.runs) {
@@ -59,7 +59,7 @@ void draw_contact(const std::filesystem::path& folder, const StateBench& bench, 
     chart.x_label = x;
     chart.y_label = y;
     chart.slopes = std::move(slopes);
-    chart.series = sequences(bench, problem, poisson, at);
+    chart.series = series_of_sequences(bench, problem, poisson, at);
     draw(folder / fmt::format("{}_{}.png", name, tag), chart);
   };
   const auto unknowns = [](const StateMeasurement& m) { return static_cast<double>(m.unknowns); };
@@ -86,7 +86,7 @@ void draw_peers(const std::filesystem::path& folder, const StateBench& bench, co
   Chart chart = chart_of(problem, poisson);
   chart.x_label = "processor seconds: mesh, assembly, solution, stress";
   chart.y_label = stress_label;
-  chart.series = sequences(bench, problem, poisson, time_and_error);
+  chart.series = series_of_sequences(bench, problem, poisson, time_and_error);
   // kerf's uniform sequences are in a picture of their own, unless there are no others.
   if (std::any_of(chart.series.begin(), chart.series.end(), [](const Series& s) { return !s.dashed; }))
     std::erase_if(chart.series, [](const Series& s) { return s.dashed; });
@@ -118,7 +118,7 @@ void draw_state_plots(const std::filesystem::path& folder, const StateBench& ben
     chart.x_label = work_label;
     chart.y_label = stress_label;
     chart.slopes = {{-0.5, "slope −1/2"}, {-1, "slope −1"}, {-2, "slope −2"}};
-    chart.series = sequences(bench, m.problem, m.poisson, time_and_error);
+    chart.series = series_of_sequences(bench, m.problem, m.poisson, time_and_error);
     draw(folder / fmt::format("error_time_{}.png", problem_tag(m.problem, m.poisson)), chart);
     if (m.problem == "closing-crack") draw_contact(folder, bench, m.problem, m.poisson);
     draw_peers(folder, bench, m.problem, m.poisson);

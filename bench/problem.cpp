@@ -13,7 +13,7 @@ namespace kerf {
 
 namespace {
 
-Loop square(double low, double high) {
+Loop square_loop(double low, double high) {
   return polygon("outline", {{low, low}, {high, low}, {high, high}, {low, high}}, 0);
 }
 
@@ -22,7 +22,7 @@ BoundaryField displacement_of(const exact::ExactField& f) {
 }
 
 BenchProblem smooth(double poisson) {
-  BenchProblem p{.shape = {.outline = square(0, 1), .labels = {"side"}}, .coarsest = 0.35};
+  BenchProblem p{.shape = {.outline = square_loop(0, 1), .labels = {"side"}}, .coarsest = 0.35};
   p.exact = exact::vortex_field(poisson);
   p.scene.material = p.exact->material;
   p.scene.body = p.exact->body;
@@ -46,7 +46,7 @@ BenchProblem cook(const Material& material) {
 }
 
 BenchProblem crack(const exact::LineCrack& c, double poisson) {
-  BenchProblem p{.shape = {.outline = square(-2, 2), .cracks = {{"c", {{-1, 0}, {1, 0}}}}, .labels = {"side"}},
+  BenchProblem p{.shape = {.outline = square_loop(-2, 2), .cracks = {{"c", {{-1, 0}, {1, 0}}}}, .labels = {"side"}},
                  .coarsest = 0.8};
   p.exact = exact::line_crack("crack", plane_strain(1, poisson), c);
   p.scene.material = p.exact->material;

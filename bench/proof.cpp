@@ -130,7 +130,7 @@ Sizing sizing_of(const std::string& mesh, double size) {
   return {.size = size, .crack_tip_size = mesh == "uniform" ? size : size / 100};
 }
 
-void run_one(const ProofProblem& problem, const std::string& mesh, int degree, double size, ProofBench& bench) {
+void run_proof(const ProofProblem& problem, const std::string& mesh, int degree, double size, ProofBench& bench) {
   const Posed p = pose(problem);
   const double before = processor_seconds();
   const Model m = prepare(triangulate(p.shape, sizing_of(mesh, size)), bdms(degree), p.scene, 1);
@@ -166,7 +166,7 @@ void run_goal(const ProofProblem& problem, int degree, double error, ProofBench&
   measure_quantities(p, a.model, a.state, false, to);
 }
 
-std::string table(const ProofBench& bench) {
+std::string proof_table(const ProofBench& bench) {
   std::string out =
       "| problem | mesh | degree | triangles | K_I, K_II | G | stress | T | contained | guaranteed | cost per quantity "
       "|\n"
@@ -217,7 +217,7 @@ void draw_widths(const std::filesystem::path& path, const ProofBench& bench) {
   if (!all.panels.empty()) draw(path, all);
 }
 
-std::string page(const ProofBench& bench) {
+std::string proof_page(const ProofBench& bench) {
   return "# Guaranteed intervals\n\nMade by `kerf bench proof`. Straight open cracks in an infinite plate, cut out as "
          "a "
          "square under the exact tractions; one of them with a body force and its stress on top, so that singular "
@@ -226,7 +226,7 @@ std::string page(const ProofBench& bench) {
          "stresses over the norm of the tensor); the widest of all tips and points. Cost: processor time of one "
          "quantity, "
          "of those of two tips and three points found together, over that of the state and its mesh.\n\n" +
-         table(bench) +
+         proof_table(bench) +
          (bench.second.empty()
               ? std::string()
               : "\n## The second term\n\nA hole, a softer and a stiffer inclusion (1/5 and 5 times) at three places of "
@@ -252,10 +252,10 @@ ProofBench run_proof_bench(const BenchOptions& options) {
       return !stop_asked(options);
     };
     for (const double size : uniform)
-      if (go_on(fmt::format("uniform {}", size))) run_one(p, "uniform", 1, size, bench);
+      if (go_on(fmt::format("uniform {}", size))) run_proof(p, "uniform", 1, size, bench);
     for (const double size : graded)
-      if (go_on(fmt::format("tips {}", size))) run_one(p, "tips", 1, size, bench);
-    if (go_on("tips, degree 2")) run_one(p, "tips", 2, graded[graded.size() / 2], bench);
+      if (go_on(fmt::format("tips {}", size))) run_proof(p, "tips", 1, size, bench);
+    if (go_on("tips, degree 2")) run_proof(p, "tips", 2, graded[graded.size() / 2], bench);
     for (const int degree : {1, 2})
       if (!p.weight && go_on(fmt::format("goal, degree {}", degree)))
         run_goal(p, degree, options.quick ? 1e-2 : 1e-4, bench);
@@ -265,7 +265,7 @@ ProofBench run_proof_bench(const BenchOptions& options) {
   write_proof_csv(options.folder / "proof.csv", bench);
   if (!bench.second.empty()) write_second_terms_csv(options.folder / "second_terms.csv", bench);
   write_proof_json(options.folder / "proof.json", bench);
-  write_file(options.folder / "proof.md", page(bench));
+  write_file(options.folder / "proof.md", proof_page(bench));
   draw_widths(options.folder / "proof.png", bench);
   return bench;
 }
@@ -278,7 +278,7 @@ std::size_t failures(const ProofBench& bench) {
 std::string summary(const ProofBench& bench) {
   std::size_t guaranteed = 0, contained = 0;
   for (const ProofRow& r : bench.rows) guaranteed += r.guaranteed, contained += r.guaranteed && r.contained;
-  return table(bench) + (bench.second.empty() ? std::string() : second_term_table(bench.second)) +
+  return proof_table(bench) + (bench.second.empty() ? std::string() : second_term_table(bench.second)) +
          fmt::format("{} of {} guaranteed intervals contain the exact value\n", contained, guaranteed);
 }
 

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string quoted(const std::string& text) {  // for the shell
+std::string quoted_for_shell(const std::string& text) {  // for the shell
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
   return out + "'";
@@ -70,7 +70,7 @@ Outcome run_script(const fs::path& folder, const std::string& command, double li
       fmt::format("cd {} && OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 "
                   "FF_LOADPATH='/usr/lib/freefem++;;' FF_INCLUDEPATH='/usr/include/freefem++/idp;;' "
                   "timeout -k 5 {:.0f} {} 2>&1",
-                  quoted(folder.string()), limit, command));
+                  quoted_for_shell(folder.string()), limit, command));
 }
 
 /// The scripts write beside themselves: they run in a copy, with the reference data unpacked.
@@ -87,8 +87,8 @@ void copy_scripts(const fs::path& from, const fs::path& to) {
   if (!fs::exists(from / "data")) return;
   for (const auto& entry : fs::directory_iterator(from / "data"))
     if (entry.path().extension() == ".gz")
-      shell(
-          fmt::format("gzip -dc {} > {}", quoted(entry.path().string()), quoted((to / entry.path().stem()).string())));
+      shell(fmt::format("gzip -dc {} > {}", quoted_for_shell(entry.path().string()),
+                        quoted_for_shell((to / entry.path().stem()).string())));
 }
 
 }  // namespace kerf

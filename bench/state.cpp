@@ -14,15 +14,15 @@ namespace kerf {
 
 namespace {
 
-struct Sequence {
+struct StateSequence {
   std::string problem;
   double poisson;
   Element element;
   Grading grading;
 };
 
-std::vector<Sequence> sequences(const StateBenchOptions& options) {
-  std::vector<Sequence> all;
+std::vector<StateSequence> sequences_of(const StateBenchOptions& options) {
+  std::vector<StateSequence> all;
   for (const ProblemKind& kind : problem_kinds()) {
     if (!is_wanted(options.cases, kind.name)) continue;
     for (const double poisson : kind.poisson) {
@@ -39,21 +39,21 @@ std::vector<Sequence> sequences(const StateBenchOptions& options) {
   return all;
 }
 
-constexpr double good_enough = 1e-5;  // no sequence goes beyond this stress error
-constexpr double growth = 2.3;        // of the time from one level to the next
+constexpr double least_stress_error = 1e-5;   // no sequence goes beyond this stress error
+constexpr double growth_of_state_time = 2.3;  // of the time from one level to the next
 
-class Runner {
+class StateRunner {
  public:
-  Runner(const StateBenchOptions& options, StateBench& bench) : options_(options), bench_(bench) {}
+  StateRunner(const StateBenchOptions& options, StateBench& bench) : options_(options), bench_(bench) {}
 
-  void run(const Sequence& s, double seconds) {
+  void run(const StateSequence& s, double seconds) {
     const BenchProblem& p = ready(s);
     const std::string name = fmt::format("{} nu {:.6g} {} {} {}", s.problem, s.poisson, s.element.name,
                                          s.element.degree, name_of(s.grading));
     if (options_.on_phase) options_.on_phase(name);
     const int most = options_.quick ? 2 : 40;
     double spent = 0, last = 0;
-    for (int level = 0; level < most && !stopped() && spent + growth * last <= seconds; ++level) {
+    for (int level = 0; level < most && !stopped() && spent + growth_of_state_time * last <= seconds; ++level) {
       Stopwatch watch;
       try {
         bench_.runs.push_back(measure(p, s.element, s.grading, level, options_.quick ? 1 : 3));
@@ -63,7 +63,7 @@ class Runner {
       }
       last = watch.lap();
       spent += last;
-      if (bench_.runs.back().error.stress < std::max(good_enough, 3 * reference_error(p))) return;
+      if (bench_.runs.back().error.stress < std::max(least_stress_error, 3 * reference_error(p))) return;
     }
   }
 
@@ -77,7 +77,7 @@ class Runner {
   }
 
   /// The problem, with the reference that it needs; kept while the sequences stay with it.
-  const BenchProblem& ready(const Sequence& s) {
+  const BenchProblem& ready(const StateSequence& s) {
     if (problem_ && problem_->name == s.problem && problem_->poisson == s.poisson) return *problem_;
     problem_ = problem(s.problem, s.poisson);
     if (problem_->exact) return *problem_;
@@ -98,8 +98,8 @@ StateBench run_state_bench(const StateBenchOptions& options) {
   if (!options.peers.empty()) require_scripts(options.peers);
   make_folder(options.folder);
   StateBench bench;
-  Runner runner(options, bench);
-  const std::vector<Sequence> all = sequences(options);
+  StateRunner runner(options, bench);
+  const std::vector<StateSequence> all = sequences_of(options);
   Stopwatch watch;
   double spent = 0;
   for (std::size_t i = 0; i < all.size() && !runner.stopped(); ++i) {

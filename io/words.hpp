@@ -15,6 +15,13 @@ std::string quote(std::string_view text);
 /// the longer word), else `known: young, poisson`.
 std::string suggest(std::string_view word, std::span<const std::string> known);
 
+bool contains(std::span<const std::string> words, std::string_view word);
+
+bool is_digit(char c);
+
+/// Without blanks, tabs and line ends on either side.
+std::string_view trim(std::string_view text);
+
 /// Usable inside a file name on every system: letters, digits, _ . - and at most 100 of them.
 bool is_safe_name(std::string_view text);
 

@@ -46,6 +46,9 @@ bool needs_points(const Model& model, const Functional& j, const Perturbation& p
 /// No eigenstrain and no prescribed displacement but 0: then the compliance is -2 times the potential energy.
 bool has_self_adjoint_work(const Model& model);
 
+/// Whether the term is a multiple of an energy at the state, so that it needs no adjoint.
+bool is_energy(const Model& model, const Term& term);
+
 /// The scene with the measured displacements instead of the tractions on their label.
 Scene measured_scene(const Scene& scene, const Support& measured);
 

@@ -13,7 +13,7 @@ namespace {
 const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 const std::vector<Vec2> inside{{0.15, 0.2}, {0.5, 0.45}, {0.8, 0.3}, {0.55, 0.55}, {0.3, 0.8}, {0.9, 0.9}};
 
-Eigen::Vector3d exact(const Vec2& x) {
+Eigen::Vector3d exact_stress_in_bar(const Vec2& x) {
   return linear_stress({}, x);
 }
 
@@ -36,9 +36,9 @@ HardCase enclosed_case(double from_half) {
 
 // At nu = 1/2 the pressure is known but for its mean over the body.
 double enclosed_error(const Compared& c) {
-  if (c.knob > 0) return stress_error(c.seen, exact);
+  if (c.knob > 0) return stress_error(c.seen, exact_stress_in_bar);
   const Eigen::Vector3d mean(1, 1, 0);  // of (s11 + s22)/2 over the square
-  return stress_error(c.seen, [&](const Vec2& x) -> Eigen::Vector3d { return exact(x) - mean; });
+  return stress_error(c.seen, [&](const Vec2& x) -> Eigen::Vector3d { return exact_stress_in_bar(x) - mean; });
 }
 
 // The linear field in a body with a region of modulus `ratio`. The stiffer material strains as it must; in the softer
@@ -74,7 +74,7 @@ HardFamily contrast(std::string name, std::string title, double nu) {
           .quick = {1e-10, 1e10},
           .benign = 1,
           .make = [nu](double ratio) { return contrast_case(ratio, nu); },
-          .error = [](const Compared& c) { return stress_error(c.seen, exact); },
+          .error = [](const Compared& c) { return stress_error(c.seen, exact_stress_in_bar); },
           .digits = [](double) { return 4.0; }};
 }
 
@@ -127,7 +127,7 @@ std::vector<HardFamily> material_families() {
        .quick = {-0.9, 0.4999, 0.5 - 1e-9, 0.5},
        .benign = 0.3,
        .make = poisson_case,
-       .error = [](const Compared& c) { return stress_error(c.seen, exact); },
+       .error = [](const Compared& c) { return stress_error(c.seen, exact_stress_in_bar); },
        .digits = [](double) { return 4.0; },
        .label = poisson_label},
       {.name = "enclosed",

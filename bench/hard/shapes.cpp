@@ -9,7 +9,7 @@ namespace kerf {
 
 namespace {
 
-Eigen::Vector3d exact(const Vec2& x) {
+Eigen::Vector3d exact_stress_in_shape(const Vec2& x) {
   return linear_stress({}, x);
 }
 
@@ -76,7 +76,7 @@ std::vector<HardFamily> shape_families() {
                      .quick = {10, 0.01},
                      .benign = 10,
                      .make = slivers_case,
-                     .error = [](const Compared& c) { return stress_error(c.seen, exact); },
+                     .error = [](const Compared& c) { return stress_error(c.seen, exact_stress_in_shape); },
                      .digits = [](double degrees) { return 2 + 2 * std::log10(10 / degrees); }};
   HardFamily wedges = slivers;
   wedges.name = "wedges";

@@ -11,14 +11,14 @@ namespace kerf {
 
 namespace {
 
-std::string printed(double value) {
+std::string printed_on_page(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
 /// Rounding, far below a tolerance around zero, is no number to print.
-std::string printed(const ManualValue& value, const VerifiedValue& found) {
+std::string printed_on_page(const ManualValue& value, const VerifiedValue& found) {
   constexpr double rounding = 1e-6;
-  return printed(value.absolute && std::abs(found.measured) < rounding * value.tolerance ? 0 : found.measured);
+  return printed_on_page(value.absolute && std::abs(found.measured) < rounding * value.tolerance ? 0 : found.measured);
 }
 
 /// In a cell of a table.
@@ -53,12 +53,12 @@ std::string index_row(const VerifiedEntry& e) {
   const VerifiedValue* found = worst(e, what);
   if (!found) {
     const ManualValue& first = e.entry.values.front();
-    return fmt::format("{} {} | {} |  |  |  | {} |\n", head, cell(first.name), printed(first.published.value_or(nan)),
-                       e.verdict);
+    return fmt::format("{} {} | {} |  |  |  | {} |\n", head, cell(first.name),
+                       printed_on_page(first.published.value_or(nan)), e.verdict);
   }
   return fmt::format("{} {}{} | {} | {} | {} | {} | {} |\n", head, cell(what->name),
                      e.values.size() > 1 ? fmt::format(" (worst of {})", e.values.size()) : "",
-                     printed(*what->published), printed(*what, *found), deviation_text(*what, *found),
+                     printed_on_page(*what->published), printed_on_page(*what, *found), deviation_text(*what, *found),
                      tolerance_text(*what), e.verdict);
 }
 
@@ -110,10 +110,10 @@ std::string value_rows(const VerifiedEntry& e) {
                           : !value.published ? "first published here"
                           : found.within     ? "within"
                                              : "outside";
-    out +=
-        fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell(value.name), printed(value.published.value_or(nan)),
-                    printed(value, found), std::isfinite(found.error_bar) ? fmt::format("{:.1g}", found.error_bar) : "",
-                    deviation_text(value, found), tolerance_text(value), verdict);
+    out += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell(value.name),
+                       printed_on_page(value.published.value_or(nan)), printed_on_page(value, found),
+                       std::isfinite(found.error_bar) ? fmt::format("{:.1g}", found.error_bar) : "",
+                       deviation_text(value, found), tolerance_text(value), verdict);
   }
   return out;
 }

@@ -11,7 +11,7 @@ namespace kerf {
 
 namespace {
 
-void check(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
+void check_goal(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
   if (eta.size() != mesh.triangles.size())
     throw std::invalid_argument(fmt::format("{} indicators for {} triangles", eta.size(), mesh.triangles.size()));
   for (const double e : eta)
@@ -69,7 +69,7 @@ std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
 }  // namespace
 
 std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const double> eta, const Goal& goal) {
-  check(mesh, eta, goal);
+  check_goal(mesh, eta, goal);
   const std::vector<double> factor = factors(eta, goal);
   std::vector<double> size(mesh.points.size(), infinity);
   for (std::size_t t = 0; t < eta.size(); ++t) {

@@ -22,7 +22,7 @@ void require(bool holds, const std::string& words) {
   if (!holds) throw std::invalid_argument(words);
 }
 
-void check(const Ball& ball) {
+void check_ball(const Ball& ball) {
   const auto& [center, radius, n] = ball;
   require(center.allFinite() && std::isfinite(radius) && radius > 0,
           fmt::format("a ball of radius {:g}; it must be positive", radius));
@@ -254,7 +254,7 @@ BallMesh shells(const Ovals& ovals, const std::vector<Vec2>& boundary) {
 }  // namespace
 
 std::vector<Vec2> ball_boundary(const Ball& ball) {
-  check(ball);
+  check_ball(ball);
   const auto& [center, radius, n] = ball;
   std::vector<Vec2> points;
   for (int i = 0; i < n; ++i)
@@ -269,7 +269,7 @@ Loop ball_hole(std::string name, const Ball& ball, Index label) {
 }
 
 BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle, bool curved) {
-  check(ball);
+  check_ball(ball);
   require(std::isfinite(aspect) && aspect >= 1 && std::isfinite(angle),
           fmt::format("ellipses of aspect {:g}; it must be at least 1", aspect));
   const int n = ball.n;
@@ -294,7 +294,7 @@ BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double as
 }
 
 BallMesh slit_mesh(const Ball& ball, double half_length, double angle) {
-  check(ball);
+  check_ball(ball);
   const auto& [center, radius, n] = ball;
   require(half_length > 0 && half_length <= 0.8 * radius && std::isfinite(angle),
           fmt::format("a slit of half length {:g} in a ball of radius {:g}; it may reach 0.8 of that", half_length,

@@ -27,7 +27,7 @@ Lattice fit(const Vec2& low, const Vec2& high, double step) {
   return {low, fitted(high.x() - low.x(), step), fitted(high.y() - low.y(), step * std::sqrt(0.75))};
 }
 
-struct Square {
+struct LatticeSquare {
   Vec2 low;
   double width;
 };
@@ -83,7 +83,7 @@ struct Filler {
     return true;
   }
 
-  void fill(const Square& square, const Bounds& h, const std::vector<Index>& near, const Witness& witness) {
+  void fill(const LatticeSquare& square, const Bounds& h, const std::vector<Index>& near, const Witness& witness) {
     const auto& [low, width] = square;
     for (int k = level(h.high); k <= level(h.low); ++k) {
       const bool sure = level(h.high) == level(h.low);
@@ -111,7 +111,7 @@ struct Filler {
   }
 
   /// With the pieces and the witness of the parent square.
-  void visit(const Square& square, const std::vector<Index>& near_parent, const Witness& witness) {
+  void visit(const LatticeSquare& square, const std::vector<Index>& near_parent, const Witness& witness) {
     const auto& [low, width] = square;
     const Vec2 center = low.array() + width / 2;
     const double radius = width * std::sqrt(0.5), h = size_at(field, center);

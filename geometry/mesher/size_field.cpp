@@ -22,14 +22,14 @@ double size_of(const SizeField& field, const Source& s, const Vec2& x) {
   return std::min(linear, std::max(s.size, field.cap * std::pow(d / s.reach, 0.8)));
 }
 
-struct Square {
+struct QuadtreeSquare {
   Vec2 low;
   double width;
   int depth = 0;
 };
 
 /// Fills the node of a square with what of the candidates can be the least one somewhere in it.
-void grow(SizeField& field, std::size_t node, const Square& square, const std::vector<Index>& candidates) {
+void grow(SizeField& field, std::size_t node, const QuadtreeSquare& square, const std::vector<Index>& candidates) {
   const double width = square.width;
   const Vec2 center = square.low.array() + width / 2;
   const double reach = field.grading * width / std::numbers::sqrt2;  // h changes no more from the center to a corner

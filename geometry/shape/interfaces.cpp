@@ -28,15 +28,15 @@ Strand turned(Strand strand) {
   return strand;
 }
 
-struct Cut {
+struct InterfaceCut {
   double s;
   Index corner;
 };
 
 /// The strand in pieces between its cuts; a whole circle begins and ends at cuts.
-void append_pieces(const Strand& strand, std::vector<Cut> cuts, std::vector<Strand>& pieces) {
-  std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
-  std::vector<Cut> ends = cuts;
+void append_pieces(const Strand& strand, std::vector<InterfaceCut> cuts, std::vector<Strand>& pieces) {
+  std::stable_sort(cuts.begin(), cuts.end(), [](const InterfaceCut& a, const InterfaceCut& b) { return a.s < b.s; });
+  std::vector<InterfaceCut> ends = cuts;
   if (!whole(strand) || cuts.empty()) {
     ends.insert(ends.begin(), {0, strand.from});
     ends.push_back({1, strand.to});
@@ -66,7 +66,7 @@ class Sharing {
 
   void share() {
     merge_corners();
-    std::vector<std::vector<Cut>> cuts(drawing_.strands.size());
+    std::vector<std::vector<InterfaceCut>> cuts(drawing_.strands.size());
     for (std::size_t k = 0; k < cuts.size(); ++k)
       if (drawing_.strands[k].crack == none) cuts[k] = cuts_of(k);
     std::vector<Strand> pieces;
@@ -99,9 +99,9 @@ class Sharing {
   }
 
   /// Corners of others on strand k.
-  std::vector<Cut> cuts_of(std::size_t k) {
+  std::vector<InterfaceCut> cuts_of(std::size_t k) {
     const Strand& strand = drawing_.strands[k];
-    std::vector<Cut> cuts;
+    std::vector<InterfaceCut> cuts;
     Vec2 low = at(strand.from).cwiseMin(at(strand.to)), high = at(strand.from).cwiseMax(at(strand.to));
     if (strand.arc) {
       low = strand.arc->center.array() - largest_radius(*strand.arc);
@@ -297,7 +297,7 @@ std::vector<Crack> cracks_along(const Drawing& drawing, std::vector<Strand> path
 }
 
 /// Where on its path a point lies, in pieces from its start; nothing when it lies further than `join` from it.
-std::optional<double> place_on(const Crack& crack, const Vec2& x, double join) {
+std::optional<double> place_on_crack(const Crack& crack, const Vec2& x, double join) {
   if (crack.arc) {
     const Arc& arc = *crack.arc;
     const double t = parameter(arc, x), turn = arc.to - arc.from;
@@ -333,10 +333,10 @@ std::vector<Strand> strands_of(const Drawing& drawing, const Crack& crack) {
   std::vector<std::pair<double, Strand>> found;
   for (const Strand& strand : drawing.strands) {
     if (!strand.beyond || strand.crack != none) continue;
-    const auto middle = place_on(crack, point(drawing, strand, 0.5), join);
-    if (!middle || !place_on(crack, drawing.corners[std::size_t(strand.from)], join) ||
-        !place_on(crack, drawing.corners[std::size_t(strand.to)], join) ||
-        !place_on(crack, point(drawing, strand, 0.25), join))
+    const auto middle = place_on_crack(crack, point(drawing, strand, 0.5), join);
+    if (!middle || !place_on_crack(crack, drawing.corners[std::size_t(strand.from)], join) ||
+        !place_on_crack(crack, drawing.corners[std::size_t(strand.to)], join) ||
+        !place_on_crack(crack, point(drawing, strand, 0.25), join))
       continue;
     const bool along = velocity(drawing, strand, 0.5).dot(direction_at(crack, *middle)) > 0;
     found.emplace_back(*middle, along ? strand : turned(strand));

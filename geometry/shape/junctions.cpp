@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_sine = 0.017;  // find_problem refuses cracks that meet at less than a degree
 
-struct Cut {
+struct JunctionCut {
   double s;
   Index corner;
 };
@@ -25,10 +25,10 @@ struct Crossing {
 
 struct Joiner {
   Drawing& drawing;
-  const double join;                   // corners nearer than this are one
-  std::size_t first;                   // strand of a crack
-  std::vector<bool> fixed;             // per corner: on a loop, or moved already
-  std::vector<std::vector<Cut>> cuts;  // per strand of a crack, counted from `first`
+  const double join;                           // corners nearer than this are one
+  std::size_t first;                           // strand of a crack
+  std::vector<bool> fixed;                     // per corner: on a loop, or moved already
+  std::vector<std::vector<JunctionCut>> cuts;  // per strand of a crack, counted from `first`
 
   const Strand& strand(std::size_t k) const {
     return drawing.strands[first + k];
@@ -38,13 +38,13 @@ struct Joiner {
   }
   bool has(std::size_t k, Index corner) const {
     return strand(k).from == corner || strand(k).to == corner ||
-           std::any_of(cuts[k].begin(), cuts[k].end(), [&](const Cut& cut) { return cut.corner == corner; });
+           std::any_of(cuts[k].begin(), cuts[k].end(), [&](const JunctionCut& cut) { return cut.corner == corner; });
   }
   template <class Visit>
   void each_corner(std::size_t k, Visit&& visit) const {
     visit(strand(k).from);
     visit(strand(k).to);
-    for (const Cut& cut : cuts[k]) visit(cut.corner);
+    for (const JunctionCut& cut : cuts[k]) visit(cut.corner);
   }
 };
 
@@ -117,7 +117,7 @@ void cut_at_corners(Joiner& j) {
 }
 
 /// s of the point x of the arc's circle, or a number outside [0, 1].
-double place_on(const Arc& arc, const Vec2& x) {
+double place_on_arc(const Arc& arc, const Vec2& x) {
   return 0.5 + beyond_middle(arc, x) / (arc.to - arc.from);
 }
 
@@ -140,7 +140,7 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
     const double height = (a + s * d - q.arc->center).norm();
     if (height >= radius) return {};
     const double half = std::sqrt((radius - height) * (radius + height)) / d.norm();
-    for (const double u : {s - half, s + half}) offer(u, place_on(*q.arc, a + u * d), a + u * d);
+    for (const double u : {s - half, s + half}) offer(u, place_on_arc(*q.arc, a + u * d), a + u * d);
   } else if (!q.arc) {
     for (const Crossing& c : crossings(drawing, q, p)) found.push_back({c.t, c.s, c.at});
   } else {
@@ -154,7 +154,7 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
     const double half = std::sqrt((r - along) * (r + along));
     for (const double h : {-half, half}) {
       const Vec2 x = foot + h * across;
-      offer(place_on(*p.arc, x), place_on(*q.arc, x), x);
+      offer(place_on_arc(*p.arc, x), place_on_arc(*q.arc, x), x);
     }
   }
   return found;
@@ -198,18 +198,18 @@ void join_cracks(Drawing& drawing) {
   for (; first < drawing.strands.size() && drawing.strands[first].loop != none; ++first)
     fixed[std::size_t(drawing.strands[first].from)] = true;
   Joiner joiner{drawing, join_tolerance * drawing.extent, first, std::move(fixed),
-                std::vector<std::vector<Cut>>(drawing.strands.size() - first)};
+                std::vector<std::vector<JunctionCut>>(drawing.strands.size() - first)};
   merge_corners(joiner);
   cut_at_corners(joiner);
   cut_at_crossings(joiner);
 
   std::vector<Strand> strands(drawing.strands.begin(), drawing.strands.begin() + Index(first));
   for (std::size_t k = 0; k < joiner.cuts.size(); ++k) {
-    std::vector<Cut>& cuts = joiner.cuts[k];
-    std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.s < b.s; });
+    std::vector<JunctionCut>& cuts = joiner.cuts[k];
+    std::stable_sort(cuts.begin(), cuts.end(), [](const JunctionCut& a, const JunctionCut& b) { return a.s < b.s; });
     Strand rest = joiner.strand(k);
     cuts.push_back({1, rest.to});
-    for (const Cut& cut : cuts) {
+    for (const JunctionCut& cut : cuts) {
       Strand piece = rest;
       piece.to = rest.from = cut.corner;
       if (piece.arc) {

@@ -200,7 +200,7 @@ void read_what_was_made_up(Node& node) {
 
 /// The document without its body and without what is about other bodies; load cases keep a table [optimize], without
 /// what begins or guides it.
-Node rest_of(const Case& c, const Shape& design, const std::filesystem::path& folder) {
+Node rest_of_case(const Case& c, const Shape& design, const std::filesystem::path& folder) {
   static const std::set<std::string> body{"title", "domain", "hole",     "crack",    "region",
                                           "map",   "probe",  "validate", "synthetic"};
   static const std::set<std::string> guides{"start",  "symmetry", "frozen",       "hole",   "crack",        "region",
@@ -276,7 +276,7 @@ std::string design_case(const Case& c, const DesignFile& design, const std::file
   add_holes(shape, out);
   add_cracks(c, shape, design.laws, out);
   add_regions(shape, design.regions, out);
-  for (const Entry& table : rest_of(c, shape, folder).entries) add_entry(table, out);
+  for (const Entry& table : rest_of_case(c, shape, folder).entries) add_entry(table, out);
   while (out.ends_with("\n\n")) out.pop_back();
   return out;
 }

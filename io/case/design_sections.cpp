@@ -100,7 +100,7 @@ double signed_area(const std::vector<double>& xy) {
 }
 
 /// The table `start`. "map": none, and the start is to be read off the topological derivative.
-std::optional<Value> read_start(const Value& table, bool& from_map) {
+std::optional<Value> read_start_of_crack(const Value& table, bool& from_map) {
   const auto start = find(table, "start");
   from_map = start && start->node->kind == Node::Kind::String;
   if (!from_map) return start;
@@ -150,7 +150,7 @@ Boxes read_spline(const Value& form, const std::optional<Value>& start, double s
   return boxes;
 }
 
-Boxes read_path(const Value& path, const std::optional<Value>& start, bool from_map) {
+Boxes read_path_boxes(const Value& path, const std::optional<Value>& start, bool from_map) {
   Boxes boxes;
   const std::vector<Value> entries = items(path, 2);
   for (const Value& entry : entries) add_place(entry, boxes);
@@ -229,7 +229,7 @@ void draw_holes(const Value& optimize, const Shape& shape, Design& design) {
     const std::string kind = one_of(table);
     const Value form = need(table, kind);
     bool from_map = false;
-    const auto start = read_start(table, from_map);
+    const auto start = read_start_of_crack(table, from_map);
     const std::string name = given.next(table);
     if (kind == "circle") {
       if (start) allow_only(*start, "circle");
@@ -250,8 +250,9 @@ void draw_cracks(const Value& optimize, const Shape& shape, Design& design) {
     allow_only(table);
     const std::string name = given.next(table);
     bool from_map = false;
-    const auto start = read_start(table, from_map);
-    design.drawn.push_back(drawn(Drawn::Kind::Crack, name, read_path(need(table, "path"), start, from_map), from_map));
+    const auto start = read_start_of_crack(table, from_map);
+    design.drawn.push_back(
+        drawn(Drawn::Kind::Crack, name, read_path_boxes(need(table, "path"), start, from_map), from_map));
     take(table, "contact", design.drawn.back().law.kind);
   }
 }
@@ -263,7 +264,7 @@ void draw_regions(const Value& optimize, const Case& c, Design& design) {
     allow_only(table);
     const std::string name = given.next(table);
     bool from_map = false;
-    const auto start = read_start(table, from_map);
+    const auto start = read_start_of_crack(table, from_map);
     if (start) allow_only(*start);
     Boxes boxes = read_circle(need(table, "circle"), start);
     add_box(need(table, "young"), 0, boxes);

@@ -27,9 +27,6 @@ namespace {
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
@@ -257,10 +254,6 @@ const std::vector<std::string>& functions() {
   }();
   return names;
 }
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 /// Checks every name of `text`; `definitions[0 .. count)` are the ones it may use.
 void check_names(std::string_view text, const ExpressionContext& context, std::size_t count) {
   std::vector<std::string> known = variables();

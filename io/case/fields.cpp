@@ -36,10 +36,6 @@ std::string describe(const Node& node) {
   fail(field.node->position, fmt::format("{} must be {}, not {}", field.name, expected, describe(*field.node)));
 }
 
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 std::string child_name(const Value& table, const std::string& key) {
   if (table.name.empty()) return key;
   return fmt::format("{} in {}", key, table.name);

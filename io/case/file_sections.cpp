@@ -14,7 +14,7 @@ namespace kerf {
 
 namespace {
 
-bool is_drawn(const Value& table, std::initializer_list<const char*> keys) {
+bool has_any_of(const Value& table, std::initializer_list<const char*> keys) {
   return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return find(table, key).has_value(); });
 }
 
@@ -24,7 +24,7 @@ MeshFileRequest wanted_surfaces(const Value& document) {
   MeshFileRequest request;
   for (const Value& region : find_tables(document, "region")) {
     allow_only(region);
-    if (is_drawn(region, {"circle", "ellipse", "polygon", "outline"})) continue;
+    if (has_any_of(region, {"circle", "ellipse", "polygon", "outline"})) continue;
     const std::string name = safe_name(need(region, "name"));
     const bool mask = is_frozen(document, name), strained = find(region, "eigenstrain").has_value(),
                has_material = find(region, "young") || find(region, "poisson") || strained;
@@ -39,7 +39,7 @@ MeshFileRequest wanted_surfaces(const Value& document) {
   return request;
 }
 
-void read_sides(const Value& domain, MeshFileRequest& request) {
+void read_sides_of_file(const Value& domain, MeshFileRequest& request) {
   for (const Value& side : find_tables(domain, "side")) {
     allow_only(side);
     const Value near = need(side, "near");
@@ -109,11 +109,11 @@ std::function<Vec2(const Vec2& x)> normal_in_file(const Crack& crack) {
 MeshFile read_body_file(const Value& document, const Value& domain, const std::filesystem::path& folder, Case& c) {
   const Value field = need(domain, "file");
   MeshFileRequest request = wanted_surfaces(document);
-  read_sides(domain, request);
+  read_sides_of_file(domain, request);
   const BodySource source = body_source(document, field, folder);
   MeshFile file = read_body(source, request);
   for (const Value& region : find_tables(document, "region")) {
-    if (is_drawn(region, {"circle", "ellipse", "polygon", "outline"})) {
+    if (has_any_of(region, {"circle", "ellipse", "polygon", "outline"})) {
       if (source.keep_mesh)
         fail(
             region.node->position,
@@ -148,7 +148,7 @@ std::vector<Value> read_laws_of_file(const std::vector<Value>& tables, Case& c) 
   for (const Crack& crack : c.shape.cracks) known.push_back(crack.name);
   for (const Value& crack : tables) {
     allow_only(crack);
-    if (is_drawn(crack, {"path", "arc"})) {
+    if (has_any_of(crack, {"path", "arc"})) {
       if (c.mesh)
         fail(
             crack.node->position,

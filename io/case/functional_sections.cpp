@@ -13,11 +13,7 @@ namespace kerf {
 
 namespace {
 
-bool contains(const std::vector<std::string>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-std::vector<std::string> names_of(const std::vector<const Key*>& keys) {
+std::vector<std::string> names_of_keys(const std::vector<const Key*>& keys) {
   std::vector<std::string> names;
   for (const Key* key : keys)
     if (name(*key) != "kind") names.emplace_back(name(*key));
@@ -28,8 +24,8 @@ std::vector<std::string> names_of(const std::vector<const Key*>& keys) {
 std::string read_kind(const Value& table) {
   const std::string kind = choice(need(table, "kind"));
   const std::vector<const Key*> keys = keys_in(table.path, kind);
-  std::vector<std::string> known = names_of(keys);
-  const std::vector<std::string> any = names_of(keys_in(table.path));
+  std::vector<std::string> known = names_of_keys(keys);
+  const std::vector<std::string> any = names_of_keys(keys_in(table.path));
   for (const Entry& entry : table.node->entries)
     if (!contains(known, entry.key) && contains(any, entry.key))
       fail(entry.position,

@@ -91,7 +91,7 @@ CrackLaw read_interface_law(const Value& table) {
 }
 
 /// The name itself for a single curve; with numbers for more.
-std::vector<std::string> names_of(const Value& field, std::size_t parts, const Shape& shape) {
+std::vector<std::string> region_names(const Value& field, std::size_t parts, const Shape& shape) {
   std::vector<std::string> names{new_name(field, shape.cracks)};
   for (std::size_t k = 2; k <= parts; ++k) names.push_back(fmt::format("{}.{}", names[0], k));
   for (const std::string& name : names)
@@ -119,7 +119,7 @@ void read_interfaces(const Value& document, Case& c) {
     const CrackLaw law = read_interface_law(table);
     std::vector<Crack> parts = seams(shape, both[0], both[1]);
     if (parts.empty()) refuse_apart(between, both, shape);
-    const std::vector<std::string> names = names_of(name, parts.size(), c.shape);
+    const std::vector<std::string> names = region_names(name, parts.size(), c.shape);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       parts[k].name = names[k];
       c.scene.laws.push_back(law);

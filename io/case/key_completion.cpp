@@ -10,14 +10,14 @@ namespace kerf {
 namespace {
 
 /// Every key that --set can name, with 0 for the number of an entry, tables that are like others written out.
-void list(const std::string& table, std::string_view above, std::vector<std::string>& out) {
+void list_completions(const std::string& table, std::string_view above, std::vector<std::string>& out) {
   for (const Key* key : keys_in(table)) {
     std::string path = fmt::format("{}{}{}", table, table.empty() ? "" : ".", name(*key));
     if (key->path.ends_with("[]")) path += "[]";
     if (name(*key) == above) continue;  // a sum holds no sum
     if (key->type != KeyType::Table && key->type != KeyType::Tables && key->type != KeyType::Formulas)
       out.push_back(path.ends_with("[]") ? path.substr(0, path.size() - 2) : path);
-    if (has(key->type, KeyType::Table) || has(key->type, KeyType::Tables)) list(path, name(*key), out);
+    if (has(key->type, KeyType::Table) || has(key->type, KeyType::Tables)) list_completions(path, name(*key), out);
   }
 }
 
@@ -68,7 +68,7 @@ std::string keys_as_completion(const std::vector<CommandWords>& commands) {
     names.push_back(command.name);
     cases += fmt::format("    {}) options=\"{}\" ;;\n", command.name, fmt::join(command.options, " "));
   }
-  list("", "", keys);
+  list_completions("", "", keys);
   for (std::string& key : keys) {
     for (std::size_t at; (at = key.find("[]")) != std::string::npos;) key.replace(at, 2, "[0]");
     lines += key + "\n";

@@ -60,11 +60,6 @@ std::string value_in_words(const Key& key) {
   return out;
 }
 
-View parent(View path) {
-  const std::size_t dot = path.rfind('.');
-  return dot == View::npos ? View() : path.substr(0, dot);
-}
-
 std::vector<View> split(View list) {
   std::vector<View> words;
   while (!list.empty()) {
@@ -141,15 +136,15 @@ struct Listed {
 };
 
 /// The own keys of a table, those of tables in braces after them; tables of the form [[ ]] without their keys.
-void list(View table, const std::string& prefix, std::vector<Listed>& out) {
+void list_keys(View table, const std::string& prefix, std::vector<Listed>& out) {
   for (const Key& key : all_keys()) {
     if (parent(key.path) != table || key.path == table) continue;
     const std::string called = prefix + std::string(name(key));
     out.push_back({&key, called});
-    if (!has(key.type, Tables)) list(key.path, called + ".", out);
+    if (!has(key.type, Tables)) list_keys(key.path, called + ".", out);
     const std::string entry = std::string(key.path) + "[]";
-    if (has(key.type, Points)) list(entry, called + "[].", out);
-    if (has(key.type, Tables) && !key.rules.like.empty()) list(key.path, called + "[].", out);
+    if (has(key.type, Points)) list_keys(entry, called + "[].", out);
+    if (has(key.type, Tables) && !key.rules.like.empty()) list_keys(key.path, called + "[].", out);
   }
 }
 
@@ -180,7 +175,7 @@ std::string everything() {
   for (const Key& key : all_keys()) {
     if (!is_section(key)) continue;
     std::vector<Listed> keys;
-    list(key.path, "", keys);
+    list_keys(key.path, "", keys);
     const std::string title = header(key.path);
     out += fmt::format("\n{}  {}{}", title, wrapped(key.text, title.size() + 2), as_list(keys, false));
   }
@@ -200,9 +195,9 @@ std::string about(const Key& key, const std::string& path) {
   add("one of", alternatives(key));
   add("goes with", goes_with(key));
   std::vector<Listed> keys;
-  if (!key.rules.like.empty()) list(key.rules.like, "", keys);
-  list(key.path, "", keys);
-  if (has(key.type, Points)) list(std::string(key.path) + "[]", "", keys);
+  if (!key.rules.like.empty()) list_keys(key.rules.like, "", keys);
+  list_keys(key.path, "", keys);
+  if (has(key.type, Points)) list_keys(std::string(key.path) + "[]", "", keys);
   if (!keys.empty()) out += fmt::format("\n{}", as_list(keys, true));
   return out;
 }
@@ -246,7 +241,7 @@ std::string escaped(View text) {
 
 std::string table_of(View path, const Key& section) {
   std::vector<Listed> keys;
-  list(path, "", keys);
+  list_keys(path, "", keys);
   std::string out = fmt::format("`{}`: {}\n\n", header(path), section.text);
   if (keys.empty()) return out;
   out += "| key | value | default | meaning |\n|---|---|---|---|\n";

@@ -33,7 +33,7 @@ constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"
 constexpr std::array<View, 1> from_map{"map"};
 constexpr KeyWords drawn_laws = KeyWords(crack_law_words).first(2);  // a crack that is sought has faces
 
-constexpr View level_set = "level-set", drawn = "mma|ccsaq|slsqp|cobyla";
+constexpr View level_set = "level-set", methods_of_drawn = "mma|ccsaq|slsqp|cobyla";
 
 // The order within a table is that of messages.
 constexpr Key rows[] = {
@@ -786,13 +786,13 @@ constexpr Key rows[] = {
      "void"},
     {"optimize.min_distance",
      Number,
-     {.range = positive, .with = drawn},
+     {.range = positive, .with = methods_of_drawn},
      "Between holes, and from holes to cracks and the outline.",
      "0.05",
      "0"},
     {"optimize.least_squares",
      Boolean | Table,
-     {.with = drawn},
+     {.with = methods_of_drawn},
      "Inverse problems: after the misfit the sum of squares of the readings is minimized, with the uncertainty of what "
      "is "
      "found.",
@@ -806,7 +806,7 @@ constexpr Key rows[] = {
      "that of [synthetic], or estimated"},
     {"optimize.defects",
      Table,
-     {.with = drawn},
+     {.with = methods_of_drawn},
      "Inverse problems: how many there are of the one thing drawn is read off the readings; goes with start = \"map\", "
      "and asks for least_squares.",
      "{ at_most = 5 }",
@@ -814,7 +814,7 @@ constexpr Key rows[] = {
     {"optimize.defects.at_most", Whole, {.range = {1, 20}, .required = true}, "No more than these are tried.", "5"},
     {"optimize.hole[]",
      Tables,
-     {.with = drawn},
+     {.with = methods_of_drawn},
      "A hole that is moved: a box [low, high] per number; a number alone is fixed."},
     {"optimize.hole[].name", Name, {}, "In messages and tables.", "\"h\"", "hole_1, ..."},
     {"optimize.hole[].circle",
@@ -866,7 +866,7 @@ constexpr Key rows[] = {
      {.with = "spline"},
      "All control points, instead of center and radius.",
      "[[0.3, 0.3], [0.7, 0.3], [0.7, 0.7], [0.3, 0.7]]"},
-    {"optimize.crack[]", Tables, {.with = drawn}, "A crack that is moved."},
+    {"optimize.crack[]", Tables, {.with = methods_of_drawn}, "A crack that is moved."},
     {"optimize.crack[].name", Name, {}, "In messages and tables.", "\"c\"", "crack_1, ..."},
     {"optimize.crack[].path",
      BoxPairs,
@@ -881,7 +881,7 @@ constexpr Key rows[] = {
      "{ path = [[0.3, 0.5], [0.7, 0.5]] }",
      "the middle of the boxes"},
     {"optimize.crack[].start.path", Points, {.required = true}, "All its points.", "[[0.3, 0.5], [0.7, 0.5]]"},
-    {"optimize.region[]", Tables, {.with = drawn}, "An inclusion that is moved."},
+    {"optimize.region[]", Tables, {.with = methods_of_drawn}, "An inclusion that is moved."},
     {"optimize.region[].name", Name, {}, "In messages and tables.", "\"r\"", "region_1, ..."},
     {"optimize.region[].circle",
      Table,
@@ -973,11 +973,6 @@ View without_entry(View path) {
 }
 
 /// "" of "mesh", "mesh" of "mesh.size".
-View parent(View path) {
-  const std::size_t dot = path.rfind('.');
-  return dot == View::npos ? View() : path.substr(0, dot);
-}
-
 const Key* row(View path) {
   const auto found = std::find_if(std::begin(rows), std::end(rows), [&](const Key& key) { return key.path == path; });
   return found == std::end(rows) ? nullptr : found;
@@ -991,7 +986,7 @@ std::string alike(View path) {
   return {};
 }
 
-bool contains(View list, View word) {
+bool list_contains(View list, View word) {
   while (!list.empty()) {
     const std::size_t end = std::min(list.find('|'), list.size());
     if (list.substr(0, end) == word) return true;
@@ -1001,6 +996,11 @@ bool contains(View list, View word) {
 }
 
 }  // namespace
+
+View parent(View path) {
+  const std::size_t dot = path.rfind('.');
+  return dot == View::npos ? View() : path.substr(0, dot);
+}
 
 std::span<const Key> all_keys() {
   return rows;
@@ -1027,7 +1027,7 @@ std::vector<const Key*> keys_in(std::string_view table, std::string_view variant
   if (!variant.empty())
     std::erase_if(keys, [&](const Key* key) {
       const bool always = key->rules.with.empty() && !key->rules.one_of;
-      return !always && name(*key) != variant && !contains(key->rules.with, variant);
+      return !always && name(*key) != variant && !list_contains(key->rules.with, variant);
     });
   return keys;
 }

@@ -80,6 +80,9 @@ std::span<const Key> all_keys();
 /// The last part of the path, without [].
 std::string_view name(const Key& key);
 
+/// The path of the table that it stands in: "" for the document.
+std::string_view parent(std::string_view path);
+
 /// The row of a path, for what lies in a table like another one the other's; of an entry of a list that of the list.
 /// nullptr: none.
 const Key* find_key(std::string_view path);

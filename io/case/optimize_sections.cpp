@@ -82,7 +82,7 @@ Shape read_design_file(const Value& field, const std::filesystem::path& folder, 
   return design;
 }
 
-StartHoles read_start(const Value& field, double size) {
+StartHoles read_start_holes(const Value& field, double size) {
   StartHoles start;
   const std::string kind = one_of(field);
   if (kind == "holes") {
@@ -138,7 +138,7 @@ void read_level_set(const Value& table, const std::filesystem::path& folder, std
     if (kind == "design")
       r.start_design = read_design_file(need(*field, kind), folder, c);
     else
-      r.start = read_start(*field, size);
+      r.start = read_start_holes(*field, size);
   }
   take(table, "ersatz", r.ersatz);
   if (const auto field = find(table, "frozen")) {

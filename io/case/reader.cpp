@@ -106,13 +106,6 @@ toml::table parse(std::string_view text, const Position& start) {
   }
 }
 
-std::string_view trim(std::string_view text) {
-  const std::string_view spaces = " \t\r\n";
-  const auto first = text.find_first_not_of(spaces);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(spaces) - first + 1);
-}
-
 struct Step {
   std::string key;  // or, if empty:
   std::size_t index = 0;

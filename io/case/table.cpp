@@ -12,7 +12,7 @@ namespace kerf {
 
 namespace {
 
-std::vector<std::string_view> split(std::string_view line) {
+std::vector<std::string_view> split_cells(std::string_view line) {
   std::vector<std::string_view> cells;
   const std::string_view spaces = " \t\r\"";
   while (true) {
@@ -50,7 +50,7 @@ std::vector<std::vector<double>> read_table(const std::filesystem::path& path, c
     rest.remove_prefix(std::min(end + 1, rest.size()));
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const auto cells = split(line);
+    const auto cells = split_cells(line);
     if (columns == 0) {
       columns = cells.size();
       for (const std::string& name : wanted) {

@@ -20,16 +20,6 @@ bool has(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-std::string_view trim(std::string_view text) {
-  const std::size_t first = std::min(text.find_first_not_of(spaces), text.size());
-  text.remove_prefix(first);
-  return text.substr(0, text.find_last_not_of(spaces) + 1);
-}
-
 /// What was written where the parser stopped: up to the next separator on either side.
 std::string_view word_at(std::string_view line, std::size_t at) {
   constexpr std::string_view separators = " \t\r,[]{}=#";

@@ -56,10 +56,24 @@ std::string suggest(std::string_view word, std::span<const std::string> known) {
   return known.empty() ? "none is known here" : fmt::format("known: {}", fmt::join(known, ", "));
 }
 
+bool contains(std::span<const std::string> words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+std::string_view trim(std::string_view text) {
+  constexpr std::string_view spaces = " \t\r\n";
+  const std::size_t first = std::min(text.find_first_not_of(spaces), text.size());
+  text.remove_prefix(first);
+  return text.substr(0, text.find_last_not_of(spaces) + 1);
+}
+
 bool is_safe_name(std::string_view text) {
   const auto safe = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
-           c == '-';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || c == '.' || c == '-';
   };
   return !text.empty() && text.size() <= 100 && std::all_of(text.begin(), text.end(), safe);
 }

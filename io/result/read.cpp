@@ -16,11 +16,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// null, or nothing: not a number.
-double number(const Json& from, const char* key) {
+double read_number(const Json& from, const char* key) {
   const auto found = from.find(key);
   return found == from.end() || found->is_null() ? nan : found->get<double>();
 }
-double number(const Json& value) {
+double read_number(const Json& value) {
   return value.is_null() ? nan : value.get<double>();
 }
 std::optional<double> maybe(const Json& from, const char* key) {
@@ -43,23 +43,23 @@ const Json& list(const Json& from, const char* key) {
   return found == from.end() || found->is_null() ? none_there : *found;
 }
 
-Vec2 place(const Json& at) {
-  return {number(at.at(0)), number(at.at(1))};
+Vec2 read_place(const Json& at) {
+  return {read_number(at.at(0)), read_number(at.at(1))};
 }
-PlacedValue placed(const Json& value) {
-  return {place(value.at("at")), number(value, "value")};
+PlacedValue read_placed(const Json& value) {
+  return {read_place(value.at("at")), read_number(value, "value")};
 }
 Peak peak(const Json& from) {
-  Peak out{placed(from), from.value("singular", false), std::nullopt};
-  if (from.contains("regular") && !from["regular"].is_null()) out.regular = placed(from["regular"]);
+  Peak out{read_placed(from), from.value("singular", false), std::nullopt};
+  if (from.contains("regular") && !from["regular"].is_null()) out.regular = read_placed(from["regular"]);
   return out;
 }
-ResultantResult resultant(const Json& from) {
-  return {text(from, "on"), place(from.at("force")), number(from, "moment")};
+ResultantResult read_resultant(const Json& from) {
+  return {text(from, "on"), read_place(from.at("force")), read_number(from, "moment")};
 }
 Eigen::VectorXd numbers(const Json& from) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(from.size()));
-  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = number(from[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = read_number(from[static_cast<std::size_t>(i)]);
   return out;
 }
 
@@ -79,11 +79,12 @@ Verdict verdict(const std::string& said) {
 void read_mesh(const Json& from, Result& r) {
   r.triangles = count(from, "triangles");
   r.vertices = count(from, "vertices");
-  r.mesh = {number(from, "h_min"), number(from, "h_max"), number(from, "min_angle_deg"), number(from, "mean_quality")};
+  r.mesh = {read_number(from, "h_min"), read_number(from, "h_max"), read_number(from, "min_angle_deg"),
+            read_number(from, "mean_quality")};
   if (!from.contains("adapt")) return;
   r.adapt = AdaptResult{{}, text(from["adapt"], "stopped"), text(from["adapt"], "of")};
   for (const Json& round : from["adapt"].at("rounds"))
-    r.adapt->rounds.emplace_back(count(round, "triangles"), number(round, "estimated_error"));
+    r.adapt->rounds.emplace_back(count(round, "triangles"), read_number(round, "estimated_error"));
 }
 
 StateResult state(const Json& from) {
@@ -92,26 +93,26 @@ StateResult state(const Json& from) {
   s.degree = from.value("degree", 1);
   s.unknowns = count(from, "unknowns");
   s.condensed_unknowns = count(from, "condensed_unknowns");
-  s.residual = number(from, "residual");
-  s.work_error = number(from, "work_error");
-  s.energy = number(from, "energy");
-  s.compliance = number(from, "compliance");
-  s.area = number(from, "area");
+  s.residual = read_number(from, "residual");
+  s.work_error = read_number(from, "work_error");
+  s.energy = read_number(from, "energy");
+  s.compliance = read_number(from, "compliance");
+  s.area = read_number(from, "area");
   s.estimated_error = maybe(from, "estimated_error");
   if (const Json& bounds = list(from, "energy_bounds"); bounds.size() == 2)
-    s.energy_bounds = {number(bounds[0]), number(bounds[1])};
+    s.energy_bounds = {read_number(bounds[0]), read_number(bounds[1])};
   s.of_polygon = text(from, "energy_bounds_of") == "polygon";
   s.notes = texts(from, "notes");
   if (from.contains("max_von_mises")) s.von_mises = peak(from["max_von_mises"]);
-  if (from.contains("max_displacement")) s.displacement = Peak{placed(from["max_displacement"])};
+  if (from.contains("max_displacement")) s.displacement = Peak{read_placed(from["max_displacement"])};
   if (from.contains("resultants")) {
     const Json& all = from["resultants"];
-    for (const Json& r : list(all, "loads")) s.loads.push_back(resultant(r));
-    for (const Json& r : list(all, "reactions")) s.reactions.push_back(resultant(r));
-    if (all.contains("body")) s.body = resultant(all["body"]);
-    if (all.contains("balance")) s.balance = resultant(all["balance"]);
+    for (const Json& r : list(all, "loads")) s.loads.push_back(read_resultant(r));
+    for (const Json& r : list(all, "reactions")) s.reactions.push_back(read_resultant(r));
+    if (all.contains("body")) s.body = read_resultant(all["body"]);
+    if (all.contains("balance")) s.balance = read_resultant(all["balance"]);
   }
-  if (from.contains("plate")) s.thickness = number(from["plate"], "thickness");
+  if (from.contains("plate")) s.thickness = read_number(from["plate"], "thickness");
   return s;
 }
 
@@ -120,13 +121,13 @@ SolverResult solver(const Json& from) {
   s.parts = from.value("parts", 1);
   s.solves = from.value("solves", 0);
   s.iterations = from.value("iterations", 0);
-  s.condition = number(from, "condition");
+  s.condition = read_number(from, "condition");
   s.interface_unknowns = from.value("interface_unknowns", 0);
   s.primal_unknowns = from.value("primal_unknowns", 0);
-  s.sent = number(from, "bytes_per_iteration");
+  s.sent = read_number(from, "bytes_per_iteration");
   if (const Json& peaks = list(from, "peak_memory_mb"); peaks.size() == 2) {
-    s.first_mb = number(peaks[0]);
-    s.others_mb = number(peaks[1]);
+    s.first_mb = read_number(peaks[0]);
+    s.others_mb = read_number(peaks[1]);
   }
   return s;
 }
@@ -134,15 +135,16 @@ SolverResult solver(const Json& from) {
 CrackResult crack(const Json& from) {
   CrackResult out;
   out.name = text(from, "name");
-  out.length = number(from, "length");
-  out.max_opening = number(from, "max_opening");
-  out.max_pressure = number(from, "max_pressure");
+  out.length = read_number(from, "length");
+  out.max_opening = read_number(from, "max_opening");
+  out.max_pressure = read_number(from, "max_pressure");
   for (const Json& t : list(from, "transitions"))
-    out.transitions.push_back({place(t.at("at")), text(t, "from"), text(t, "to")});
+    out.transitions.push_back({read_place(t.at("at")), text(t, "from"), text(t, "to")});
   for (const Json& t : list(from, "tips")) {
-    TipResult tip{place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II"), maybe(t, "G"), maybe(t, "T"), std::nullopt};
+    TipResult tip{read_place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II"),
+                  maybe(t, "G"),          maybe(t, "T"),   std::nullopt};
     if (t.contains("spread") && !t["spread"].is_null())
-      tip.spread = {number(t["spread"], "K_I"), number(t["spread"], "K_II"), number(t["spread"], "T")};
+      tip.spread = {read_number(t["spread"], "K_I"), read_number(t["spread"], "K_II"), read_number(t["spread"], "T")};
     out.tips.push_back(tip);
   }
   out.fluid_pressure = maybe(from, "fluid_pressure");
@@ -150,63 +152,64 @@ CrackResult crack(const Json& from) {
   return out;
 }
 
-Bounded bounded(const Json& from, const char* key) {
+Bounded read_bounded(const Json& from, const char* key) {
   const auto found = from.find(key);
   if (found == from.end() || found->is_null()) return {nan, nan, nan};
-  return {number(*found, "value"), number(*found, "lower"), number(*found, "upper"), found->value("guaranteed", false),
-          text(*found, "note")};
+  return {read_number(*found, "value"), read_number(*found, "lower"), read_number(*found, "upper"),
+          found->value("guaranteed", false), text(*found, "note")};
 }
 
 BoundsResult bounds(const Json& from) {
   BoundsResult out;
   for (const Json& t : list(from, "tips"))
-    out.tips.push_back({text(t, "crack"), text(t, "tip") == "start", place(t.at("at")), bounded(t, "K_I"),
-                        bounded(t, "K_II"), bounded(t, "G")});
+    out.tips.push_back({text(t, "crack"), text(t, "tip") == "start", read_place(t.at("at")), read_bounded(t, "K_I"),
+                        read_bounded(t, "K_II"), read_bounded(t, "G")});
   for (const Json& p : list(from, "points"))
-    out.points.push_back({place(p.at("at")), bounded(p, "s_xx"), bounded(p, "s_yy"), bounded(p, "s_xy"),
-                          bounded(p, "von_mises"), bounded(p, "topological_derivative")});
+    out.points.push_back({read_place(p.at("at")), read_bounded(p, "s_xx"), read_bounded(p, "s_yy"),
+                          read_bounded(p, "s_xy"), read_bounded(p, "von_mises"),
+                          read_bounded(p, "topological_derivative")});
   for (const auto& [of, key] : bounded_lists)
     for (const Json& m : list(from, key)) {
       BoundedMean mean{.of = of};
       if (of == BoundedMean::Of::Disc) {
-        mean.from = mean.to = place(m.at("center"));
-        mean.radius = number(m, "radius");
+        mean.from = mean.to = read_place(m.at("center"));
+        mean.radius = read_number(m, "radius");
       } else if (of == BoundedMean::Of::Line) {
-        mean.from = place(m.at("from"));
-        mean.to = place(m.at("to"));
+        mean.from = read_place(m.at("from"));
+        mean.to = read_place(m.at("to"));
       } else {
         mean.on = text(m, "on");
       }
       for (const NamedQuantity& q : quantities_of(of))
-        mean.quantities.push_back(bounded(m, std::string(q.name).c_str()));
+        mean.quantities.push_back(read_bounded(m, std::string(q.name).c_str()));
       out.means.push_back(std::move(mean));
     }
   if (from.contains("compliance"))
-    out.means.push_back({.of = BoundedMean::Of::Loads, .quantities = {bounded(from, "compliance")}});
+    out.means.push_back({.of = BoundedMean::Of::Loads, .quantities = {read_bounded(from, "compliance")}});
   return out;
 }
 
 FunctionalResult functional(const Json& from) {
-  FunctionalResult out{text(from, "kind"), number(from, "value"), {}};
+  FunctionalResult out{text(from, "kind"), read_number(from, "value"), {}};
   for (const Json& t : list(from, "terms"))
-    out.terms.push_back({text(t, "kind"), number(t, "factor"), number(t, "value")});
+    out.terms.push_back({text(t, "kind"), read_number(t, "factor"), read_number(t, "value")});
   return out;
 }
 
 MapResult map(const Json& from) {
   MapResult out;
   out.perturbation = text(from, "perturbation");
-  out.min = placed(from.at("min"));
-  out.max = placed(from.at("max"));
-  out.excluded_radius = number(from, "excluded_radius");
-  out.radius = number(from, "radius");
-  out.masked_share = number(from, "masked_share");
-  out.biactive_length = number(from, "biactive_length");
+  out.min = read_placed(from.at("min"));
+  out.max = read_placed(from.at("max"));
+  out.excluded_radius = read_number(from, "excluded_radius");
+  out.radius = read_number(from, "radius");
+  out.masked_share = read_number(from, "masked_share");
+  out.biactive_length = read_number(from, "biactive_length");
   for (const Json& p : list(from, "points")) {
     const std::optional<double> angle = maybe(p, "angle_deg");
     out.oriented = out.oriented || angle;
-    out.points.push_back({.at = place(p.at("at")),
-                          .value = number(p, "value"),
+    out.points.push_back({.at = read_place(p.at("at")),
+                          .value = read_number(p, "value"),
                           .angle = angle.value_or(0) * pi / 180,
                           .masked = p.value("masked", false),
                           .lower = maybe(p, "lower"),
@@ -219,56 +222,57 @@ MapResult map(const Json& from) {
 
 Validation validation(const Json& from) {
   Validation v;
-  v.at = place(from.at("at"));
-  v.coefficient = number(from, "coefficient");
-  v.order = number(from, "order");
+  v.at = read_place(from.at("at"));
+  v.coefficient = read_number(from, "coefficient");
+  v.order = read_number(from, "order");
   v.verdict = verdict(text(from, "verdict"));
   v.reason = text(from, "reason");
-  v.intercept = number(from, "intercept");
-  v.plateau = number(from, "plateau");
-  v.c2 = number(from, "c2");
-  v.c3 = number(from, "c3");
-  v.c4 = number(from, "c4");
-  v.c2_predicted = number(from, "c2_predicted");
-  v.c2_on_mesh = number(from, "c2_on_mesh");
-  v.order_second = number(from, "order_second");
+  v.intercept = read_number(from, "intercept");
+  v.plateau = read_number(from, "plateau");
+  v.c2 = read_number(from, "c2");
+  v.c3 = read_number(from, "c3");
+  v.c4 = read_number(from, "c4");
+  v.c2_predicted = read_number(from, "c2_predicted");
+  v.c2_on_mesh = read_number(from, "c2_on_mesh");
+  v.order_second = read_number(from, "order_second");
   for (const Logarithm known : {Logarithm::Absent, Logarithm::Known})
     if (from.value("logarithm", "") == word(known)) v.logarithm = known;
-  v.on_mesh = number(from, "on_mesh");
-  v.bar = number(from, "bar");
+  v.on_mesh = read_number(from, "on_mesh");
+  v.bar = read_number(from, "bar");
   if (from.contains("independent")) {
     const Json& drawn = from["independent"];
-    v.drawn.radius = number(drawn, "radius");
-    v.drawn.difference = number(drawn, "difference");
-    v.drawn.coefficient = number(drawn, "formula");
-    v.drawn.intercept = number(drawn, "intercept");
+    v.drawn.radius = read_number(drawn, "radius");
+    v.drawn.difference = read_number(drawn, "difference");
+    v.drawn.coefficient = read_number(drawn, "formula");
+    v.drawn.intercept = read_number(drawn, "intercept");
   }
   if (from.contains("modes"))
-    for (const auto& [name, value] : from["modes"].items()) v.modes.push_back({name, number(value)});
+    for (const auto& [name, value] : from["modes"].items()) v.modes.push_back({name, read_number(value)});
   for (const Json& row : list(from, "rows"))
-    v.rows.push_back({number(row, "radius"), number(row, "J"), number(row, "difference"), number(row, "predicted"),
-                      number(row, "remainder"), number(row, "order"), row.value("same_contact", true),
-                      number(row, "predicted_second"), number(row, "remainder_second"), number(row, "order_second")});
+    v.rows.push_back({read_number(row, "radius"), read_number(row, "J"), read_number(row, "difference"),
+                      read_number(row, "predicted"), read_number(row, "remainder"), read_number(row, "order"),
+                      row.value("same_contact", true), read_number(row, "predicted_second"),
+                      read_number(row, "remainder_second"), read_number(row, "order_second")});
   return v;
 }
 
 Identified identified(const Json& from) {
   Identified i{text(from, "name"), text(from, "truth"), numbers(from.at("found")), numbers(from.at("exact"))};
-  i.position_error = i.truth.empty() ? 0 : number(from, "position_error");
-  i.size_error = i.truth.empty() ? 0 : number(from, "size_error");
+  i.position_error = i.truth.empty() ? 0 : read_number(from, "position_error");
+  i.size_error = i.truth.empty() ? 0 : read_number(from, "size_error");
   return i;
 }
 
 LeastSquares fit(const Json& from) {
   LeastSquares out;
   out.readings = from.value("readings", 0);
-  out.start = number(from, "start");
-  out.end = number(from, "end");
-  out.noise = number(from, "noise");
+  out.start = read_number(from, "start");
+  out.end = read_number(from, "end");
+  out.noise = read_number(from, "noise");
   out.estimated = from.value("estimated", false);
   out.steps = from.value("steps", 0);
   out.state_solves = from.value("state_solves", 0);
-  out.optimality = number(from, "optimality");
+  out.optimality = read_number(from, "optimality");
   out.stopped = text(from, "stopped");
   const Json &variables = list(from, "variables"), &rows = list(from, "covariance");
   const auto n = static_cast<Eigen::Index>(variables.size());
@@ -276,12 +280,12 @@ LeastSquares fit(const Json& from) {
   out.covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    out.variables[i] = number(variables[k], "value");
+    out.variables[i] = read_number(variables[k], "value");
     if (rows.size() == variables.size()) out.covariance.row(i) = numbers(rows[k]).transpose();
   }
   for (const Json& e : list(from, "ellipses"))
-    out.ellipses.push_back(
-        {text(e, "name"), place(e.at("at")), place(e.at("semi_axes")), number(e, "angle_deg") * pi / 180});
+    out.ellipses.push_back({text(e, "name"), read_place(e.at("at")), read_place(e.at("semi_axes")),
+                            read_number(e, "angle_deg") * pi / 180});
   return out;
 }
 
@@ -291,8 +295,8 @@ Count defects(const Json& from) {
   for (const Json& one : list(from, "tried")) {
     Counted& c = out.tried.emplace_back();
     c.count = one.value("count", 0);
-    c.criterion = number(one, "criterion");
-    c.fit.end = number(one, "squares");
+    c.criterion = read_number(one, "criterion");
+    c.fit.end = read_number(one, "squares");
     c.fit.variables = numbers(list(one, "variables"));
     c.failure = text(one, "failure");
     if (c.count == from.value("count", 0)) out.chosen = out.tried.size() - 1;
@@ -303,8 +307,8 @@ Count defects(const Json& from) {
 StartTried start_tried(const Json& from) {
   return {.from = numbers(list(from, "from")),
           .variables = numbers(list(from, "reached")),
-          .merit = number(from, "merit"),
-          .violation = number(from, "violation"),
+          .merit = read_number(from, "merit"),
+          .violation = read_number(from, "violation"),
           .in_full = from.value("in_full", false),
           .state_solves = from.value("state_solves", 0),
           .failure = text(from, "failure")};
@@ -312,30 +316,30 @@ StartTried start_tried(const Json& from) {
 
 FinerDesign finer(const Json& from) {
   FinerDesign out;
-  out.size = number(from, "size");
+  out.size = read_number(from, "size");
   for (const Element& e : elements)
     if (e.name == text(from, "element") && e.degree == from.value("degree", 1)) out.element = e;
-  out.objective = number(from, "objective");
-  out.volume_fraction = number(from, "volume_fraction");
-  out.violation = number(from, "violation");
+  out.objective = read_number(from, "objective");
+  out.volume_fraction = read_number(from, "volume_fraction");
+  out.violation = read_number(from, "violation");
   for (const Json& b : list(from, "bounds")) {
-    out.bounds.push_back(number(b, "value"));
-    const auto read = [&](const char* key) { return b.contains(key) ? number(b, key) : nan; };
+    out.bounds.push_back(read_number(b, "value"));
+    const auto read = [&](const char* key) { return b.contains(key) ? read_number(b, key) : nan; };
     out.intervals.push_back({nan, read("lower"), read("upper"), b.value("guaranteed", false),
                              b.contains("note") ? text(b, "note") : std::string()});
   }
-  out.residual = number(from, "residual");
+  out.residual = read_number(from, "residual");
   out.failure = text(from, "failure");
   return out;
 }
 
 NucleatedHole nucleated_hole(const Json& from) {
-  NucleatedHole h{.iteration = from.value("iteration", 0), .at = place(from.at("at"))};
-  h.radius = number(from, "radius");
-  h.T = number(from, "topological_derivative");
-  h.c2 = number(from, "c2");
-  h.predicted = number(from, "predicted");
-  h.actual = number(from, "actual");
+  NucleatedHole h{.iteration = from.value("iteration", 0), .at = read_place(from.at("at"))};
+  h.radius = read_number(from, "radius");
+  h.T = read_number(from, "topological_derivative");
+  h.c2 = read_number(from, "c2");
+  h.predicted = read_number(from, "predicted");
+  h.actual = read_number(from, "actual");
   h.note = text(from, "note");
   return h;
 }
@@ -345,21 +349,21 @@ void read_optimize(const Json& from, Result& r) {
   o.method = from_word<OptimizeMethod>(optimize_method_words, text(from, "method"));
   o.iterations = from.value("iterations", 0);
   o.state_solves = from.value("state_solves", 0);
-  o.objective = number(from, "objective");
-  o.volume_fraction = number(from, "volume_fraction");
+  o.objective = read_number(from, "objective");
+  o.volume_fraction = read_number(from, "volume_fraction");
   o.feasible = from.value("feasible", false);
   o.stopped = text(from, "stopped");
   o.ending = from_word<Ending>(ending_words, text(from, "ending"));
-  o.optimality = number(from, "optimality");
+  o.optimality = read_number(from, "optimality");
   if (from.contains("hole_margin")) {
     const Json& holes = from["hole_margin"];
-    o.holes.least = number(holes, "least");
-    o.holes.at = place(holes.at("at"));
+    o.holes.least = read_number(holes, "least");
+    o.holes.at = read_place(holes.at("at"));
     if (holes.contains("proof")) o.holes.proof = verdict(text(holes, "proof"));
   }
   if (from.contains("bump_margin")) {
-    o.bumps.least = number(from["bump_margin"], "least");
-    o.bumps.at = place(from["bump_margin"].at("at"));
+    o.bumps.least = read_number(from["bump_margin"], "least");
+    o.bumps.at = read_place(from["bump_margin"].at("at"));
   }
   if (from.contains("finer")) o.finer = finer(from["finer"]);
   for (const Json& h : list(from, "nucleated")) o.nucleated.push_back(nucleated_hole(h));
@@ -369,13 +373,13 @@ void read_optimize(const Json& from, Result& r) {
   names.volume_at_most = maybe(from, "volume_at_most");
   for (const Json& b : list(from, "bounds")) {
     names.bounds.push_back(text(b, "name"));
-    names.at_most.push_back(number(b, "at_most"));
+    names.at_most.push_back(read_number(b, "at_most"));
   }
   const Json& variables = list(from, "variables");
   o.variables.resize(static_cast<Eigen::Index>(variables.size()));
   for (std::size_t i = 0; i < variables.size(); ++i) {
     names.variables.push_back(text(variables[i], "name"));
-    o.variables[static_cast<Eigen::Index>(i)] = number(variables[i], "value");
+    o.variables[static_cast<Eigen::Index>(i)] = read_number(variables[i], "value");
   }
   if (from.contains("least_squares")) r.fit = fit(from["least_squares"]);
   if (from.contains("defects")) r.counted = defects(from["defects"]);
@@ -386,26 +390,26 @@ void read_optimize(const Json& from, Result& r) {
 StepResult step(const Json& from) {
   StepResult s{.name = text(from, "name"), .part = from.value("part", 1), .parts = from.value("parts", 1)};
   if (s.parts < 1) s.parts = 1;
-  for (const auto& [name, value] : from.at("define").items()) s.values.emplace_back(name, number(value));
-  s.energy = number(from, "energy");
-  s.strain_energy = number(from, "strain_energy");
-  s.work = number(from, "work");
-  s.dissipation = number(from, "dissipation");
-  s.imbalance = number(from, "imbalance");
-  s.open_length = number(from, "open_length");
-  s.closed_length = number(from, "closed_length");
-  s.stick_length = number(from, "stick_length");
-  s.slip_length = number(from, "slip_length");
-  s.kkt = number(from, "kkt");
+  for (const auto& [name, value] : from.at("define").items()) s.values.emplace_back(name, read_number(value));
+  s.energy = read_number(from, "energy");
+  s.strain_energy = read_number(from, "strain_energy");
+  s.work = read_number(from, "work");
+  s.dissipation = read_number(from, "dissipation");
+  s.imbalance = read_number(from, "imbalance");
+  s.open_length = read_number(from, "open_length");
+  s.closed_length = read_number(from, "closed_length");
+  s.stick_length = read_number(from, "stick_length");
+  s.slip_length = read_number(from, "slip_length");
+  s.kkt = read_number(from, "kkt");
   for (const Json& t : list(from, "tips"))
-    s.tips.push_back({text(t, "crack"), place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II")});
+    s.tips.push_back({text(t, "crack"), read_place(t.at("at")), maybe(t, "K_I"), maybe(t, "K_II")});
   return s;
 }
 
 Seconds seconds(const Json& from) {
-  Seconds s{.total = number(from, "total")};
+  Seconds s{.total = read_number(from, "total")};
   for (const TimedPhase& phase : timed_phases)
-    s.*phase.of = phase.always || from.contains(phase.name) ? number(from, phase.name) : 0;
+    s.*phase.of = phase.always || from.contains(phase.name) ? read_number(from, phase.name) : 0;
   return s;
 }
 
@@ -420,7 +424,7 @@ Result from_json(const Json& from) {
     const Json& units = from["units"];
     r.units = {text(units, "length"), text(units, "stress")};
     if (const Json& powers = list(units, "functional_powers"); powers.size() == 2)
-      r.functional_dimension = Dimension{number(powers[0]), number(powers[1])};
+      r.functional_dimension = Dimension{read_number(powers[0]), read_number(powers[1])};
   }
   if (from.contains("mesh")) read_mesh(from["mesh"], r);
   if (from.contains("state")) {
@@ -429,9 +433,13 @@ Result from_json(const Json& from) {
   }
   if (from.contains("contact")) {
     const Json& c = from["contact"];
-    r.contact = ContactResultSummary{
-        text(c, "method"),        c.value("iterations", 0),   c.value("linear_solves", 0), number(c, "kkt"),
-        number(c, "open_length"), number(c, "closed_length"), number(c, "biactive_length")};
+    r.contact = ContactResultSummary{text(c, "method"),
+                                     c.value("iterations", 0),
+                                     c.value("linear_solves", 0),
+                                     read_number(c, "kkt"),
+                                     read_number(c, "open_length"),
+                                     read_number(c, "closed_length"),
+                                     read_number(c, "biactive_length")};
   }
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
   for (const Json& s : list(from, "steps")) r.steps.push_back(step(s));
@@ -447,7 +455,7 @@ Result from_json(const Json& from) {
   }
   if (from.contains("optimize")) read_optimize(from["optimize"], r);
   if (from.contains("time_s")) r.seconds = seconds(from["time_s"]);
-  r.peak_memory_mb = number(from, "peak_memory_mb");
+  r.peak_memory_mb = read_number(from, "peak_memory_mb");
   return r;
 }
 

@@ -24,12 +24,12 @@ Json number(const std::optional<double>& value) {
   return value ? number(*value) : Json(nullptr);
 }
 
-Json place(const Vec2& at) {
+Json place_of(const Vec2& at) {
   return Json::array({number(at.x()), number(at.y())});
 }
 
 Json placed(const PlacedValue& value) {
-  return {{"at", place(value.at)}, {"value", number(value.value)}};
+  return {{"at", place_of(value.at)}, {"value", number(value.value)}};
 }
 
 Json mesh_section(const Result& result) {
@@ -59,7 +59,7 @@ Json peak_section(const Peak& peak) {
 Json resultant(const ResultantResult& r) {
   Json out = Json::object();
   if (!r.on.empty()) out["on"] = r.on;
-  out["force"] = place(r.force);
+  out["force"] = place_of(r.force);
   out["moment"] = number(r.moment);
   return out;
 }
@@ -149,12 +149,12 @@ Json contact_section(const ContactResultSummary& contact) {
 Json crack_section(const CrackResult& crack) {
   Json transitions = Json::array(), tips = Json::array();
   for (const auto& t : crack.transitions) {
-    transitions.push_back({{"at", place(t.at)}, {"from", t.from}, {"to", t.to}});
+    transitions.push_back({{"at", place_of(t.at)}, {"from", t.from}, {"to", t.to}});
   }
   for (const TipResult& tip : crack.tips) {
     Json spread = nullptr;
     if (const auto& s = tip.spread) spread = {{"K_I", number(s->K_I)}, {"K_II", number(s->K_II)}, {"T", number(s->T)}};
-    tips.push_back({{"at", place(tip.at)},
+    tips.push_back({{"at", place_of(tip.at)},
                     {"K_I", number(tip.K_I)},
                     {"K_II", number(tip.K_II)},
                     {"G", number(tip.G)},
@@ -176,7 +176,7 @@ Json step_section(const StepResult& step) {
   Json values = Json::object(), tips = Json::array();
   for (const auto& [name, value] : step.values) values[name] = number(value);
   for (const StepResult::Tip& t : step.tips)
-    tips.push_back({{"crack", t.crack}, {"at", place(t.at)}, {"K_I", number(t.K_I)}, {"K_II", number(t.K_II)}});
+    tips.push_back({{"crack", t.crack}, {"at", place_of(t.at)}, {"K_I", number(t.K_I)}, {"K_II", number(t.K_II)}});
   return {{"name", step.name},
           {"part", step.part},
           {"parts", step.parts},
@@ -202,8 +202,8 @@ Json bounded(const Bounded& b) {
 }
 
 Json bounded_mean(const BoundedMean& m) {
-  Json out = m.of == BoundedMean::Of::Disc   ? Json{{"center", place(m.from)}, {"radius", number(m.radius)}}
-             : m.of == BoundedMean::Of::Line ? Json{{"from", place(m.from)}, {"to", place(m.to)}}
+  Json out = m.of == BoundedMean::Of::Disc   ? Json{{"center", place_of(m.from)}, {"radius", number(m.radius)}}
+             : m.of == BoundedMean::Of::Line ? Json{{"from", place_of(m.from)}, {"to", place_of(m.to)}}
                                              : Json{{"on", m.on}};
   const std::span<const NamedQuantity> names = quantities_of(m.of);
   for (std::size_t i = 0; i < m.quantities.size(); ++i) out[std::string(names[i].name)] = bounded(m.quantities[i]);
@@ -215,12 +215,12 @@ Json bounds_section(const BoundsResult& bounds) {
   for (const BoundedTip& t : bounds.tips)
     out["tips"].push_back({{"crack", t.crack},
                            {"tip", t.at_start ? "start" : "end"},
-                           {"at", place(t.at)},
+                           {"at", place_of(t.at)},
                            {"K_I", bounded(t.K_I)},
                            {"K_II", bounded(t.K_II)},
                            {"G", bounded(t.G)}});
   for (const BoundedPoint& p : bounds.points)
-    out["points"].push_back({{"at", place(p.at)},
+    out["points"].push_back({{"at", place_of(p.at)},
                              {"s_xx", bounded(p.s_xx)},
                              {"s_yy", bounded(p.s_yy)},
                              {"s_xy", bounded(p.s_xy)},
@@ -249,7 +249,7 @@ Json map_section(const MapResult& map) {
   Json points = Json::array();
   for (const MapPoint& p : map.points) {
     const Json angle = map.oriented && std::isfinite(p.value) ? number(degrees(p.angle)) : Json(nullptr);
-    points.push_back({{"at", place(p.at)},
+    points.push_back({{"at", place_of(p.at)},
                       {"value", number(p.value)},
                       {"lower", number(p.lower)},
                       {"upper", number(p.upper)},
@@ -284,7 +284,7 @@ Json validate_section(const ValidationResult& validation) {
                       {"predicted_second", number(row.predicted_second)},
                       {"remainder_second", number(row.remainder_second)},
                       {"order_second", number(row.order_second)}});
-    points.push_back({{"at", place(v.at)},
+    points.push_back({{"at", place_of(v.at)},
                       {"perturbation", validation.perturbation},
                       {"coefficient", number(v.coefficient)},
                       {"order", number(v.order)},
@@ -342,8 +342,8 @@ Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
     out["covariance"].push_back(numbers_of(fit.covariance.row(i).transpose()));
   for (const UncertaintyEllipse& e : fit.ellipses)
     out["ellipses"].push_back({{"name", e.name},
-                               {"at", place(e.at)},
-                               {"semi_axes", place(e.semi_axes)},
+                               {"at", place_of(e.at)},
+                               {"semi_axes", place_of(e.semi_axes)},
                                {"angle_deg", number(e.angle * 180 / pi)},
                                {"probability", 0.95}});
   return out;
@@ -386,7 +386,7 @@ void add_interval(Json& row, const Bounded& b) {
 Json nucleated_section(const std::vector<NucleatedHole>& holes) {
   Json out = Json::array();
   for (const NucleatedHole& h : holes) {
-    Json row = {{"iteration", h.iteration}, {"at", place(h.at)}};
+    Json row = {{"iteration", h.iteration}, {"at", place_of(h.at)}};
     const auto add = [&](const char* key, double value) {
       if (std::isfinite(value)) row[key] = number(value);
     };
@@ -431,10 +431,11 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"optimality", number(o.optimality)}};
   if (names.volume_at_most) out["volume_at_most"] = number(*names.volume_at_most);
   if (std::isfinite(o.holes.least)) {
-    out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place(o.holes.at)}};
+    out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place_of(o.holes.at)}};
     if (o.holes.proof) out["hole_margin"]["proof"] = word(*o.holes.proof);
   }
-  if (std::isfinite(o.bumps.least)) out["bump_margin"] = {{"least", number(o.bumps.least)}, {"at", place(o.bumps.at)}};
+  if (std::isfinite(o.bumps.least))
+    out["bump_margin"] = {{"least", number(o.bumps.least)}, {"at", place_of(o.bumps.at)}};
   if (o.finer.size > 0) out["finer"] = finer_section(o.finer, names);
   if (!o.history.empty()) {
     const Iteration &first = o.history.front(), &last = o.history.back();

@@ -21,7 +21,7 @@ constexpr double facing = 0.5;         // cosine between a normal and the way ac
 constexpr double at_the_frame = 0.25;  // of the mesh size: between samples where a corner may come in between
 constexpr double neighborhood = 2.2;   // what is nearer along the boundary than this many distances is no other side
 
-constexpr std::array<std::array<double, 2>, 3> gauss{
+constexpr std::array<std::array<double, 2>, 3> three_points{
     {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
 
 /// A point of the boundary of the body, the body on its left.
@@ -408,14 +408,14 @@ void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
 NormalMoves normal_moves(const DesignCurves& d) {
   NormalMoves m;
   std::size_t count = 0;
-  for (const ArcChain& chain : d.chains) count += 2 * gauss.size() * segment_count(chain);
+  for (const ArcChain& chain : d.chains) count += 2 * three_points.size() * segment_count(chain);
   m.by.setZero(Eigen::Index(count), d.variables);
   m.weight.resize(Eigen::Index(count));
   Eigen::Index i = 0;
   VectorXd row(d.variables);
   for (std::size_t c = 0; c < d.chains.size(); ++c)
     for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
-      for (const auto& [part, weight] : gauss) {
+      for (const auto& [part, weight] : three_points) {
         const ChainPoint p = point_on(d.chains[c], {arc, part});
         const Vec2 left(-p.tangent.y(), p.tangent.x());
         row.setZero();

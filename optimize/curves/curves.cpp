@@ -25,7 +25,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
-constexpr double first_radius = 0.5, largest_radius = 1.5, smallest_radius = 1e-3;  // of a step
+constexpr double first_step = 0.5, largest_step = 1.5, least_step = 1e-3;  // of a step
 constexpr double shortest_strained = 0.1;  // steps beyond which a mesh that does not follow is no reason for a new one
 constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
 constexpr double largest_angle = 0.35;     // a knot may turn by in a step
@@ -89,7 +89,7 @@ class CurvesRun {
     volume_price_ = price_of_volume(p, r) + r.volume_penalty;
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
-    radius_ = first_radius * size_;
+    radius_ = first_step * size_;
     solid_ = solid_loops(p, r);
     for (std::size_t k = 0; k < how.at_most.size(); ++k) asked_.bounds[k].at_most = how.at_most[k];
   }
@@ -507,14 +507,14 @@ bool CurvesRun::iterate() {
       // Meshes may differ by more than the step: what the present design is worth on the new one.
       if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
       radius_ *= 0.4 * reach_;
-      if (radius_ < smallest_radius * size_) {
+      if (radius_ < least_step * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
         return false;
       }
       continue;
     }
-    if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_radius * size_);
-    if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, smallest_radius * size_);
+    if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_step * size_);
+    if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, least_step * size_);
     x_ = std::move(*y);
     forgotten_ = false;
     return show() && space_anew();

@@ -358,11 +358,11 @@ void as_read(Loop& loop) {
 }
 
 /// Points and weights on [0, 1].
-constexpr std::array<std::array<double, 2>, 5> gauss{{{0.046910077030668004, 0.11846344252809454},
-                                                      {0.23076534494715845, 0.23931433524968324},
-                                                      {0.5, 0.28444444444444444},
-                                                      {0.76923465505284155, 0.23931433524968324},
-                                                      {0.95308992296933200, 0.11846344252809454}}};
+constexpr std::array<std::array<double, 2>, 5> five_points{{{0.046910077030668004, 0.11846344252809454},
+                                                            {0.23076534494715845, 0.23931433524968324},
+                                                            {0.5, 0.28444444444444444},
+                                                            {0.76923465505284155, 0.23931433524968324},
+                                                            {0.95308992296933200, 0.11846344252809454}}};
 
 }  // namespace
 
@@ -492,7 +492,7 @@ double area_of(const DesignCurves& d, VectorXd* by) {
     by->setZero(d.variables);
     for (std::size_t c = 0; c < d.chains.size(); ++c)
       for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
-        for (const auto& [part, weight] : gauss) {
+        for (const auto& [part, weight] : five_points) {
           const ChainPoint p = point_on(d.chains[c], {arc, part});
           const Vec2 left(-p.tangent.y(), p.tangent.x());  // into the body
           add_by_segment(d, Index(c), arc / 2, -weight * p.speed * left.transpose() * p.by, *by);

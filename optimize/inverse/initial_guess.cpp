@@ -121,7 +121,7 @@ Hats make_hats(const Shape& shape, Index label) {
 }
 
 /// Readings in coordinates in which they are independent: whitened components.
-struct Data {
+struct GuessData {
   std::shared_ptr<const Hats> hats;
   Eigen::LLT<Eigen::MatrixXd> factor;
   std::vector<Term> readings;
@@ -138,7 +138,7 @@ struct Data {
     return whiten(derivatives(at, v.what, v.angle));
   }
 };
-Data read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
+GuessData read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
   const auto hats = std::make_shared<const Hats>(make_hats(frame, measured.label));
   std::vector<Term> readings;
   for (int d = 0; d < 2; ++d)
@@ -155,7 +155,7 @@ Data read_data(const Shape& frame, const Support& measured, const Model& m, cons
       readings.push_back(std::move(term));
     }
   Responses r = responses(m, s, readings);
-  Data data{hats, Eigen::LLT<Eigen::MatrixXd>(hats->mass), std::move(readings), std::move(r), {}};
+  GuessData data{hats, Eigen::LLT<Eigen::MatrixXd>(hats->mass), std::move(readings), std::move(r), {}};
   data.b = data.whiten(-data.responses.value);
   return data;
 }
@@ -174,7 +174,8 @@ struct Dictionary {
     return variants[static_cast<std::size_t>(column) % variants.size()];
   }
 };
-Dictionary make_dictionary(const Data& data, const std::vector<Vec2>& places, const std::vector<Variant>& variants) {
+Dictionary make_dictionary(const GuessData& data, const std::vector<Vec2>& places,
+                           const std::vector<Variant>& variants) {
   Dictionary d{places, variants, {}, {}};
   d.columns.setZero(data.b.size(), static_cast<Eigen::Index>(places.size() * variants.size()));
   Eigen::Index column = 0;
@@ -228,7 +229,7 @@ void make_room(std::vector<Guess>& guesses, const std::vector<Sought>& sought, c
 }
 
 struct Search {
-  const Data& data;
+  const GuessData& data;
   const Surroundings& around;
   const std::vector<Sought>& sought;
   double clear;
@@ -397,7 +398,7 @@ struct Search {
 /// The guess is drawn and solved for, and what the expansion missed is taken off the data, before the expansion is
 /// fitted again, as long as that leaves less unexplained. Returns the explained part of the data.
 double correct(Search& search, const Problem& p, double spacing, InitialGuess& out) {
-  const Data& data = search.data;
+  const GuessData& data = search.data;
   constexpr int most = 12;
   const double whole = data.b.squaredNorm();
   double least = infinity;
@@ -462,7 +463,7 @@ std::vector<Guess> best_of_map(const Functional& objective, const Analysis& a, c
 }
 
 /// What explains the data best to second order in the areas. Things with the same candidates share a dictionary.
-Search search_in(const Data& data, const Mesh& mesh, const Wanted& wanted) {
+Search search_in(const GuessData& data, const Mesh& mesh, const Wanted& wanted) {
   const auto& [design, sought, around, clear, spacing] = wanted;
   Search search{data, around, sought, clear, data.b};
   for (std::size_t i = 0; i < sought.size(); ++i) {
@@ -529,7 +530,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
     out.guesses = best_of_map(p.objective, analyze(p.objective, m, s), wanted);
     out.solves = 2;
   } else {
-    const Data data = read_data(body.shape, *with_data->measured, m, s);
+    const GuessData data = read_data(body.shape, *with_data->measured, m, s);
     out.solves += static_cast<int>(data.responses.dual.size());
     Search search = search_in(data, m.mesh, wanted);
     out.guesses = search.guesses();

@@ -47,7 +47,7 @@ struct Samples {  // along one curve, at equal distances
   std::vector<std::size_t> sensor;
 };
 
-struct Data {
+struct SyntheticData {
   BoundaryLine line;
   std::vector<Samples> samples;  // per curve
   std::vector<Vec2> u;           // per sensor
@@ -91,7 +91,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
 }
 
 Measurement measure(const Synthetic& s, int threads) {
-  auto data = std::make_shared<Data>();
+  auto data = std::make_shared<SyntheticData>();
   data->line = boundary_line(s.true_shape, s.label);
   if (data->line.curves.empty())
     throw Error(Fault::Usage, "synthetic data: nothing of the boundary has the label they are measured on");

@@ -14,8 +14,8 @@ namespace kerf {
 
 namespace {
 
-constexpr double binding = 1e-2;  // of a bound, relative: nearer than this it has a price
-constexpr double clear = 2;       // of singular points, in mesh sizes
+constexpr double binding = 1e-2;         // of a bound, relative: nearer than this it has a price
+constexpr double clear_of_singular = 2;  // of singular points, in mesh sizes
 
 /// Distance of points to the boundary of a mesh, no more than `most`.
 std::vector<double> to_boundary(const Mesh& mesh, double most) {
@@ -31,7 +31,8 @@ std::vector<double> to_boundary(const Mesh& mesh, double most) {
 
 /// Whether what is looked at there would be that of a singular point.
 bool beside_singular(const Ground& g, const std::vector<Vec2>& singular, const Vec2& x) {
-  return std::any_of(singular.begin(), singular.end(), [&](const Vec2& y) { return (x - y).norm() < clear * g.size; });
+  return std::any_of(singular.begin(), singular.end(),
+                     [&](const Vec2& y) { return (x - y).norm() < clear_of_singular * g.size; });
 }
 
 }  // namespace

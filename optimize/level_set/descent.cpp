@@ -23,8 +23,8 @@ namespace kerf {
 namespace {
 
 // Lengths relative to the mesh size, areas to that of the frame.
-constexpr double largest_radius = 1, smallest_radius = 0.05;
-constexpr double first_radius = 0.25;                        // where the start has its holes
+constexpr double largest_step_radius = 1, least_step_radius = 0.05;
+constexpr double first_step_radius = 0.25;                   // where the start has its holes
 constexpr double largest_turn = 0.5, smallest_turn = 0.015;  // of the fixed point
 constexpr double drop = 0.03;                                // of the area that is taken away in one step
 constexpr double redrawing = 2e-3;                           // what drawing and meshing anew changes of J
@@ -75,7 +75,7 @@ bool out_of_iterations(const DescentState& s) {
 
 Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& start) : g_(g), rules_(std::move(rules)) {
   s_.explore = rules_.explore;
-  s_.radius = (s_.explore ? largest_radius : first_radius) * g.size;
+  s_.radius = (s_.explore ? largest_step_radius : first_step_radius) * g.size;
   s_.turn = largest_turn;
   s_.weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(g.r.bounds.size()));
   s_.faith = Eigen::VectorXd::Ones(s_.weight.size());
@@ -228,7 +228,7 @@ const Descent::Rates& Descent::rates() const {
 StepLimits Descent::limits(double radius, double allowed) const {
   const LevelSetRequest& how = g_.r.level_set;
   StepLimits l{.radius = radius,
-               .share = std::min(radius / (largest_radius * g_.size), 1.0),
+               .share = std::min(radius / (largest_step_radius * g_.size), 1.0),
                .smoothing = how.smoothing > 0 ? how.smoothing : g_.size,
                .min_feature = how.min_feature,
                .price = g_.price,
@@ -320,7 +320,7 @@ void Descent::turn(Tried& t) const {
 
 Descent::Tried Descent::attempt() {
   Tried t;
-  const double less = g_.turns() ? s_.turn / largest_turn : s_.radius / (largest_radius * g_.size);
+  const double less = g_.turns() ? s_.turn / largest_turn : s_.radius / (largest_step_radius * g_.size);
   t.allowed = g_.limited ? std::max(g_.target, s_.allowed - std::min(less, 1.0) * drop * g_.whole) : infinity;
   try {
     if (g_.turns()) {
@@ -449,7 +449,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
       factor = ratio > good ? more : ratio < bad ? less : 1;
     }
   }
-  s_.radius = std::min(factor * s_.radius, largest_radius * g_.size);
+  s_.radius = std::min(factor * s_.radius, largest_step_radius * g_.size);
   s_.turn = std::min(factor * s_.turn, largest_turn);
 }
 
@@ -508,7 +508,7 @@ std::string Descent::reason_to_end() const {
   const double little = g_.turns() ? g_.r.tolerance : redrawing;
   if (n > window && s_.track[n - 1 - window] - s_.track.back() < little * std::abs(s_.track.back()))
     return fmt::format("the best merit fell by less than {:.1g} of it in {} steps", little, window);
-  if (s_.radius < smallest_radius * g_.size || s_.turn < smallest_turn)
+  if (s_.radius < least_step_radius * g_.size || s_.turn < smallest_turn)
     return fmt::format("no better design within a step of {:.2g}", 2 * (g_.turns() ? s_.turn : s_.radius));
   return {};
 }
@@ -536,7 +536,7 @@ bool Descent::try_nucleation() {
     s_.anchor = s_.best;
     anchored_ = best_;
     s_.since = 0;
-    s_.radius = std::max(s_.radius, 0.5 * largest_radius * g_.size);
+    s_.radius = std::max(s_.radius, 0.5 * largest_step_radius * g_.size);
     s_.phi = std::move(t.drawing.phi);
     show(std::move(t.drawing.design), t.notes);
   } catch (const Error& error) {
@@ -608,7 +608,7 @@ void Descent::decide() {
     s_.next = static_cast<int>(next);
     s_.why = std::move(why);
   };
-  const bool small = s_.radius < smallest_radius * g_.size;
+  const bool small = s_.radius < least_step_radius * g_.size;
   if (s_.anchor.phi.size() > 0) {
     if (value(s_.best) < value(s_.anchor) - noise() || s_.since >= trial_steps || small) then(Next::CloseTrial, {});
     return;

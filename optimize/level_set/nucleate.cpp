@@ -10,7 +10,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double clear = 3;  // radii around a hole where the expansion still ranks points
+constexpr double clear_radii = 3;  // radii around a hole where the expansion still ranks points
 
 /// Discs that were chosen, and what they have to keep clear of.
 class Places {
@@ -32,7 +32,7 @@ class Places {
     if (const std::optional<Mirror>& mirror = background_.mirror) {
       const Vec2 image = image_of(*mirror, x);
       const double there = largest(image);  // not positive: the mirror shows no body
-      twice = there > 0 && (image - x).norm() >= (1 + clear) * most;
+      twice = there > 0 && (image - x).norm() >= (1 + clear_radii) * most;
       if (twice) most = std::min(most, there);
       if (there > 0 && !twice) most = largest(x = 0.5 * (x + image));
     }
@@ -63,9 +63,9 @@ class Places {
     double room = -value_at(background_, distance_, x);
     if (background_.frozen.size() > 0) room = std::min(room, value_at(background_, background_.frozen, x));
     for (const Disc& d : discs) room = std::min(room, (d.center - x).norm() - d.radius);
-    if (room < clear * how_.least) return room / clear;
+    if (room < clear_radii * how_.least) return room / clear_radii;
     for (const auto& [a, b] : boundary_) room = std::min(room, kerf::distance(x, a, b));
-    return std::min(room / clear, how_.most);
+    return std::min(room / clear_radii, how_.most);
   }
 
   const BackgroundMesh& background_;

@@ -27,7 +27,7 @@ auto scalars_of(Design& d) {
   return std::tie(d.J, d.area, d.iteration);
 }
 
-Eigen::VectorXd vector_of(const auto& tuple) {
+Eigen::VectorXd vector_of_tuple(const auto& tuple) {
   return std::apply(
       [](const auto&... x) {
         Eigen::VectorXd v(static_cast<Eigen::Index>(sizeof...(x)));
@@ -50,7 +50,7 @@ auto scalars_of_hole(Hole& h) {
 void write_holes(Checkpoint& c, const std::vector<NucleatedHole>& holes) {
   std::vector<double> all;
   for (const NucleatedHole& h : holes) {
-    const Eigen::VectorXd v = vector_of(scalars_of_hole(h));
+    const Eigen::VectorXd v = vector_of_tuple(scalars_of_hole(h));
     all.insert(all.end(), v.begin(), v.end());
     c.texts["nucleated"] += h.note + '\n';
   }
@@ -80,10 +80,10 @@ Checkpoint packed(const DescentState& s) {
     const std::string name = key;
     c.numbers[name] = d.phi;
     c.numbers[name + "_bounds"] = d.bounds;
-    c.numbers[name + "_scalars"] = vector_of(scalars_of(d));
+    c.numbers[name + "_scalars"] = vector_of_tuple(scalars_of(d));
   }
   c.numbers["track"] = Eigen::Map<const Eigen::VectorXd>(s.track.data(), static_cast<Eigen::Index>(s.track.size()));
-  c.numbers["scalars"] = vector_of(scalars(s));
+  c.numbers["scalars"] = vector_of_tuple(scalars(s));
   c.texts["ended"] = s.ended;
   c.texts["why"] = s.why;
   c.texts["drawn"] = join(s.drawn, "\n");

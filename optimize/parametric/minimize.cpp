@@ -13,6 +13,10 @@
 
 namespace kerf {
 
+double violation_of(const Evaluation& e) {
+  return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
+}
+
 namespace {
 
 using Eigen::MatrixXd;
@@ -20,10 +24,6 @@ using Eigen::VectorXd;
 
 bool same(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();
-}
-
-double violation_of(const Evaluation& e) {
-  return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
 }
 
 nlopt_algorithm algorithm(OptimizeMethod method) {

@@ -23,6 +23,9 @@ struct Evaluation {
   std::string failure = {};   // why x could not be evaluated; values that are unknown are then NaN
 };
 
+/// The largest constraint, at least 0.
+double violation_of(const Evaluation& e);
+
 /// Minimize values[0] over lower <= x <= upper such that values[1...] <= 0. Variables whose bounds are equal are fixed.
 /// Constraints should be relative: 1 is a large violation.
 struct Program {

@@ -93,10 +93,6 @@ StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
           .failure = failure};
 }
 
-double violation_of(const Evaluation& e) {
-  return e.values.size() > 1 ? std::max(0.0, e.values.tail(e.values.size() - 1).maxCoeff()) : 0.0;
-}
-
 /// A direction in boxes with entries of size 1/2 to 1, the same everywhere.
 VectorXd some_direction(Eigen::Index n) {
   std::mt19937 bits(20240229u);

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double bearable = 0.5;  // of a constraint on the geometry: minimizers lead back from there
+constexpr double bearable_start = 0.5;  // of a constraint on the geometry: minimizers lead back from there
 
 double worst(const std::vector<Constraint>& all, const VectorXd& x, std::string* name) {
   double most = -infinity;
@@ -69,7 +69,7 @@ std::optional<VectorXd> repaired(const VectorXd& x, const Problem& p, const Opti
   const auto problem = find_problem(body_of(r.design, x, p).shape);
   std::string first;
   const double violated = worst(all, x, &first);
-  if (!problem && violated <= bearable) return x;
+  if (!problem && violated <= bearable_start) return x;
   if (obstacle) *obstacle = problem.value_or(first);
   Program program{.lower = lower, .upper = upper, .constraints = static_cast<Eigen::Index>(all.size())};
   constexpr double margin = 0.01;  // so that the last digit does not matter

@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double coarser = 1.5;                   // meshes, where designs are compared
-constexpr int first_look = 12, second_look = 40;  // evaluations
-constexpr double bearable = 1e-3;                 // violations up to here do not make one design worse than another
+constexpr double coarser = 1.5;                          // meshes, where designs are compared
+constexpr int first_evaluations = 12, second_look = 40;  // evaluations
+constexpr double bearable_violation = 1e-3;  // violations up to here do not make one design worse than another
 
 /// The given design first.
 std::vector<VectorXd> places(const Problem& p, const OptimizeRequest& r, const VectorXd& given) {
@@ -127,7 +127,8 @@ void take_answer(std::string_view answer, StartTried& tried) {
 
 bool better(const StartTried& a, const StartTried& b) {
   if (std::isnan(a.merit) || std::isnan(b.merit)) return !std::isnan(a.merit) && std::isnan(b.merit);
-  const double more_a = std::max(0.0, a.violation - bearable), more_b = std::max(0.0, b.violation - bearable);
+  const double more_a = std::max(0.0, a.violation - bearable_violation),
+               more_b = std::max(0.0, b.violation - bearable_violation);
   return more_a != more_b ? more_a < more_b : a.merit < b.merit;
 }
 
@@ -170,7 +171,7 @@ std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest
     follow_all(evaluations);
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return better(all[a], all[b]); });
   };
-  look(std::min(first_look, r.max_iterations));
+  look(std::min(first_evaluations, r.max_iterations));
   if (std::isnan(all[order[0]].merit))
     throw Error(Fault::Geometry, fmt::format("no start of the design can be evaluated: {}", all[0].failure));
   order.resize(std::clamp<std::size_t>((order.size() + 2) / 3, std::min<std::size_t>(2, order.size()), 4));

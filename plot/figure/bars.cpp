@@ -12,14 +12,14 @@ namespace kerf {
 namespace {
 
 constexpr std::array<std::uint32_t, 4> fills{0x0072b2, 0x8fb8d6, 0xb0b7be, 0xd8a878};
-constexpr double page_width = 1700, margin = 36, pitch = 40, thickness = 24, group_gap = 26;
-const Font group_font{25, true}, name_font{22}, tick_font{22}, label_font{25};
+constexpr double bars_page_width = 1700, bars_margin = 36, pitch = 40, thickness = 24, group_gap = 26;
+const Font group_font{25, true}, name_font{22}, tick_font{22}, bars_label_font{25};
 
 bool drawable(const Bar& bar) {
   return std::isfinite(bar.value);
 }
 
-constexpr double room = page_width - 2 * margin;
+constexpr double room = bars_page_width - 2 * bars_margin;
 
 /// Names, bars from zero and texts below one another.
 struct Columns {
@@ -32,7 +32,7 @@ struct Columns {
   }
 };
 
-Columns lay_out(const BarChart& chart, const Measure& measure) {
+Columns lay_out_bars(const BarChart& chart, const Measure& measure) {
   Columns c;
   for (const BarGroup& group : chart.groups) {
     c.height += 1.4 * group_font.size + group_gap;
@@ -47,7 +47,7 @@ Columns lay_out(const BarChart& chart, const Measure& measure) {
   c.names = std::min(c.names, 0.4 * room);
   c.texts = std::min(c.texts, 0.3 * room);
   if (!(c.most > 0)) c.most = 1;
-  c.left = margin + c.names + 18;
+  c.left = bars_margin + c.names + 18;
   c.width = room - c.names - c.texts - 40;
   return c;
 }
@@ -66,23 +66,23 @@ void draw_bar(cairo_t* pen, const Columns& c, const Bar& bar, double y, const Me
 
 void draw(const std::filesystem::path& path, const BarChart& chart) {
   const Measure measure = ruler();
-  const Columns columns = lay_out(chart, measure);
+  const Columns columns = lay_out_bars(chart, measure);
   const Heading head = heading(chart.title, chart.subtitle, room, 2, measure);
-  const double top = head.bottom(margin) + 16;
-  const Sheet page =
-      page_with(head, margin, static_cast<int>(page_width), static_cast<int>(top + columns.height + 100 + margin));
+  const double top = head.bottom(bars_margin) + 16;
+  const Sheet page = page_with(head, bars_margin, static_cast<int>(bars_page_width),
+                               static_cast<int>(top + columns.height + 100 + bars_margin));
   cairo_t* pen = page.pen();
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
   const Ticks marks = ticks(0, columns.most, 8);
   const double bottom = top + columns.height + 8;
   for (std::size_t i = 0; i < marks.at.size(); ++i)
     write(pen, {columns.at(marks.at[i]), bottom + 18}, marks.labels[i], tick_font, {0.5});
-  const Lines label = wrap(with_note(chart.x_label, marks.note), label_font, {room, 17, 1}, measure);
+  const Lines label = wrap(with_note(chart.x_label, marks.note), bars_label_font, {room, 17, 1}, measure);
   write_block(pen, {columns.left + 0.5 * columns.width, bottom + 40}, label, {0.5});
   double y = top;
   for (const BarGroup& group : chart.groups) {
     y += group_gap;
-    write_block(pen, {margin, y}, wrap(group.title, group_font, {room, 18, 1}, measure));
+    write_block(pen, {bars_margin, y}, wrap(group.title, group_font, {room, 18, 1}, measure));
     y += 1.4 * group_font.size;
     const double end = y + pitch * static_cast<double>(std::ranges::count_if(group.bars, drawable));
     for (const double mark : marks.at)

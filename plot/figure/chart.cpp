@@ -11,7 +11,7 @@ namespace kerf {
 
 namespace {
 
-constexpr double margin = 34, marker = 6.5, plot_width = 1050, plot_height = 820;
+constexpr double chart_margin = 34, marker = 6.5, chart_plot_width = 1050, plot_height = 820;
 constexpr int most_ticks = 9;
 constexpr double legend_gap = 30, legend_line = 54, legend_pitch = 34;
 const Font tick{24}, legend{22}, label{26};
@@ -191,7 +191,7 @@ Frame frame_of(const Data& data, bool linear_y, double top) {
   const auto x = axis(data.least.x(), data.most.x());
   const auto y = linear_y ? linear_axis(data.least.y(), data.most.y()) : axis(data.least.y(), data.most.y());
   const double height = std::max(plot_height, legend_pitch * data.named);
-  return {{margin + 150, top, plot_width, height}, {x[0], y[0]}, {x[1], y[1]}, linear_y};
+  return {{chart_margin + 150, top, chart_plot_width, height}, {x[0], y[0]}, {x[1], y[1]}, linear_y};
 }
 
 /// The series with their names to the right of the plot.
@@ -214,17 +214,17 @@ void draw_series(cairo_t* pen, const Box& plot, const std::vector<Series>& serie
 void draw(const std::filesystem::path& path, const Chart& chart) {
   const Measure measure = ruler();
   Data data = collect(chart, measure);
-  const double page_width = margin + 150 + plot_width + legend_gap + data.legend_width + margin;
-  const Heading head = heading(chart.title, chart.subtitle, page_width - 2 * margin, 2, measure);
-  const Frame frame = frame_of(data, chart.linear_y, head.bottom(margin) + 18);
+  const double page_width = chart_margin + 150 + chart_plot_width + legend_gap + data.legend_width + chart_margin;
+  const Heading head = heading(chart.title, chart.subtitle, page_width - 2 * chart_margin, 2, measure);
+  const Frame frame = frame_of(data, chart.linear_y, head.bottom(chart_margin) + 18);
   const Box& plot = frame.plot;
   const double label_y = plot.y + plot.height + tick_length + tick_gap + tick.size + 10;
   const Lines x_label = wrap(chart.x_label, label, {plot.width, 18, 1}, measure);
   const std::string note = chart.linear_y ? ticks(frame.low.y(), frame.high.y(), most_ticks).note : "";
   const Lines y_label = wrap(with_note(chart.y_label, note), label, {plot.height, 18, 1}, measure);
 
-  const Sheet page =
-      page_with(head, margin, static_cast<int>(page_width), static_cast<int>(label_y + x_label.height() + margin));
+  const Sheet page = page_with(head, chart_margin, static_cast<int>(page_width),
+                               static_cast<int>(label_y + x_label.height() + chart_margin));
   cairo_t* pen = page.pen();
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_BUTT);
   draw_axis(pen, frame, 0, tick);

@@ -5,7 +5,7 @@ namespace kerf {
 namespace {
 
 /// An upright bar has its low end at the bottom, a lying one at the left: `along` from there, `across` from the plot.
-struct Bar {
+struct ColorBar {
   const Layout& layout;
   const Limits& limits;
   bool upright = layout.beside;
@@ -22,7 +22,7 @@ struct Bar {
   }
 };
 
-void paint_colors(cairo_t* pen, const Bar& bar, const Colors& table) {
+void paint_colors(cairo_t* pen, const ColorBar& bar, const Colors& table) {
   const Box& box = bar.layout.bar;
   Image image{static_cast<int>(box.width), static_cast<int>(box.height), {}};
   image.pixels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
@@ -36,7 +36,7 @@ void paint_colors(cairo_t* pen, const Bar& bar, const Colors& table) {
   put(pen, image, {box.x, box.y});
 }
 
-void draw_point(cairo_t* pen, const Bar& bar, double end, double tip, std::uint32_t rgb) {
+void draw_point(cairo_t* pen, const ColorBar& bar, double end, double tip, std::uint32_t rgb) {
   cairo_new_path(pen);
   bar.line_to(pen, end, 0);
   bar.line_to(pen, tip, 0.5 * bar.thickness);
@@ -46,7 +46,7 @@ void draw_point(cairo_t* pen, const Bar& bar, double end, double tip, std::uint3
   cairo_fill(pen);
 }
 
-void draw_outline(cairo_t* pen, const Bar& bar) {
+void draw_outline(cairo_t* pen, const ColorBar& bar) {
   const double point = bar.layout.point;
   cairo_new_path(pen);
   bar.line_to(pen, 0, 0);
@@ -59,7 +59,7 @@ void draw_outline(cairo_t* pen, const Bar& bar) {
   stroke(pen, 1.6, frame_gray);
 }
 
-void draw_ticks(cairo_t* pen, const Bar& bar, double outside) {
+void draw_ticks(cairo_t* pen, const ColorBar& bar, double outside) {
   const Layout& layout = bar.layout;
   const Limits& limits = bar.limits;
   for (std::size_t i = 0; i < layout.values.at.size(); ++i) {
@@ -74,7 +74,7 @@ void draw_ticks(cairo_t* pen, const Bar& bar, double outside) {
 }
 
 /// The label, and what lies beyond the ends: beside these, or where the label leaves room.
-void write_words(cairo_t* pen, const Bar& bar, double outside) {
+void write_words(cairo_t* pen, const ColorBar& bar, double outside) {
   const Layout& layout = bar.layout;
   const Limits& limits = bar.limits;
   const std::string least = extreme_text("min", limits.least), most = extreme_text("max", limits.most);
@@ -102,7 +102,7 @@ void write_words(cairo_t* pen, const Bar& bar, double outside) {
 
 void draw_color_bar(cairo_t* pen, const Layout& layout, Scale scale, const Limits& limits) {
   const Colors& table = colors(scale);
-  const Bar bar{layout, limits};
+  const ColorBar bar{layout, limits};
   const double outside = layout.tick_length + layout.tick_gap;
   paint_colors(pen, bar, table);
   if (limits.below()) draw_point(pen, bar, 0, -layout.point, table.front());

@@ -9,13 +9,13 @@ namespace {
 
 using Triple = Eigen::Vector3d;
 
-std::uint32_t pack(const Triple& rgb) {  // components 0 .. 255
+std::uint32_t packed_rgb(const Triple& rgb) {  // components 0 .. 255
   std::uint32_t out = 0xff;
   for (int k = 0; k < 3; ++k) out = out << 8 | static_cast<std::uint32_t>(std::lround(std::clamp(rgb[k], 0.0, 255.0)));
   return out;
 }
 
-Triple unpack(std::uint32_t rgb) {
+Triple components_of(std::uint32_t rgb) {
   return {double(rgb >> 16 & 255), double(rgb >> 8 & 255), double(rgb & 255)};
 }
 
@@ -27,9 +27,9 @@ Colors viridis() {
                                                    0x7ad151, 0xa5db36, 0xd2e21b, 0xfde725};
   constexpr int last = static_cast<int>(knots.size()) - 1;
   const auto knot = [&](int i) -> Triple {
-    if (i < 0) return 2 * unpack(knots[0]) - unpack(knots[1]);
-    if (i > last) return 2 * unpack(knots[last]) - unpack(knots[last - 1]);
-    return unpack(knots[static_cast<std::size_t>(i)]);
+    if (i < 0) return 2 * components_of(knots[0]) - components_of(knots[1]);
+    if (i > last) return 2 * components_of(knots[last]) - components_of(knots[last - 1]);
+    return components_of(knots[static_cast<std::size_t>(i)]);
   };
   Colors out;
   for (int k = 0; k < 256; ++k) {
@@ -37,7 +37,7 @@ Colors viridis() {
     const double t = k / 17.0 - i;
     const Triple a = knot(i - 1), b = knot(i), c = knot(i + 1), d = knot(i + 2);
     out[static_cast<std::size_t>(k)] =
-        pack(b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a))));
+        packed_rgb(b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a))));
   }
   return out;
 }
@@ -100,7 +100,7 @@ Colors cool_warm() {
   for (int k = 0; k < 256; ++k) {
     const double x = k / 255.0;
     const Triple c = x < 0.5 ? half(cool, -1, 2 * x) : half(warm, 1, 2 - 2 * x);
-    out[static_cast<std::size_t>(k)] = pack(rgb(from_msh(c)));
+    out[static_cast<std::size_t>(k)] = packed_rgb(rgb(from_msh(c)));
   }
   return out;
 }

@@ -12,9 +12,9 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t colors_used = 7;  // of the palette: limits are lines of the same color
-constexpr double margin = 34, panel_gap = 34, unit_height = 250, plot_width = 1290;
-constexpr double legend_line = 44, legend_pitch = 32;
-const Font tick{24}, legend{22}, label{26};
+constexpr double curves_margin = 34, panel_gap = 34, unit_height = 250, curves_plot_width = 1290;
+constexpr double curves_legend_line = 44, curves_legend_pitch = 32;
+const Font curves_tick{24}, curves_legend{22}, curves_label{26};
 
 /// One axis: values to shares of its length.
 struct Axis {
@@ -61,7 +61,7 @@ Marks marks(const Axis& axis, int most) {
   return {t.at, t.labels, t.note};
 }
 
-struct Placed {
+struct PlacedCurve {
   Box box;
   Axis x, y;
   Vec2 place(double at, double value) const {
@@ -69,7 +69,7 @@ struct Placed {
   }
 };
 
-void draw_curve(cairo_t* pen, const Placed& panel, const std::vector<double>& x, const Curve& curve,
+void draw_curve(cairo_t* pen, const PlacedCurve& panel, const std::vector<double>& x, const Curve& curve,
                 std::uint32_t rgb) {
   if (curve.limit && panel.y.shows(*curve.limit)) {
     const std::array<double, 2> dashes{12, 9};
@@ -106,17 +106,18 @@ void draw_curve(cairo_t* pen, const Placed& panel, const std::vector<double>& x,
 }
 
 /// Names in the corner of the panel that holds the fewest points.
-void draw_legend(cairo_t* pen, const Placed& panel, const std::vector<double>& x, const std::vector<Curve>& curves) {
+void draw_legend(cairo_t* pen, const PlacedCurve& panel, const std::vector<double>& x,
+                 const std::vector<Curve>& curves) {
   double width = 0;
   int names = 0;
   for (const Curve& curve : curves) {
     if (curve.name.empty()) continue;
     ++names;
-    width = std::max(width, legend_line + 12 + text_width(pen, clean_text(curve.name), legend));
+    width = std::max(width, curves_legend_line + 12 + text_width(pen, clean_text(curve.name), curves_legend));
   }
   if (names == 0) return;
   width += 24;
-  const double height = legend_pitch * names + 12;
+  const double height = curves_legend_pitch * names + 12;
   const Box& b = panel.box;
   std::array<Box, 4> corners{{{b.x + b.width - width - 10, b.y + 10, width, height},
                               {b.x + b.width - width - 10, b.y + b.height - height - 10, width, height},
@@ -138,12 +139,12 @@ void draw_legend(cairo_t* pen, const Placed& panel, const std::vector<double>& x
   cairo_rectangle(pen, box.x, box.y, box.width, box.height);
   color(pen, paper, 0.85);
   cairo_fill(pen);
-  double y = box.y + 6 + 0.5 * legend_pitch;
+  double y = box.y + 6 + 0.5 * curves_legend_pitch;
   for (std::size_t i = 0; i < curves.size(); ++i) {
     if (curves[i].name.empty()) continue;
-    line(pen, {box.x + 12, y}, {box.x + 12 + legend_line, y}, 3, palette[i % colors_used]);
-    write(pen, {box.x + 24 + legend_line, y}, clean_text(curves[i].name), legend);
-    y += legend_pitch;
+    line(pen, {box.x + 12, y}, {box.x + 12 + curves_legend_line, y}, 3, palette[i % colors_used]);
+    write(pen, {box.x + 24 + curves_legend_line, y}, clean_text(curves[i].name), curves_legend);
+    y += curves_legend_pitch;
   }
 }
 
@@ -152,7 +153,7 @@ struct Plan {
   Heading heading;
   Axis x;
   Marks across;
-  std::vector<Placed> panels;
+  std::vector<PlacedCurve> panels;
   std::vector<Marks> marks_of;  // the panels
   double width = 0, height = 0, label_y = 0;
   bool upper = false;
@@ -179,7 +180,7 @@ Axis value_axis(const Panel& panel) {
   return make_axis(values, panel.logarithmic, 0.08);
 }
 
-Plan lay_out(const Curves& curves, const Measure& measure) {
+Plan lay_out_curves(const Curves& curves, const Measure& measure) {
   Plan plan{.x = make_axis(curves.x, false, 0.015)};
   plan.across = whole_marks(plan.x);
   std::vector<Axis> axes;
@@ -187,21 +188,21 @@ Plan lay_out(const Curves& curves, const Measure& measure) {
   for (const Panel& panel : curves.panels) {
     axes.push_back(value_axis(panel));
     plan.marks_of.push_back(marks(axes.back(), panel.share > 1 ? 8 : 5));
-    for (const std::string& text : plan.marks_of.back().labels) widest = std::max(widest, measure(text, tick));
+    for (const std::string& text : plan.marks_of.back().labels) widest = std::max(widest, measure(text, curves_tick));
   }
-  const double left = margin + 1.3 * label.size + 14 + widest + tick_length + tick_gap;
-  plan.width = left + plot_width + margin + 20;
-  plan.heading = heading(curves.title, curves.subtitle, plan.width - 2 * margin, 3, measure);
+  const double left = curves_margin + 1.3 * curves_label.size + 14 + widest + tick_length + tick_gap;
+  plan.width = left + curves_plot_width + curves_margin + 20;
+  plan.heading = heading(curves.title, curves.subtitle, plan.width - 2 * curves_margin, 3, measure);
   plan.upper = curves.upper.size() == curves.x.size() && !curves.upper.empty();
-  double y = plan.heading.bottom(margin) + 18 + (plan.upper ? 34 : 0);
+  double y = plan.heading.bottom(curves_margin) + 18 + (plan.upper ? 34 : 0);
   for (std::size_t i = 0; i < curves.panels.size(); ++i) {
     const double height = unit_height * curves.panels[i].share;
-    plan.panels.push_back({{left, y, plot_width, height}, plan.x, axes[i]});
+    plan.panels.push_back({{left, y, curves_plot_width, height}, plan.x, axes[i]});
     y += height + panel_gap;
   }
   y -= panel_gap;
-  plan.label_y = y + tick_length + tick_gap + tick.size + 10;
-  plan.height = plan.label_y + 1.3 * label.size + 0.6 * margin;
+  plan.label_y = y + tick_length + tick_gap + curves_tick.size + 10;
+  plan.height = plan.label_y + 1.3 * curves_label.size + 0.6 * curves_margin;
   return plan;
 }
 
@@ -214,25 +215,25 @@ void draw_grid(cairo_t* pen, const Plan& plan, std::size_t p) {
     line(pen, {at, box.y}, {at, box.y + box.height}, 1.2, grid_gray);
     line(pen, {at, box.y + box.height}, {at, box.y + box.height + tick_length}, 1.6, frame_gray);
     if (p + 1 == plan.panels.size())
-      write(pen, {at, box.y + box.height + tick_length + tick_gap + 0.5 * tick.size}, plan.across.labels[i], tick,
-            {0.5});
+      write(pen, {at, box.y + box.height + tick_length + tick_gap + 0.5 * curves_tick.size}, plan.across.labels[i],
+            curves_tick, {0.5});
   }
   const Marks& marks = plan.marks_of[p];
   for (std::size_t i = 0; i < marks.at.size(); ++i) {
     const double at = plan.panels[p].place(0, marks.at[i]).y();
     line(pen, {box.x, at}, {box.x + box.width, at}, 1.2, grid_gray);
     line(pen, {box.x - tick_length, at}, {box.x, at}, 1.6, frame_gray);
-    write(pen, {box.x - tick_length - tick_gap, at}, marks.labels[i], tick, {1});
+    write(pen, {box.x - tick_length - tick_gap, at}, marks.labels[i], curves_tick, {1});
   }
   draw_frame(pen, box);
 }
 
-void draw_panel(cairo_t* pen, const Plan& plan, std::size_t p, const Curves& curves, const Measure& measure) {
+void draw_curves_panel(cairo_t* pen, const Plan& plan, std::size_t p, const Curves& curves, const Measure& measure) {
   const Panel& panel = curves.panels[p];
   const Box& box = plan.panels[p].box;
   draw_grid(pen, plan, p);
-  const Lines name = wrap(with_note(panel.label, plan.marks_of[p].note), label, {box.height, 15, 1}, measure);
-  write_block(pen, {margin, box.y + 0.5 * box.height}, name, {0.5, ink, true});
+  const Lines name = wrap(with_note(panel.label, plan.marks_of[p].note), curves_label, {box.height, 15, 1}, measure);
+  write_block(pen, {curves_margin, box.y + 0.5 * box.height}, name, {0.5, ink, true});
   cairo_save(pen);
   cairo_rectangle(pen, box.x, box.y, box.width, box.height);
   cairo_clip(pen);
@@ -249,7 +250,7 @@ void draw_upper_scale(cairo_t* pen, const Plan& plan, const Curves& curves) {
   const Box& box = plan.panels.back().box;
   const double above = plan.panels.front().box.y - 18;
   const std::string name = curves.upper_label + ":";
-  const double width = text_width(pen, name, small), from = std::max(0.5 * margin, box.x - tick_gap - width);
+  const double width = text_width(pen, name, small), from = std::max(0.5 * curves_margin, box.x - tick_gap - width);
   write(pen, {from, above}, name, small, {0, gray});
   double free = from + width + 10;
   for (const double mark : plan.across.at) {
@@ -267,13 +268,14 @@ void draw_upper_scale(cairo_t* pen, const Plan& plan, const Curves& curves) {
 
 void draw(const std::filesystem::path& path, const Curves& curves) {
   const Measure measure = ruler();
-  const Plan plan = lay_out(curves, measure);
-  const Sheet page = page_with(plan.heading, margin, static_cast<int>(plan.width), static_cast<int>(plan.height));
+  const Plan plan = lay_out_curves(curves, measure);
+  const Sheet page =
+      page_with(plan.heading, curves_margin, static_cast<int>(plan.width), static_cast<int>(plan.height));
   cairo_t* pen = page.pen();
-  for (std::size_t p = 0; p < plan.panels.size(); ++p) draw_panel(pen, plan, p, curves, measure);
+  for (std::size_t p = 0; p < plan.panels.size(); ++p) draw_curves_panel(pen, plan, p, curves, measure);
   if (!plan.panels.empty() && !curves.x.empty()) {
     const Box& last = plan.panels.back().box;
-    const Lines name = wrap(curves.x_label, label, {plot_width, 18, 1}, measure);
+    const Lines name = wrap(curves.x_label, curves_label, {curves_plot_width, 18, 1}, measure);
     write_block(pen, {last.x + 0.5 * last.width, plan.label_y}, name, {0.5});
     if (plan.upper) draw_upper_scale(pen, plan, curves);
   }

@@ -11,8 +11,9 @@ namespace kerf {
 
 namespace {
 
-constexpr std::uint32_t material = 0x2f3d4c, crack_red = 0xe0232e, frame_fill = 0xeff2f5, frame_line = 0xc9d1d8;
-constexpr double margin = 34, gap = 30, widest = 1600;
+constexpr std::uint32_t material = 0x2f3d4c, evolution_crack_red = 0xe0232e, frame_fill = 0xeff2f5,
+                        frame_line = 0xc9d1d8;
+constexpr double evolution_margin = 34, evolution_gap = 30, widest_evolution = 1600;
 constexpr double caption_size = 24, words_size = 21;
 const Font caption{caption_size, true}, words{words_size};
 constexpr double heading_height = 1.3 * caption_size + 1.3 * words_size + 10;  // of a drawing
@@ -44,9 +45,9 @@ Grid arrange(std::size_t count, double aspect, double heading) {
   double largest = 0;
   for (std::size_t columns = 1; columns <= std::min<std::size_t>(count, 6); ++columns) {
     const double rows = std::ceil(static_cast<double>(count) / static_cast<double>(columns));
-    const double room = widest - 2 * margin - gap * static_cast<double>(columns - 1);
+    const double room = widest_evolution - 2 * evolution_margin - evolution_gap * static_cast<double>(columns - 1);
     double width = room / static_cast<double>(columns), height = width / aspect;
-    const double most = (1450 - margin - rows * (heading + gap)) / rows;
+    const double most = (1450 - evolution_margin - rows * (heading + evolution_gap)) / rows;
     if (height > most) {
       height = most;
       width = height * aspect;
@@ -70,7 +71,7 @@ struct Cell {
   double scale;
 };
 
-void trace(cairo_t* pen, const Cell& cell, const std::vector<std::vector<Vec2>>& lines, bool close) {
+void trace_in_cell(cairo_t* pen, const Cell& cell, const std::vector<std::vector<Vec2>>& lines, bool close) {
   cairo_new_path(pen);
   for (const auto& points : lines) {
     cairo_new_sub_path(pen);
@@ -84,22 +85,22 @@ void trace(cairo_t* pen, const Cell& cell, const std::vector<std::vector<Vec2>>&
 }
 
 /// `start`: what the body filled in the beginning.
-void draw_body(cairo_t* pen, const Cell& cell, const Contours& body, const Contours& start) {
+void draw_contours(cairo_t* pen, const Cell& cell, const Contours& body, const Contours& start) {
   cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
-  trace(pen, cell, start.boundary, true);
+  trace_in_cell(pen, cell, start.boundary, true);
   cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
   color(pen, frame_fill);
   cairo_fill_preserve(pen);
   stroke(pen, 1.2, frame_line);
-  trace(pen, cell, body.boundary, true);
+  trace_in_cell(pen, cell, body.boundary, true);
   color(pen, material);
   cairo_fill_preserve(pen);
   stroke(pen, 1.2, material);
-  trace(pen, cell, body.cracks, false);
+  trace_in_cell(pen, cell, body.cracks, false);
   stroke(pen, 4.5, paper, 0.9);
-  trace(pen, cell, body.cracks, false);
-  stroke(pen, 2.4, crack_red);
+  trace_in_cell(pen, cell, body.cracks, false);
+  stroke(pen, 2.4, evolution_crack_red);
 }
 
 void write_caption(cairo_t* pen, const Cell& cell, const Snapshot& s, double width, const Measure& measure) {
@@ -120,22 +121,22 @@ void draw(const std::filesystem::path& path, const Evolution& evolution) {
   const std::size_t count = std::max<std::size_t>(all.size(), 1);
   const Grid grid = arrange(count, aspect, heading_height);
   const std::size_t rows = (count + grid.columns - 1) / grid.columns;
-  const double used = static_cast<double>(grid.columns) * (grid.width + gap) - gap;
-  const double page_width = std::max(900.0, used + 2 * margin);
-  const Heading head = heading(evolution.title, evolution.subtitle, page_width - 2 * margin, 3, measure);
-  const double top = head.bottom(margin) + 22, pitch = heading_height + grid.height + gap;
-  const double page_height = top + static_cast<double>(rows) * pitch - gap + margin;
-  const Sheet page =
-      page_with(head, margin, static_cast<int>(std::ceil(page_width)), static_cast<int>(std::ceil(page_height)));
+  const double used = static_cast<double>(grid.columns) * (grid.width + evolution_gap) - evolution_gap;
+  const double page_width = std::max(900.0, used + 2 * evolution_margin);
+  const Heading head = heading(evolution.title, evolution.subtitle, page_width - 2 * evolution_margin, 3, measure);
+  const double top = head.bottom(evolution_margin) + 22, pitch = heading_height + grid.height + evolution_gap;
+  const double page_height = top + static_cast<double>(rows) * pitch - evolution_gap + evolution_margin;
+  const Sheet page = page_with(head, evolution_margin, static_cast<int>(std::ceil(page_width)),
+                               static_cast<int>(std::ceil(page_height)));
   const double scale = std::min(grid.width / size.x(), grid.height / size.y()), left = 0.5 * (page_width - used);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double x = left + static_cast<double>(i % grid.columns) * (grid.width + gap);
+    const double x = left + static_cast<double>(i % grid.columns) * (grid.width + evolution_gap);
     const double y = top + static_cast<double>(i / grid.columns) * pitch;
     const Vec2 corner(x + 0.5 * (grid.width - scale * size.x()),
                       y + heading_height + 0.5 * (grid.height + scale * size.y()));
     const Cell cell{x, y, corner, view.low, scale};
     write_caption(page.pen(), cell, all[i], grid.width, measure);
-    draw_body(page.pen(), cell, all[i].contours, all.front().contours);
+    draw_contours(page.pen(), cell, all[i].contours, all.front().contours);
   }
   save(path, page);
 }

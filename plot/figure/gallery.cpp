@@ -10,9 +10,10 @@ namespace kerf {
 
 namespace {
 
-constexpr double page_width = 2000, margin = 40, gap = 36, length_scale = 205;  // pixels per length, at most
-constexpr std::uint32_t own_body = 0x1f5a8a, other_body = 0x6b747d, void_gray = 0xf1f3f5, frame_line = 0xc3cad1,
-                        support_green = 0x00785a, load_orange = 0xd55e00;
+constexpr double gallery_width = 2000, gallery_margin = 40, gallery_gap = 36,
+                 length_scale = 205;  // pixels per length, at most
+constexpr std::uint32_t own_body = 0x1f5a8a, other_body = 0x6b747d, void_gray = 0xf1f3f5, gallery_frame_line = 0xc3cad1,
+                        support_green = 0x00785a, gallery_load_orange = 0xd55e00;
 const Font row_font{28, true}, panel_font{22, true}, caption_font{20};
 
 struct Extent {
@@ -37,14 +38,14 @@ Extent extent(const GalleryPanel& panel) {
   return e;
 }
 
-struct Placed {
+struct PlacedBody {
   const GalleryPanel* panel;
   Extent extent;
   double x, y, width, height;  // of the body
   double scale;                // pixels per length
 };
 
-void trace(cairo_t* pen, const Placed& at, const Polyline& line, bool closed) {
+void trace_on_panel(cairo_t* pen, const PlacedBody& at, const Polyline& line, bool closed) {
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vec2 p = at.scale * (line[i] - at.extent.low);
     const double x = at.x + p.x(), y = at.y + at.height - p.y();
@@ -53,17 +54,17 @@ void trace(cairo_t* pen, const Placed& at, const Polyline& line, bool closed) {
   if (closed) cairo_close_path(pen);
 }
 
-void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measure& measure) {
+void draw_gallery_panel(cairo_t* pen, const PlacedBody& at, double title_width, const Measure& measure) {
   const GalleryPanel& panel = *at.panel;
   const auto paths = [&](const std::vector<Polyline>& lines, bool closed) {
     cairo_new_path(pen);
-    for (const Polyline& line : lines) trace(pen, at, line, closed);
+    for (const Polyline& line : lines) trace_on_panel(pen, at, line, closed);
   };
   cairo_set_fill_rule(pen, CAIRO_FILL_RULE_EVEN_ODD);
   paths(panel.frame, true);
   color(pen, void_gray);
   cairo_fill_preserve(pen);
-  stroke(pen, 1.5, frame_line);
+  stroke(pen, 1.5, gallery_frame_line);
   paths(panel.body, true);
   color(pen, panel.accent ? own_body : other_body);
   cairo_fill(pen);
@@ -71,7 +72,7 @@ void draw_panel(cairo_t* pen, const Placed& at, double title_width, const Measur
   paths(panel.supports, false);
   stroke(pen, 7, support_green);
   paths(panel.loads, false);
-  stroke(pen, 7, load_orange);
+  stroke(pen, 7, gallery_load_orange);
   const Lines title = wrap(panel.title, panel_font, {title_width, 13, 1}, measure);
   const Lines caption = wrap(panel.caption, caption_font, {title_width, 13, 1}, measure);
   write_block(pen, {at.x, at.y + at.height + 8}, title);
@@ -85,41 +86,42 @@ void draw(const std::filesystem::path& path, const Gallery& gallery) {
   double widest = 0;
   for (const GalleryRow& row : gallery.rows)
     for (const GalleryPanel& panel : row.panels) widest = std::max(widest, row.scale * extent(panel).size().x());
-  const double room = page_width - 2 * margin;
+  const double room = gallery_width - 2 * gallery_margin;
   const double scale = widest > 0 ? std::min(length_scale, room / widest) : length_scale;
   constexpr double least_width = 300;  // of a panel, so that its texts can be read
 
   const Heading head = heading(gallery.title, gallery.subtitle, room, 2, measure);
   const double texts = 8 + 1.3 * (panel_font.size + caption_font.size);
-  double y = head.bottom(margin) + 14;
-  std::vector<Placed> placed;
+  double y = head.bottom(gallery_margin) + 14;
+  std::vector<PlacedBody> placed;
   std::vector<std::pair<double, const GalleryRow*>> headings;
   for (const GalleryRow& row : gallery.rows) {
     y += 22;
     headings.emplace_back(y, &row);
     y += 1.3 * row_font.size + 10;
-    double x = margin, line = 0;
+    double x = gallery_margin, line = 0;
     for (const GalleryPanel& panel : row.panels) {
       const Extent e = extent(panel);
       const Vec2 size = row.scale * scale * e.size();
       const double width = std::max(size.x(), least_width);
-      if (x > margin && x + width > margin + room) {
-        x = margin;
+      if (x > gallery_margin && x + width > gallery_margin + room) {
+        x = gallery_margin;
         y += line + texts + 18;
         line = 0;
       }
       placed.push_back({&panel, e, x, y, size.x(), size.y(), row.scale * scale});
-      x += width + gap;
+      x += width + gallery_gap;
       line = std::max(line, size.y());
     }
     y += line + texts + 10;
   }
 
-  const Sheet page = page_with(head, margin, static_cast<int>(page_width), static_cast<int>(y + margin));
+  const Sheet page =
+      page_with(head, gallery_margin, static_cast<int>(gallery_width), static_cast<int>(y + gallery_margin));
   cairo_t* pen = page.pen();
   for (const auto& [at, row] : headings)
-    write_block(pen, {margin, at}, wrap(row->title, row_font, {room, 18, 1}, measure));
-  for (const Placed& p : placed) draw_panel(pen, p, std::max(p.width, least_width), measure);
+    write_block(pen, {gallery_margin, at}, wrap(row->title, row_font, {room, 18, 1}, measure));
+  for (const PlacedBody& p : placed) draw_gallery_panel(pen, p, std::max(p.width, least_width), measure);
   save(path, page);
 }
 

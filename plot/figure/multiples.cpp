@@ -10,10 +10,10 @@ namespace kerf {
 
 namespace {
 
-constexpr double margin = 34, panel_width = 430, panel_height = 250, left = 74, gap_x = 34, title_room = 44,
+constexpr double multiples_margin = 34, panel_width = 430, panel_height = 250, left = 74, gap_x = 34, title_room = 44,
                  axis_room = 66, dot = 5;
 constexpr std::size_t columns = 4;
-const Font tick{15}, name{19, true}, label{15};
+const Font multiples_tick{15}, name{19, true}, multiples_label{15};
 constexpr std::uint32_t good_blue = palette[0], told_orange = palette[4], bad_red = 0xc01414;
 
 struct Panel {
@@ -36,20 +36,21 @@ void draw_value_axis(cairo_t* pen, const Panel& p) {
   for (std::size_t i = 0; i < marks.major.at.size(); ++i) {
     const double y = p.y(marks.major.at[i]);
     line(pen, {p.plot.x, y}, {p.plot.x + p.plot.width, y}, 1, grid_gray);
-    write(pen, {p.plot.x - 7, y}, marks.major.labels[i], tick, {1});
+    write(pen, {p.plot.x - 7, y}, marks.major.labels[i], multiples_tick, {1});
   }
 }
 
 /// Every label, or every second, third ...: what does not touch.
 void draw_knob_axis(cairo_t* pen, const Panel& p) {
   double widest = 0;
-  for (const MultiplePoint& point : p.data.points) widest = std::max(widest, text_width(pen, point.label, tick));
+  for (const MultiplePoint& point : p.data.points)
+    widest = std::max(widest, text_width(pen, point.label, multiples_tick));
   const double pitch = p.plot.width / static_cast<double>(std::max<std::size_t>(1, p.data.points.size()));
   const auto step = static_cast<std::size_t>(std::max(1.0, std::ceil((widest + 6) / pitch)));
   const double bottom = p.plot.y + p.plot.height;
   for (std::size_t i = 0; i < p.data.points.size(); ++i) {
     line(pen, {p.x(i), bottom}, {p.x(i), bottom + 5}, 1.2, frame_gray);
-    if (i % step == 0) write(pen, {p.x(i), bottom + 16}, p.data.points[i].label, tick, {0.5});
+    if (i % step == 0) write(pen, {p.x(i), bottom + 16}, p.data.points[i].label, multiples_tick, {0.5});
   }
 }
 
@@ -84,7 +85,7 @@ void draw_points(cairo_t* pen, const Panel& p) {
   }
 }
 
-void draw_panel(cairo_t* pen, const Panel& p, const Measure& measure) {
+void draw_multiple(cairo_t* pen, const Panel& p, const Measure& measure) {
   write_block(pen, {p.plot.x, p.plot.y - title_room + 8},
               wrap(clean_text(p.data.title), name, {p.plot.width, 14, 1}, measure));
   draw_value_axis(pen, p);
@@ -93,7 +94,7 @@ void draw_panel(cairo_t* pen, const Panel& p, const Measure& measure) {
   draw_points(pen, p);
   draw_frame(pen, p.plot);
   write_block(pen, {p.plot.x + 0.5 * p.plot.width, p.plot.y + p.plot.height + 28},
-              wrap(clean_text(p.data.x_label), label, {p.plot.width, 12, 1}, measure), {0.5, gray});
+              wrap(clean_text(p.data.x_label), multiples_label, {p.plot.width, 12, 1}, measure), {0.5, gray});
 }
 
 }  // namespace
@@ -103,16 +104,16 @@ void draw(const std::filesystem::path& path, const Multiples& multiples) {
   const std::size_t across = std::min(columns, std::max<std::size_t>(1, multiples.panels.size()));
   const std::size_t down = (multiples.panels.size() + across - 1) / across;
   const double pitch_x = left + panel_width + gap_x, pitch_y = title_room + panel_height + axis_room;
-  const double width = std::max(2 * margin + pitch_x * static_cast<double>(across), 900.0);
-  const Heading head = heading(multiples.title, multiples.subtitle, width - 2 * margin, 3, measure);
-  const double top = head.bottom(margin) + 18;
-  const Sheet page = page_with(head, margin, static_cast<int>(width),
-                               static_cast<int>(top + pitch_y * static_cast<double>(down) + margin));
+  const double width = std::max(2 * multiples_margin + pitch_x * static_cast<double>(across), 900.0);
+  const Heading head = heading(multiples.title, multiples.subtitle, width - 2 * multiples_margin, 3, measure);
+  const double top = head.bottom(multiples_margin) + 18;
+  const Sheet page = page_with(head, multiples_margin, static_cast<int>(width),
+                               static_cast<int>(top + pitch_y * static_cast<double>(down) + multiples_margin));
   cairo_set_line_cap(page.pen(), CAIRO_LINE_CAP_BUTT);
   for (std::size_t i = 0; i < multiples.panels.size(); ++i) {
-    const double x = margin + left + pitch_x * static_cast<double>(i % across),
+    const double x = multiples_margin + left + pitch_x * static_cast<double>(i % across),
                  y = top + title_room + pitch_y * static_cast<double>(i / across);
-    draw_panel(page.pen(), {multiples, multiples.panels[i], {x, y, panel_width, panel_height}}, measure);
+    draw_multiple(page.pen(), {multiples, multiples.panels[i], {x, y, panel_width, panel_height}}, measure);
   }
   save(path, page);
 }

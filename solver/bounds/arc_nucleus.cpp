@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Complex number(const Vec2& x) {
+Complex complex_of(const Vec2& x) {
   return {x.x(), x.y()};
 }
 
@@ -33,11 +33,11 @@ struct ArcPotential {
 
 /// Of unit amplitude at the tip as tip_nucleus has it; psi has no pole at the center.
 ArcPotential potential_of(const ArcTip& tip, const Complex& amplitude) {
-  const Complex a = number(tip.tip - tip.center), b = number(tip.other - tip.center),
-                mid = number(tip.inside - tip.center);
+  const Complex a = complex_of(tip.tip - tip.center), b = complex_of(tip.other - tip.center),
+                mid = complex_of(tip.inside - tip.center);
   const Complex across = -(mid - b) / (mid - a);
   ArcPotential p{a, b, std::sqrt(across / std::abs(across))};
-  const Complex ahead = number(tip.frame.col(0)), root = std::sqrt((a - b) / ahead / (p.turn * p.turn)) * p.turn;
+  const Complex ahead = complex_of(tip.frame.col(0)), root = std::sqrt((a - b) / ahead / (p.turn * p.turn)) * p.turn;
   const Complex first = -2.0 * amplitude * ahead / root;
   // conj(D) = phi'(0)
   const Complex slope = p(0).d * first, other = ArcPotential{a, b, p.turn, 0, 1}(0).d;
@@ -56,13 +56,13 @@ Nucleus arc_tip_nucleus(const Material& m, const ArcTip& tip, int mode) {
   const ArcPotential potential = potential_of(tip, mode == 1 ? Complex(size) : Complex(0, -size));
   const Vec2 center = tip.center;
   return {[=](const Vec2& at) -> Vec2 {
-            const Complex z = number(at - center), mirrored = square / std::conj(z);
+            const Complex z = complex_of(at - center), mirrored = square / std::conj(z);
             const ArcPotential::Value here = potential(z), there = potential(mirrored);
             const Complex u = (k * here.f - there.f - (z - mirrored) * std::conj(here.d)) / (2 * mu);
             return {u.real(), u.imag()};
           },
           [=](const Vec2& at) -> Mat2 {
-            const Complex z = number(at - center), part = square / z;
+            const Complex z = complex_of(at - center), part = square / z;
             const ArcPotential::Value here = potential(z), there = potential(std::conj(part));
             const Complex apart = 2.0 * ((std::conj(z) - part) * here.dd + part / z * (here.d - std::conj(there.d)));
             const double mean = 2 * here.d.real();

@@ -216,7 +216,7 @@ bool leave_out_on_arcs(const Model& m, const Field& s, Forces& f) {
   return true;
 }
 
-std::string unavailable(const Model& m) {
+std::string no_energy_bounds_because(const Model& m) {
   if (const auto why = refusal(m.element, can_bound_energy)) return *why;
   if (const char* why = unavailable_on_arcs(m)) return why;
   if (!m.inner->standing.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
@@ -425,7 +425,7 @@ void fill(const Field& solved, const Eigen::MatrixXd& statics, int inside, bool 
 
 AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   AdmissiblePair a{.m = m};
-  if (const std::string why = unavailable(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
+  if (const std::string why = no_energy_bounds_because(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
   if (const std::string why = unseen_by_bounds(m); a.bounds.note.empty() && !why.empty())
     a.bounds = lost(infinity, why);
   if (!a.bounds.note.empty()) return a;
@@ -469,7 +469,7 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
 
 EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, const OpenSolve& open) {
   AdmissiblePair a{.m = m};
-  std::string why = unavailable(m);
+  std::string why = no_energy_bounds_because(m);
   if (why.empty() && !m.mesh.arc.empty()) why = "no bounds of the energy in parts: curved edges (mesh.curved)";
   if (!why.empty()) return {nan, nan, 0, false, why};
   a.f = forces(m);

@@ -431,7 +431,7 @@ void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std
 }
 
 // Bernstein polynomials (columns) at evenly spaced points.
-Eigen::MatrixXd bernstein(int degree) {
+Eigen::MatrixXd bernstein_on_edge(int degree) {
   const EdgeRule rule = even(degree);
   Eigen::MatrixXd values(degree + 1, degree + 1);
   for (int i = 0; i <= degree; ++i)
@@ -496,7 +496,7 @@ Conforming conforming_displacement(const Model& m, const Field& s, const std::ve
   Points v = averages(m, s, nodes, result.nodal);
   correct_corners(m, s, nodes, data, v);
   correct_edges(m, s, nodes, data, v);
-  const Eigen::MatrixXd values = bernstein(degree);
+  const Eigen::MatrixXd values = bernstein_on_edge(degree);
   result.penetration.assign(m.mesh.edges.size(), 0);
   on_unilateral_edges(m, [&](Index e) {
     result.penetration[e] = correct_opening(nodes, values, m.inner->skeleton.frame[e].col(0), e, v);

@@ -15,7 +15,7 @@ namespace kerf {
 
 namespace {
 
-std::string unavailable(const Model& m) {
+std::string no_contact_bounds_because(const Model& m) {
   for (const CrackLaw& law : m.scene.laws)
     if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
   if (has_eigenstrain(m.scene)) return "no bounds: there is an eigenstrain";
@@ -195,7 +195,7 @@ struct ContactQuantityBounds::Impl {
 };
 
 ContactQuantityBounds::ContactQuantityBounds(const Model& m, const Field& u, Theorem by)
-    : impl_(std::make_unique<Impl>(Impl{m, {}, 0, unavailable(m), by, {}})) {
+    : impl_(std::make_unique<Impl>(Impl{m, {}, 0, no_contact_bounds_because(m), by, {}})) {
   if (!impl_->why.empty()) return;
   FaceFields faces;
   impl_->energy = energy_bounds(m, u, faces);

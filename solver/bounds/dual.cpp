@@ -14,13 +14,13 @@ namespace kerf {
 
 namespace {
 
-Vec2 turned(const Vec2& n) {
+Vec2 quarter_turn(const Vec2& n) {
   return {-n.y(), n.x()};
 }
 
 // In the components of a support.
 Vec2 components_of(const Support& support, const Vec2& u, const Vec2& n) {
-  return support.normal_frame ? Vec2(n.dot(u), turned(n).dot(u)) : u;
+  return support.normal_frame ? Vec2(n.dot(u), quarter_turn(n).dot(u)) : u;
 }
 
 BoundaryField sum(const BoundaryField& a, double factor, const BoundaryField& b) {
@@ -145,7 +145,7 @@ DualProblem global_dual(const Model& m, const Nucleus& G, const StressPlace& sin
     if (s.laws[c].kind == CrackLaw::Kind::Bonded || static_cast<Index>(c) == own) continue;
     s.laws[c].pressure = [G](const Vec2& x, const Vec2& n) -> Vec2 {
       const Vec2 t = G.stress(x) * n;
-      return {n.dot(t), turned(n).dot(t)};
+      return {n.dot(t), quarter_turn(n).dot(t)};
     };
   }
   for (Traction& t : s.tractions) t.value = [G](const Vec2& x, const Vec2& n) -> Vec2 { return -G.stress(x) * n; };
@@ -501,7 +501,7 @@ std::string no_reaction(const Model& m, const std::vector<Index>& labels, int co
     for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
       if (m.mesh.label[e] != s.label) continue;
       const Vec2 n = outward_normal(m.mesh, e), first = s.normal_frame ? n : Vec2(Vec2::UnitX()),
-                 second = s.normal_frame ? turned(n) : Vec2(Vec2::UnitY());
+                 second = s.normal_frame ? quarter_turn(n) : Vec2(Vec2::UnitY());
       for (const auto& [held, d] : {std::pair(s.first, first), std::pair(s.second, second)}) {
         if (!held) continue;
         const double value = mine ? d[component] : 0;

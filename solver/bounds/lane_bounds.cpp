@@ -63,7 +63,7 @@ struct LaneMat {
   Row m[2][2];
 };
 /// The four components are `stride` numbers apart.
-LaneMat turned(const Mat2& J, const double* x, Eigen::Index stride, const Mat2& inverse) {
+LaneMat rotated_gradients(const Mat2& J, const double* x, Eigen::Index stride, const Mat2& inverse) {
   Row by[2][2];
   for (int k = 0; k < 2; ++k) {
     const Eigen::Map<const Row> first(x + 2 * k * stride), second(x + (2 * k + 1) * stride);
@@ -379,7 +379,7 @@ class LaneBounding {
     Row energy = Row::Zero(), crossed = Row::Zero(), size = Row::Zero(), freed = Row::Zero();
     Row largest[3] = {Row::Zero(), Row::Zero(), Row::Zero()};
     for (Eigen::Index r = 0; r < count; ++r) {
-      const LaneMat g = turned(cell.J, room.curl.data() + r * lanes, count * lanes, cell.inverse);
+      const LaneMat g = rotated_gradients(cell.J, room.curl.data() + r * lanes, count * lanes, cell.inverse);
       Row s11 = g.m[0][1], s12 = -g.m[0][0], s21 = g.m[1][1], s22 = -g.m[1][0];
       if (r < n) s11 += tensor(0, r), s12 += tensor(1, r), s21 += tensor(2, r), s22 += tensor(3, r);
       const Row trace = s11 + s22, difference = s11 - s22;
@@ -422,7 +422,7 @@ class LaneBounding {
     Row with_g = Row::Zero(), with_h = Row::Zero(), size_g = Row::Zero(), size_h = Row::Zero();
     Row largest[4] = {Row::Zero(), Row::Zero(), Row::Zero(), Row::Zero()};
     for (Eigen::Index r = 0; r < count; ++r) {
-      const LaneMat h = turned(cell.J, room.correction.data() + r * lanes, count * lanes, cell.inverse);
+      const LaneMat h = rotated_gradients(cell.J, room.correction.data() + r * lanes, count * lanes, cell.inverse);
       const Row own_volume = h.m[0][0] + h.m[1][1], own_difference = h.m[0][0] - h.m[1][1],
                 own_shear = h.m[0][1] + h.m[1][0];
       a += 0.5 * (mu * (own_difference * own_difference + own_shear * own_shear) + bulk * own_volume * own_volume);

@@ -23,7 +23,7 @@ Vec2 vector(const Complex& z) {
   return {z.real(), z.imag()};
 }
 
-Complex number(const Vec2& x) {
+Complex complex_number(const Vec2& x) {
   return {x.x(), x.y()};
 }
 
@@ -74,11 +74,11 @@ Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
   const double mu = m.mu, k = kappa(m);
   const auto [c, d] = amplitudes(m, part);
   return {[=](const Vec2& at) -> Vec2 {
-            const Complex z = number(at - x);
+            const Complex z = complex_number(at - x);
             return vector(k * c / z + z * std::conj(c / (z * z)) - std::conj(d / z)) / (2 * mu);
           },
           [=](const Vec2& at) -> Mat2 {
-            const Complex z = number(at - x), square = z * z;
+            const Complex z = complex_number(at - x), square = z * z;
             return tensor(-4 * (c / square).real(), 2.0 * (std::conj(z) * 2.0 * c / (square * z) - d / square));
           }};
 }
@@ -100,7 +100,8 @@ Nuclei point_nuclei(const Material& m, const Vec2& x) {
   std::array<Amplitudes, 3> all;
   for (int i = 0; i < 3; ++i) all[i] = amplitudes(m, static_cast<PointStress>(i));
   return {[=](const Vec2& at, std::array<NucleusValue, Nuclei::most>& values) {
-    const Complex z = number(at - x), first = inverse(z), second = times(first, first), third = times(second, first);
+    const Complex z = complex_number(at - x), first = inverse(z), second = times(first, first),
+                  third = times(second, first);
     for (int i = 0; i < 3; ++i) {
       const auto& [c, d] = all[i];
       const Complex by_second = times(c, second);
@@ -117,12 +118,12 @@ Nucleus disc_nucleus(const Material& m, const Vec2& center, double radius, Point
   const auto [c, d] = amplitudes(m, part);
   const Nucleus point = point_nucleus(m, center, part);
   return {[=](const Vec2& at) -> Vec2 {
-            const Complex z = number(at - center);
+            const Complex z = complex_number(at - center);
             if (std::norm(z) < square) return vector((k * c * std::conj(z) - d * z) / square) / (2 * mu);
             return point.displacement(at) - vector(std::conj(c * square / (z * z * z))) / (2 * mu);
           },
           [=](const Vec2& at) -> Mat2 {
-            const Complex z = number(at - center), second = z * z;
+            const Complex z = complex_number(at - center), second = z * z;
             return point.stress(at) + tensor(0, -6.0 * c * square / (second * second));
           }};
 }
@@ -134,7 +135,7 @@ Nucleus line_nucleus(const Material& m, const Vec2& from, const Vec2& to, PointS
   const Vec2 along = (to - from) / l;
   const Mat2 frame = (Mat2() << along.x(), -along.y(), along.y(), along.x()).finished();
   return {[=](const Vec2& at) -> Vec2 {
-            const Complex z = number(frame.transpose() * (at - from)), first = std::log(z / (z - l)) / l,
+            const Complex z = complex_number(frame.transpose() * (at - from)), first = std::log(z / (z - l)) / l,
                           second = 1.0 / (z * (z - l));
             return frame *
                    vector(k * c * first + std::conj(c) * (std::conj(first) + (z - std::conj(z)) * std::conj(second)) -
@@ -142,8 +143,8 @@ Nucleus line_nucleus(const Material& m, const Vec2& from, const Vec2& to, PointS
                    (2 * mu);
           },
           [=](const Vec2& at) -> Mat2 {
-            const Complex z = number(frame.transpose() * (at - from)), a = 1.0 / z, b = 1.0 / (z - l), second = a * b,
-                          third = (b * b - a * a) / (2 * l);
+            const Complex z = complex_number(frame.transpose() * (at - from)), a = 1.0 / z, b = 1.0 / (z - l),
+                          second = a * b, third = (b * b - a * a) / (2 * l);
             const Mat2 local =
                 tensor(-4 * (c * second).real(), 2.0 * (2.0 * c * (second - (z - std::conj(z)) * third) - d * second));
             return frame * local * frame.transpose();
@@ -154,12 +155,12 @@ Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, doubl
   const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
   const TipPotential potential{mode == 1 ? Complex(size) : Complex(0, -size), length};
   return {[=](const Vec2& at) -> Vec2 {
-            const Complex z = number(frame.transpose() * (at - tip));
+            const Complex z = complex_number(frame.transpose() * (at - tip));
             const Potential here = potential(z), mirrored = potential(std::conj(z));
             return frame * vector(k * here.P - mirrored.P - (z - std::conj(z)) * std::conj(here.F)) / (2 * mu);
           },
           [=](const Vec2& at) -> Mat2 {
-            const Complex z = number(frame.transpose() * (at - tip));
+            const Complex z = complex_number(frame.transpose() * (at - tip));
             const Potential here = potential(z), mirrored = potential(std::conj(z));
             const double sum = 4 * here.F.real();
             // s22 - i s12
@@ -172,7 +173,7 @@ Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, doubl
 Nuclei tip_nuclei(const Material& m, const Vec2& tip, const Mat2& frame) {
   const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
   return {[=](const Vec2& at, std::array<NucleusValue, Nuclei::most>& values) {
-    const Complex z = number(frame.transpose() * (at - tip)), first = inverse(z), root = std::sqrt(z),
+    const Complex z = complex_number(frame.transpose() * (at - tip)), first = inverse(z), root = std::sqrt(z),
                   one_over = inverse(root), F = times(first, one_over), P = -2.0 * one_over, D = -1.5 * times(F, first),
                   across = z - std::conj(z);
     for (int mode = 0; mode < 2; ++mode) {

@@ -60,7 +60,7 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
   return false;
 }
 
-std::string unavailable(const Model& m) {
+std::string no_quantity_because(const Model& m) {
   if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";
@@ -278,7 +278,7 @@ std::optional<ArcTip> arc_of_tip(const Mesh& mesh, const CrackTip& tip, const st
 }  // namespace
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
-    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, unavailable(m), {}})) {
+    : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, no_quantity_because(m), {}})) {
   if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
     impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
   if (impl_->why.empty()) impl_->m.mesh = labelled(std::move(impl_->m.mesh));
@@ -446,8 +446,8 @@ class Collection {
 };
 
 /// One by one.
-QuantityIntervals in_contact(const ContactQuantityBounds& bounds, const std::string& no_tips,
-                             const QuantityRequest& request) {
+QuantityIntervals intervals_in_contact(const ContactQuantityBounds& bounds, const std::string& no_tips,
+                                       const QuantityRequest& request) {
   QuantityIntervals all;
   all.tips.assign(request.tips.size(), {lost(no_tips), lost(no_tips), lost(no_tips)});
   for (const Vec2& x : request.points) all.points.push_back(bounds.stress(x));
@@ -463,7 +463,7 @@ QuantityIntervals in_contact(const ContactQuantityBounds& bounds, const std::str
 
 QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
   const std::string& why = impl_->why;
-  if (impl_->contact) return in_contact(*impl_->contact, why, request);
+  if (impl_->contact) return intervals_in_contact(*impl_->contact, why, request);
   const Model& m = impl_->m;
   QuantityIntervals out;
   Collection collection;

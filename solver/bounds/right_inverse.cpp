@@ -17,14 +17,14 @@ namespace kerf {
 namespace {
 
 // Coordinates (l1, l2) -> equilateral.
-Mat2 reference() {
+Mat2 reference_jacobian() {
   Mat2 e;
   e << 1, 0.5, 0, std::sqrt(0.75);
   return e;
 }
 
 // Bernstein polynomials n!/(a! b! c!) l0^a l1^b l2^c in the order of lattice(n): dim(n) x points.
-Eigen::MatrixXd bernstein(int n, const Points& l) {
+Eigen::MatrixXd bernstein_values(int n, const Points& l) {
   Eigen::MatrixXd value(dim(n), l.cols());
   Eigen::Index row = 0;
   for (int j = 0; j <= n; ++j)
@@ -42,7 +42,7 @@ std::array<Eigen::MatrixXd, 2> bernstein_slopes(int n, const Points& l) {
   std::array<Eigen::MatrixXd, 2> slope;
   for (auto& s : slope) s = Eigen::MatrixXd::Zero(dim(n), l.cols());
   if (n == 0) return slope;
-  const Eigen::MatrixXd lower = bernstein(n - 1, l);
+  const Eigen::MatrixXd lower = bernstein_values(n - 1, l);
   const auto at = [n](int i, int j) { return lattice_place(n, i, j); };
   const auto before = [n](int i, int j) { return lattice_place(n - 1, i, j); };
   for (int j = 0; j <= n; ++j)
@@ -57,7 +57,7 @@ std::array<Eigen::MatrixXd, 2> bernstein_slopes(int n, const Points& l) {
 }
 
 // d/dX = B^-T d/dl with B = dX/dl.
-std::array<Eigen::MatrixXd, 2> turned(const std::array<Eigen::MatrixXd, 2>& slope, const Mat2& b) {
+std::array<Eigen::MatrixXd, 2> rotated_slopes(const std::array<Eigen::MatrixXd, 2>& slope, const Mat2& b) {
   const Mat2 inverse = b.inverse();
   return {inverse(0, 0) * slope[0] + inverse(1, 0) * slope[1], inverse(0, 1) * slope[0] + inverse(1, 1) * slope[1]};
 }
@@ -119,19 +119,19 @@ Points lattice(int n) {
 }
 
 Eigen::MatrixXd interpolation(int n, const Points& at) {
-  return bernstein(n, lattice(n)).partialPivLu().solve(bernstein(n, at)).transpose();
+  return bernstein_values(n, lattice(n)).partialPivLu().solve(bernstein_values(n, at)).transpose();
 }
 
 std::array<Eigen::MatrixXd, 2> differentiation(int n, const Points& at) {
-  const Eigen::PartialPivLU<Eigen::MatrixXd> values(bernstein(n, lattice(n)));
-  const auto slope = turned(bernstein_slopes(n, at), reference());
+  const Eigen::PartialPivLU<Eigen::MatrixXd> values(bernstein_values(n, lattice(n)));
+  const auto slope = rotated_slopes(bernstein_slopes(n, at), reference_jacobian());
   return {values.solve(slope[0]).transpose(), values.solve(slope[1]).transpose()};
 }
 
 Mat2 jacobian(const std::array<Vec2, 3>& x) {
   Mat2 j;
   j << x[1] - x[0], x[2] - x[0];
-  return j * reference().inverse();
+  return j * reference_jacobian().inverse();
 }
 
 TriangleRule split_rule(int degree) {
@@ -158,15 +158,15 @@ RightInverse right_inverse(int degree, const TriangleRule& split) {
     const auto [a, b, c] = third(t);
     Mat2 map;
     map << b - a, c - a;
-    map = reference() * map;
+    map = reference_jacobian() * map;
     // Points of the given rule in this third, in its own coordinates.
     Points own(2, points);
     const Mat2 back = (Mat2() << b - a, c - a).finished().inverse();
     for (Eigen::Index q = 0; q < points; ++q) own.col(q) = back * (split.x.col(t * points + q) - a);
-    const Eigen::MatrixXd here = bernstein(order, own);
-    const auto slopes = turned(bernstein_slopes(order, own), map),
-               at_nodes = turned(bernstein_slopes(order, nodes), map),
-               at_rule = turned(bernstein_slopes(order, rule.x), map);
+    const Eigen::MatrixXd here = bernstein_values(order, own);
+    const auto slopes = rotated_slopes(bernstein_slopes(order, own), map),
+               at_nodes = rotated_slopes(bernstein_slopes(order, nodes), map),
+               at_rule = rotated_slopes(bernstein_slopes(order, rule.x), map);
     for (Eigen::Index f = 0; f < here.rows(); ++f) {
       const Index i = functions.of[t][f];
       if (i == none) continue;
@@ -207,7 +207,8 @@ Eigen::MatrixXd normal_free_right_inverse(int n) {
   const Points nodes = lattice(n);
   const TriangleRule rule = triangle_rule(2 * n);
   const Eigen::Index rows = dim(n), each = dim(n - 2);
-  const std::array<Vec2, 3> corner{reference() * Vec2(0, 0), reference() * Vec2(1, 0), reference() * Vec2(0, 1)};
+  const std::array<Vec2, 3> corner{reference_jacobian() * Vec2(0, 0), reference_jacobian() * Vec2(1, 0),
+                                   reference_jacobian() * Vec2(0, 1)};
   const auto barycentric = [](const Points& x) -> Eigen::Matrix3Xd {
     Eigen::Matrix3Xd l(3, x.cols());
     l << (1 - x.row(0).array() - x.row(1).array()).matrix(), x;
@@ -215,7 +216,7 @@ Eigen::MatrixXd normal_free_right_inverse(int n) {
   };
   const auto fields = [&](const Points& x) -> Eigen::MatrixXd {
     const Eigen::Matrix3Xd l = barycentric(x);
-    const Eigen::MatrixXd p = bernstein(n - 2, x);
+    const Eigen::MatrixXd p = bernstein_values(n - 2, x);
     Eigen::MatrixXd value(2 * x.cols(), 3 * each);
     for (int e = 0; e < 3; ++e) {
       const int from = (e + 1) % 3, to = (e + 2) % 3;

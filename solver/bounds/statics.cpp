@@ -26,7 +26,7 @@ Eigen::MatrixXd to_moments(const EdgeRule& trace) {
 }
 
 // The unknowns of the openings in contact, those of each edge together.
-std::vector<std::vector<Index>> in_contact(const Model& m) {
+std::vector<std::vector<Index>> edges_in_contact(const Model& m) {
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   const auto n = static_cast<Index>(m.inner->kernel.trace.w.size());
   std::vector<std::vector<Index>> blocks;
@@ -50,7 +50,7 @@ Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::Vect
   const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
   const Eigen::VectorXd force = on_rows(m, s.force).tail(contact_rows),
                         jump = on_rows(m, s.skeleton).tail(contact_rows);
-  std::vector<std::vector<Index>> blocks = in_contact(m);
+  std::vector<std::vector<Index>> blocks = edges_in_contact(m);
   for (auto& rows : blocks)
     for (Index& row : rows) row = m.inner->ordering.row[row] - leading;
   Eigen::MatrixXd S = m.inner->factor->contact_complement();
@@ -73,7 +73,7 @@ Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::Vect
 Eigen::VectorXd pressing_parts(const Model& m, const Field& s) {
   const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
   Eigen::VectorXd added = Eigen::VectorXd::Zero(m.inner->skeleton.total);
-  for (const auto& u : in_contact(m))
+  for (const auto& u : edges_in_contact(m))
     added(u) = change.transpose() * (back.transpose() * s.force(u)).cwiseMax(0) - s.force(u);
   return added;
 }

@@ -11,7 +11,7 @@ namespace kerf {
 
 namespace {
 
-std::string unavailable(const Scene& scene) {
+std::string no_stress_norm_because(const Scene& scene) {
   const auto orthotropic = [](const Material& m) { return !isotropic(m); };
   if (orthotropic(scene.material) || std::ranges::any_of(scene.regions, orthotropic))
     return "no bound: a material is orthotropic";
@@ -58,7 +58,7 @@ OnCurved on_curved(const Material& material, const Share& share, const SquaredVo
 }  // namespace
 
 Bounded squared_stress_bounds(const Model& model, const Field& state, const SquaredVonMises& square) {
-  if (const std::string why = unavailable(model.scene); !why.empty()) return lost(why);
+  if (const std::string why = no_stress_norm_because(model.scene); !why.empty()) return lost(why);
   if (!model.inner->data.strain.empty()) return lost("no bound: the body has an eigenstrain");
   const AdmissiblePair pair = admissible(model, state, 0);
   if (!std::isfinite(pair.bounds.upper - pair.bounds.lower)) return lost(pair.bounds.note);

@@ -14,15 +14,13 @@ namespace kerf {
 
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
 // What A s : s has beyond that of the isotropic part.
 double orthotropic_work(const Material& m, double s11, double s22, double s12) {
   const Eigen::Vector3d e = orthotropic_strain(m, s11, s22, s12);
   return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
 }
 
-TriangleReference reference(const Element& e, int n, const Forces& f) {
+TriangleReference reference_of(const Element& e, int n, const Forces& f) {
   TriangleReference r;
   r.n = n;
   r.rule = split_rule(2 * n);
@@ -61,7 +59,7 @@ Points points_on_side(const EdgeRule& rule, int side, bool forward) {
 }
 
 References references(const Element& e, int inside, const Forces& f, bool curved) {
-  References both{reference(e, inside, f), reference(e, std::max(inside, data_carriers), f)};
+  References both{reference_of(e, inside, f), reference_of(e, std::max(inside, data_carriers), f)};
   for (TriangleReference* r : {&both.plain, &both.rich})
     if (curved) r->curved = std::make_shared<const CurvedReference>(curved_reference(r->n, e.stress));
   return both;
@@ -148,7 +146,8 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
   Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
   for (const Index i : edges) {
     const EdgeData& d = data[i];
-    if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * epsilon * d.load.cwiseAbs().maxCoeff()) continue;
+    if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * std::numeric_limits<double>::epsilon() * d.load.cwiseAbs().maxCoeff())
+      continue;
     correct = true;
     const Vec2& apex = shape.x[d.side];
     const double l = length(m.mesh, d.edge);

@@ -93,7 +93,7 @@ std::vector<End> ends_of(const Model& m, const Field& s) {
   return ends;
 }
 
-std::vector<Vec2> places_of(const std::vector<End>& ends) {
+std::vector<Vec2> places_of_ends(const std::vector<End>& ends) {
   std::vector<Vec2> at;
   for (const End& e : ends) at.push_back(e.at);
   return at;
@@ -118,13 +118,13 @@ class Grading {
       if (!has_contact() || --most == 0) return a;
       const std::vector<End> ends = ends_of(a.model, a.state);
       if (how_.given) {  // what meshes of the same body, for bars and validation, are to be graded at
-        a.sizing.ends = places_of(ends);
+        a.sizing.ends = places_of_ends(ends);
         return a;
       }
       constexpr double fine = 3;  // times the size that is asked for
       if (std::all_of(ends.begin(), ends.end(), [&](const End& e) { return e.gap <= fine * end_size(sizing.size); }))
         return a;
-      sizing.ends = places_of(ends);
+      sizing.ends = places_of_ends(ends);
     }
   }
 
@@ -313,7 +313,7 @@ Indicator refine_for(const Indicator& state, const Bounded& quantity, const std:
 }
 
 std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
-  return places_of(ends_of(model, state));
+  return places_of_ends(ends_of(model, state));
 }
 
 Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e, const Scene& scene,

@@ -238,7 +238,7 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
 struct Faces {
   bool touch = false, stick = false;
 };
-Faces faces(const Model& m, const Field& s, Index e) {
+Faces faces_of_edge(const Model& m, const Field& s, Index e) {
   const Skeleton& skeleton = m.inner->skeleton;
   Faces f;
   if (skeleton.jump[e] == none) return f;
@@ -296,7 +296,7 @@ struct EdgeResiduals {
     const double mu = material_of(m.mesh, m.scene, t).mu,
                  softer = other == none ? mu : std::min(mu, material_of(m.mesh, m.scene, other).mu);
     const double l = length(m.mesh, e), scale = 4 * std::pow(softer * l, 2), weight = other == none ? 1 : 0.5;
-    const Faces contact = faces(m, s, e);
+    const Faces contact = faces_of_edge(m, s, e);
     for (int g = 0; g < edge_points; ++g) {
       Vec2 jump = other == none ? on_boundary(t, i, g) : across(t, i, other, g);
       if (other != none && m.inner->skeleton.jump[e] != none) {

@@ -295,7 +295,7 @@ struct Beside {
 };
 
 /// Points of the profile per edge, from the tip.
-std::vector<Face> faces(const Model& model, const Beside& crack) {
+std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
   const CrackTip& tip = crack.tip;
   const std::span<const CrackPoint> profile = crack.profile;
   const CrackLaw& law = model.scene.laws[tip.crack];
@@ -577,7 +577,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   if (c.elements < fewest_elements || other_power || follows_gap) return unknown(tip);
   disc.rotation = mean_rotation(model, state, disc, c.triangles, sums);
   disc.smooth = smooth_part(model, state, disc, c.triangles, profile, sums);
-  const std::vector<Face> behind = faces(model, crack);
+  const std::vector<Face> behind = faces_beside(model, crack);
   Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);

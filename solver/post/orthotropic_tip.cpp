@@ -22,7 +22,7 @@ Complex root_at(const Complex& p, double angle) {
   return Complex(0, side) * std::sqrt(std::cos(back) + p * std::sin(back));
 }
 
-LocalState state_of(const Material& m, const Eigen::Vector3d& s, double rotation) {
+LocalState state_from_stress(const Material& m, const Eigen::Vector3d& s, double rotation) {
   const Eigen::Vector4d stress(s[0], s[2], s[2], s[1]);
   return {tensor(stress), tensor(displacement_gradient(m, stress, rotation))};
 }
@@ -33,7 +33,7 @@ LocalState under_force(const Material& m, const Vec2& e, double r) {
   const Mat2 ray = e * e.transpose(), own = strain(m, ray);
   const double stress = a.dot(e) / (own.cwiseProduct(ray).sum() * r);
   const double rotation = stress * e.dot(own * across) - across.dot(a) / r;
-  return state_of(m, stress * Eigen::Vector3d(ray(0, 0), ray(1, 1), ray(0, 1)), rotation);
+  return state_from_stress(m, stress * Eigen::Vector3d(ray(0, 0), ray(1, 1), ray(0, 1)), rotation);
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& 
   const double turn = -compliances(m).b11 / 4;
   const Eigen::Vector3d s_I(-(pq * E).real(), (G - p * D).real(), (pq * D).real());
   const Eigen::Vector3d s_II(-F.real(), -D.real(), E.real());
-  return {state_of(m, s_I, turn * (q * at_first * G + p * at_second * H).real()),
-          state_of(m, s_II, turn * (at_first * G + at_second * H).real()), under_force(m, e, r)};
+  return {state_from_stress(m, s_I, turn * (q * at_first * G + p * at_second * H).real()),
+          state_from_stress(m, s_II, turn * (at_first * G + at_second * H).real()), under_force(m, e, r)};
 }
 
 Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, bool contact) {

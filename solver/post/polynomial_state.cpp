@@ -16,10 +16,10 @@ namespace kerf {
 namespace {
 
 /// s11, s22, s12 and the rotation (d2 u1 - d1 u2)/2, times 2 mu: in the units of a stress.
-using Values = Eigen::Vector4d;
+using StateValues = Eigen::Vector4d;
 
 /// s11 + s22 = 4 Re phi', s22 - s11 + 2i s12 = 2 (conj(z) phi'' + psi'), rotation = -(kappa + 1)/(2 mu) Im phi'.
-Values of_potentials(const Material& m, std::complex<double> phi, std::complex<double> turning) {
+StateValues of_potentials(const Material& m, std::complex<double> phi, std::complex<double> turning) {
   const double trace = 4 * phi.real(), kappa_plus_1 = 2 + 8 * m.mu * m.c;
   return {trace / 2 - turning.real(), trace / 2 + turning.real(), turning.imag(), -kappa_plus_1 * phi.imag()};
 }
@@ -67,7 +67,7 @@ Eigen::Matrix4Xd basis(const Material& m, int degree, std::complex<double> z) {
 }
 
 /// s11 = -f1 x, s22 = -f2 y: in balance with f, and compatible because it is linear.
-Values of_force(const Material& m, const Vec2& f, const Vec2& x) {
+StateValues of_force(const Material& m, const Vec2& f, const Vec2& x) {
   if (!isotropic(m)) {
     const PlaneCompliances b = compliances(m);
     const double rotation =
@@ -78,20 +78,20 @@ Values of_force(const Material& m, const Vec2& f, const Vec2& x) {
   return {-f.x() * x.x(), -f.y() * x.y(), 0, 2 * m.mu * turn * (f.y() * x.x() - f.x() * x.y())};
 }
 
-LocalState state_of(const Material& m, const Values& v) {
+LocalState state_from_values(const Material& m, const StateValues& v) {
   const Eigen::Vector4d stress(v[0], v[2], v[2], v[1]);
   return {tensor(stress), tensor(displacement_gradient(m, stress, v[3] / (2 * m.mu)))};
 }
 
-std::complex<double> place(const Vec2& x, double scale) {
+std::complex<double> scaled_point(const Vec2& x, double scale) {
   return {x.x() / scale, x.y() / scale};
 }
 
 }  // namespace
 
 LocalState PolynomialState::at(const Vec2& x) const {
-  const Eigen::Matrix4Xd b = basis(material, degree, place(x, scale));
-  return state_of(material, b.leftCols(coefficients.size()) * coefficients + of_force(material, force, x));
+  const Eigen::Matrix4Xd b = basis(material, degree, scaled_point(x, scale));
+  return state_from_values(material, b.leftCols(coefficients.size()) * coefficients + of_force(material, force, x));
 }
 
 double PolynomialState::t_stress() const {
@@ -113,8 +113,8 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (const StateSample& s : samples) {
-    const Eigen::Matrix4Xd b = basis(material, degree, place(s.x, state.scale));
-    const Values value(s.stress(0, 0), s.stress(1, 1), s.stress(0, 1), 2 * material.mu * s.rotation);
+    const Eigen::Matrix4Xd b = basis(material, degree, scaled_point(s.x, state.scale));
+    const StateValues value(s.stress(0, 0), s.stress(1, 1), s.stress(0, 1), 2 * material.mu * s.rotation);
     normal += s.weight * b.transpose() * b;
     right += s.weight * b.transpose() * (value - of_force(material, force, s.x));
   }
@@ -129,7 +129,7 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
 PolynomialState uniform_pressure(const Material& material, double stress) {
   if (!isotropic(material)) {
     const Eigen::Matrix4d constant = orthotropic_basis(material, 0, Vec2::Zero());
-    return {.material = material, .coefficients = constant.inverse() * Values(stress, stress, 0, 0)};
+    return {.material = material, .coefficients = constant.inverse() * StateValues(stress, stress, 0, 0)};
   }
   return {.material = material, .coefficients = Eigen::VectorXd::Constant(1, stress / 2)};
 }

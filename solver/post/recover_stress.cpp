@@ -150,12 +150,12 @@ class Means {
   std::vector<Moments> of_;
 };
 
-class Values {
+class StressValues {
  public:
   static constexpr int per_triangle = 6;
   Fields3 stress;
 
-  Values(std::span<const FieldToRecover> fields, Index triangles)
+  StressValues(std::span<const FieldToRecover> fields, Index triangles)
       : stress(fields.size(), Eigen::Matrix3Xd(3, Eigen::Index{per_triangle} * triangles)),
         x_(2, Eigen::Index{per_triangle} * triangles),
         weight_(Eigen::Index{per_triangle} * triangles),
@@ -204,7 +204,7 @@ class Values {
 };
 
 // Where each corner is one of a triangle's three: place / 3 is the triangle.
-Lists places_of(const Corners& c) {
+Lists places_of_corners(const Corners& c) {
   std::vector<Index> corner;
   corner.reserve(3 * c.of.size());
   for (const auto& of : c.of) corner.insert(corner.end(), of.begin(), of.end());
@@ -479,7 +479,7 @@ std::vector<RecoveredStress> fitted(std::span<const FieldToRecover> fields, cons
   const Model& m = fields[0].model;
   const Index corners = static_cast<Index>(c.vertex.size()), triangles = static_cast<Index>(c.of.size());
   const Samples samples(fields, triangles);
-  const Lists places = places_of(c);
+  const Lists places = places_of_corners(c);
   const std::vector<bool> kept = with_neighbors(c, singular), at_corner = wanted_corners(c, wanted);
   std::vector<RecoveredStress> all(
       fields.size(), RecoveredStress{Eigen::Matrix3Xd(3, corners), Eigen::Matrix3Xd(3, triangles), P,
@@ -595,9 +595,9 @@ std::vector<RecoveredStress> recover_stresses(std::span<const FieldToRecover> fi
       return fitted<3, Means>(fields, c, singular, wanted, from_means(3));
     case 3:
     case 4:
-      return fitted<4, Values>(fields, c, singular, wanted, {.rings = 1, .triangles = 5});
+      return fitted<4, StressValues>(fields, c, singular, wanted, {.rings = 1, .triangles = 5});
     default:
-      return fitted<5, Values>(fields, c, singular, wanted, {.rings = 1, .triangles = 7});
+      return fitted<5, StressValues>(fields, c, singular, wanted, {.rings = 1, .triangles = 7});
   }
 }
 

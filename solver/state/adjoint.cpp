@@ -108,7 +108,7 @@ struct Tangent {
 using Refining = std::unique_ptr<const Refinement>;
 
 // The largest load, that of the given jumps included.
-double size_of_load(const Tangent& of) {
+double size_of_right_side(const Tangent& of) {
   const Model& m = of.condensed.m;
   const Index rows = m.inner->ordering.size;
   const double scale = std::max(rows > 0 ? of.loads.F.cwiseAbs().maxCoeff() : 0, std::numeric_limits<double>::min());
@@ -126,7 +126,7 @@ PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, Penal
   if (!refining) refining = std::make_unique<const Refinement>(of.condensed);
   Loads loads = of.loads;
   loads.F = of.alone;
-  const double scale = size_of_load(of);
+  const double scale = size_of_right_side(of);
   const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     result.linear_solves += refining->solve(F, loads.prescribed, s);
   };
@@ -169,7 +169,7 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
   const Model& m = of.condensed.m;
   const Index rows = m.inner->ordering.size, contact_rows = m.inner->ordering.contact_rows,
               leading = rows - contact_rows;
-  const double scale = size_of_load(of);
+  const double scale = size_of_right_side(of);
   const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     const bool first = s.x.size() == 0;
     if (first) s.x.setZero(rows);

@@ -291,8 +291,8 @@ struct Solver {
   }
 };
 
-Certificate certify(const Solver& s, const Eigen::VectorXd& x, const std::vector<ContactPoint>& points,
-                    const Contact& contact) {
+Certificate certificate_of(const Solver& s, const Eigen::VectorXd& x, const std::vector<ContactPoint>& points,
+                           const Contact& contact) {
   Eigen::VectorXd known = x;
   for (Index u = 0; u < s.layout.size; ++u)
     if (s.row[u] != none) known[u] = 0;
@@ -433,7 +433,7 @@ State solve_saddle_point(const Model& m) {
   }
   const Eigen::VectorXd x = solver.solve(contact.motion, contact.force);
   ++state.linear_solves;
-  state.certificate = certify(solver, x, points, contact);
+  state.certificate = certificate_of(solver, x, points, contact);
   state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows);

@@ -17,7 +17,7 @@ namespace kerf {
 
 namespace {
 
-double size_of_load(const Model& m) {
+double size_of_loads(const Model& m) {
   return std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
 }
 
@@ -28,7 +28,7 @@ struct Judged {
 };
 
 // The contact forces, |K x - F| on the rows that no contact holds, and how far jumps and forces are from the law.
-void certify(const Condensation& condensed, const Judged& by, PenaltyIterate& s) {
+void certify_iterate(const Condensation& condensed, const Judged& by, PenaltyIterate& s) {
   const Model& m = condensed.m;
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
   const double load = by.load;
@@ -242,7 +242,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const double rounding = force_of_rounding(m);
   const Remembered before = remembered(m);
   largest = std::max({largest, rounding, before.force});
-  certify(condensed, {rest, largest}, s);
+  certify_iterate(condensed, {rest, largest}, s);
   work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   Eigen::VectorXd missed = rest - s.force;
@@ -343,7 +343,7 @@ void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform
     if (start.low.size() == 0) start.low.setZero(start.x.size());
     const auto by_triangles = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
       const Eigen::VectorXd rest = -refinement.rest(F, loads.prescribed, s);
-      certify(condensed, {rest, drive.largest}, s);
+      certify_iterate(condensed, {rest, drive.largest}, s);
     };
     const PenaltySteps steps{Settling{condensed, refinement, drive.largest, state}, by_triangles, penalized ? 40 : 3,
                              penalized ? 1e-16 : 1e-12};
@@ -450,10 +450,10 @@ State solve(const Model& m, ContactMethod method) {
   };
   const auto assembled = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     const Eigen::VectorXd rest = multiply(*m.inner->system.K, s.x) - F;
-    certify(condensed, {rest, size_of_load(m)}, s);
+    certify_iterate(condensed, {rest, size_of_loads(m)}, s);
   };
   const bool penalized = m.inner->system.penalty > 0;
-  const auto rounding = [&](const PenaltyIterate& s) { return rounding_of(m, s.x, size_of_load(m)); };
+  const auto rounding = [&](const PenaltyIterate& s) { return rounding_of(m, s.x, size_of_loads(m)); };
   const PenaltySteps steps{solve, assembled, penalized ? 40 : 15, penalized ? 1e-16 : 1e-12, rounding};
   const double before = state.seconds.contact;
   PenaltyIterate solution = iterate(condensed, loads_of(m), {}, uniform, steps);

@@ -116,17 +116,17 @@ struct Entry {
   int local;
   Index row;
 };
-struct Entries {
+struct MatrixEntries {
   std::array<Entry, 2 * max_skeleton> all;
   int count = 0;
 };
 
 // Adds a triangle's share to F, less what the prescribed values do.
-Entries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
+MatrixEntries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
   const Skeleton& s = from.skeleton;
   const Ordering& o = from.ordering;
   const Seen view = seen(from.mesh, s, t);
-  Entries entries;
+  MatrixEntries entries;
   for (int i = 0; i < view.count; ++i) {
     const double value = s.prescribed[view.base[i]] + (view.jump[i] != none ? s.prescribed[view.jump[i]] : 0);
     if (value != 0) c.F -= value * c.K.col(i);

@@ -11,9 +11,9 @@ namespace kerf {
 namespace {
 
 /// Lower triangle, column by column.
-using Entries = std::vector<std::map<Index, double>>;
+using SparseRows = std::vector<std::map<Index, double>>;
 
-LowerTriangle lower_of(const Entries& entries) {
+LowerTriangle lower_of(const SparseRows& entries) {
   LowerTriangle lower{static_cast<Index>(entries.size()), {0}, {}, {}};
   for (const auto& column : entries) {
     for (const auto& [row, value] : column) {
@@ -50,7 +50,7 @@ Coarse::Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index tot
   packer.put(S);
   const std::vector<std::string> from =
       peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), std::move(packer).take()));
-  Entries entries(static_cast<std::size_t>(total));
+  SparseRows entries(static_cast<std::size_t>(total));
   for (const std::string& bytes : from) {
     Unpacker of(bytes);
     const std::vector<Index> unknowns = of.all<Index>();

@@ -4,17 +4,17 @@
 
 namespace kerf {
 
-using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
+using Eigen::MatrixXd, Eigen::VectorXd;
 
 bool Complement::factorize(const VectorXd& shift, const std::vector<Forces>& held) {
-  const Index n = size();
+  const Eigen::Index n = size();
   if (n == 0) return true;
   const VectorXd diagonal = s_.diagonal();
-  for (Index j = 0; j < n; ++j) s_.col(j).head(j) = s_.row(j).head(j).transpose();
+  for (Eigen::Index j = 0; j < n; ++j) s_.col(j).head(j) = s_.row(j).head(j).transpose();
   s_.diagonal() += shift;
   for (const Forces& f : held) {
     if (f.columns.cols() == 0) continue;
-    const Index count = f.columns.rows();
+    const Eigen::Index count = f.columns.rows();
     auto upper = s_.block(f.begin, f.begin, count, count);
     upper.triangularView<Eigen::Upper>() += f.columns * f.columns.transpose();
   }
@@ -24,15 +24,15 @@ bool Complement::factorize(const VectorXd& shift, const std::vector<Forces>& hel
     definite = llt.info() == Eigen::Success;
   }
   const VectorXd root = s_.diagonal();
-  for (Index j = 1; definite && j < n; ++j) s_.col(j).head(j).array() /= root.head(j).array();
+  for (Eigen::Index j = 1; definite && j < n; ++j) s_.col(j).head(j).array() /= root.head(j).array();
   pivots_ = root.cwiseAbs2();
   s_.diagonal() = diagonal;
   return definite;
 }
 
 // (U' D U)^-1 on rows F is Y' Y, Y = D^-1/2 U^-T E_F, which is zero above them.
-MatrixXd Complement::inverse_block(Index begin, Index count) const {
-  const Index below = size() - begin;
+MatrixXd Complement::inverse_block(Eigen::Index begin, Eigen::Index count) const {
+  const Eigen::Index below = size() - begin;
   MatrixXd y = MatrixXd::Identity(below, count), inverse = MatrixXd::Zero(count, count);
   s_.bottomRightCorner(below, below).triangularView<Eigen::UnitUpper>().transpose().solveInPlace(y);
   y.array().colwise() /= pivots_.tail(below).array().sqrt();

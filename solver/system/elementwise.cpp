@@ -58,7 +58,7 @@ Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
 }
 
 // What the local problems give back is added in the order of the triangles, whatever the number of threads.
-Eigen::VectorXd scattered(const Model& m, const Eigen::MatrixXd& local) {
+Eigen::VectorXd scattered_to_edges(const Model& m, const Eigen::MatrixXd& local) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index t = 0; t < static_cast<Index>(local.cols()); ++t) {
     const Seen view = seen(m.mesh, m.inner->skeleton, t);
@@ -210,8 +210,8 @@ Balance recover_interior(const Model& m, const Twofold& values, const Eigen::Vec
       }
     }
   });
-  Balance b{scattered(m, forces), m.inner->system.tractions};
-  if (loaded) b.loads += scattered(m, given);
+  Balance b{scattered_to_edges(m, forces), m.inner->system.tractions};
+  if (loaded) b.loads += scattered_to_edges(m, given);
   constexpr double rounding = 1000 * std::numeric_limits<double>::epsilon();
   const Index own = own_triangles(m);
   b.energy = sums.row(0).head(own).sum();
@@ -251,7 +251,7 @@ Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values)
     energy[t] = s.rest.dot(f);
     forces.col(t) = s.without_motions(f);
   });
-  return {scattered(m, forces), energy.sum()};
+  return {scattered_to_edges(m, forces), energy.sum()};
 }
 
 Elementwise::Elementwise(const Model& m) : m_(m) {
@@ -287,7 +287,7 @@ Elementwise::Product Elementwise::operator()(const Twofold& values) const {
       forces.col(t) = s.without_motions(f);
     }
   });
-  return {scattered(m_, forces), energy.sum()};
+  return {scattered_to_edges(m_, forces), energy.sum()};
 }
 
 }  // namespace kerf

@@ -11,8 +11,8 @@ namespace {
 // Rows and columns of a tile in registers: twelve sums of four, three vectors of rows and one number fill those of
 // AVX2.
 constexpr Index rows = 12, columns = 4;
-constexpr Index block = 96;  // columns that are eliminated together, a multiple of rows
-constexpr Index strip_size = rows * block;
+constexpr Index panel_columns = 96;  // columns that are eliminated together, a multiple of rows
+constexpr Index strip_size = rows * panel_columns;
 
 using Four [[gnu::vector_size(32)]] = double;
 
@@ -29,7 +29,7 @@ struct Tile {
 };
 
 /// The sum over k of a(:, k) b(:, k)', a of a strip, b of four of its rows.
-Tile product(Index depth, const double* a, const double* b) {
+Tile tile_product(Index depth, const double* a, const double* b) {
   Tile t = {};
   for (Index k = 0; k < depth; ++k, a += rows, b += rows) {
     Four top, middle, bottom;
@@ -55,8 +55,8 @@ const double* strip_at(const double* packed, Index row) {
 struct Block {
   const FrontMatrix& f;
   Index from, width;
-  double *diagonal, *below;  // packed
-  double inverse[block];     // of the pivots
+  double *diagonal, *below;       // packed
+  double inverse[panel_columns];  // of the pivots
   Index begin() const {
     return from + width;
   }
@@ -66,7 +66,7 @@ struct Block {
 /// strip: what is there, x, less what the block's columns before make of it, times l^-T. With `pivots` they are the
 /// strip's own, and l is made, too: the rows above the diagonal become zero. Returns whether the pivots are positive.
 template <bool pivots>
-bool divide(Block& b, Index row, Index end, Index at, double* strip) {
+bool divide_block(Block& b, Index row, Index end, Index at, double* strip) {
   const Index wide = std::min(columns, b.width - at), count = std::min(rows, end - row);
   double* panel[columns];
   Tile x = {};
@@ -74,7 +74,7 @@ bool divide(Block& b, Index row, Index end, Index at, double* strip) {
     panel[c] = b.f.column(b.from + at + c) + row;
     std::memcpy(x.at[c], panel[c], static_cast<std::size_t>(count) * sizeof(double));
   }
-  const Tile made = product(at, strip, strip_at(b.diagonal, at));
+  const Tile made = tile_product(at, strip, strip_at(b.diagonal, at));
   for (Index c = 0; c < wide; ++c) {
     Four* column = x.at[c];
     for (Index v = 0; v < 3; ++v) column[v] -= made.at[c][v];
@@ -106,8 +106,8 @@ bool factor_diagonal(Block& b) {
     for (Index row = first; row < b.width; row += rows) {
       double* strip = b.diagonal + std::int64_t{row / rows} * strip_size;
       if (row > first)
-        divide<false>(b, b.from + row, b.begin(), at, strip);
-      else if (!divide<true>(b, b.from + row, b.begin(), at, strip))
+        divide_block<false>(b, b.from + row, b.begin(), at, strip);
+      else if (!divide_block<true>(b, b.from + row, b.begin(), at, strip))
         return false;
     }
   }
@@ -117,7 +117,7 @@ bool factor_diagonal(Block& b) {
 /// A strip of the rows behind.
 void divide_strip(Block& b, Index strip) {
   for (Index at = 0; at < b.width; at += columns)
-    divide<false>(b, b.begin() + strip * rows, b.f.height, at, b.below + std::int64_t{strip} * strip_size);
+    divide_block<false>(b, b.begin() + strip * rows, b.f.height, at, b.below + std::int64_t{strip} * strip_size);
 }
 
 /// Rows of a strip, columns of a four, both behind the block: less what the block makes of them.
@@ -129,7 +129,7 @@ void update(const Block& b, Index strip, Index four) {
     __builtin_prefetch(column_at(c), 1);
     __builtin_prefetch(column_at(c) + rows - 1, 1);
   }
-  const Tile made = product(b.width, b.below + std::int64_t{strip} * strip_size, strip_at(b.below, column));
+  const Tile made = tile_product(b.width, b.below + std::int64_t{strip} * strip_size, strip_at(b.below, column));
   if (count == rows && wide == columns && row > column) {
     for (Index c = 0; c < columns; ++c) {
       double* to = column_at(c);
@@ -167,16 +167,16 @@ void update_tile(const Block& b, Index i, Index j) {
 }  // namespace
 
 std::size_t packed_size(Index height) {
-  return static_cast<std::size_t>(block + height + 2 * rows) * static_cast<std::size_t>(block);
+  return static_cast<std::size_t>(panel_columns + height + 2 * rows) * static_cast<std::size_t>(panel_columns);
 }
 
 bool eliminate(const FrontMatrix& f, double* packed, const Each& each) {
-  for (Index from = 0; from < f.width; from += block) {
+  for (Index from = 0; from < f.width; from += panel_columns) {
     Block b{.f = f,
             .from = from,
-            .width = std::min(block, f.width - from),
+            .width = std::min(panel_columns, f.width - from),
             .diagonal = packed,
-            .below = packed + block * block,
+            .below = packed + panel_columns * panel_columns,
             .inverse = {}};
     if (!factor_diagonal(b)) return false;
     const Index strips = (f.height - b.begin() + rows - 1) / rows,

@@ -57,13 +57,13 @@ bool splits(const Assembly& from, Index e) {
   return true;
 }
 
-struct Graph {
+struct PartGraph {
   std::vector<Index> start, neighbors;
 };
 
 // Triangles that hold on to each other, not across cracks that part freely.
-Graph graph_of(const Assembly& from) {
-  Graph g;
+PartGraph graph_of(const Assembly& from) {
+  PartGraph g;
   g.start.push_back(0);
   for (Index t = 0; t < static_cast<Index>(from.mesh.triangles.size()); ++t) {
     for (const Index e : from.mesh.edges_of[t]) {
@@ -77,7 +77,7 @@ Graph graph_of(const Assembly& from) {
 }
 
 // What is cut off from the largest piece of its part goes to the part that it has most edges with.
-std::vector<Index> in_one_piece(const Graph& graph, std::vector<Index> part) {
+std::vector<Index> in_one_piece(const PartGraph& graph, std::vector<Index> part) {
   const Index n = static_cast<Index>(part.size());
   constexpr int most = 8;
   for (int sweep = 0; sweep < most; ++sweep) {
@@ -165,7 +165,7 @@ std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& 
 }
 
 std::vector<Index> partition(const Assembly& from, Ranks& ranks) {
-  const Graph graph = graph_of(from);
+  const PartGraph graph = graph_of(from);
   return in_one_piece(graph, ranks.partition(graph.start, graph.neighbors));
 }
 

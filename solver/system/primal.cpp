@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 
 /// The same on every machine.
-MatrixXd scattered(Eigen::Index rows, Eigen::Index columns) {
+MatrixXd scattered_matrix(Eigen::Index rows, Eigen::Index columns) {
   MatrixXd x(rows, columns);
   std::uint64_t state = 1;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -49,7 +49,7 @@ MatrixXd eigenvectors_above(const MatrixXd& M, double threshold) {
     return all.eigenvectors().rightCols(count_above(all.eigenvalues(), threshold));
   }
   constexpr double near = 0.05;  // of an eigenvalue
-  MatrixXd q = next_block(MatrixXd::Zero(n, 0), scattered(n, width)), mq(n, 0);
+  MatrixXd q = next_block(MatrixXd::Zero(n, 0), scattered_matrix(n, width)), mq(n, 0);
   Eigen::Index before = -1;
   while (true) {
     check_stop();

@@ -10,7 +10,7 @@ namespace {
 
 // Column j gives to the rows below it and takes from them, for the upper triangle.
 template <typename Value>
-Eigen::VectorXd product(const LowerTriangle& a, const Eigen::VectorXd& x, const Value& value_of) {
+Eigen::VectorXd symmetric_product(const LowerTriangle& a, const Eigen::VectorXd& x, const Value& value_of) {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(a.size);
   for (Index j = 0; j < a.size; ++j) {
     const double xj = x[j];
@@ -58,11 +58,11 @@ LowerTriangle reordered(const LowerTriangle& a, std::span<const Index> order) {
 }
 
 Eigen::VectorXd multiply(const LowerTriangle& a, const Eigen::VectorXd& x) {
-  return product(a, x, [](double value) { return value; });
+  return symmetric_product(a, x, [](double value) { return value; });
 }
 
 Eigen::VectorXd multiply_sizes(const LowerTriangle& a, const Eigen::VectorXd& x) {
-  return product(a, x.cwiseAbs(), [](double value) { return std::abs(value); });
+  return symmetric_product(a, x.cwiseAbs(), [](double value) { return std::abs(value); });
 }
 
 }  // namespace kerf

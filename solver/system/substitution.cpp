@@ -72,7 +72,7 @@ void pull(const FrontPanel<Scalar>& panel, Index from, Index step, Index row, In
 
 /// x <- l^-1 x for the diagonal block of columns from .. from + n, of one eight.
 template <typename Scalar>
-void divide(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
+void divide_panel(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
   for (Index k = 0; k < n; ++k) {
     const Scalar* column = panel.column(from + k) + from;
     const double value = x[k] /= column[k];
@@ -128,7 +128,7 @@ struct Multifrontal::Substitution {
   void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (; from < to; from += block) {
       const Index step = std::min(block, to - from), behind = from + step;
-      for (Eigen::Index c = 0; c < count; ++c) divide(f.panel, from, step, w + c * f.height + from);
+      for (Eigen::Index c = 0; c < count; ++c) divide_panel(f.panel, from, step, w + c * f.height + from);
       if (behind < end) push_from(f, w, from, step, behind, end - behind);
     }
   }

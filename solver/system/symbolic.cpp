@@ -54,7 +54,7 @@ struct Session {  // a CHOLMOD workspace with its lifetime
 };
 
 /// Undirected: for each vertex its neighbors, both directions, without itself.
-struct Graph {
+struct EliminationGraph {
   std::vector<Index> start{0}, neighbors;
   Index size() const {
     return static_cast<Index>(start.size()) - 1;
@@ -64,7 +64,7 @@ struct Graph {
 /// work(matrix, session) for the upper triangle of a graph. CHOLMOD reads it alone with stype 1; without a stype the
 /// pattern would stand for A A'.
 template <typename Work>
-void on_upper(const Graph& g, const Work& work) {
+void on_upper(const EliminationGraph& g, const Work& work) {
   check_stop();
   Session session;
   std::vector<Index> start(g.start.size(), 0), upper;
@@ -81,7 +81,7 @@ void on_upper(const Graph& g, const Work& work) {
 }
 
 /// The order of all vertices, postordered.
-std::vector<Index> order_of(const Graph& g) {
+std::vector<Index> order_of(const EliminationGraph& g) {
   std::vector<Index> order(static_cast<std::size_t>(g.size()));
   if (g.size() == 0) return order;
   on_upper(g, [&](cholmod_sparse& a, cholmod_common& c) {
@@ -91,7 +91,7 @@ std::vector<Index> order_of(const Graph& g) {
 }
 
 /// Per vertex 0 or 1, no neighbors, or 2, a separator between them.
-std::vector<Index> sides_of(const Graph& g) {
+std::vector<Index> sides_of(const EliminationGraph& g) {
   std::vector<Index> side(static_cast<std::size_t>(g.size()));
   on_upper(g, [&](cholmod_sparse& a, cholmod_common& c) {
     if (cholmod_bisect(&a, nullptr, 0, 0, side.data(), &c) < 0) out_of_memory();
@@ -102,7 +102,7 @@ std::vector<Index> sides_of(const Graph& g) {
 /// Some vertices of the whole graph, one after the other in the order of elimination or still to be ordered.
 struct Part {
   std::vector<Index> vertices;
-  Graph graph;  // of those still to be ordered, in their numbers here
+  EliminationGraph graph;  // of those still to be ordered, in their numbers here
 };
 
 Part part_of(const Part& from, const std::vector<Index>& side, Index which) {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::asked_test {
 namespace {
 
 class Asked : public test::InFolder {
@@ -117,4 +117,4 @@ estimate = false
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::asked_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::bounds_run_test {
 namespace {
 
 // Two equal pulls along y: a plate with an open crack along x, in a frame so wide that K_I is near s sqrt(pi a).
@@ -217,4 +217,4 @@ TEST(BoundsRun, GoalsAreNamedWhole) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bounds_run_test

@@ -3,7 +3,7 @@
 #include "app/run.hpp"
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::check_optimize_test {
 namespace {
 
 // Lines 1 to 14: supported on the left, pulled on the right, as stiff as can be.
@@ -216,4 +216,4 @@ TEST(RefusedByTheLoops, InTheSameWords) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::check_optimize_test

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+namespace kerf::cli_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -470,3 +472,4 @@ TEST_F(Cli, FullDiskOfStandardOutputIsReported) {
 }
 
 }  // namespace
+}  // namespace kerf::cli_test

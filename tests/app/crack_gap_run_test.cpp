@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::crack_gap_run_test {
 namespace {
 
 /// A block that lies on another one with rounded feet.
@@ -89,4 +89,4 @@ TEST(CrackGapRun, SaysWhatNothingHolds) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crack_gap_run_test

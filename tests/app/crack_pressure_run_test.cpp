@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::crack_pressure_run_test {
 namespace {
 
 const std::string pressed = square + R"([units]
@@ -97,4 +97,4 @@ volume = { at_most = 0.5 }
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crack_pressure_run_test

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::curved_run_test {
 namespace {
 
 // A ring of radii 1 and 2 under the pressure 1 inside, plane strain.
@@ -156,4 +156,4 @@ TEST(CurvedRun, WhatCannotBeCurvedIsNamed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_run_test

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <string>
 
+namespace kerf::geo_script_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -87,3 +89,4 @@ TEST_F(GeoScript, DrawsButStartsNoProgramsAndWritesNoFiles) {
 }
 
 }  // namespace
+}  // namespace kerf::geo_script_test

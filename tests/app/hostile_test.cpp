@@ -19,7 +19,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerf {
+namespace kerf::hostile_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ TEST_F(Hostile, OptimizationLooksAtTheGeometryFirst) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hostile_test

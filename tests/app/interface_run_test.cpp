@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::interface_run_test {
 namespace {
 
 using nlohmann::json;
@@ -178,4 +178,4 @@ TEST(InterfaceRun, IsRefusedByOptimizations) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::interface_run_test

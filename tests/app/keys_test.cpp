@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+namespace kerf::keys_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,3 +66,4 @@ TEST(KeysCommand, TheCommittedFilesAreThoseThatItMakes) {
 }
 
 }  // namespace
+}  // namespace kerf::keys_test

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::map_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ radii = [0.04, 0.02]
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::map_run_test

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::mesh_file_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,4 +152,4 @@ TEST_F(MeshFileRun, ExitCodesOfTheProgram) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_file_run_test

@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+namespace kerf::optimize_run_test {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -454,3 +456,4 @@ start = "map"
 }
 
 }  // namespace
+}  // namespace kerf::optimize_run_test

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::peaks_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ vtk = false
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::peaks_test

@@ -23,6 +23,8 @@
 #include <thread>
 #include <vector>
 
+namespace kerf::petsc_run_test {
+
 namespace {
 
 using nlohmann::json;
@@ -834,3 +836,4 @@ TEST_F(PetscRun, OptionsReachPetsc) {
 }
 
 }  // namespace
+}  // namespace kerf::petsc_run_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::progress_test {
 namespace {
 
 std::size_t width(const std::string& text) {
@@ -43,4 +43,4 @@ TEST(Duration, IsRoundedUp) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::progress_test

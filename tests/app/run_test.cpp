@@ -13,7 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,8 +48,9 @@ TEST_F(Run, RefineDividesEveryTriangleIntoFour) {
     run_case("cracked_plate", {"mesh.refine=1"}, Job::Validate);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("mesh.refine is for a state and a map of it; a validation meshes the body anew"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(e.what()).find("mesh.refine is for a state and a map of it; a validation meshes the body anew"),
+        std::string::npos)
         << e.what();
   }
 }
@@ -397,4 +398,4 @@ size = 0.1
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::run_test

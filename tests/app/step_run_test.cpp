@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::step_run_test {
 namespace {
 
 /// Two halves of a square under the pressure 0.1, sheared back and forth: a spring of stiffness 0.5 and a block.
@@ -104,4 +104,4 @@ TEST(StepRun, RefusesWhatIsNotKnownOfAHistory) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::step_run_test

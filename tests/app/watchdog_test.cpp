@@ -9,7 +9,7 @@
 #include <chrono>
 #include <thread>
 
-namespace kerf {
+namespace kerf::watchdog_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -59,4 +59,4 @@ TEST_F(WatchdogTest, EndsWhatSwells) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::watchdog_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace kerf {
+namespace kerf::writer_test {
 namespace {
 
 /// A disk that takes nothing until it is opened.
@@ -107,4 +107,4 @@ TEST(Writer, BoundsWhatWaits) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::writer_test

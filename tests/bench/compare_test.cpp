@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::compare_test {
 namespace {
 
 using Kind = TimeTo::Kind;
@@ -66,4 +66,4 @@ TEST(TimeTo, PrefersWhatWasReached) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::compare_test

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::contact_test {
 namespace {
 
 TEST(ContactBenchTest, WritesItsFiles) {
@@ -36,4 +36,4 @@ TEST(ContactBenchTest, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_test

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace kerf {
+namespace kerf::hard_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ TEST(HardFamilies, SayWhatTheyAre) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hard_test

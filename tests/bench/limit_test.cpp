@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::limit_test {
 namespace {
 
 class LimitBenchTest : public test::InFolder {};
@@ -58,4 +58,4 @@ TEST_F(LimitBenchTest, WritesWhatThereIsWhenStopped) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::limit_test

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::map_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -134,4 +134,4 @@ TEST(MapMeasure, LevelsHaveTheTrianglesAskedFor) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::map_test

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::optimize_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -257,4 +257,4 @@ TEST_F(OptimizeBenchTest, RefusesAFolderWithoutScripts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::optimize_test

@@ -8,9 +8,8 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::problem_test {
 namespace {
-
 
 /// s1.edp, E = 1.
 TEST(Problem, SmoothHasTheSolutionOfThePeers) {
@@ -90,4 +89,4 @@ TEST(Cubature, WeightsSumToTheAreaAndSeeTheTip) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::problem_test

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::proof_test {
 namespace {
 
 class ProofBenchTest : public test::InFolder {};
@@ -37,4 +37,4 @@ TEST_F(ProofBenchTest, IntervalsContainWhatIsExactWithAndWithoutACutOff) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::proof_test

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::state_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,4 +110,4 @@ TEST(PeerLine, IsTheLastObjectThatHasAnError) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::state_test

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace kerf {
+namespace kerf::verify_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,4 +164,4 @@ TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::verify_test

@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-namespace kerf {
+namespace kerf::adapt_test {
 namespace {
 
 Shape square(std::vector<Crack> cracks = {}) {
@@ -267,4 +267,4 @@ TEST(Bisect, EndsWhateverTheEdgesToHalve) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::adapt_test

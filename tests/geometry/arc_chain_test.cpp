@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-using namespace kerf;
+namespace kerf::arc_chain_test {
 
 namespace {
 
@@ -178,3 +178,5 @@ TEST(Circular, PartsOfEllipsesBecomeArcs) {
       EXPECT_NEAR(smallest_radius(*side.arc), largest_radius(*side.arc), 1e-12);
     }
 }
+
+}  // namespace kerf::arc_chain_test

@@ -7,9 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::ball_test {
 namespace {
-
 
 Vec2 middle(const Mesh& m, Index edge) {
   return (m.points[std::size_t(m.edges[std::size_t(edge)][0])] + m.points[std::size_t(m.edges[std::size_t(edge)][1])]) /
@@ -269,4 +268,4 @@ TEST(KeptSides, AreRefusedWhereTheyCannotBe) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ball_test

@@ -13,7 +13,7 @@
 #include <functional>
 #include <random>
 
-namespace kerf {
+namespace kerf::carve_random_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -314,4 +314,4 @@ TEST(CarveRandom, designs_become_meshes_or_named_errors) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_random_test

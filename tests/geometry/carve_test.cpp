@@ -10,7 +10,7 @@
 #include <cmath>
 #include <functional>
 
-namespace kerf {
+namespace kerf::carve_test {
 namespace {
 
 using Field = std::function<double(const Vec2&)>;
@@ -483,4 +483,4 @@ TEST(Carve, deterministic) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::crack_test {
 namespace {
 
 Shape square(std::vector<Crack> cracks) {
@@ -292,4 +292,4 @@ TEST(CrackEnds, AreNotJoinedInSilence) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crack_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::interface_test {
 namespace {
 
 double area_of(const Mesh& m, Index region) {
@@ -198,4 +198,4 @@ TEST(Interfaces, AreRefusedWhereRegionsAreWrong) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::interface_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-namespace kerf {
+namespace kerf::mesh_test {
 namespace {
 
 /// Union-jack-free grid on [0, n] x [0, m], squares cut along one diagonal; squares in `missing` left out.
@@ -309,4 +309,4 @@ TEST(Locate, SaysWhatLiesOutside) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_test

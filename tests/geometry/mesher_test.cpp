@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::mesher_test {
 namespace {
 
 Shape square(double half = 2) {
@@ -441,4 +441,4 @@ TEST(Triangulate, RandomShapesAreNamedOrMeshed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesher_test

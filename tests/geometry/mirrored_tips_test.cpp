@@ -11,7 +11,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::mirrored_tips_test {
 namespace {
 
 Shape square(std::vector<Crack> cracks) {
@@ -117,4 +117,4 @@ TEST(MirroredTips, KeepTheAngles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mirrored_tips_test

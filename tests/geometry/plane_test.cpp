@@ -4,9 +4,8 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::plane_test {
 namespace {
-
 
 TEST(Plane, FootsLieOnTheSegment) {
   const Vec2 a(1, 1), b(3, 1);
@@ -100,4 +99,4 @@ TEST(Plane, DirectionsThatAnArcFaces) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::plane_test

@@ -6,9 +6,8 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::region_test {
 namespace {
-
 
 Shape square(std::vector<Loop> regions) {
   Shape shape{polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0), {}, {}, {"side"}, std::move(regions)};
@@ -186,4 +185,4 @@ TEST(RegionProblems, AreNamed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::region_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <ostream>
 
-namespace kerf {
+namespace kerf::shape_test {
 namespace {
 
 double polygon_area(const std::vector<Vec2>& points) {
@@ -267,4 +267,4 @@ INSTANTIATE_TEST_SUITE_P(All, BadShape, testing::ValuesIn(bad_shapes()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::shape_test

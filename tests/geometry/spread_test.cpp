@@ -10,7 +10,7 @@
 #include <numeric>
 #include <set>
 
-namespace kerf {
+namespace kerf::spread_test {
 namespace {
 
 constexpr int count = 3, divisions = 2;
@@ -123,4 +123,4 @@ TEST(Spread, WhatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::spread_test

@@ -5,7 +5,7 @@
 #include "io/history.hpp"
 #include "tests/support/sample.hpp"
 
-namespace kerf {
+namespace kerf::read_result_test {
 namespace {
 
 using test::Folder;
@@ -320,4 +320,4 @@ TEST(Arrays, DamagedFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::read_result_test

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::background_test {
 namespace {
 
 Shape box(double width, double height) {
@@ -245,4 +245,4 @@ TEST(BackgroundMesh, WhatHangsOnAThinNeckAndBearsNothingGoes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::background_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::certificate_test {
 namespace {
 
 // s^2/E: what the compliance loses per area that a side of the tie gains. A hole costs three times that [Kirsch].
@@ -148,4 +148,4 @@ TEST(Certificate, NothingIsSaidBesideTipsAndInFrozenParts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::certificate_test

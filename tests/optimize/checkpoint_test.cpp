@@ -13,7 +13,7 @@
 #include <fstream>
 #include <limits>
 
-namespace kerf {
+namespace kerf::checkpoint_test {
 namespace {
 
 Checkpoint sample() {
@@ -187,4 +187,4 @@ TEST(Checkpoint, AKillLeavesTheOldOrTheNewOne) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::checkpoint_test

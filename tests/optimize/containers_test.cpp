@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::containers_test {
 namespace {
 
 using namespace scenes;
@@ -152,4 +152,4 @@ TEST(Containers, WhatIsFixedIsKeptAwayFrom) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::containers_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::curved_frame_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -248,4 +248,4 @@ TEST(CurvesAtCorners, WhatTheFitLeavesOutsideComesBack) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_frame_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace kerf;
+namespace kerf::curves_test {
 using Eigen::VectorXd;
 
 namespace {
@@ -385,3 +385,5 @@ TEST(Curves, TinySidesBesideTheDesignGo) {
   EXPECT_LT((first_knot({2}) - Vec2(2, 0)).norm(), 1e-12);
   EXPECT_LT((first_knot({1, 2}) - Vec2(2, 0.02)).norm(), 1e-12);  // a side that bears something stays
 }
+
+}  // namespace kerf::curves_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::density_test {
 namespace {
 
 BoundaryField constant(const Vec2& value) {
@@ -291,4 +291,4 @@ TEST(Density, SaysWhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::density_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::descent_test {
 namespace {
 
 /// [0, 2] x [0, 1], clamped on the left, pulled down in the middle of the right.
@@ -280,4 +280,4 @@ TEST(MakeGround, LengthsThatAreNotGiven) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::descent_test

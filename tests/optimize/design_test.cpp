@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::design_test {
 namespace {
 
 using namespace scenes;
@@ -316,4 +316,4 @@ TEST(Constraints, StandThingsOfNoSize) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::design_test

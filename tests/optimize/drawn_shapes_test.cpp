@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::drawn_shapes_test {
 namespace {
 
 using namespace scenes;
@@ -187,4 +187,4 @@ TEST(Distances, InsideAndOutside) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::drawn_shapes_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::elements_test {
 namespace {
 
 std::string refused(const Problem& p, const OptimizeRequest& r) {
@@ -35,4 +35,4 @@ TEST(ElementsOfOptimization, BothLoopsRefuseTheSameInTheSameWords) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::elements_test

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::end_test {
 namespace {
 
 /// [0, 2] x [0, 1], clamped on the left, pulled down in the middle of the right.
@@ -228,4 +228,4 @@ TEST(Words, OfLeastSquaresAndCounts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::end_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::finish_test {
 namespace {
 
 OptimizeRequest asked(double at_most) {
@@ -165,4 +165,4 @@ TEST(HistoryText, LinesAndParts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::finish_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::initial_guess_test {
 namespace {
 
 using inverse::Plate;
@@ -288,4 +288,4 @@ TEST(InitialGuess, ReadsAMapWithoutAMisfit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::initial_guess_test

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::inverse_test {
 namespace {
 
 using inverse::Plate;
@@ -189,4 +189,4 @@ TEST(CrackArrest, HolesLowerTheEnergyReleaseRate) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::inverse_test

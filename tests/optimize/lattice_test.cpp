@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::lattice_test {
 namespace {
 
 BoundaryField constant(const Vec2& value) {
@@ -265,4 +265,4 @@ TEST(DensityStage, BoundsOnTheAreaAreTheAreaAllowed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::lattice_test

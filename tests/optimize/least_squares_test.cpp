@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::least_squares_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -322,4 +322,4 @@ TEST(Count, FindsNothingWhereNothingIs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::least_squares_test

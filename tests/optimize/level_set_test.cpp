@@ -10,7 +10,7 @@
 #include <cmath>
 #include <filesystem>
 
-namespace kerf {
+namespace kerf::level_set_test {
 namespace {
 
 /// Clamped on the left, pulled down on a short piece of the right side.
@@ -284,4 +284,4 @@ TEST(LevelSet, StressBoundsAreMet) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::level_set_test

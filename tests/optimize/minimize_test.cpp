@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::minimize_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -431,4 +431,4 @@ TEST(NonnegativeLeastSquares, AgreesWithTheOptimalityConditions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::minimize_test

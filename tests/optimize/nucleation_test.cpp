@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::nucleation_test {
 namespace {
 
 /// Clamped on the left, bent and pulled by the right side.
@@ -224,4 +224,4 @@ TEST(Changes, NoRoomIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::nucleation_test

@@ -14,7 +14,7 @@
 #include <csignal>
 #include <filesystem>
 
-namespace kerf {
+namespace kerf::parameters_test {
 namespace {
 
 using namespace scenes;
@@ -543,4 +543,4 @@ TEST(Parameters, TheObserverStopsIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::parameters_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::refuse_test {
 namespace {
 
 using namespace scenes;
@@ -493,4 +493,4 @@ TEST(GivenStart, IsTheDesign) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::refuse_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::resume_test {
 namespace {
 
 using namespace scenes;
@@ -129,4 +129,4 @@ TEST_F(Resume, StartsThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::resume_test

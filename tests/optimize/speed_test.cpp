@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::speed_test {
 namespace {
 
 /// A strip under uniform tension: -density = s^2/E = 4.5 on both sides, of half thickness 0.1.
@@ -173,4 +173,4 @@ TEST(Speed, SeveralBoundsSettle) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::speed_test

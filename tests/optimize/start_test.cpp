@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::start_test {
 namespace {
 
 TEST(StartDiscs, RegularPatternsLieInTheBoxAndRandomOnesRepeat) {
@@ -20,4 +20,4 @@ TEST(StartDiscs, RegularPatternsLieInTheBoxAndRandomOnesRepeat) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::start_test

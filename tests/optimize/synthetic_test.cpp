@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace kerf {
+namespace kerf::synthetic_test {
 namespace {
 
 // Clamped at the bottom (label 0), pulled at the sides and the top (label 1) of the unit square.
@@ -187,4 +187,4 @@ TEST(Measure, SensorsLieAsFarApartAsAsked) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::synthetic_test

@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <numeric>
 
-namespace kerf {
+namespace kerf::upper_test {
 namespace {
 
 using namespace scenes;
@@ -222,4 +222,4 @@ TEST(Upper, RoomInBoundsIsPartOfTheCheckpoint) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::upper_test

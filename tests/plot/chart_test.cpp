@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::chart_test {
 namespace {
 
 using test::Folder;
@@ -113,4 +113,4 @@ TEST(LogTicks, NameTwoAndFiveOnAShortAxis) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::chart_test

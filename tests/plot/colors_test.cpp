@@ -2,7 +2,7 @@
 
 #include "tests/support/sample.hpp"
 
-namespace kerf {
+namespace kerf::colors_test {
 namespace {
 
 using test::grid;
@@ -102,4 +102,4 @@ TEST(Limits, DivergingIsSymmetricConstantHasWidthNothingFiniteToo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::colors_test

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::gallery_test {
 namespace {
 
 using test::Folder;
@@ -121,4 +121,4 @@ TEST(Multiples, TakeAnotherLineForMorePanels) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gallery_test

@@ -13,7 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::history_test {
 namespace {
 
 using test::Folder;
@@ -320,4 +320,4 @@ TEST(Picture, DrawsDesignsWithSupportsAndLoads) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::history_test

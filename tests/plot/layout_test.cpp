@@ -3,7 +3,7 @@
 #include "io/text.hpp"
 #include "tests/support/sample.hpp"
 
-namespace kerf {
+namespace kerf::layout_test {
 namespace {
 
 /// Every letter half as wide as high.
@@ -57,4 +57,4 @@ TEST(LayOut, EqualScalesAndTheBarBesideOrBelow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::layout_test

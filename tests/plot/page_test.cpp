@@ -4,7 +4,7 @@
 #include "plot/page/script.hpp"
 #include "tests/support/sample.hpp"
 
-namespace kerf {
+namespace kerf::page_test {
 namespace {
 
 /// A square of two triangles with a map of it.
@@ -68,9 +68,10 @@ TEST(Page, AHistoryOfLoadsHasCurvesAndATable) {
                        .open_length = 0.75,
                        .tips = {{"c", {0, 0.5}, 1.5 + i, {}}}});
   const std::string html = page(r, {});
-  for (const char* part : {"<h2>Steps</h2>", "id=\"history-step-energy\"", "id=\"history-step-length\"",
-                           "id=\"history-step-K_I\"", "<th scope=\"col\">load</th>", "&lt;down&gt;", "\"places\": [1,2]",
-                           "[7.25,6.25],[8.5,9.5],[0,0.125]", "\"values\": [[1.5,2.5]]", "strain energy"}) {
+  for (const char* part :
+       {"<h2>Steps</h2>", "id=\"history-step-energy\"", "id=\"history-step-length\"", "id=\"history-step-K_I\"",
+        "<th scope=\"col\">load</th>", "&lt;down&gt;", "\"places\": [1,2]", "[7.25,6.25],[8.5,9.5],[0,0.125]",
+        "\"values\": [[1.5,2.5]]", "strain energy"}) {
     EXPECT_TRUE(has(html, part)) << part;
   }
   EXPECT_FALSE(has(html, "<down>"));
@@ -227,4 +228,4 @@ TEST(Thin, FewerTrianglesCoverTheSameBody) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::page_test

@@ -15,7 +15,7 @@ extern "C" const char* __lsan_default_suppressions() {
   return "leak:libfontconfig";
 }
 
-namespace kerf {
+namespace kerf::picture_test {
 namespace {
 
 using test::Folder;
@@ -248,4 +248,4 @@ TEST(Picture, ErrorsNameThePathOrTheMistake) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::picture_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::raster_test {
 namespace {
 
 const std::vector<std::array<Index, 3>> one = {{0, 1, 2}};
@@ -80,4 +80,4 @@ TEST(Raster, EdgesDarkenTheirTriangles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::raster_test

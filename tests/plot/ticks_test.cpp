@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::ticks_test {
 namespace {
 
 using Labels = std::vector<std::string>;
@@ -69,4 +69,4 @@ TEST(Pretty, MinusAndExponent) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ticks_test

@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-namespace kerf {
+namespace kerf::validation_test {
 namespace {
 
 TEST(Validation, SentencesToQuote) {
@@ -94,4 +94,4 @@ TEST(Validation, Words) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::validation_test

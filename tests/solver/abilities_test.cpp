@@ -12,7 +12,7 @@
 #include <set>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::abilities_test {
 namespace {
 
 std::vector<std::string> cells(const std::string& row) {
@@ -126,4 +126,4 @@ TEST(ElementAbilities, RefusalsNameTheElementsThatCan) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::abilities_test

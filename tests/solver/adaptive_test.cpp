@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::adaptive_test {
 namespace {
 
 struct Square {
@@ -132,4 +132,4 @@ TEST(CurvedContact, FacesSlideAlongTheArc) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::adaptive_test

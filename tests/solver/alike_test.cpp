@@ -9,7 +9,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::alike_test {
 namespace {
 
 double off(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -162,4 +162,4 @@ TEST(Alike, StrainedBodiesAndFewTrianglesShareNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::alike_test

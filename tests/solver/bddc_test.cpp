@@ -17,7 +17,7 @@
 #include <array>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::bddc_test {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
@@ -302,4 +302,4 @@ TEST(Bddc, GradientsBeginWithWhatTheyKnow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bddc_test

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::bounds_test {
 namespace {
 
 using Held = std::vector<Index>;
@@ -455,4 +455,4 @@ TEST(Bounds, HoldTheEnergyWithAnEigenstrainThatChangesTheVolume) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bounds_test

@@ -14,7 +14,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::contact_bounds_test {
 namespace {
 
 using Theorem = ContactQuantityBounds::Theorem;
@@ -386,4 +386,4 @@ TEST(ContactQuantityBounds, SayWhyThereAreNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_bounds_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::contact_methods_test {
 namespace {
 
 Mesh graded_mesh(const exact::ExactField& f, double size) {
@@ -147,4 +147,4 @@ INSTANTIATE_TEST_SUITE_P(Tables, FrictionFields,
                          [](const auto& info) { return std::string(info.param.id); });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_methods_test

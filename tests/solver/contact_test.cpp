@@ -16,7 +16,7 @@
 #include <limits>
 #include <random>
 
-namespace kerf {
+namespace kerf::contact_test {
 namespace {
 
 struct Problem {
@@ -471,4 +471,4 @@ TEST(InteriorSet, KnowsSlipBoundsAndFreeRows) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_test

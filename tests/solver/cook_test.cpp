@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::cook_test {
 namespace {
 
 Shape membrane() {
@@ -63,4 +63,4 @@ INSTANTIATE_TEST_SUITE_P(Materials, Cook,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cook_test

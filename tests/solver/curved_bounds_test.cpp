@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::curved_bounds_test {
 namespace {
 
 using exact::ExactField;
@@ -220,4 +220,4 @@ TEST_P(CurvedBounds, HoldKOfAnArc) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_bounds_test

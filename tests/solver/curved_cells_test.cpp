@@ -14,7 +14,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::curved_cells_test {
 namespace {
 
 using exact::ExactField;
@@ -393,4 +393,4 @@ TEST(CurvedCell, WhatIsForStraightTrianglesSaysSo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_cells_test

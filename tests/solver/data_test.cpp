@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::data_test {
 namespace {
 
 const EdgeLine edge{Vec2(2, 1), Vec2(1.8, 1), Vec2(0, 1)};
@@ -109,4 +109,4 @@ TEST(Data, ReactionsAreWhatHoldsTheBody) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::data_test

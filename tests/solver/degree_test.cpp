@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::degree_test {
 namespace {
 
 Scene scene_of(const exact::ExactField& f, bool crack) {
@@ -128,4 +128,4 @@ TEST_P(Degree, ContactIsRightOnThePartlyClosedCrack) {
 INSTANTIATE_TEST_SUITE_P(Bdms, Degree, testing::Values(1, 2, 3, 4));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::degree_test

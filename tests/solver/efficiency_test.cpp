@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::efficiency_test {
 namespace {
 
 Mesh graded_crack_mesh(double size) {
@@ -55,4 +55,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, Efficiency, testing::ValuesIn(mixed_elements(
                          [](const auto& info) { return title(info.param); });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::efficiency_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::element_rates_test {
 namespace {
 
 const auto by_title = [](const auto& info) { return title(info.param); };
@@ -231,4 +231,4 @@ TEST(EnclosedByRollers, HasNoLevelOfPressureInTheConformingElement) {
 INSTANTIATE_TEST_SUITE_P(Mixed, Enclosed, mixed_elements, by_title);
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::element_rates_test

@@ -12,7 +12,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::element_space_test {
 namespace {
 
 constexpr int triangles = 12;  // per test
@@ -164,8 +164,7 @@ Functionals functionals(const Kernel& k, const Triangle& t) {
     const Eigen::Vector4d mean = s * rule.w;
     f.mean.col(i) << mean[0], mean[3], 0.5 * (mean[1] + mean[2]);
     for (int j = 0; j < 3; ++j) {
-      const Vec2 &from = t.x[(j + 1) % 3], side = t.x[(j + 2) % 3] - from,
-                 normal = -turn(0.5 * pi) * side.normalized();
+      const Vec2 &from = t.x[(j + 1) % 3], side = t.x[(j + 2) % 3] - from, normal = -turn(0.5 * pi) * side.normalized();
       for (Eigen::Index q = 0; q < edge.s.size(); ++q) {
         const Mat2 here = tensor(stress_at(k, t, basis.col(i), from + edge.s[q] * side));
         const Vec2 traction = here * normal;
@@ -345,4 +344,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, ElementSpace, testing::ValuesIn(elements), by
 INSTANTIATE_TEST_SUITE_P(Elements, MixedSpace, testing::ValuesIn(elements.begin(), elements.begin() + 11), by_title);
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::element_space_test

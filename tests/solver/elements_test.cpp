@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::elements_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -134,4 +134,4 @@ TEST(Elements, ReproduceTheReferenceNumbersOfTheCrackCases) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::elements_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::error_bars_test {
 namespace {
 
 struct Body {
@@ -208,4 +208,4 @@ TEST(ErrorBar, KnowsABetterElementOrSaysThatThereIsNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::error_bars_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
-namespace kerf::exact {
+namespace kerf::exact::exact_families_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -168,4 +168,4 @@ TEST(Families, FacesOfTheArcAreFree) {
 }
 
 }  // namespace
-}  // namespace kerf::exact
+}  // namespace kerf::exact::exact_families_test

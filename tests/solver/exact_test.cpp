@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
-namespace kerf::exact {
+namespace kerf::exact::exact_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -366,4 +366,4 @@ TEST(ExactMeshes, SquareAndCrackFollowTheRecipe) {
 }
 
 }  // namespace
-}  // namespace kerf::exact
+}  // namespace kerf::exact::exact_test

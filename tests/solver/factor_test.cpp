@@ -14,7 +14,7 @@
 #include <random>
 #include <thread>
 
-namespace kerf {
+namespace kerf::factor_test {
 namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
@@ -170,4 +170,4 @@ TEST(Factor, EmptySystemSolvesToNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::factor_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::fracture_test {
 namespace {
 
 constexpr double degree = pi / 180;
@@ -314,4 +314,4 @@ TEST(CrackTips, TheSameBitsOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fracture_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace kerf {
+namespace kerf::front_kernels_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -103,4 +103,4 @@ TEST(FrontKernels, FindAPivotThatIsNotPositiveWhereverItIs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::front_kernels_test

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <complex>
 
-namespace kerf {
+namespace kerf::gap_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -264,4 +264,4 @@ TEST(Gap, InterferenceIsAWedge) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gap_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <optional>
 
-namespace kerf {
+namespace kerf::history_test {
 namespace {
 
 class History {
@@ -304,4 +304,4 @@ TEST(ClosedCrack, KeepsItsSlipUntilItSlidesBack) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::history_test

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::interface_test {
 namespace {
 
 struct Solved {
@@ -266,4 +266,4 @@ TEST(Layers, AreWhatCracksAre) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::interface_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::known_fields_test {
 namespace {
 
 const std::array<Vec2, 3> half = {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};  // of the unit square
@@ -164,4 +164,4 @@ TEST(KnownFields, OfNothingAndOfBlackBoxes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::known_fields_test

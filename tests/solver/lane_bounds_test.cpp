@@ -9,7 +9,7 @@
 
 #include <functional>
 
-namespace kerf {
+namespace kerf::lane_bounds_test {
 namespace {
 
 exact::ExactField inclined() {
@@ -144,4 +144,4 @@ TEST(QuantityBounds, StandBesideOnesThatThereAreNot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::lane_bounds_test

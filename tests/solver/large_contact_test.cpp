@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::large_contact_test {
 namespace {
 
 constexpr Index always_dense = 1000000;
@@ -192,4 +192,4 @@ TEST(LargeContact, BoundsContainTheEnergy) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::large_contact_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::ligament_test {
 namespace {
 
 constexpr double top = 0.5, half_length = 0.25;
@@ -86,4 +86,4 @@ TEST(Ligament, IsSolvedWhereTheBodyBends) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ligament_test

@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace kerf {
+namespace kerf::local_test {
 namespace {
 
 Mat2 frame_along(const Vec2& normal) {
@@ -218,4 +218,4 @@ TEST(Elements, UnknownNameListsTheKnownOnes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::local_test

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::mean_bounds_test {
 namespace {
 
 constexpr double slope = pi / 6;
@@ -385,4 +385,4 @@ TEST(MeanBounds, SayWhyThereAreNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mean_bounds_test

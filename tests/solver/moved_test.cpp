@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::moved_test {
 namespace {
 
 Vec2 zero(const Vec2&, const Vec2&) {
@@ -76,4 +76,4 @@ TEST(Moved, AnotherBodyIsPreparedAnew) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::moved_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::multifrontal_test {
 namespace {
 
 /// A box of points, each tied to its neighbors, in an order of nested dissection, and last some rows tied to many.
@@ -142,4 +142,4 @@ TEST(Multifrontal, APivotThatIsNotPositiveIsFoundWhereverItIs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::multifrontal_test

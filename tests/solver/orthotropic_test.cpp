@@ -16,7 +16,7 @@
 #include <cmath>
 #include <complex>
 
-namespace kerf {
+namespace kerf::orthotropic_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -323,4 +323,4 @@ TEST(Orthotropic, EstimateOfTheError) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::orthotropic_test

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <random>
 
-namespace kerf {
+namespace kerf::packed_test {
 namespace {
 
 /// Triangles of any shape and place, of materials from stiff to nearly incompressible.
@@ -157,4 +157,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, Packed,
                          [](const auto& info) { return fmt::format("{}{}", info.param.name, info.param.degree); });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::packed_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::quantity_bounds_test {
 namespace {
 
 constexpr double slope = pi / 6;
@@ -224,4 +224,4 @@ TEST(QuantityBounds, SayWhyThereAreNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::quantity_bounds_test

@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::recover_stress_test {
 namespace {
 
 Eigen::Vector3d symmetric(const Mat2& s) {
@@ -276,4 +276,4 @@ TEST(RecoverStress, CopesWithTheSmallestMeshes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::recover_stress_test

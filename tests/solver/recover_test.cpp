@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::recover_test {
 namespace {
 
 Scene held(const exact::ExactField& f, bool crack) {
@@ -206,4 +206,4 @@ TEST(Recover, DisplacementIsTheOneOfItsDefinitionAndWeighingIsItsTranspose) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::recover_test

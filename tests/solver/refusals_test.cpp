@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::refusals_test {
 namespace {
 
 Vec2 zero(const Vec2&, const Vec2&) {
@@ -93,4 +93,4 @@ TEST(Refusals, FactorsOfIndefiniteMatrices) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::refusals_test

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::region_test {
 namespace {
 
 /// The unit square, region 0 above the middle.
@@ -269,4 +269,4 @@ TEST(Regions, TipsHaveTheMaterialAroundThem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::region_test

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::rounded_test {
 namespace {
 
 bool is_single(const Model& m) {
@@ -151,4 +151,4 @@ TEST(Rounded, SolvesTheLeadingRowsAndKnowsTheRest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::rounded_test

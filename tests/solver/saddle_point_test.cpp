@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::saddle_point_test {
 namespace {
 
 const std::vector<CrackLaw> one_crack(1);
@@ -261,4 +261,4 @@ TEST(SaddlePoint, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::saddle_point_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::singular_cases_test {
 namespace {
 
 struct Named {
@@ -73,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, SingularCase,
                          [](const auto& info) { return info.param.id; });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::singular_cases_test

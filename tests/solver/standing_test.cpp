@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::standing_test {
 namespace {
 
 constexpr Index bottom = 0, side = 1, top = 2;
@@ -187,4 +187,4 @@ TEST(Standing, MapsHold) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::standing_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::state_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -462,4 +462,4 @@ TEST(State, DataThatAreNotFiniteAreNamed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::state_test

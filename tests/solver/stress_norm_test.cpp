@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::stress_norm_test {
 namespace {
 
 using namespace scenes;
@@ -81,4 +81,4 @@ TEST(StressNorm, WhatHasNoneSaysWhy) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stress_norm_test

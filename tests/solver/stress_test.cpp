@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::stress_test {
 namespace {
 
 TEST(Stress, ScalarsOfKnownStresses) {
@@ -45,4 +45,4 @@ TEST(Stress, SingularPointsAreCornersEndsOfSupportsTipsAndKinks) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stress_test

@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::tips_on_meshes_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -349,4 +349,4 @@ TEST(TipsOnMeshes, AnEndOnAnotherCrackIsNoTip) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tips_on_meshes_test

@@ -1,5 +1,7 @@
 #include "tests/support/exact_field.hpp"
 
+#include "tests/support/exact_families.hpp"
+
 #include <cmath>
 #include <complex>
 #include <stdexcept>
@@ -21,11 +23,6 @@ Complex complex(const Vec2& x) {
 
 Vec2 plane(const Complex& z) {
   return {z.real(), z.imag()};
-}
-
-/// kappa of Kolosov: plane strain 3 - 4 nu, plane stress (3 - nu)/(1 + nu).
-double kolosov(const Material& m) {
-  return 1 + 8 * m.mu * m.c;
 }
 
 /// From the mean s = sxx + syy and d = syy - sxx + 2i sxy.

@@ -28,16 +28,16 @@ Carlson carlson(Complex x, Complex y) {
   return {1.0 / std::sqrt(mean), 3.0 * sum + power / (weighted * std::sqrt(weighted))};
 }
 
-struct Line {
+struct PairLine {
   double b, c, s, lam2;
 };
 
-struct Westergaard {
+struct PairWestergaard {
   Complex P, Z, dZ;
 };
 
 /// In the closed upper half plane.
-Westergaard upper(const Line& line, const Complex& z) {
+PairWestergaard upper(const PairLine& line, const Complex& z) {
   const auto& [b, c, s, lam2] = line;
   const Complex i(0, 1);
   const Complex rb = -i * std::sqrt(z - b) * std::sqrt(z + b), rc = -i * std::sqrt(z - c) * std::sqrt(z + c);
@@ -56,9 +56,9 @@ Westergaard upper(const Line& line, const Complex& z) {
   return {s * (c * E - (c - lam2 / c) * F), Z, dZ};
 }
 
-Potentials evaluate(const Line& line, double uniform, const Complex& z, int side) {
+Potentials evaluate(const PairLine& line, double uniform, const Complex& z, int side) {
   const bool lower = z.imag() < 0 || (z.imag() == 0 && side < 0);
-  Westergaard f = upper(line, {z.real(), std::abs(z.imag())});
+  PairWestergaard f = upper(line, {z.real(), std::abs(z.imag())});
   if (lower) f = {std::conj(f.P), std::conj(f.Z), std::conj(f.dZ)};
   const double a = uniform / 4, b = -uniform / 2;
   return {f.P / 2.0 + a * z, f.Z / 2.0 + a, f.dZ / 2.0, (f.P - z * f.Z) / 2.0 + b * z, -z * f.dZ / 2.0 + b};
@@ -70,7 +70,7 @@ ExactField two_cracks(std::string name, const Material& m, const TwoCracks& crac
   const double b = cracks.inner, c = cracks.outer, s = cracks.tension, ratio = b * b / (c * c);
   // E/K, complete, of parameter 1 - ratio
   const Carlson complete = carlson(0, ratio);
-  const Line line{b, c, s, c * c * (1 - (1 - ratio) / 3 * complete.D.real() / complete.F.real())};
+  const PairLine line{b, c, s, c * c * (1 - (1 - ratio) / 3 * complete.D.real() / complete.F.real())};
   const double uniform = cracks.along - s, width = std::sqrt(c * c - b * b);
   ExactField field = from_potentials(std::move(name), m, Vec2::Zero(), 0, [line, uniform](const Complex& z, int side) {
     return evaluate(line, uniform, z, side);

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::adjoint_bounds_test {
 namespace {
 
 using Kind = Perturbation::Kind;
@@ -260,4 +260,4 @@ TEST(AdjointBounds, SayWhyThereAreNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::adjoint_bounds_test

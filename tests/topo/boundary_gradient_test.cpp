@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::boundary_gradient_test {
 namespace {
 
 using namespace scenes;
@@ -90,4 +90,4 @@ TEST(BoundaryGradient, IsOnWhatIsFree) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::boundary_gradient_test

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::changes_test {
 namespace {
 
 using namespace scenes;
@@ -120,4 +120,4 @@ TEST(Modes, OfAGapThatHidesTheState) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::changes_test

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::contact_adjoint_test {
 namespace {
 
 using namespace scenes;
@@ -272,4 +272,4 @@ TEST(Reciprocity, PrescribedDisplacementsTakeTheAdjoint) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_adjoint_test

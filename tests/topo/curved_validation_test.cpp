@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::curved_validation_test {
 namespace {
 
 using namespace scenes;
@@ -103,4 +103,4 @@ TEST(CurvedValidation, InclusionsAndEllipsesHold) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_validation_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::derivative_bounds_test {
 namespace {
 
 using namespace scenes;
@@ -84,4 +84,4 @@ TEST(DerivativeBounds, HoldTheFormulaOfAHole) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::derivative_bounds_test

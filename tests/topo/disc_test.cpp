@@ -10,7 +10,7 @@
 #include <fstream>
 #include <map>
 
-namespace kerf {
+namespace kerf::disc_test {
 namespace {
 
 using nlohmann::json;
@@ -189,4 +189,4 @@ TEST(Disc, CoefficientsAtThreeRefinements) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::disc_test

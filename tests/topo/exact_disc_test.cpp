@@ -11,7 +11,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace kerf {
+namespace kerf::exact_disc_test {
 namespace {
 
 using nlohmann::json;
@@ -220,4 +220,4 @@ TEST(Clamped, RefusesARadiusBeyondTheExpansion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::exact_disc_test

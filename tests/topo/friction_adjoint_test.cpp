@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::friction_adjoint_test {
 namespace {
 
 using namespace scenes;
@@ -195,4 +195,4 @@ TEST(FrictionStates, AreWhatTheirNamesSay) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::friction_adjoint_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::functional_test {
 namespace {
 
 // [-2, 2]^2 with a crack from (-1, 0) to (1, 0), held at the bottom, loaded on top by t (0.1, x - 0.3), which closes
@@ -151,4 +151,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, Gradient,
                          name_of);
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::functional_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::green_test {
 namespace {
 
 struct Solved {
@@ -307,4 +307,4 @@ TEST(ClampedHole, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::green_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::kinds_test {
 namespace {
 
 using namespace scenes;
@@ -140,4 +140,4 @@ TEST(Misfit, WithoutACrackAndUnderABodyForce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::kinds_test

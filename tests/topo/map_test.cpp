@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::map_test {
 namespace {
 
 const std::filesystem::path data = KERF_TEST_DATA;
@@ -225,4 +225,4 @@ TEST(Map, PredictsTheEnergyOfADrilledBody) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::map_test

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::orthotropic_test {
 namespace {
 
 using scenes::Body;
@@ -141,4 +141,4 @@ TEST(OrthotropicHole, OthersAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::orthotropic_test

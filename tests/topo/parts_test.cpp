@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::parts_test {
 namespace {
 
 /// The unit square, held on its left side, with a crack, a disc of another material and loads that open a part of the
@@ -197,4 +197,4 @@ TEST(Parts, FacesThatOnlyTouch) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::parts_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-namespace kerf {
+namespace kerf::perturbation_test {
 namespace {
 
 Mat2 tensor(double xx, double yy, double xy) {
@@ -44,8 +44,7 @@ TEST(Expansion, PureShearDiscAgainstTheClosedForm) {
     const double d = 0.7, k = (3 - nu) / (1 + nu);
     const double coefficient = hole_energy(m, tensor(d, -d, 0), Vec2::Zero(), Vec2::Zero());
     const auto energy = [&](double e) {
-      return -0.5 * pi * d * d *
-             (1 - 2 * e * e + k * e * e + (k + 4) * std::pow(e, 4) + k * std::pow(e, 6)) /
+      return -0.5 * pi * d * d * (1 - 2 * e * e + k * e * e + (k + 4) * std::pow(e, 4) + k * std::pow(e, 6)) /
              (m.mu * std::pow(1 - e * e, 3));
     };
     for (const double eps : {0.02, 0.01}) {
@@ -278,4 +277,4 @@ TEST(Expansion, WithoutOrientationTheAngleIsZero) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::perturbation_test

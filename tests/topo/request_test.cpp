@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::request_test {
 namespace {
 
 using namespace scenes;
@@ -362,4 +362,4 @@ TEST(ClampedHoles, BodiesThatTheyDoNotKnow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::request_test

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::second_order_test {
 namespace {
 
 using nlohmann::json;
@@ -363,4 +363,4 @@ TEST(SecondOrder, SaysWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::second_order_test

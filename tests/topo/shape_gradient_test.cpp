@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::shape_gradient_test {
 namespace {
 
 using namespace scenes;
@@ -436,4 +436,4 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::shape_gradient_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::stop_test {
 namespace {
 
 class Stop : public testing::Test {
@@ -76,4 +76,4 @@ TEST_F(Stop, SaysOfWhatWasNotValidatedThatNothingWasSaid) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stop_test

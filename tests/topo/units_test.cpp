@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::units_test {
 namespace {
 
 TEST(Units, ReadAsEngineersWriteThem) {
@@ -62,4 +62,4 @@ TEST(Units, AModulusInTheWrongUnitIsNoted) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::units_test

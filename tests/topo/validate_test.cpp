@@ -11,7 +11,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::validate_test {
 namespace {
 
 using namespace scenes;
@@ -210,4 +210,4 @@ TEST(Ellipse, TwoToOneAtThirtyDegrees) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::validate_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::verdict_test {
 namespace {
 
 using namespace scenes;
@@ -186,4 +186,4 @@ TEST(Verdict, NamesThePartsThatAPointDoesNotSee) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::verdict_test

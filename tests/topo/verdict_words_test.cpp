@@ -8,7 +8,7 @@
 #include <cmath>
 #include <functional>
 
-namespace kerf {
+namespace kerf::verdict_words_test {
 namespace {
 
 using namespace scenes;
@@ -220,4 +220,4 @@ TEST(VerdictWords, WhatADrawnChangeAdds) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::verdict_words_test

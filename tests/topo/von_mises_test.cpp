@@ -7,9 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-namespace kerf {
+namespace kerf::von_mises_test {
 namespace {
-
 
 Mat2 tensor(double xx, double yy, double xy) {
   Mat2 s;
@@ -186,4 +185,4 @@ TEST(VonMises, RefusesWhatIsInfinite) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::von_mises_test

@@ -2,7 +2,7 @@
 
 #include "tests/truth/scene.hpp"
 
-namespace kerf {
+namespace kerf::arnold_winther_test {
 namespace {
 
 using nlohmann::json;
@@ -70,4 +70,4 @@ size = 0.25
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arnold_winther_test

@@ -1,6 +1,6 @@
 #include "tests/truth/scene.hpp"
 
-namespace kerf {
+namespace kerf::bar_test {
 namespace {
 
 // A bar of length L under tension p on rollers: energy -p^2 L h (1 - nu^2)/(2 E) in plane strain.
@@ -31,4 +31,4 @@ size = 0.3
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bar_test

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kerf {
+namespace kerf::bounds_test {
 namespace {
 
 class BoundsTruth : public Truth {};
@@ -91,4 +91,4 @@ TEST_F(BoundsTruth, CoarseAndFineIntervalsMeet) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bounds_test

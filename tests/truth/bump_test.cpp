@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::bump_test {
 namespace {
 
 // The right half of a large square with the half disc on its top, pulled on the right: mirror images on both axes.
@@ -55,4 +55,4 @@ TEST_F(Truth, HalfDiscsOnFreeEdgesBringTheirShareOfALayer) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bump_test

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace kerf {
+namespace kerf::combined_test {
 namespace {
 
 // Crack, material, eigenstrain; what acts on the sides, vertical displacement of the ends (or nothing).
@@ -86,4 +86,4 @@ TEST_F(Combined, PressureAndHeatAddUp) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::combined_test

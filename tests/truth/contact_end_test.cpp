@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::contact_end_test {
 namespace {
 
 using namespace scenes;
@@ -62,4 +62,4 @@ TEST(ContactEnd, CracksAllOpenOrAllClosedAreSolvedOnce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_end_test

@@ -7,7 +7,7 @@
 
 #include <sstream>
 
-namespace kerf {
+namespace kerf::contrast_test {
 namespace {
 
 using nlohmann::json;
@@ -168,4 +168,4 @@ TEST_F(Contrast, MapsTendToThoseOfARigidRegion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contrast_test

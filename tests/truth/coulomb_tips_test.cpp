@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::coulomb_tips_test {
 namespace {
 
 const Material steel = plane_strain(1000, 0.3);
@@ -243,4 +243,4 @@ element = ")" + element + "\"\n",
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::coulomb_tips_test

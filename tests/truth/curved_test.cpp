@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::curved_test {
 namespace {
 
 using nlohmann::json;
@@ -84,4 +84,4 @@ TEST_F(Truth, BoundsOfChordsSayThatTheyAreOfThePolygon) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::curved_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace kerf;
+namespace kerf::curves_test {
 
 TEST(CurvesTruth, AHoleUnderTwoStressesBecomesTheEllipseOfConstantHoopStress) {
   const double side = 4;
@@ -45,8 +45,10 @@ TEST(CurvesTruth, AHoleUnderTwoStressesBecomesTheEllipseOfConstantHoopStress) {
     most = std::max(most, hoop);
   }
   const double mean = sum / length;
-  EXPECT_NEAR(mean, 3, 0.15);  // 3 in an infinite plate
+  EXPECT_NEAR(mean, 3, 0.15);                                         // 3 in an infinite plate
   EXPECT_LT(std::sqrt(squares / length - mean * mean), 0.05 * mean);  // around a circle it runs from 1 to 5
   EXPECT_GT(least, 0.9 * mean);
   EXPECT_LT(most, 1.1 * mean);
 }
+
+}  // namespace kerf::curves_test

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace kerf {
+namespace kerf::data_test {
 namespace {
 
 struct Body {
@@ -150,4 +150,4 @@ TEST_F(Loads, ReactionsBalanceTheLoads) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::data_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::eigenstrain_test {
 namespace {
 
 constexpr const char* rectangle = R"toml(
@@ -256,4 +256,4 @@ degree = 2
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::eigenstrain_test

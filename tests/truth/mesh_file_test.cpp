@@ -14,7 +14,7 @@
 #include <map>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::mesh_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -223,4 +223,4 @@ TEST_F(MeshFileTruth, FacesSlideAlongChordsOfACurveAsAlongTheCurve) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_file_test

@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <functional>
 
-namespace kerf {
+namespace kerf::metamorphic_test {
 namespace {
 
 using fuzz::Value;
@@ -253,4 +253,4 @@ TEST_F(Metamorphic, TipsAndMapsChangeAsTheyMust) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::metamorphic_test

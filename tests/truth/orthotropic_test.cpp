@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::orthotropic_test {
 namespace {
 
 using nlohmann::json;
@@ -257,4 +257,4 @@ TEST_F(Truth, OrthotropicConstantsAreChecked) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::orthotropic_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::peaks_test {
 namespace {
 
 using nlohmann::json;
@@ -130,4 +130,4 @@ TEST_F(Truth, AMapHasOneMaximum) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::peaks_test

@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::pressure_test {
 namespace {
 
 const Material steel = plane_strain(1000, 0.3);
@@ -367,4 +367,4 @@ TEST(Pressure, MeshesAdaptToIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pressure_test

@@ -3,7 +3,7 @@
 
 #include "tests/truth/scene.hpp"
 
-namespace kerf {
+namespace kerf::rotating_disc_test {
 namespace {
 
 class RotatingDisc : public Truth {};
@@ -35,4 +35,4 @@ size = )") + size + "\n");
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::rotating_disc_test

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::slender_test {
 namespace {
 
 constexpr Index right = 1, left = 3;
@@ -234,4 +234,4 @@ size = 0.25
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::slender_test

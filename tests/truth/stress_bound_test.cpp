@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace kerf;
+namespace kerf::stress_bound_test {
 
 namespace {
 
@@ -93,3 +93,5 @@ TEST(StressBound, HoldsBesideAReentrantCornerInsideTheFrame) {
 }
 
 }  // namespace
+
+}  // namespace kerf::stress_bound_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace kerf {
+namespace kerf::topological_derivative_test {
 namespace {
 
 using drawn::Change;
@@ -187,4 +187,4 @@ displacement = [0, 0]
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::topological_derivative_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace kerf {
+namespace kerf::verdict_test {
 namespace {
 
 class Verdict : public Truth {
@@ -116,4 +116,4 @@ TEST_F(Verdict, ReachedIsTrue) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::verdict_test

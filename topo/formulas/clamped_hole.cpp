@@ -51,13 +51,13 @@ Vec2 clamped_force(const Material& m, double eps, const Mat2& hreg, const Vec2& 
 
 namespace {
 
-std::string in_words(const Perturbation&) {
+std::string clamped_hole_in_words(const Perturbation&) {
   return "a clamped hole";
 }
 
 }  // namespace
 
 constinit const PerturbationKind kinds::clamped_hole{
-    .word = "clamped_hole", .description = in_words, .becomes = Becomes::Clamp};
+    .word = "clamped_hole", .description = clamped_hole_in_words, .becomes = Becomes::Clamp};
 
 }  // namespace kerf

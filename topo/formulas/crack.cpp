@@ -29,7 +29,7 @@ double crack_form(const Material& m, double angle, const Mat2& s, const Mat2& t)
 
 namespace {
 
-std::string in_words(const Perturbation&) {
+std::string crack_in_words(const Perturbation&) {
   return "a crack of length 2 \u03b5 in its worst direction";
 }
 double of_crack(const Perturbation&, const Material& m, double angle, const Mat2& s, const Mat2& t) {
@@ -83,6 +83,6 @@ Oriented worst(const Perturbation&, const Material& m, std::span<const Product> 
 }  // namespace
 
 constinit const PerturbationKind kinds::crack{
-    .word = "crack", .description = in_words, .becomes = Becomes::Slit, .form = of_crack, .orient = worst};
+    .word = "crack", .description = crack_in_words, .becomes = Becomes::Slit, .form = of_crack, .orient = worst};
 
 }  // namespace kerf

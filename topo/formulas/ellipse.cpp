@@ -26,7 +26,7 @@ double ellipse_form(const Material& m, double aspect, double angle, const Mat2& 
 
 namespace {
 
-std::string in_words(const Perturbation& p) {
+std::string ellipse_in_words(const Perturbation& p) {
   return fmt::format("an elliptic hole of area \u03c0 \u03b5\u00b2 and axis ratio {:g} in its best direction",
                      p.aspect);
 }
@@ -43,6 +43,6 @@ Oriented best(const Perturbation& p, const Material& m, std::span<const Product>
 }  // namespace
 
 constinit const PerturbationKind kinds::ellipse{
-    .word = "ellipse", .description = in_words, .elliptic = true, .form = of_ellipse, .orient = best};
+    .word = "ellipse", .description = ellipse_in_words, .elliptic = true, .form = of_ellipse, .orient = best};
 
 }  // namespace kerf

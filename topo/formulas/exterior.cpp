@@ -16,9 +16,9 @@ using Complex = std::complex<double>;
 // z = R (xi + m/xi) maps |xi| > 1 to the plane around the cut.
 struct Map {
   double radius, m, rest;  // rest = 1 - m
-  explicit Map(const Cut& cut) {
-    const double a = cut.kind == Cut::Kind::Ellipse ? std::sqrt(cut.aspect) : 1,
-                 b = cut.kind == Cut::Kind::Ellipse ? 1 / a : 0;
+  explicit Map(const CutShape& cut) {
+    const double a = cut.kind == CutShape::Kind::Ellipse ? std::sqrt(cut.aspect) : 1,
+                 b = cut.kind == CutShape::Kind::Ellipse ? 1 / a : 0;
     radius = 0.5 * (a + b);
     m = (a - b) / (a + b);
     rest = 2 * b / (a + b);
@@ -75,10 +75,10 @@ struct Radial {
 
 }  // namespace
 
-Exterior::Exterior(const VonMises& law, double p, const Cut& cut, int more) : law_(law), p_(p) {
+Exterior::Exterior(const VonMises& law, double p, const CutShape& cut, int more) : law_(law), p_(p) {
   const int fine = p > 5 ? 2 * more : more;
   const Map map(cut);
-  const bool all = cut.kind != Cut::Kind::Closed;
+  const bool all = cut.kind != CutShape::Kind::Closed;
   const auto add = [&](double x, double y, double weight) {
     const Place at(map, x, y);
     // Half of the plane, twice; the area element is R^2 |1 - m/xi^2|^2.
@@ -100,7 +100,7 @@ Exterior::Exterior(const VonMises& law, double p, const Cut& cut, int more) : la
     }
   // The four triangles around the tip xi = 1.
   const EdgeRule across = gauss(10 * fine);
-  const Radial radial(cut.kind == Cut::Kind::Ellipse ? 2 : 4 - p, fine);
+  const Radial radial(cut.kind == CutShape::Kind::Ellipse ? 2 : 4 - p, fine);
   for (std::size_t i = 0; i < radial.u.size(); ++i)
     for (Eigen::Index k = 0; k < across.s.size(); ++k)
       for (const double side : {-1., 1.}) {
@@ -197,9 +197,9 @@ double error_between(const CutTable& table, const Exterior& integral, bool of_la
 
 }  // namespace
 
-CutTable tabulate(const VonMises& law, double p, const Cut& cut) {
+CutTable tabulate(const VonMises& law, double p, const CutShape& cut) {
   require_power(law, p);
-  const bool crack = cut.kind != Cut::Kind::Ellipse;
+  const bool crack = cut.kind != CutShape::Kind::Ellipse;
   if (crack && !(p < 4))
     throw Error(Fault::Usage, "the stress to the power " + std::to_string(p) +
                                   " is not integrable at the tips of a crack, however short: a power below 4 has an "

@@ -9,7 +9,7 @@ namespace kerf {
 
 /// What the plane is cut by, along the axis 1: a free ellipse of area pi whose longer axis lies there, or a crack of
 /// length 2, whose faces let no shear through, and pressure only where it is closed.
-struct Cut {
+struct CutShape {
   enum class Kind { Ellipse, Open, Closed } kind = Kind::Ellipse;
   double aspect = 1;  // of the ellipse, at least 1
 };
@@ -24,10 +24,10 @@ struct CutTable {
   Eigen::MatrixXd values;  // row: first angle in [0, pi); column: second one in [0, 2 pi)
 };
 
-/// Relative error (of the largest value for cracks) about 1e-5 up to p = 5, 1e-4 above; 1e-2 for p = 16 and aspects from
-/// 10 on. Throws (Usage) as `tabulate` of von_mises.hpp, and for
-/// cracks with p >= 4, where the stress is not integrable at their tips.
-CutTable tabulate(const VonMises& law, double p, const Cut& cut);
+/// Relative error (of the largest value for cracks) about 1e-5 up to p = 5, 1e-4 above; 1e-2 for p = 16 and aspects
+/// from 10 on. Throws (Usage) as `tabulate` of von_mises.hpp, and for cracks with p >= 4, where the stress is not
+/// integrable at their tips.
+CutTable tabulate(const VonMises& law, double p, const CutShape& cut);
 
 /// Psi of the stress s around a cut along the angle (radians).
 double exterior(const CutTable& table, const Mat2& s, double angle);
@@ -36,7 +36,7 @@ double exterior(const CutTable& table, const Mat2& s, double angle);
 class Exterior {
  public:
   /// `more`: multiplies the numbers of points.
-  Exterior(const VonMises& law, double p, const Cut& cut, int more = 1);
+  Exterior(const VonMises& law, double p, const CutShape& cut, int more = 1);
   double operator()(double mean, double x, double y) const;
 
  private:

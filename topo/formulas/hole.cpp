@@ -19,7 +19,7 @@ double hole_energy(const Material& m, const Mat2& s, const Vec2& body, const Vec
 
 namespace {
 
-std::string in_words(const Perturbation&) {
+std::string hole_in_words(const Perturbation&) {
   return "a hole of radius \u03b5";
 }
 double of_hole(const Perturbation&, const Material& m, double, const Mat2& s, const Mat2& t) {
@@ -32,6 +32,6 @@ Transmission no_stress(const Perturbation&, const Material&) {
 }  // namespace
 
 constinit const PerturbationKind kinds::hole{
-    .word = "hole", .description = in_words, .form = of_hole, .inside = no_stress};
+    .word = "hole", .description = hole_in_words, .form = of_hole, .inside = no_stress};
 
 }  // namespace kerf

@@ -28,7 +28,7 @@ double inclusion_form(const Material& matrix, const Material& inside, const Mat2
 
 namespace {
 
-std::string in_words(const Perturbation&) {
+std::string inclusion_in_words(const Perturbation&) {
   return "an inclusion of radius \u03b5";
 }
 double of_inclusion(const Perturbation& p, const Material& m, double, const Mat2& s, const Mat2& t) {
@@ -42,7 +42,7 @@ Transmission transmitted(const Perturbation& p, const Material& m) {
 }  // namespace
 
 constinit const PerturbationKind kinds::inclusion{.word = "inclusion",
-                                                  .description = in_words,
+                                                  .description = inclusion_in_words,
                                                   .becomes = Becomes::Material,
                                                   .form = of_inclusion,
                                                   .inside = transmitted};

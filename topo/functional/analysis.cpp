@@ -153,6 +153,10 @@ bool has_self_adjoint_work(const Model& m) {
                      [](double v) { return v == 0; });
 }
 
+bool is_energy(const Model& m, const Term& term) {
+  return term.energy || term.measured || (term.work && has_self_adjoint_work(m));
+}
+
 Scene measured_scene(const Scene& scene, const Support& measured) {
   Scene other = scene;
   std::erase_if(other.tractions, [&](const Traction& t) { return t.label == measured.label; });

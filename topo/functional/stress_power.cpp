@@ -22,7 +22,7 @@ class Tables {
     return found(circles_, {m.mu, m.c, static_cast<double>(change.kind), change.inclusion.mu, change.inclusion.c},
                  [&] { return tabulate(law(m), p_, inside(change, m), law(change.inclusion)); });
   }
-  const CutTable& cut(const Cut& cut, const Material& m) {
+  const CutTable& cut(const CutShape& cut, const Material& m) {
     return found(cuts_, {law(m).share, static_cast<double>(cut.kind), cut.aspect},
                  [&] { return tabulate(law(m), p_, cut); });
   }
@@ -53,7 +53,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
                   "use another perturbation");
     case Becomes::Slit: {
       const Vec2 n(-std::sin(*change.angle), std::cos(*change.angle));
-      const Cut cut{n.dot(at.stress * n) > 0 ? Cut::Kind::Open : Cut::Kind::Closed};
+      const CutShape cut{n.dot(at.stress * n) > 0 ? CutShape::Kind::Open : CutShape::Kind::Closed};
       return exterior(tables.cut(cut, at.material), at.stress, *change.angle);
     }
     case Becomes::Material:
@@ -62,7 +62,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
     case Becomes::Nothing:
       if (is_directed(change))
         return (p - 1) * power(tables.law(at.material), p, at.stress) +
-               exterior(tables.cut({Cut::Kind::Ellipse, change.aspect}, at.material), at.stress, *change.angle);
+               exterior(tables.cut({CutShape::Kind::Ellipse, change.aspect}, at.material), at.stress, *change.angle);
   }
   return local_term(tables.circle(change, at.material), at.stress);
 }

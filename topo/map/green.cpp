@@ -53,15 +53,6 @@ FieldPoint minus_kelvin(const Material& m, const Vec2& r, const Vec2& F) {
   return p;
 }
 
-// What Analysis::energy_share and measured_share stand for.
-bool is_energy(const Model& m, const Term& term) {
-  return term.energy || term.measured || (term.work && has_self_adjoint_work(m));
-}
-
-}  // namespace
-
-namespace {
-
 // Then forces of friction change while faces slide, and that work is of second order in the force on the clamp.
 bool has_coulomb(const Scene& scene) {
   return std::ranges::any_of(scene.laws, [](const CrackLaw& l) { return has_friction(l) && l.friction > 0; });

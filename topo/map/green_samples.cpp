@@ -16,19 +16,19 @@ namespace kerf {
 
 namespace {
 
-double inverse_cubes(const Wall& w, const Vec2& x) {
+double inverse_cubes_of_wall(const Wall& w, const Vec2& x) {
   return kerf::inverse_cubes(w.a, w.b, x);
 }
 
 // 2/d^2 on a straight side, d the distance.
-double distance(double cubes) {
+double wall_distance(double cubes) {
   return std::sqrt(2 / cubes);
 }
-double distance(const std::vector<std::vector<Wall>>& walls, const Vec2& x) {
+double wall_distance(const std::vector<std::vector<Wall>>& walls, const Vec2& x) {
   double sum = 0;
   for (const auto& alike : walls)
-    for (const Wall& w : alike) sum += inverse_cubes(w, x);
-  return distance(sum);
+    for (const Wall& w : alike) sum += inverse_cubes_of_wall(w, x);
+  return wall_distance(sum);
 }
 
 // Half planes under a unit force at the distance d, G + w at the force: an image for supports and rollers; the force's
@@ -116,12 +116,12 @@ Mat2 wall_logarithms(const std::vector<std::vector<Wall>>& walls, const Vec2& x)
     Mat2 first = Mat2::Zero();
     double cubes = 0;
     for (const Wall& w : alike) {
-      const double share = inverse_cubes(w, x);
+      const double share = inverse_cubes_of_wall(w, x);
       cubes += share;
       first += share * w.axes.col(0) * w.axes.col(0).transpose();
     }
     const Vec2& times = alike.front().times;
-    sum += std::log(distance(cubes)) * (times[1] * Mat2::Identity() + (times[0] - times[1]) * first / cubes);
+    sum += std::log(wall_distance(cubes)) * (times[1] * Mat2::Identity() + (times[0] - times[1]) * first / cubes);
   }
   return sum;
 }
@@ -140,7 +140,7 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
   const std::vector<Vec2> points = find_points(g.walls);
   constexpr double beside_walls = 3;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    scale[i] = beside_walls * distance(g.walls, candidates[i]);
+    scale[i] = beside_walls * wall_distance(g.walls, candidates[i]);
     for (const Vec2& p : points) scale[i] = std::min(scale[i], (candidates[i] - p).norm());
   }
   constexpr double accurate = 5e-4, residual = 1e-7;

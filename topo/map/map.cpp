@@ -263,7 +263,7 @@ Points displacements_at(const FieldOf& of, const Scattered& points, bool recover
 }
 
 // expand_at of all points; NaN where there is no triangle.
-Eigen::VectorXd sampled(const Expansion& e, const MapFields& fields, const Scattered& points) {
+Eigen::VectorXd sampled_expansion(const Expansion& e, const MapFields& fields, const Scattered& points) {
   const Model& m = *e.a.model;
   std::vector<Points> moved;  // per FieldOf::number
   ask(e, [&](const FieldOf& of, bool recovered) {
@@ -381,8 +381,8 @@ void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const
   const MapFields& better = *finer.analysis.fields;
   const Expansion e(a, j, r.perturbation), e_finer(finer.analysis, j, r.perturbation);
   const Places at = places(mesh, own->corners, finer.model.mesh);
-  const ErrorBars bars =
-      error_bars(own->corners, sampled(e, *own, {at.x, at.own}), sampled(e_finer, better, {at.x, at.better}));
+  const ErrorBars bars = error_bars(own->corners, sampled_expansion(e, *own, {at.x, at.own}),
+                                    sampled_expansion(e_finer, better, {at.x, at.better}));
   maps.everywhere.lower = maps.everywhere.at_corners - bars.at_corners;
   maps.everywhere.upper = maps.everywhere.at_corners + bars.at_corners;
   std::vector<Vec2> x;

@@ -14,10 +14,6 @@ namespace kerf {
 
 namespace {
 
-bool is_energy(const Model& m, const Term& term) {
-  return term.energy || term.measured || (term.work && has_self_adjoint_work(m));
-}
-
 // Some faces of a crack touch and others do not: their border moves with the load, and J that is no energy sees the
 // square of that.
 bool has_contact_end(const Model& m, const Field& s) {

@@ -51,7 +51,7 @@ struct Place {
   double clear;
 };
 
-Form sampled(BodyReply& body, const Model& m, const Place& at, const TaylorFit& fit) {
+Form sampled_form(BodyReply& body, const Model& m, const Place& at, const TaylorFit& fit) {
   const Material& material = material_of(m.mesh, m.scene, at.in);
   std::array<Nucleus, 3> unit{dipole_field(material, at.x, {1, 0}), dipole_field(material, at.x, {0, 1}),
                               dipole_field(material, at.x, {0, std::complex<double>(0, 1)})};
@@ -95,7 +95,7 @@ Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<con
     for (std::size_t i = 0; i < places.size(); ++i) wide[i] = std::min(wide[i], (places[i].x - at.x).norm() / scale[i]);
     const TaylorFit fit(m, at.x, at.in, part * at.clear);
     if (fit.coarse()) continue;
-    const Form exact = sampled(body, m, at, fit);
+    const Form exact = sampled_form(body, m, at, fit);
     if (count >= least) worst = std::max(worst, (exact - all.at(at.x)).norm() / exact.norm());
     all.x.push_back(at.x);
     all.rest.push_back(entries(exact) / walls(at.x));

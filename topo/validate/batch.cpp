@@ -10,7 +10,7 @@ std::vector<Index> interface_edges(const Filled& f) {
   return edges;
 }
 
-State solved(const Model& m) {
+State solved_with_balls(const Model& m) {
   State s = solve(m);
   if (!certified(s)) throw Error(Fault::Numerics, "the body with the balls of the validation could not be solved");
   return s;
@@ -36,7 +36,7 @@ Batch mesh_batch(const Meshing& meshing, const std::vector<Site>& sites, int sid
 
 SolvedBatch::SolvedBatch(const Batch& batch, const Body& body, const Functional& j, const Perturbation& p)
     : model(prepare(batch.filled.mesh, body.element, body.scene, body.threads, batch.how)),
-      state(solved(model)),
+      state(solved_with_balls(model)),
       a(analyze(j, model, state)),
       differences(Differences({a, j, batch.filled}, p, batch.how).all(batch.balls)) {}
 

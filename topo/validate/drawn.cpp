@@ -29,7 +29,7 @@ void keep_eigenstrain(Index before, Scene& scene) {
   scene.eigenstrain.back() = here;
 }
 
-State solved(const Model& m) {
+State solved_with_change(const Model& m) {
   State s = solve(m);
   if (!certified(s)) throw Error(Fault::Numerics, "the body with the drawn change could not be solved");
   return s;
@@ -86,14 +86,14 @@ class Drawer {
         fill_batch(outside(sites, sides), sites, sides, {aspect(sketch_.p), angle}, sketch_.sizing.curved);
     const Filled& filled = batch.filled;
     const Model model = prepared(filled.mesh, sketch_.own.scene, sites.size() > 1 ? batch.how : Preparation{});
-    const State state = solved(model);
+    const State state = solved_with_change(model);
     const Analysis a = analyze(sketch_.j, model, state);
     const auto whole = [&](std::size_t i) {
       std::vector<bool> disc(filled.mesh.triangles.size(), false);
       for (Index t = filled.first_triangle[i]; t < filled.first_triangle[i + 1]; ++t)
         disc[t] = batch.balls[i].shell[static_cast<std::size_t>(t - filled.first_triangle[i])] >= 1;
       const Model changed = with_change(filled.mesh, disc);
-      const State after = solved(changed);
+      const State after = solved_with_change(changed);
       return analyze(sketch_.j, changed, after, true).value - a.value;
     };
     std::vector<double> difference{whole(0)};
@@ -158,7 +158,7 @@ class Drawer {
       return prepared(f.mesh, std::move(scene));
     };
     const Model whole = model(CrackLaw::Kind::Bonded), broken = model(CrackLaw::Kind::Unilateral);
-    const State before = solved(whole), after = solved(broken);
+    const State before = solved_with_change(whole), after = solved_with_change(broken);
     const Analysis a = analyze(sketch_.j, whole, before);
     const BallIn ball{f.first_triangle[0], f.first_triangle[1], site.at, site.ball};
     return {a.value, analyze(sketch_.j, broken, after, true).value, scale(sketch_.p, c.radius), formula(a, ball, c)};

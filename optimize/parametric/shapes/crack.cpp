@@ -13,41 +13,42 @@ namespace {
 using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
 
-Vec2 vertex(const VectorXd& v, Index i) {
+Vec2 vertex_of_crack(const VectorXd& v, Index i) {
   return v.segment<2>(2 * i);
 }
 
-bool fits(Eigen::Index count) {
+bool crack_fits(Eigen::Index count) {
   return count >= 4 && count % 2 == 0;
 }
 
-void check(const Drawn&, const Problem&) {}
+void check_crack(const Drawn&, const Problem&) {}
 
 std::vector<Vec2> path(const VectorXd& v) {
   std::vector<Vec2> points;
-  for (Index i = 0; i < static_cast<Index>(v.size() / 2); ++i) points.push_back(vertex(v, i));
+  for (Index i = 0; i < static_cast<Index>(v.size() / 2); ++i) points.push_back(vertex_of_crack(v, i));
   return points;
 }
 
-void draw(const Drawn& d, const VectorXd& v, const Problem&, DrawnBody& body) {
+void draw_crack(const Drawn& d, const VectorXd& v, const Problem&, DrawnBody& body) {
   body.shape.cracks.push_back({d.name, path(v), {}});
   body.scene.laws.push_back(d.law);
 }
 
-std::function<Spot(const Vec2& x)> locate(const VectorXd& v, double) {
+std::function<Spot(const Vec2& x)> locate_on_crack(const VectorXd& v, double) {
   return [points = path(v)](const Vec2& x) { return place_on(points, false, x); };
 }
 
-Vec2 position(const Spot& spot, const VectorXd& v) {
-  return vertex(v, spot.piece) + spot.part * (vertex(v, spot.piece + 1) - vertex(v, spot.piece));
+Vec2 position_on_crack(const Spot& spot, const VectorXd& v) {
+  return vertex_of_crack(v, spot.piece) +
+         spot.part * (vertex_of_crack(v, spot.piece + 1) - vertex_of_crack(v, spot.piece));
 }
 
-void pull(const Spot& spot, const VectorXd&, const Vec2& force, Eigen::Ref<VectorXd> sum) {
+void pull_crack(const Spot& spot, const VectorXd&, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   sum.segment<2>(2 * spot.piece) += (1 - spot.part) * force;
   sum.segment<2>(2 * spot.piece + 2) += spot.part * force;
 }
 
-DesignCurve boundary(const Drawn& d, const VectorXd& v, bool cut) {
+DesignCurve crack_boundary(const Drawn& d, const VectorXd& v, bool cut) {
   DesignCurve c;
   const Eigen::Index n = v.size();
   // Edges are sampled: what they cross is seen by their points.
@@ -131,7 +132,7 @@ Constraint edges_apart(const Drawn& d, Eigen::Index first, std::array<Eigen::Ind
 }
 
 /// Edges as long as the distance and as far apart, no folds.
-void constrain(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
+void constrain_crack(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
   const Eigen::Index n = d.lower.size();
   for (Eigen::Index i = 0; i + 2 < n; i += 2) {
     if (d.lower.segment<4>(i) == d.upper.segment<4>(i)) continue;
@@ -142,7 +143,7 @@ void constrain(const Drawn& d, Eigen::Index first, double least, std::vector<Con
 }
 
 /// Straight cracks in all directions.
-Sought seek(const Drawn& d, const Problem&) {
+Sought seek_crack(const Drawn& d, const Problem&) {
   const VectorXd &l = d.lower, &u = d.upper;
   const Eigen::Index last = l.size() - 2;
   const Vec2 nearest = (l.segment<2>(last) - u.head<2>()).cwiseMax(l.head<2>() - u.segment<2>(last)).cwiseMax(0);
@@ -164,7 +165,7 @@ Sought seek(const Drawn& d, const Problem&) {
 }
 
 /// A straight path, in the direction that its boxes suit better.
-VectorXd guessed(const Guess& g, const Drawn& d) {
+VectorXd guessed_crack(const Guess& g, const Drawn& d) {
   const Vec2 half = g.size * Vec2(std::cos(g.angle), std::sin(g.angle));
   const auto path = [&](double sign) {
     VectorXd w(d.start.size());
@@ -177,7 +178,7 @@ VectorXd guessed(const Guess& g, const Drawn& d) {
   return outside(path(-1)) < outside(path(1)) ? path(-1) : path(1);
 }
 
-std::string guess_in_words(const Guess& g) {
+std::string crack_guess_in_words(const Guess& g) {
   return fmt::format("half its length {:.3g}, {:.0f} degrees", g.size, g.angle * 180 / pi);
 }
 
@@ -186,18 +187,18 @@ std::string guess_in_words(const Guess& g) {
 constinit const DrawnShape crack_shape{.kind = Drawn::Kind::Crack,
                                        .part = BodyPart::Crack,
                                        .names = coordinate_names,
-                                       .fits = fits,
+                                       .fits = crack_fits,
                                        .asks = "a crack needs two points or more, x and y each",
-                                       .check = check,
-                                       .draw = draw,
-                                       .locate = locate,
-                                       .position = position,
-                                       .pull = pull,
-                                       .boundary = boundary,
+                                       .check = check_crack,
+                                       .draw = draw_crack,
+                                       .locate = locate_on_crack,
+                                       .position = position_on_crack,
+                                       .pull = pull_crack,
+                                       .boundary = crack_boundary,
                                        .box = box_of_points,
-                                       .constrain = constrain,
-                                       .seek = seek,
-                                       .guessed = guessed,
-                                       .guess_in_words = guess_in_words};
+                                       .constrain = constrain_crack,
+                                       .seek = seek_crack,
+                                       .guessed = guessed_crack,
+                                       .guess_in_words = crack_guess_in_words};
 
 }  // namespace kerf

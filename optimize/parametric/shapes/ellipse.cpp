@@ -19,31 +19,31 @@ Mat2 axes(const VectorXd& v) {
   return rotation(v[4]) * v.segment<2>(2).asDiagonal();
 }
 
-std::vector<std::string> names(Eigen::Index) {
+std::vector<std::string> ellipse_names(Eigen::Index) {
   return {"x", "y", "a", "b", "angle"};
 }
 
-bool fits(Eigen::Index count) {
+bool ellipse_fits(Eigen::Index count) {
   return count == 5;
 }
 
-void check(const Drawn& d, const Problem&) {
+void check_ellipse(const Drawn& d, const Problem&) {
   require(d.lower.segment<2>(2).minCoeff() > 0, d, "the semi-axes must not vanish; give them positive lower bounds");
 }
 
-void draw(const Drawn& d, const VectorXd& v, const Problem&, DrawnBody& body) {
+void draw_ellipse(const Drawn& d, const VectorXd& v, const Problem&, DrawnBody& body) {
   body.shape.holes.push_back(ellipse(d.name, v.head<2>(), v.segment<2>(2), v[4], hole_label(body.shape, d.name)));
 }
 
-std::function<Spot(const Vec2& x)> locate(const VectorXd& v, double) {
+std::function<Spot(const Vec2& x)> locate_on_ellipse(const VectorXd& v, double) {
   return locate_in(v.head<2>(), axes(v));
 }
 
-Vec2 position(const Spot& spot, const VectorXd& v) {
+Vec2 position_on_ellipse(const Spot& spot, const VectorXd& v) {
   return v.head<2>() + axes(v) * spot.local;
 }
 
-void pull(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
+void pull_ellipse(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   sum.head<2>() += force;
   const Mat2 turn = rotation(v[4]);
   const Vec2 scaled = v.segment<2>(2).cwiseProduct(spot.local);
@@ -52,12 +52,12 @@ void pull(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<Vec
   sum[4] += force.dot(turn * Vec2(-scaled.y(), scaled.x()));
 }
 
-void add_area(const VectorXd& v, double& area, VectorXd* gradient) {
+void add_area_of_ellipse(const VectorXd& v, double& area, VectorXd* gradient) {
   area += pi * v[2] * v[3];
   if (gradient) gradient->segment<2>(2) = pi * Vec2(v[3], v[2]);
 }
 
-DesignCurve boundary(const Drawn&, const VectorXd& v, bool) {
+DesignCurve ellipse_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Vec2 first(std::cos(v[4]), std::sin(v[4])), second(-first.y(), first.x());
   for (Index i = 0; i < samples; ++i) {
@@ -74,7 +74,7 @@ CoordinateBox box(const Drawn& d) {
   return box_around_center(d, std::max(d.upper[2], d.upper[3]));
 }
 
-Sought seek(const Drawn& d, const Problem&) {
+Sought seek_ellipse(const Drawn& d, const Problem&) {
   Sought s{.low = d.lower.head<2>(),
            .high = d.upper.head<2>(),
            .least = std::sqrt(d.lower[2] * d.lower[3]),
@@ -83,7 +83,7 @@ Sought seek(const Drawn& d, const Problem&) {
   return s;
 }
 
-VectorXd guessed(const Guess& g, const Drawn& d) {
+VectorXd guessed_ellipse(const Guess& g, const Drawn& d) {
   VectorXd v = d.start;
   v.head<2>() = g.at;
   v[2] = v[3] = g.size;
@@ -94,19 +94,19 @@ VectorXd guessed(const Guess& g, const Drawn& d) {
 
 constinit const DrawnShape ellipse_shape{.kind = Drawn::Kind::Ellipse,
                                          .part = BodyPart::Hole,
-                                         .names = names,
-                                         .fits = fits,
+                                         .names = ellipse_names,
+                                         .fits = ellipse_fits,
                                          .asks = "an ellipse has 5 variables: center x, y, semi-axes, angle",
-                                         .check = check,
-                                         .draw = draw,
-                                         .locate = locate,
-                                         .position = position,
-                                         .pull = pull,
-                                         .add_area = add_area,
-                                         .boundary = boundary,
+                                         .check = check_ellipse,
+                                         .draw = draw_ellipse,
+                                         .locate = locate_on_ellipse,
+                                         .position = position_on_ellipse,
+                                         .pull = pull_ellipse,
+                                         .add_area = add_area_of_ellipse,
+                                         .boundary = ellipse_boundary,
                                          .box = box,
-                                         .seek = seek,
-                                         .guessed = guessed,
+                                         .seek = seek_ellipse,
+                                         .guessed = guessed_ellipse,
                                          .guess_in_words = radius_in_words};
 
 }  // namespace kerf

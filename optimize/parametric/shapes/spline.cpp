@@ -27,7 +27,7 @@ namespace {
 using Eigen::Matrix2Xd;
 using Eigen::VectorXd;
 
-Vec2 vertex(const VectorXd& v, Index i) {
+Vec2 vertex_of_spline(const VectorXd& v, Index i) {
   return v.segment<2>(2 * i);
 }
 
@@ -35,7 +35,7 @@ Vec2 spline_point(const VectorXd& v, double s) {
   const auto n = static_cast<Index>(v.size() / 2);
   const SplineWeights w = spline_weights(n, s);
   Vec2 x = Vec2::Zero();
-  for (Index i = 0; i < 4; ++i) x += w.position[i] * vertex(v, (w.first + i) % n);
+  for (Index i = 0; i < 4; ++i) x += w.position[i] * vertex_of_spline(v, (w.first + i) % n);
   return x;
 }
 
@@ -67,28 +67,28 @@ std::vector<Vec2> spline_polygon(const VectorXd& v, Index pieces) {
   return points;
 }
 
-bool fits(Eigen::Index count) {
+bool spline_fits(Eigen::Index count) {
   return count >= 8 && count % 2 == 0;
 }
 
-void check(const Drawn&, const Problem&) {}
+void check_spline(const Drawn&, const Problem&) {}
 
-void draw(const Drawn& d, const VectorXd& v, const Problem& p, DrawnBody& body) {
+void draw_spline(const Drawn& d, const VectorXd& v, const Problem& p, DrawnBody& body) {
   body.shape.holes.push_back(
       polygon(d.name, spline_polygon(v, spline_pieces(v, mesh_size(p))), hole_label(body.shape, d.name)));
 }
 
-std::function<Spot(const Vec2& x)> locate(const VectorXd& v, double size) {
+std::function<Spot(const Vec2& x)> locate_on_spline(const VectorXd& v, double size) {
   return [points = spline_polygon(v, spline_pieces(v, size))](const Vec2& x) { return place_on(points, true, x); };
 }
 
-Vec2 position(const Spot& spot, const VectorXd& v) {
+Vec2 position_on_spline(const Spot& spot, const VectorXd& v) {
   const double per_span = static_cast<double>(spot.pieces) / (static_cast<double>(v.size()) / 2);
   const Vec2 a = spline_point(v, spot.piece / per_span), b = spline_point(v, (spot.piece + 1) % spot.pieces / per_span);
   return a + spot.part * (b - a);
 }
 
-void pull(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
+void pull_spline(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   const auto n = static_cast<Index>(v.size() / 2);
   const double per_span = static_cast<double>(spot.pieces) / n;
   for (int end = 0; end < 2; ++end) {
@@ -98,7 +98,7 @@ void pull(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<Vec
   }
 }
 
-void add_area(const VectorXd& v, double& area, VectorXd* gradient) {
+void add_area_of_spline(const VectorXd& v, double& area, VectorXd* gradient) {
   // 1/2 int x cross x' ds: of degree 5 on each span, so that three Gauss points are exact.
   const auto n = static_cast<Index>(v.size() / 2);
   const double away = std::sqrt(0.15);
@@ -107,8 +107,8 @@ void add_area(const VectorXd& v, double& area, VectorXd* gradient) {
       const SplineWeights w = spline_weights(n, span + 0.5 + q * away);
       Vec2 at = Vec2::Zero(), along = Vec2::Zero();
       for (Index i = 0; i < 4; ++i) {
-        at += w.position[i] * vertex(v, (w.first + i) % n);
-        along += w.derivative[i] * vertex(v, (w.first + i) % n);
+        at += w.position[i] * vertex_of_spline(v, (w.first + i) % n);
+        along += w.derivative[i] * vertex_of_spline(v, (w.first + i) % n);
       }
       const double half = (q == 0 ? 4.0 / 9 : 5.0 / 18) / 2;
       area += half * cross(at, along);
@@ -119,7 +119,7 @@ void add_area(const VectorXd& v, double& area, VectorXd* gradient) {
     }
 }
 
-DesignCurve boundary(const Drawn&, const VectorXd& v, bool) {
+DesignCurve spline_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Eigen::Index n = v.size();
   const auto points = static_cast<Index>(n / 2);
@@ -146,7 +146,7 @@ Constraint large_enough(const Drawn& d, Eigen::Index first, double least) {
   return own_constraint(name(d) + " is smaller than a disc of the least distance, or its points run clockwise", first,
                         d.lower.size(), [=](const VectorXd& v, VectorXd& by) {
                           double area = 0;
-                          add_area(v, area, &by);
+                          add_area_of_spline(v, area, &by);
                           by /= -smallest;
                           return std::max(1 - area / smallest, -1e3);
                         });
@@ -156,7 +156,7 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
   const Eigen::Index n = d.lower.size();
   return own_constraint(
       fmt::format("{} is thinner than {:.4g}", name(d), least), first, n, [=](const VectorXd& v, VectorXd& by) {
-        const DesignCurve c = boundary(d, v, false);
+        const DesignCurve c = spline_boundary(d, v, false);
         const auto count = static_cast<Index>(c.points.size());
         SoftMinimum soft(least / sharpness, n, 0);
         for (Index i = 0; i < count; ++i)
@@ -206,7 +206,7 @@ Constraint smooth_enough(const Drawn& d, Eigen::Index first) {
   });
 }
 
-void constrain(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
+void constrain_spline(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
   all.push_back(large_enough(d, first, least));
   all.push_back(thick_enough(d, first, least));
   all.push_back(smooth_enough(d, first));
@@ -224,7 +224,7 @@ double mean_radius(const VectorXd& xy) {
   return 2 * sum / static_cast<double>(xy.size());
 }
 
-Sought seek(const Drawn& d, const Problem&) {
+Sought seek_spline(const Drawn& d, const Problem&) {
   constexpr double range = 4;
   Sought s{.low = middle(d.lower),
            .high = middle(d.upper),
@@ -234,7 +234,7 @@ Sought seek(const Drawn& d, const Problem&) {
   return s;
 }
 
-VectorXd guessed(const Guess& g, const Drawn& d) {
+VectorXd guessed_spline(const Guess& g, const Drawn& d) {
   VectorXd v = d.start;
   const Vec2 center = middle(v);
   const double factor = g.size / mean_radius(v);
@@ -247,19 +247,19 @@ VectorXd guessed(const Guess& g, const Drawn& d) {
 constinit const DrawnShape spline_shape{.kind = Drawn::Kind::Spline,
                                         .part = BodyPart::Hole,
                                         .names = coordinate_names,
-                                        .fits = fits,
+                                        .fits = spline_fits,
                                         .asks = "a spline needs four control points or more, x and y each",
-                                        .check = check,
-                                        .draw = draw,
-                                        .locate = locate,
-                                        .position = position,
-                                        .pull = pull,
-                                        .add_area = add_area,
-                                        .boundary = boundary,
+                                        .check = check_spline,
+                                        .draw = draw_spline,
+                                        .locate = locate_on_spline,
+                                        .position = position_on_spline,
+                                        .pull = pull_spline,
+                                        .add_area = add_area_of_spline,
+                                        .boundary = spline_boundary,
                                         .box = box_of_points,
-                                        .constrain = constrain,
-                                        .seek = seek,
-                                        .guessed = guessed,
+                                        .constrain = constrain_spline,
+                                        .seek = seek_spline,
+                                        .guessed = guessed_spline,
                                         .guess_in_words = radius_in_words};
 
 }  // namespace kerf

@@ -4,7 +4,7 @@
 #include "tests/io/case/case_files.hpp"
 #include "tests/io/mesh/meshes.hpp"
 
-namespace kerf {
+namespace kerf::body_file_test {
 namespace {
 
 const std::string material = "[material]\nyoung = 1\npoisson = 0.3\n";
@@ -174,4 +174,4 @@ TEST(BodyFile, FrozenSurfacesAreMasks) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::body_file_test

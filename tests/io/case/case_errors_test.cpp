@@ -1,6 +1,6 @@
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::case_errors_test {
 namespace {
 
 struct Wrong {
@@ -316,4 +316,4 @@ TEST(Case, MaterialRanges) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::case_errors_test

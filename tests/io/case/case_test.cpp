@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::case_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -408,4 +408,4 @@ poisson = 0
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::case_test

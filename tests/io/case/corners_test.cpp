@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::corners_test {
 namespace {
 
 /// A first line that is no line of a case file.
@@ -61,8 +61,9 @@ TEST(Corners, TooMuch) {
 
 TEST(Corners, OptionsOfPetsc) {
   EXPECT_EQ(read(square + "[solver]\nbackend = 'petsc'\npetsc = '-ksp_monitor'\n").petsc, "-ksp_monitor");
-  EXPECT_NE(error(square + "[solver]\npetsc = '-ksp_monitor'\n").find("petsc in [solver] goes with backend = \"petsc\""),
-            std::string::npos);
+  EXPECT_NE(
+      error(square + "[solver]\npetsc = '-ksp_monitor'\n").find("petsc in [solver] goes with backend = \"petsc\""),
+      std::string::npos);
 }
 
 TEST(Kept, FilesThatAreNotReadAsCases) {
@@ -117,4 +118,4 @@ TEST(Kept, DesignsAndFilesOfOneName) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::corners_test

@@ -1,7 +1,7 @@
 // The key `gap` of [[crack]].
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::crack_gap_test {
 namespace {
 
 const std::string cracked = square + R"([[crack]]
@@ -36,4 +36,4 @@ tip = "end"
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crack_gap_test

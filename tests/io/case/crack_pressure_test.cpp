@@ -2,7 +2,7 @@
 #include "io/design.hpp"
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::crack_pressure_test {
 namespace {
 
 const std::string cracked = square + R"([[crack]]
@@ -83,4 +83,4 @@ TEST(CrackPressure, StaysInTheFileOfADesign) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::crack_pressure_test

@@ -12,7 +12,7 @@
 
 #include <set>
 
-using namespace kerf;
+namespace kerf::design_file_test {
 
 namespace {
 
@@ -427,3 +427,5 @@ measured = "data.csv"
   EXPECT_NE(file.find("measured = \"../data.csv\""), std::string::npos) << file;
   EXPECT_NO_THROW(read_case(folder.write("out/design.toml", file)));
 }
+
+}  // namespace kerf::design_file_test

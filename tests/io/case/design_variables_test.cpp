@@ -2,7 +2,7 @@
 
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::design_variables_test {
 namespace {
 
 const std::string plate = square + R"([[boundary]]
@@ -49,4 +49,4 @@ TEST(DesignVariables, ACrackBeginsWhereItsStartSays) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::design_variables_test

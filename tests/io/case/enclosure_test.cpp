@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::enclosure_test {
 
 namespace {
 
@@ -284,4 +284,4 @@ TEST(Integration, PressuresOfPowers) {
   for (const Index d : {0, 1}) EXPECT_NEAR(total[d], -std::pow(2, 0.6) / 0.6 / std::sqrt(2), 1e-9);
 }
 
-}  // namespace kerf
+}  // namespace kerf::enclosure_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <thread>
 
-namespace kerf {
+namespace kerf::expression_test {
 namespace {
 
 double value(std::string_view text, const Vec2& x = {0.3, -0.7}, const ExpressionContext& context = {}) {
@@ -182,4 +182,4 @@ TEST(Expression, ListsItsNames) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::expression_test

@@ -1,6 +1,6 @@
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::functional_errors_test {
 namespace {
 
 // Lines 7 to 17 after the square: two cracks and a held left side.
@@ -191,4 +191,4 @@ TEST(Functional, CracksWithoutPressureAndTipsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::functional_errors_test

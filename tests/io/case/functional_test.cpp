@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::functional_test {
 namespace {
 
 Functional functional(const std::string& lines) {
@@ -229,4 +229,4 @@ TEST(ValidateSection, GeometricRadiiAndThePerturbationOfTheMap) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::functional_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::functions_test {
 namespace {
 
 /// The square with a traction on its top, and what it does along x.
@@ -108,4 +108,4 @@ TEST(Written, TextsOfAnyCharacters) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::functions_test

@@ -1,7 +1,7 @@
 // [[interface]]: keys, and what is refused by name.
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::interface_test {
 namespace {
 
 const std::string layered = R"([domain]
@@ -112,4 +112,4 @@ TEST(InterfaceCase, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::interface_test

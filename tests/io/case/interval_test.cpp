@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace kerf {
+namespace kerf::interval_test {
 namespace {
 
 // Intervals whose ends meet where rules change: 0, 1, infinity, quarter turns, and numbers between.
@@ -118,4 +118,4 @@ TEST(IntervalTest, TwoEnclosuresMeet) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::interval_test

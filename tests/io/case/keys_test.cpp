@@ -14,7 +14,7 @@
 #include <set>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::keys_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -310,4 +310,4 @@ TEST(Keys, BashCompletesThem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::keys_test

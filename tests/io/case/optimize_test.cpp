@@ -1,6 +1,6 @@
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::optimize_test {
 namespace {
 
 // Lines 7 to 14 after the square: supported on the left, pulled on the right, as stiff as can be.
@@ -758,4 +758,4 @@ INSTANTIATE_TEST_SUITE_P(
                           "move it to each load case in which it acts"}));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::optimize_test

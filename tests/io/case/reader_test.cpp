@@ -1,6 +1,6 @@
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::reader_test {
 namespace {
 
 TEST(Override, ReplacesAndAdds) {
@@ -106,4 +106,4 @@ TEST(Override, BadOnesAreNamed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::reader_test

@@ -3,7 +3,7 @@
 #include "tests/io/case/case_files.hpp"
 #include "tests/io/mesh/meshes.hpp"
 
-namespace kerf {
+namespace kerf::requests_test {
 namespace {
 
 TEST(Request, RefinesForAQuantity) {
@@ -95,4 +95,4 @@ TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::requests_test

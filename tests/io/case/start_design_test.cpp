@@ -3,7 +3,7 @@
 #include "geometry/plane.hpp"
 #include "tests/io/case/case_files.hpp"
 
-using namespace kerf;
+namespace kerf::start_design_test {
 
 TEST(HoleOutline, MayHaveArcsAndLabels) {
   const std::string hole = R"([[hole]]
@@ -71,3 +71,5 @@ start = { design = "design.toml" }
   folder.write("design.toml", body);
   EXPECT_NE(read_case(folder.path / "a.toml").fingerprint, c.fingerprint);
 }
+
+}  // namespace kerf::start_design_test

@@ -1,7 +1,7 @@
 // [[step]]: values of [define] along a history.
 #include "tests/io/case/case_files.hpp"
 
-namespace kerf {
+namespace kerf::step_test {
 namespace {
 
 const std::string sheared = square + R"([define]
@@ -59,4 +59,4 @@ TEST(Steps, RefuseWhatTheyCannotChange) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::step_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::words_test {
 namespace {
 
 TEST(Words, SuggestsTheNearest) {
@@ -29,4 +29,4 @@ TEST(Words, SafeNames) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::words_test

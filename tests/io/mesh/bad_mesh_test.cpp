@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace kerf {
+namespace kerf::bad_mesh_test {
 namespace {
 
 using namespace meshes;
@@ -208,4 +208,4 @@ TEST(BadMesh, OtherFiles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bad_mesh_test

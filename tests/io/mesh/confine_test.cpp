@@ -15,7 +15,7 @@
 #include <functional>
 #include <thread>
 
-namespace kerf {
+namespace kerf::confine_test {
 namespace {
 
 /// What `call` ends with, a number of errno or 0, in a thread that is confined.
@@ -83,4 +83,4 @@ TEST(Confine, ProgramsAreNotStartedAndOthersNotTouched) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::confine_test

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace kerf {
+namespace kerf::damaged_mesh_test {
 namespace {
 
 using namespace meshes;
@@ -239,4 +239,4 @@ TEST(DamagedMesh, SurfacesAndSidesWithTwoNames) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::damaged_mesh_test

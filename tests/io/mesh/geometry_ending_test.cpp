@@ -14,7 +14,7 @@
 #include <set>
 #include <thread>
 
-namespace kerf {
+namespace kerf::geometry_ending_test {
 namespace {
 
 class GeometryEnding : public testing::Test {
@@ -187,4 +187,4 @@ TEST_F(GeometryEnding, RegionsMayBeDrawnInto) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::geometry_ending_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-namespace kerf {
+namespace kerf::geometry_test {
 namespace {
 
 class Geometry : public testing::Test {
@@ -179,4 +179,4 @@ TEST_F(Geometry, DesignsGoToStepAndComeBack) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::geometry_test

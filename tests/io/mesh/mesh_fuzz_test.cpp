@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <random>
 
-namespace kerf {
+namespace kerf::mesh_fuzz_test {
 namespace {
 
 using namespace meshes;
@@ -78,4 +78,4 @@ TEST(MeshFuzz, DamagedMeshesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_fuzz_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::read_mesh_test {
 namespace {
 
 using namespace meshes;
@@ -248,4 +248,4 @@ TEST(ReadMesh, CracksRunAsTheirLinesDo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::read_mesh_test

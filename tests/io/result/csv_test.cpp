@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::csv_test {
 namespace {
 
 using test::Folder;
@@ -154,4 +154,4 @@ TEST(ValidationInWords, EveryVerdict) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::csv_test

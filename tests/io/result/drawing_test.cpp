@@ -9,7 +9,7 @@
 
 #include <cstdio>
 
-using namespace kerf;
+namespace kerf::drawing_test {
 
 namespace {
 
@@ -82,3 +82,5 @@ TEST(DesignDrawing, TheSvgHasALayerPerKind) {
         " A 1 1 0 0 1 3 2", " A 0.5 0.5 0 0 0 3.49003328892 1.0993346654"})
     EXPECT_NE(svg.find(part), std::string::npos) << svg;
 }
+
+}  // namespace kerf::drawing_test

@@ -4,7 +4,7 @@
 #include "kerf/types.hpp"
 #include "tests/support/folder.hpp"
 
-namespace kerf {
+namespace kerf::leaves_test {
 namespace {
 
 std::vector<Leaf> leaves(const std::string& text) {
@@ -63,4 +63,4 @@ TEST(Leaves, WhatIsNoResultIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::leaves_test

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::result_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -271,4 +271,4 @@ TEST(ResultJson, TheFinerDesignSaysWhatItsBoundsAreJudgedBy) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::result_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace kerf {
+namespace kerf::summary_test {
 namespace {
 
 bool has(const std::string& text, const std::string& part) {
@@ -280,4 +280,4 @@ TEST(Summary, AnInverseProblem) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::summary_test

@@ -9,7 +9,7 @@
 #include <csignal>
 #include <fstream>
 
-namespace kerf {
+namespace kerf::text_test {
 namespace {
 
 TEST(Text, SixDigits) {
@@ -130,4 +130,4 @@ TEST(Files, AFolderIsWrittenIntoByOneRunAtATime) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::text_test

@@ -16,7 +16,7 @@
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
-namespace kerf {
+namespace kerf::vtk_test {
 namespace {
 
 using test::Folder;
@@ -211,4 +211,4 @@ TEST(Vtk, FieldOfTheWrongLengthIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::vtk_test
