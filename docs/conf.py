@@ -1,5 +1,5 @@
 """Sphinx: ./dev docs makes build/docs/index.html of this folder. Packages: python3-sphinx, python3-myst-parser, furo,
-libjs-katex, fonts-katex of Debian 12. sphinx/kerf_docs.py holds what is our own."""
+libjs-katex, fonts-katex of Debian 12 or 13. sphinx/kerf_docs.py holds what is our own."""
 
 import pathlib
 import re

@@ -23,7 +23,7 @@ def complain(path, line, text):
 
 
 def files():
-    asked = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], capture_output=True, text=True)
+    asked = subprocess.run("git ls-files -co --exclude-standard", shell=True, capture_output=True, text=True)
     if asked.returncode == 0:
         return [f for f in asked.stdout.splitlines() if os.path.isfile(f)]
     found = []

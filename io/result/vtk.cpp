@@ -25,7 +25,8 @@ Module load() {
         Fault::Files,
         fmt::format(
             "cannot load the VTK module kerf_vtk.so ({}); put it beside the program or into ../lib/kerf, "
-            "install libvtk9.1 (the package kerf-vtk has both), or switch VTK files off with [output] vtk = false",
+            "install VTK's library (libvtk9.1 on Debian 12, libvtk9.3 on Debian 13; the package kerf-vtk brings "
+            "both), or switch VTK files off with [output] vtk = false",
             found.reason));
   const auto find = [&](const char* name) { return reinterpret_cast<KerfVtkWriter>(dlsym(found.handle, name)); };
   return {find("kerf_vtk_write_triangles"), find("kerf_vtk_write_lines")};

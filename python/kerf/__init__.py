@@ -27,9 +27,16 @@ Traceback (most recent call last):
 kerf.CaseError: mesh.size: size in [mesh] must be positive, not -1
 """
 
+try:
+    from ._kerf import __version__
+except ImportError as _error:  # the C library refused before an instruction of the module ran (python/CMakeLists.txt)
+    if "ISA level" not in str(_error):
+        raise
+    raise ImportError("kerf: this processor lacks AVX2, which this kerf was built for; build it with KERF_ARCH=x86-64",
+                      name="kerf") from _error
+
 from ._case import Case
 from ._errors import CaseError, Error, FilesError, GeometryError, SolveError
-from ._kerf import __version__
 from ._result import Result
 from ._sweep import Sweep, sweep
 

@@ -29,7 +29,7 @@ inline double one_over_root(double x) {
   return 1 / std::sqrt(x);
 }
 inline Pack one_over_root(const Pack& x) {
-  Pack root;
+  Pack root{};
   for (int i = 0; i < pack_size; ++i) root[i] = std::sqrt(x[i]);
   return 1.0 / root;
 }

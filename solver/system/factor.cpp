@@ -10,7 +10,6 @@
 #include <dlfcn.h>
 #include <fmt/core.h>
 #include <malloc.h>
-#include <omp.h>
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -21,11 +20,14 @@
 namespace kerf {
 
 // OpenBLAS and CHOLMOD each start threads of their own for every supernode, which costs more than it gives (400k
-// triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS will do.
+// triangles: half the time went into yielding), and sums in another order. Looked up by name, so that any BLAS and any
+// OpenMP will do.
 void use_one_thread() {
-  omp_set_max_active_levels(0);
-  using Set = void (*)(int);
-  if (const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
+  const auto set = [](const char* name, int value) {
+    if (const auto found = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, name))) found(value);
+  };
+  set("omp_set_max_active_levels", 0);
+  set("openblas_set_num_threads", 1);
 }
 
 void return_freed_memory() {

@@ -8,15 +8,27 @@
 #include <cstdlib>
 #include <mutex>
 
+// There may be two METIS in a process: libmetis, and the one that CHOLMOD has inside from SuiteSparse 7 on, with names
+// and whole numbers of its own. Both find the functions at the end of this file before their own.
+
 namespace {
 
-/// Draws the numbers that the C library's generator does after the same seed.
+/// Draws the numbers that the C library's generator does after the same seed: libmetis takes them, too.
 struct Generator {
   random_data data{};
   std::array<char, 128> state{};
-  unsigned draws = 0;
+  unsigned seeds = 0;
   Generator() {
     initstate_r(1, state.data(), state.size(), &data);
+  }
+  void seed(std::int64_t with) {
+    srandom_r(static_cast<unsigned>(with), &data);
+    ++seeds;
+  }
+  std::int32_t draw() {
+    std::int32_t number = 0;
+    random_r(&data, &number);
+    return number;
   }
 };
 
@@ -25,10 +37,23 @@ Generator& generator() {
   return one;
 }
 
-/// How many calls of METIS are open on this thread, less 1.
-int* open_calls() {
-  thread_local int* const here = static_cast<int*>(dlsym(RTLD_DEFAULT, "gk_cur_jbufs"));
-  return here;
+/// One METIS of the process, on this thread.
+struct Metis {
+  int* calls;         // open ones, less 1; null where the process lacks it
+  void (*jump)(int);  // to where the innermost was called
+};
+enum Which : std::size_t { in_libmetis, in_cholmod };
+
+template <class T>
+T find(const char* name) {
+  return reinterpret_cast<T>(dlsym(RTLD_DEFAULT, name));
+}
+
+const Metis& metis(Which which) {
+  thread_local const std::array<Metis, 2> both{
+      Metis{find<int*>("gk_cur_jbufs"), find<void (*)(int)>("gk_sigthrow")},
+      Metis{find<int*>("SuiteSparse_metis_gk_cur_jbufs"), find<void (*)(int)>("SuiteSparse_metis_gk_sigthrow")}};
+  return both[which];
 }
 
 std::mutex trapping;
@@ -37,20 +62,17 @@ struct sigaction untrapped = {};
 
 /// METIS raises it where it gets no memory, and is left by a jump to where it was called on the same thread.
 extern "C" void on_abort(int signal) {
-  using Jump = void (*)(int);
-  static const auto jump = reinterpret_cast<Jump>(dlsym(RTLD_DEFAULT, "gk_sigthrow"));
-  if (const int* calls = open_calls(); jump && calls && *calls >= 0) jump(signal);
+  for (const Which which : {in_libmetis, in_cholmod})
+    if (const auto [calls, jump] = metis(which); calls && jump && *calls >= 0) jump(signal);
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
 
-}  // namespace
-
 // METIS's own traps take SIGTERM for themselves while it orders: a request to stop would be lost, or jump to where
 // another thread never was. These leave it alone.
-extern "C" int gk_sigtrap() noexcept {
+int trap(Which which) {
   constexpr int most = 128;
-  int* const calls = open_calls();
+  int* const calls = metis(which).calls;
   if (!calls || *calls + 1 >= most) return 0;
   ++*calls;
   const std::scoped_lock lock(trapping);
@@ -62,8 +84,8 @@ extern "C" int gk_sigtrap() noexcept {
   return 1;
 }
 
-extern "C" int gk_siguntrap() noexcept {
-  int* const calls = open_calls();
+int untrap(Which which) {
+  int* const calls = metis(which).calls;
   if (!calls || *calls < 0) return 0;
   --*calls;
   const std::scoped_lock lock(trapping);
@@ -71,28 +93,40 @@ extern "C" int gk_siguntrap() noexcept {
   return 1;
 }
 
-extern "C" int rand() noexcept {
-  std::int32_t number = 0;
-  random_r(&generator().data, &number);
-  ++generator().draws;
-  return number;
-}
+}  // namespace
 
-extern "C" void srand(unsigned seed) noexcept {
-  srandom_r(seed, &generator().data);
+// CMakeLists.txt exports these from programs, python/CMakeLists.txt from the module.
+extern "C" {
+int gk_sigtrap() noexcept {
+  return trap(in_libmetis);
+}
+int gk_siguntrap() noexcept {
+  return untrap(in_libmetis);
+}
+void libmetis__isrand(std::int32_t seed) noexcept {
+  generator().seed(seed);
+}
+std::int32_t libmetis__irand() noexcept {
+  return generator().draw();
+}
+int SuiteSparse_metis_gk_sigtrap() noexcept {
+  return trap(in_cholmod);
+}
+int SuiteSparse_metis_gk_siguntrap() noexcept {
+  return untrap(in_cholmod);
+}
+void SuiteSparse_metis_libmetis__isrand(std::int64_t seed) noexcept {
+  generator().seed(seed);
+}
+std::int64_t SuiteSparse_metis_libmetis__irand() noexcept {
+  return generator().draw();
+}
 }
 
 namespace kerf {
 
-bool has_generator_per_thread() {
-  static const bool has = [] {
-    using Draw = int (*)();
-    const auto found = reinterpret_cast<Draw>(dlsym(RTLD_DEFAULT, "rand"));  // what libraries find
-    const unsigned before = generator().draws;
-    if (found) found();
-    return generator().draws != before;
-  }();
-  return has;
+unsigned seeds_of_metis() {
+  return generator().seeds;
 }
 
 }  // namespace kerf

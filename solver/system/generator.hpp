@@ -3,8 +3,8 @@
 
 namespace kerf {
 
-/// Whether libraries draw from a generator of the thread that they run in: in programs. In a module of Python they find
-/// the C library's, one for all threads.
-bool has_generator_per_thread();
+/// How often METIS has seeded the generator of this thread. Where an order does not raise it, METIS draws from a
+/// generator of its own, which may be one for all threads.
+unsigned seeds_of_metis();
 
 }  // namespace kerf

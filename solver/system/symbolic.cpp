@@ -90,6 +90,16 @@ std::vector<Index> order_of(const EliminationGraph& g) {
   return order;
 }
 
+/// Whether METIS draws from a generator per thread, tried on two vertices.
+bool has_generator_per_thread() {
+  static const bool has = [] {
+    const unsigned before = seeds_of_metis();
+    order_of({.start = {0, 1, 2}, .neighbors = {1, 0}});
+    return seeds_of_metis() != before;
+  }();
+  return has;
+}
+
 /// Per vertex 0 or 1, no neighbors, or 2, a separator between them.
 std::vector<Index> sides_of(const EliminationGraph& g) {
   std::vector<Index> side(static_cast<std::size_t>(g.size()));
@@ -131,7 +141,7 @@ Part part_of(const Part& from, const std::vector<Index>& side, Index which) {
 // The first separators cut large graphs into parts that are ordered side by side. How often they do depends on the size
 // of the graph alone.
 std::vector<Index> dissection(const std::vector<Index>& start, const std::vector<Index>& neighbors, int threads) {
-  // Where the C library's generator is one for all threads, METIS would draw other numbers in each run.
+  // From a generator of all threads METIS would draw other numbers in each run.
   static std::mutex one_at_a_time;
   std::unique_lock lock(one_at_a_time, std::defer_lock);
   if (!has_generator_per_thread()) {

@@ -1,5 +1,7 @@
 #include "solver/factor.hpp"
 
+#include "solver/system/generator.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -129,6 +131,14 @@ TEST(Factor, DissectionIsAPermutationThatSavesFill) {
   EXPECT_LT(Factor(lower_triangle(permuted), 0).entries(), 0.7 * Factor(lower_triangle(natural), 0).entries());
   std::sort(order.begin(), order.end());
   for (Index k = 0; k < n; ++k) ASSERT_EQ(order[k], k);
+}
+
+// Both METIS that there are, libmetis and the one within CHOLMOD, draw the same numbers then, and order alike.
+TEST(Factor, DissectionDrawsFromTheGeneratorOfItsThread) {
+  const auto [start, neighbors] = grid(40);
+  const unsigned before = seeds_of_metis();
+  dissection(start, neighbors);
+  EXPECT_GT(seeds_of_metis(), before);
 }
 
 // METIS has handlers of its own for SIGTERM, which jump out of it, or anywhere on a thread that it does not run on.
