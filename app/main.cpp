@@ -12,6 +12,7 @@
 #include "app/run.hpp"
 #include "app/sweep.hpp"
 #include "app/templates.hpp"
+#include "app/version.hpp"
 #include "app/watchdog.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
@@ -92,7 +93,7 @@ void declare_sweep(CLI::App& sub, Arguments& arguments) {
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", "kerf " KERF_VERSION);
+  app.set_version_flag("--version", version_text);
   app.require_subcommand(0, 1);
   app.footer(exit_codes);
   for (const Command& command : commands()) {
