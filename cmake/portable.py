@@ -21,7 +21,8 @@ sys.path.insert(0, str(SOURCE / "python"))
 import kerf_build  # noqa: E402
 
 MACHINE = platform.machine()
-FONTS = [pathlib.Path("/usr/share/fonts/truetype/dejavu") / name for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]
+FONTS = [pathlib.Path("/usr/share/fonts/truetype/dejavu") / name for name in
+         ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf", "DejaVuSans-Oblique.ttf")]
 # Of libraries whose templates are compiled in.
 HEADERS = [pathlib.Path("/usr/include") / name for name in
            ("eigen3/Eigen/Core", "CGAL/version.h", "boost/version.hpp", "CLI/CLI.hpp", "nlohmann/json.hpp", "spdlog/spdlog.h",
@@ -91,7 +92,7 @@ class Libraries:
         """Of each package one file, as Debian has it, with the licences that it only names."""
         folder.mkdir(parents=True)
         version = dict(line.split("\t", 1) for line in said_by("dpkg-query", "-W", "-f", "${Package}\t${Version}\t${source:Package}\n").splitlines())
-        packages = sorted({*self.owners.values(), *(package_of(file) for file in [FONTS[0], *HEADERS] if file.exists())})
+        packages = sorted({*self.owners.values(), *(package_of(file) for file in [*FONTS, *HEADERS] if file.exists())})
         named = set()
         for package in packages:
             text = pathlib.Path(f"/usr/share/doc/{package}/copyright").read_text(encoding="utf-8", errors="replace")
