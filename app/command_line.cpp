@@ -52,8 +52,8 @@ CommandLine::CommandLine(const std::string& description, const std::string& name
 
 CommandLine::~CommandLine() = default;
 
-void CommandLine::version(const std::string& text) {
-  app_->set_version_flag("--version", text);
+void CommandLine::version(std::function<std::string()> text) {
+  app_->set_version_flag("--version", std::move(text));
 }
 
 CommandOptions CommandLine::options() {

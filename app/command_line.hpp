@@ -41,7 +41,8 @@ class CommandLine {
   CommandLine(const std::string& description, const std::string& name, const std::string& footer);
   ~CommandLine();
 
-  void version(const std::string& text);
+  /// What --version prints; asked for only then.
+  void version(std::function<std::string()> text);
   /// The options of the program itself.
   CommandOptions options();
   /// One more command; `chosen` is called when it was given.

@@ -13,6 +13,7 @@
 #include "app/run.hpp"
 #include "app/sweep.hpp"
 #include "app/templates.hpp"
+#include "app/version.hpp"
 #include "app/watchdog.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
@@ -87,7 +88,7 @@ void declare_sweep(CommandOptions& sub, Arguments& arguments) {
 }
 
 void declare(CommandLine& line, Arguments& arguments) {
-  line.version("kerf " KERF_VERSION);
+  line.version(version_text);
   for (const Command& command : commands()) {
     CommandOptions sub = line.command(command.name, command.description,
                                       [&arguments, name = command.name] { arguments.command = name; });

@@ -4,6 +4,7 @@
 
 #include "kerf/stop.hpp"
 #include "kerf/types.hpp"
+#include "plot/fonts.hpp"
 
 #include <alloca.h>
 #include <sched.h>
@@ -124,6 +125,7 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
     return code(static_cast<int>(fault));
   };
   try {
+    offer_own_font();
     return code(work(argc, argv));
   } catch (const Error& e) {
     return report("", e.what(), e.fault);

@@ -21,4 +21,4 @@ else
     printf '[FILES]\nThe keys of case files are told by\n.B kerf keys\nand in /usr/share/doc/kerf (case-files.md);\ncases to begin from are in /usr/share/kerf/cases.\n'
   } >"$more"
 fi
-help2man --no-info --name="$name" --version-string="${version#* }" --include="$more" "$program" | gzip -9n >"$page"
+help2man --no-info --name="$name" --version-string="$(sed -n '1s/.* //p' <<<"$version")" --include="$more" "$program" | gzip -9n >"$page"

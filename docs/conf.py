@@ -2,7 +2,6 @@
 libjs-katex, fonts-katex of Debian 12 or 13. sphinx/kerf_docs.py holds what is our own."""
 
 import pathlib
-import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "sphinx"))
@@ -10,8 +9,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent / "sphinx"))
 project = "kerf"
 author = "the kerf developers"
 copyright = author
-version = release = re.search(r"project\(kerf VERSION ([\d.]+)",
-                              (pathlib.Path(__file__).parent.parent / "CMakeLists.txt").read_text())[1]
+version = release = (pathlib.Path(__file__).parent.parent / "VERSION").read_text().strip()
 extensions = ["myst_parser", "kerf_docs"]
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3

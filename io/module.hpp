@@ -1,5 +1,6 @@
 #pragma once
-// Parts of kerf that are loaded when they are first needed, because they bring a hundred libraries.
+// Files that belong to kerf and lie beside it. Some are parts of it that are loaded when they are first needed, because
+// they bring a hundred libraries.
 
 #include <filesystem>
 #include <initializer_list>
@@ -7,9 +8,12 @@
 
 namespace kerf {
 
-/// The shared object `name` with these functions: beside the program (build tree), in ../lib/kerf (installed), beside the
-/// library that this is part of (Python), or in `folder`, where it was built or installed (programs of others). It stays
-/// loaded until the program ends. A null handle: `reason` says why there is none.
+/// The file `name` of kerf: beside the program (build tree), in ../lib/kerf (installed), beside the library that this
+/// is part of (Python), or in `folder`, where it was built or installed (programs of others). Empty: it is nowhere.
+std::filesystem::path find_beside(const char* name, const std::filesystem::path& folder = {});
+
+/// The shared object `name` with these functions, from the same places, or from where the system has its libraries. It
+/// stays loaded until the program ends. A null handle: `reason` says why there is none.
 struct LoadedModule {
   void* handle = nullptr;
   std::string reason = {};

@@ -1,34 +1,74 @@
 """What pip asks of a project (PEP 517), on CMake: nothing is fetched, everything comes from this machine.
 
-The options of CMake are those of KERF_CMAKE_ARGS; what ./dev unpacked into build/headers is used.
+The options of CMake are those of KERF_CMAKE_ARGS; what ./dev unpacked into build/headers is used. cmake/portable.py adds the
+libraries that a wheel for other machines needs.
 """
 
 import base64
 import hashlib
 import os
 import pathlib
-import re
 import shlex
 import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import zipfile
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
-VERSION = re.search(r"project\(kerf VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text()).group(1)
-INFO = f"kerf-{VERSION}.dist-info"
-METADATA = f"""Metadata-Version: 2.1
-Name: kerf
-Version: {VERSION}
-Summary: Topological derivatives for plane elastic bodies with cracks in contact
-Requires-Python: >=3.10
-Requires-Dist: numpy
-"""
+VERSION = (SOURCE / "VERSION").read_text().strip()
+PROJECT = tomllib.loads((SOURCE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+NAME = PROJECT["name"].replace("-", "_")
+INFO = f"{NAME}-{VERSION}.dist-info"
+TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
+
+
+def _metadata():
+    author = PROJECT["authors"][0]
+    lines = ["Metadata-Version: 2.1", f"Name: {PROJECT['name']}", f"Version: {VERSION}", f"Summary: {PROJECT['description']}",
+             f"Author: {author['name']}", f"Author-email: {author['name']} <{author['email']}>", f"License: {PROJECT['license']}",
+             f"Keywords: {','.join(PROJECT['keywords'])}"]
+    lines += [f"Classifier: {one}" for one in PROJECT["classifiers"]]
+    lines += [f"Project-URL: {name}, {url}" for name, url in PROJECT.get("urls", {}).items()]
+    lines += [f"Requires-Python: {PROJECT['requires-python']}"]
+    lines += [f"Requires-Dist: {one}" for one in PROJECT["dependencies"]]
+    lines += ["License-File: LICENSE", "Description-Content-Type: text/markdown"]
+    return "\n".join(lines) + "\n\n" + (SOURCE / PROJECT["readme"]).read_text(encoding="utf-8")
+
+
+def package(build):
+    """The files of a wheel by their names in it: the package out of a build folder, and the program."""
+    files = {f"kerf/{path.name}": path.resolve() for path in sorted((build / "python" / "kerf").iterdir())
+             if path.name != "__pycache__"}
+    files["kerf/kerf"] = build / "kerf"
+    return files
+
+
+def write_wheel(folder, files, platform):
+    """A wheel of `files` (path in the wheel: bytes); returns its name."""
+    files = dict(files)
+    files[f"{INFO}/METADATA"] = _metadata().encode()
+    files[f"{INFO}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: kerf\nRoot-Is-Purelib: false\nTag: {TAG}-{TAG}-{platform}\n".encode()
+    files[f"{INFO}/entry_points.txt"] = "".join(
+        ["[console_scripts]\n", *(f"{name} = {call}\n" for name, call in PROJECT["scripts"].items())]).encode()
+    files[f"{INFO}/LICENSE"] = (SOURCE / "LICENSE").read_bytes()
+    record = ""
+    for name, content in files.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        record += f"{name},sha256={digest},{len(content)}\n"
+    files[f"{INFO}/RECORD"] = (record + f"{INFO}/RECORD,,\n").encode()
+    wheel_name = f"{NAME}-{VERSION}-{TAG}-{TAG}-{platform}.whl"
+    with zipfile.ZipFile(pathlib.Path(folder) / wheel_name, "w") as wheel:
+        for path, content in files.items():
+            entry = zipfile.ZipInfo(path)  # of 1980: the same bytes every time
+            entry.external_attr = (0o100755 if content[:4] == b"\x7fELF" else 0o100644) << 16
+            wheel.writestr(entry, content, zipfile.ZIP_DEFLATED, 9)
+    return wheel_name
 
 
 def _compiled():
-    """The build folder, with the module and those that it loads."""
+    """The build folder, with the module, those that it loads, and the program."""
     build = pathlib.Path(os.environ.get("KERF_BUILD", SOURCE / "build" / "wheel"))
     options = ["-DCMAKE_BUILD_TYPE=Release", "-DKERF_PYTHON=ON", "-DKERF_TESTS=OFF", "-DKERF_BENCH=OFF",
                f"-DPython3_EXECUTABLE={sys.executable}"]
@@ -40,28 +80,13 @@ def _compiled():
         options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
     options += shlex.split(os.environ.get("KERF_CMAKE_ARGS", ""))
     subprocess.run(["cmake", "-S", SOURCE, "-B", build, *options], check=True)
-    subprocess.run(["cmake", "--build", build, "-j", str(os.cpu_count() or 1), "--target", "kerf_python"], check=True)
+    subprocess.run(["cmake", "--build", build, "-j", str(os.cpu_count() or 1), "--target", "kerf_python", "kerf"], check=True)
     return build
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    build = _compiled()
-    tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    files = {f"kerf/{path.name}": path.resolve().read_bytes()
-             for path in sorted((build / "python" / "kerf").iterdir()) if path.name != "__pycache__"}
-    files[f"{INFO}/METADATA"] = METADATA.encode()
-    files[f"{INFO}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: kerf\nRoot-Is-Purelib: false\nTag: {tag}-{tag}-{platform}\n".encode()
-    record = ""
-    for name, content in files.items():
-        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
-        record += f"{name},sha256={digest},{len(content)}\n"
-    files[f"{INFO}/RECORD"] = (record + f"{INFO}/RECORD,,\n").encode()
-    name = f"kerf-{VERSION}-{tag}-{tag}-{platform}.whl"
-    with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
-        for path, content in files.items():
-            wheel.writestr(path, content)
-    return name
+    return write_wheel(wheel_directory, {name: path.read_bytes() for name, path in package(_compiled()).items()}, platform)
 
 
 def get_requires_for_build_wheel(config_settings=None):

@@ -8,6 +8,7 @@
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "kerf/stop.hpp"
+#include "plot/fonts.hpp"
 #include "python/document.hpp"
 
 #include <pybind11/functional.h>
@@ -340,6 +341,7 @@ void translate(std::exception_ptr thrown) {
 }  // namespace
 
 PYBIND11_MODULE(_kerf, m) {
+  offer_own_font();
   py::register_exception_translator(translate);
   m.attr("__version__") = KERF_VERSION;
   m.def("toml", [](py::handle value) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
 below them; a run has the summary that its tutorial shows; cases in ```toml blocks of the README and the tutorials are read by kerf check; the README is short;
-CITATION.cff is valid."""
+CITATION.cff is valid; it and CHANGELOG.md have the version of the program."""
 
 import os
 import pathlib
@@ -13,6 +13,7 @@ import sys
 import tempfile
 
 source, program = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+VERSION = (source / "VERSION").read_text().strip()
 problems = []
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
 
@@ -92,9 +93,18 @@ def check_citation():
         problems.append(f"CITATION.cff: {key} is no key of the format")
     if len(set(keys)) != len(keys):
         problems.append("CITATION.cff: a key stands twice")
-    version = re.search(r"project\(kerf VERSION ([\d.]+)", (source / "CMakeLists.txt").read_text())[1]
-    if f"\nversion: {version}\n" not in text:
-        problems.append(f"CITATION.cff: the version is {version}")
+    if f"\nversion: {VERSION}\n" not in text:
+        problems.append(f"CITATION.cff: the version is {VERSION}")
+
+
+def check_changelog():
+    """The sections of Keep a Changelog; the newest that has a number is the version's."""
+    text = (source / "CHANGELOG.md").read_text(encoding="utf-8")
+    releases = re.findall(r"^## (.*)$", text, re.M)
+    if releases[:2] != ["[Unreleased]", f"[{VERSION}]"]:
+        problems.append(f"CHANGELOG.md: its first sections are {releases[:2]}, not [Unreleased] and [{VERSION}]")
+    for unknown in set(re.findall(r"^### (.*)$", text, re.M)) - {"Added", "Changed", "Fixed", "Removed"}:
+        problems.append(f"CHANGELOG.md: a section is called {unknown}")
 
 
 with tempfile.TemporaryDirectory() as name:
@@ -107,6 +117,7 @@ with tempfile.TemporaryDirectory() as name:
     check_run("docs/tutorials/engineer.md", folder)
 check_objective()
 check_citation()
+check_changelog()
 lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
 if lines > 120:
     problems.append(f"README.md has {lines} lines; 120 are allowed")

@@ -8,9 +8,10 @@
 
 namespace kerf {
 
-LoadedModule load_module(const char* name, const std::filesystem::path& folder,
-                         std::initializer_list<const char*> functions) {
-  std::vector<std::filesystem::path> places = {name};
+namespace {
+
+std::vector<std::filesystem::path> places_beside(const char* name, const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> places;
   std::error_code code;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", code);
   if (!code) {
@@ -19,7 +20,23 @@ LoadedModule load_module(const char* name, const std::filesystem::path& folder,
   }
   if (Dl_info here{}; dladdr(reinterpret_cast<const void*>(&load_module), &here) != 0 && here.dli_fname)
     places.push_back(std::filesystem::path(here.dli_fname).parent_path() / name);
-  places.push_back(folder / name);
+  if (!folder.empty()) places.push_back(folder / name);
+  return places;
+}
+
+}  // namespace
+
+std::filesystem::path find_beside(const char* name, const std::filesystem::path& folder) {
+  std::error_code unknown;
+  for (const auto& place : places_beside(name, folder))
+    if (std::filesystem::exists(place, unknown)) return place;
+  return {};
+}
+
+LoadedModule load_module(const char* name, const std::filesystem::path& folder,
+                         std::initializer_list<const char*> functions) {
+  std::vector<std::filesystem::path> places = places_beside(name, folder);
+  places.insert(places.begin(), name);
   LoadedModule found;
   for (const auto& place : places) {
     void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -92,7 +92,11 @@ class Cli : public kerf::test::InFolder {
 TEST_F(Cli, VersionAndHelp) {
   const Outcome version = kerf("--version");
   EXPECT_EQ(version.code, 0);
-  EXPECT_EQ(version.out, "kerf 0.1.0\n");
+  EXPECT_EQ(version.out.rfind("kerf " KERF_VERSION "\ncompiler   ", 0), 0u) << version.out;
+  for (const char* said : {"\nlibraries  Eigen 3.", "SuiteSparse ", "CGAL ", "NLopt ", "Cairo 1.", "\nBLAS       /",
+                           "\nmodules    kerf_vtk.so (VTK 9."})
+    EXPECT_NE(version.out.find(said), std::string::npos) << said << " is missing in\n" << version.out;
+  EXPECT_EQ(version.out.find(" ,"), std::string::npos) << "a library without a version in\n" << version.out;
   EXPECT_EQ(version.error, "");
 
   const Outcome help = kerf("--help");

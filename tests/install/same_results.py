@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""same_results.py FOLDER FOLDER: two runs wrote the same files and numbers, to the bit, and drew the same pictures."""
+
+import json
+import pathlib
+import sys
+
+folders = [pathlib.Path(argument) for argument in sys.argv[1:]]
+# Of a run, not of its result; the page holds a copy of these.
+OWN = ("time_s", "peak_memory_mb")
+APART = (".html", ".bin")
+
+
+def contents(folder):
+    files = {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.suffix not in APART}
+    result = json.loads(files["result.json"])
+    for key in OWN:
+        del result[key]
+    files["result.json"] = json.dumps(result)
+    return files
+
+
+expected, found = map(contents, folders)
+different = sorted(name for name in expected.keys() | found.keys() if expected.get(name) != found.get(name))
+if different:
+    sys.exit(f"{folders[0]} and {folders[1]} differ in: {', '.join(different)}")
+print(f"{len(expected)} files are the same to the bit: {', '.join(expected)}")
