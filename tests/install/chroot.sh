@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# chroot.sh PACKAGES [FOLDER]: the Debian packages in a bare Debian 12 (debootstrap, as root): installed, a case run, the
-# example of a user of the library built and run, all purged. Says how long each took and what it brought. FOLDER keeps
-# the bare system for the next time.
+# chroot.sh PACKAGES [SUITE]: the Debian packages in a bare system of the Debian that they were made on (debootstrap, as
+# root; bookworm or trixie, this machine's if not said): installed, a case run, the example of a user of the library built
+# and run, all purged. Says how long each took and what it brought. KERF_BARE keeps the bare systems for the next time.
 set -euo pipefail
 packages=$(realpath "$1") here=$(dirname "$(realpath "$0")")
-folder=${2:-$(mktemp -d)}
-bare=$folder/bare root=$folder/root
-mkdir -p "$folder"
+suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
+. "$here/bare.sh"
+start_folder
 step=$(date +%s)
 lap() {
   local now
@@ -15,19 +15,7 @@ lap() {
     "$(du -sm --exclude="$root/proc" --exclude="$root/var/cache" --exclude="$root/var/lib/apt" "$root" | cut -f1)"
   step=$now
 }
-in_root() {
-  chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C HOME=/root "$@"
-}
-quietly() {
-  "$@" >"$folder/log" 2>&1 || { tail -30 "$folder/log"; exit 1; }
-}
-
-[ -d "$bare/usr" ] || quietly debootstrap --variant=minbase bookworm "$bare"
-rm -rf "$root"
-cp -a "$bare" "$root"
-trap 'umount "$root/proc"' EXIT
-mount -t proc proc "$root/proc"
-cp /etc/resolv.conf "$root/etc/resolv.conf"
+make_bare "$suite"
 mkdir "$root/packages" && cp "$packages"/*.deb "$root/packages"
 cp -r "$here/consumer" "$root/consumer"
 quietly in_root apt-get update -q
@@ -68,4 +56,3 @@ left=$(find "$root/usr" "$root/etc" "$root/var/lib" -name '*kerf*' -not -path '*
 lap "purged"
 gone=$(comm -13 <(sort <<<"$before") <(in_root dpkg-query -W -f='${Package}\n' | sort) | tr '\n' ' ')
 echo "packages that stay, asked for by name above: $gone"
-[ -n "${2:-}" ] || rm -rf "$folder"
