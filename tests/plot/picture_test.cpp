@@ -236,7 +236,7 @@ TEST(Picture, ErrorsNameThePathOrTheMistake) {
   const Folder folder;
   const auto path = folder.path / "missing" / "a.png";
   try {
-    draw(path, {});
+    draw(path, Picture{});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.fault, Fault::Files);

@@ -63,7 +63,7 @@ class History {
 constexpr double young = 1, mu = young / 2, pressure = 0.1, friction = 0.3, limit = friction * pressure;
 
 struct Block {
-  double friction = kerf::friction, slip_bound = 0;
+  double friction = history_test::friction, slip_bound = 0;
   Scene at(double d) const {
     Scene s{.material = plane_strain(young, 0)};
     const auto squeezed = [](double x, const Vec2& at) { return Vec2(x, -pressure / young * at.y()); };
