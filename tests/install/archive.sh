@@ -10,8 +10,7 @@ start_folder
 /usr/bin/python3 "$source/cmake/portable.py" "$build" "$folder/made" archive
 tar -C "$folder" -xf "$folder"/made/kerf-*.tar.xz
 archive=$(echo "$folder"/kerf-*/)
-foreign=$(foreign_libraries "$archive")
-[ -z "$foreign" ] || { echo "libraries from elsewhere: $foreign"; exit 1; }
+refuse_foreign "$archive"
 for file in LICENSE README lib/kerf/fonts.conf share/doc/kerf/licences/{sources.tsv,libcholmod*.txt,libeigen3-dev.txt,fonts-dejavu-core.txt,GPL-2}; do
   ls "$archive"/$file >/dev/null
 done

@@ -30,9 +30,12 @@ start_folder() {
   trap 'mountpoint -q "$folder/root/proc" && umount "$folder/root/proc"; rm -rf --one-file-system "$folder"' EXIT
 }
 
-# foreign_libraries FOLDER ALLOWED: what the programs and libraries there load from elsewhere, apart from glibc's.
-foreign_libraries() {
-  find "$1" -type f \( -name '*.so*' -o -perm -u+x \) -print0 | xargs -0 -n1 ldd 2>/dev/null |
-    grep -oE '=> (/\S+|not found)' | grep -vF "=> $(realpath "$1")/" |
-    grep -vE "/(libc|libm|libpthread|libdl|librt|libmvec|libresolv|libutil${2:+|$2})\.so\.[0-9]+$" | sort -u
+# refuse_foreign FOLDER [ALLOWED]: fails where programs and libraries there load others from elsewhere, glibc's apart.
+refuse_foreign() {
+  local loaded foreign
+  loaded=$(find "$1" -type f \( -name '*.so*' -o -perm -u+x \) -exec ldd {} \; 2>/dev/null | grep -oE '=> (/\S+|not found)' | sort -u)
+  grep -qF "=> $(realpath "$1")/" <<<"$loaded" || { echo "nothing in $1 loads a library from there"; exit 1; }
+  foreign=$(grep -vF "=> $(realpath "$1")/" <<<"$loaded" |
+    grep -vE "/(libc|libm|libpthread|libdl|librt|libmvec|libresolv|libutil${2:+|$2})\.so\.[0-9]+$" || true)
+  [ -z "$foreign" ] || { echo "libraries from elsewhere: $foreign"; exit 1; }
 }

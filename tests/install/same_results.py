@@ -17,6 +17,7 @@ def contents(folder):
     for key in OWN:
         del result[key]
     files["result.json"] = json.dumps(result)
+    files["case.toml"] = files["case.toml"].split(b"\n", 2)[2]  # the second line is the command
     return files
 
 
@@ -24,4 +25,4 @@ expected, found = map(contents, folders)
 different = sorted(name for name in expected.keys() | found.keys() if expected.get(name) != found.get(name))
 if different:
     sys.exit(f"{folders[0]} and {folders[1]} differ in: {', '.join(different)}")
-print(f"{len(expected)} files are the same to the bit: {', '.join(expected)}")
+print(f"{len(expected)} files are the same to the bit")

@@ -11,8 +11,7 @@ start_folder
 wheel=$(basename "$folder"/made/kerf_mechanics-*-manylinux_2_*.whl)
 mkdir "$folder/unpacked"
 /usr/bin/python3 -m zipfile -e "$folder/made/$wheel" "$folder/unpacked"
-foreign=$(foreign_libraries "$folder/unpacked" 'libstdc\+\+|libgcc_s')
-[ -z "$foreign" ] || { echo "libraries from elsewhere: $foreign"; exit 1; }
+refuse_foreign "$folder/unpacked" 'libstdc\+\+|libgcc_s'
 metadata=$(cat "$folder"/unpacked/kerf_mechanics-*.dist-info/METADATA)
 for line in 'Name: kerf-mechanics' "Version: $(cat "$source/VERSION")" 'Summary: Topological' 'Author: The kerf developers' 'License: GPL-3.0-or-later'; do
   grep -q "^$line" <<<"$metadata" || { echo "the metadata have no line $line"; exit 1; }
