@@ -27,8 +27,8 @@ int main() try {
   const Analysis analysis = analyze(J, model, state);
   const Vec2 at(1.4, -0.9);
   const MapPoint hole = map_at(analysis, J, {.perturbation = {}, .radius = 0.05}, std::array{at}).front();
-  std::printf("J = %.6g; a hole of radius eps at (%g, %g) changes it by %.6g pi eps^2\n", analysis.value, at.x(), at.y(),
-              hole.value);
+  std::printf("J = %.6g; a hole of radius eps at (%g, %g) changes it by %.6g pi eps^2\n", analysis.value, at.x(),
+              at.y(), hole.value);
 
   const auto proof = validate({shape, sizing}, model.element, scene, J, {.points = {at}, .radii = {0.08, 0.04, 0.02}});
   std::printf("finite holes give %.6g pi eps^2: it %s\n", proof[0].intercept,

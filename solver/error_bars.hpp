@@ -12,10 +12,10 @@ struct ErrorBars {
 };
 
 /// The better solution comes from `better_element` on triangulate(shape, sizing, {&mesh, better_sizes(...)}), the size
-/// and the edges of `mesh` times longer_edges: as many unknowns as the solution itself has, which the higher degree makes
-/// up for. But edges are 8 times shorter at singular corners, whose error reaches everywhere and which a higher degree
-/// alone hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all degrees.
-/// Throws Error(Usage) when there is no better element.
+/// and the edges of `mesh` times longer_edges: as many unknowns as the solution itself has, which the higher degree
+/// makes up for. But edges are 8 times shorter at singular corners, whose error reaches everywhere and which a higher
+/// degree alone hardly helps, and 4 times shorter along curved sides and cracks, whose polygons err alike for all
+/// degrees. Throws Error(Usage) when there is no better element.
 const Element& better_element(const Element& e);
 double longer_edges(const Element& own);
 std::vector<double> better_sizes(const Mesh& mesh, const Corners& corners, const std::vector<bool>& singular,

@@ -1,6 +1,6 @@
 #pragma once
-// Builds that count lines include this before io/mesh/gmsh.cpp and io/mesh/gmsh_module.cpp: the process that gmsh runs in
-// leaves by _exit, which writes no counts, and a module has counts of its own.
+// Builds that count lines include this before io/mesh/gmsh.cpp and io/mesh/gmsh_module.cpp: the process that gmsh runs
+// in leaves by _exit, which writes no counts, and a module has counts of its own.
 
 #include <dlfcn.h>
 #include <link.h>

@@ -1,16 +1,53 @@
 #!/usr/bin/env bash
-# sanitize.sh BUILD JOBS PART: one part of the quick tests in a build with AddressSanitizer, UBSan and assertions: engine,
-# program (500 fuzzed inputs), maps, designs, or files (with Python's module).
-# What it leaves out takes more than a second in a Release build: there it runs in full (./dev test).
+# The quick tests in a build with AddressSanitizer, UBSan and assertions (./dev sanitize), in parts with a limit of time
+# each; what does not end within it fails. tests/slow_tests.txt says what takes too long there: the full lane runs it.
+#   sanitize.sh parts               the names of all parts
+#   sanitize.sh touched < FILES     the parts that test the sources among these files
+#   sanitize.sh targets PART        what has to be built for it
+#   sanitize.sh run BUILD JOBS PART
 set -euo pipefail
-build=$1 jobs=$2 part=$3
+all=(engine program maps designs files)
+describe() {  # describe PART: its rooms, targets and minutes
+  case $1 in
+    engine) rooms="geometry solver" targets="test_geometry test_solver" minutes=8 ;;
+    program) rooms="app tests/fuzz" targets="kerf kerf_vtk_module kerf-fuzz" minutes=6 ;;
+    maps) rooms="topo" targets="test_topo" minutes=5 ;;
+    designs) rooms="optimize" targets="test_optimize" minutes=3 ;;
+    files) rooms="io plot python" targets="kerf_python test_io test_plot" minutes=3 ;;
+    *) echo "no part is called $1; there are ${all[*]}" >&2; exit 2 ;;
+  esac
+}
+case ${1:-} in
+  parts) echo "${all[@]}"; exit ;;
+  targets) describe "$2"; echo "$targets"; exit ;;
+  touched)
+    files=$(cat)
+    for part in "${all[@]}"; do
+      describe "$part"
+      for room in $rooms; do
+        ! grep -qE "^(tests/)?$room/" <<<"$files" || { echo "$part"; break; }
+      done
+    done
+    exit
+    ;;
+  run) build=$2 jobs=$3 part=$4; describe "$part" ;;
+  *) sed -n '2,7s/^# *//p' "$0"; exit 2 ;;
+esac
+
 export OPENBLAS_NUM_THREADS=1
 options=exitcode=99:handle_sigill=1
-slow=$(dirname "$0")/slow_tests.txt
-filter="-$(grep -v '^#' "$slow" | paste -sd:)"
-status=0
+filter="-$(sed -nE 's/^(slow|nightly|sanitizers) +//p' "$(dirname "$0")/slow_tests.txt" | paste -sd:)"
+end=$((SECONDS + 60 * minutes)) status=0
+# limited COMMAND...: within what is left of the part's time.
+limited() {
+  local code=0
+  timeout $((end > SECONDS ? end - SECONDS : 1)) "$@" || code=$?
+  [ $code -ne 124 ] || echo "$part: did not end within $minutes minutes: $*"
+  return $code
+}
 by_ctest() {  # by_ctest REGEX
-  ASAN_OPTIONS=detect_leaks=0:$options ctest --test-dir "$build" -R "$1" -j "$jobs" --no-tests=error --output-on-failure || status=1
+  ASAN_OPTIONS=detect_leaks=0:$options limited ctest --test-dir "$build" -R "$1" -j "$jobs" --no-tests=error \
+    --output-on-failure || status=1
 }
 # run LEAKS PROGRAM: in as many processes as there are jobs, each with every so manieth test.
 run() {
@@ -18,7 +55,7 @@ run() {
   echo "== $program"
   for ((shard = 0; shard < jobs; ++shard)); do
     GTEST_TOTAL_SHARDS=$jobs GTEST_SHARD_INDEX=$shard ASAN_OPTIONS=detect_leaks=$leaks:$options \
-      "$build/$program" --gtest_brief=1 --gtest_filter="$filter" &
+      limited "$build/$program" --gtest_brief=1 --gtest_filter="$filter" &
     pids+=($!)
   done
   for pid in "${pids[@]}"; do wait "$pid" || status=1; done
@@ -31,6 +68,5 @@ case $part in
   maps) run 1 test_topo ;;
   designs) run 1 test_optimize ;;
   files) run 0 test_io; run 0 test_plot; by_ctest '^python_test_api$' ;;
-  *) echo "no part is called $part" >&2; exit 2 ;;
 esac
 exit $status

@@ -17,8 +17,7 @@ void each_extreme(const Arc& arc, Visit&& visit) {
   const auto [low, high] = std::minmax(arc.from, arc.to);
   for (int axis = 0; axis < 2; ++axis) {
     const double t0 = std::atan2(arc.axes(axis, 1), arc.axes(axis, 0));
-    for (double t = t0 + pi * std::ceil((low - t0) / pi); t <= high; t += pi)
-      visit(t);
+    for (double t = t0 + pi * std::ceil((low - t0) / pi); t <= high; t += pi) visit(t);
   }
 }
 
@@ -30,8 +29,7 @@ Loop circle(std::string name, const Vec2& center, double radius, Index label) {
 
 Loop ellipse(std::string name, const Vec2& center, const Vec2& semi_axes, double angle_rad, Index label) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  Arc arc{center, Mat2{{c * semi_axes.x(), -s * semi_axes.y()}, {s * semi_axes.x(), c * semi_axes.y()}}, 0,
-          2 * pi};
+  Arc arc{center, Mat2{{c * semi_axes.x(), -s * semi_axes.y()}, {s * semi_axes.x(), c * semi_axes.y()}}, 0, 2 * pi};
   const Vec2 start = center + arc.axes.col(0);
   return {std::move(name), {{start, label, arc}}};
 }
@@ -72,10 +70,9 @@ Polygon flatten(const Loop& loop, double chord, double longest) {
     const Arc& arc = *side.arc;
     const double radius = largest_radius(arc);
     // The chord's distance is at most radius (1 - cos(step / 2)), the piece's length at most radius step.
-    const double step =
-        std::min({pi / 3, longest / radius, 2 * std::acos(std::max(0.5, 1 - chord / radius)),
-                  // acos loses its digits near 1
-                  chord < 1e-8 * radius ? std::sqrt(8 * chord / radius) : pi});
+    const double step = std::min({pi / 3, longest / radius, 2 * std::acos(std::max(0.5, 1 - chord / radius)),
+                                  // acos loses its digits near 1
+                                  chord < 1e-8 * radius ? std::sqrt(8 * chord / radius) : pi});
     const double count = std::ceil(std::abs(arc.to - arc.from) / step * (1 - 1e-12));
     if (!(count <= 1e7))
       throw Error(Fault::Geometry,

@@ -34,7 +34,8 @@ struct FaceMotion {
 using ContactGuess = std::vector<std::vector<FaceMotion>>;  // per crack
 
 /// In which the factor lies in memory. Single takes half of it, and a few steps of conjugate gradients for each solve,
-/// which is as exact; where it does not serve (bodies thousands of times as long as wide) the factor is double, with a note.
+/// which is as exact; where it does not serve (bodies thousands of times as long as wide) the factor is double, with a
+/// note.
 enum class Precision { Double, Single };
 
 /// Numbers, assembles and factorizes. Throws Error(Numerics) when the supports leave a rigid motion free on which the

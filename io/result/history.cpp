@@ -22,7 +22,8 @@ OptimizeNames optimize_names(const OptimizeRequest& request) {
 }
 
 std::string history_header(const OptimizeNames& names) {
-  std::string out = "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted";
+  std::string out =
+      "iteration,objective,merit,volume_fraction,violation,step,optimality,holes,triangles,state_solves,accepted";
   for (const auto* more : {&names.bounds, &names.variables})
     for (const std::string& name : *more) out.append(",").append(csv_text(name));
   return out + ",note\n";

@@ -28,11 +28,10 @@ void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {
   std::vector<double> x;
   std::string notes;
   for (const Iteration& r : rows) {
-    for (const double v :
-         {static_cast<double>(r.number), r.objective, r.merit, r.volume_fraction, r.violation, r.step, r.optimality,
-          static_cast<double>(r.holes), static_cast<double>(r.triangles), static_cast<double>(r.state_solves),
-          static_cast<double>(r.accepted), static_cast<double>(r.bounds.size()),
-          static_cast<double>(r.variables.size())})
+    for (const double v : {static_cast<double>(r.number), r.objective, r.merit, r.volume_fraction, r.violation, r.step,
+                           r.optimality, static_cast<double>(r.holes), static_cast<double>(r.triangles),
+                           static_cast<double>(r.state_solves), static_cast<double>(r.accepted),
+                           static_cast<double>(r.bounds.size()), static_cast<double>(r.variables.size())})
       x.push_back(v);
     x.insert(x.end(), r.bounds.begin(), r.bounds.end());
     x.insert(x.end(), r.variables.begin(), r.variables.end());

@@ -20,7 +20,8 @@ inline Vec2 height_slope(const Bow& b, double s) {
   return b.q[1] + 2 * s * b.q[2];
 }
 
-/// Of degree 2, 3 or (above) 4, for a piece of an ellipse: farther from it than rounding by O(h^(2 degree)) [theory: E.24].
+/// Of degree 2, 3 or (above) 4, for a piece of an ellipse: farther from it than rounding by O(h^(2 degree))
+/// [theory: E.24].
 Bow bow_of(const Arc& piece, int degree);
 
 /// The curved edges of a mesh as an element sees them.

@@ -4,8 +4,8 @@
 namespace kerf {
 
 /// Held around calls that reach the BLAS (UMFPACK). OpenBLAS takes 128 MB of address space for every thread
-/// that is inside at once, keeps it, and where it gets none asks again for ever: so it is asked for before, where it can
-/// be refused. Another BLAS needs nothing of it. Throws std::bad_alloc when there is too little address space.
+/// that is inside at once, keeps it, and where it gets none asks again for ever: so it is asked for before, where it
+/// can be refused. Another BLAS needs nothing of it. Throws std::bad_alloc when there is too little address space.
 class BlasCall {
  public:
   BlasCall();

@@ -1,6 +1,7 @@
 // The program as a user meets it: exit codes, messages, files. The words of case-file errors are tested in tests/cases.
 
 #include "tests/support/folder.hpp"
+#include "tests/support/running.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -77,6 +78,16 @@ class Cli : public kerf::test::InFolder {
     if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
     outcome.error = read_all(folder / "stderr");
     return outcome;
+  }
+
+  /// With a signal as soon as the condition holds, which it must while the program runs.
+  template <class Condition>
+  Outcome stopped(std::vector<std::string> words, int signal, Condition&& holds) const {
+    words.insert(words.begin(), KERF_PROGRAM);
+    kerf::test::Running program(folder, words);
+    EXPECT_TRUE(program.reaches(holds));
+    program.signal(signal);
+    return {program.code(), text("stdout"), text("stderr")};
   }
 
   /// One message "kerf: ..." on stderr, nothing else there, and the exit code.
@@ -357,11 +368,9 @@ TEST_F(Cli, RegionsAreCheckedAndWritten) {
 }
 
 TEST_F(Cli, FirstInterruptStopsCleanly) {
-  // The signal is sent when the log shows that the first phase has begun.
-  const Outcome o = kerf(
-      "solve a.toml --set mesh.size=0.01 & pid=$!; "
-      "for k in $(seq 500); do grep -q mesh stderr && break; sleep 0.01; done; kill -INT $pid; wait $pid");
-  if (o.code == 0) GTEST_SKIP() << "done before the signal came";
+  // A minute of work: the signal comes when its log shows that the first phase has begun.
+  const Outcome o = stopped({"solve", "a.toml", "--set", "mesh.size=0.002"}, SIGINT,
+                            [this] { return text("stderr").find("mesh") != std::string::npos; });
   EXPECT_EQ(o.code, 4) << o.error;
   EXPECT_NE(o.error.find("kerf: stopped"), std::string::npos) << o.error;
   EXPECT_FALSE(fs::exists(folder / "out/a/result.json"));
@@ -411,10 +420,9 @@ TEST_F(Cli, ReportMakesThePageAgain) {
 }
 
 TEST_F(Cli, AStopInAValidationLeavesTheStateAndWhatWasValidated) {
-  const Outcome o = kerf(
-      "run a.toml --set mesh.size=0.012 --set output.png=false "
-      "--set 'validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}' & pid=$!; "
-      "for k in $(seq 3000); do grep -q validate stderr && break; sleep 0.01; done; kill -INT $pid; wait $pid");
+  const Outcome o = stopped({"run", "a.toml", "--set", "mesh.size=0.012", "--set", "output.png=false", "--set",
+                             "validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}"},
+                            SIGINT, [this] { return text("stderr").find("validate") != std::string::npos; });
   EXPECT_EQ(o.code, 4) << o.error;
   EXPECT_NE(o.error.find("kerf: stopped in "), std::string::npos) << o.error;
   EXPECT_NE(o.error.find("what was done before is in out/a"), std::string::npos) << o.error;
@@ -447,10 +455,9 @@ TEST_F(Cli, SaysBeforehandWhatARunTakesAndRefusesWhatIsTooMuch) {
 TEST_F(Cli, AStoppedForecastLeavesNothingBehind) {
   fs::create_directory(folder / "scratch");
   setenv("TMPDIR", (folder / "scratch").c_str(), 1);
-  const Outcome o = kerf(
-      "run a.toml --dry-run --set mesh.size=0.004 "
-      "--set 'validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}' & pid=$!; "
-      "for k in $(seq 3000); do ls scratch | grep -q forecast && break; sleep 0.01; done; kill -TERM $pid; wait $pid");
+  const Outcome o = stopped({"run", "a.toml", "--dry-run", "--set", "mesh.size=0.004", "--set",
+                             "validate={points=[[0.3,0.5],[0.7,0.5]],radii=[0.04,0.02,0.01,0.005]}"},
+                            SIGTERM, [this] { return !fs::is_empty(folder / "scratch"); });
   unsetenv("TMPDIR");
   EXPECT_EQ(o.code, 4) << o.error;
   EXPECT_NE(o.error.find("kerf: stopped before it was known what the run takes"), std::string::npos) << o.error;

@@ -2,6 +2,7 @@
 // run, numbers beyond all range. Inputs that once hung, filled the memory or passed in silence.
 
 #include "io/files.hpp"
+#include "tests/support/running.hpp"
 #include "tests/support/sample.hpp"
 
 #include <gtest/gtest.h>
@@ -135,10 +136,10 @@ TEST_F(Hostile, HangingUpStopsCleanly) {
   write("a.toml", small +
                       "[optimize]\nmethod = \"level-set\"\nvolume = { at_most = 0.5 }\nmax_iterations = 10000\n"
                       "[functional]\nkind = \"compliance\"\n");
-  const int code =
-      run("optimize a.toml -o out --quiet & p=$!; while [ ! -e out/checkpoint.bin ]; do sleep 0.1; done; "
-          "kill -HUP $p; wait $p");
-  EXPECT_EQ(code, 4) << error();
+  test::Running program(folder, {KERF_PROGRAM, "optimize", "a.toml", "-o", "out", "--quiet"});
+  EXPECT_TRUE(program.reaches([this] { return fs::exists(folder / "out" / "checkpoint.bin"); }));
+  program.signal(SIGHUP);
+  EXPECT_EQ(program.code(), 4) << error();
   EXPECT_NE(error().find("stopped"), std::string::npos) << error();
   EXPECT_FALSE(fs::exists(folder / "out" / "result.json"));
 }

@@ -1,6 +1,7 @@
 // Optimizations as a user runs them: files, interruptions, resumption.
 
 #include "tests/support/folder.hpp"
+#include "tests/support/running.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -109,45 +110,21 @@ class Optimize : public kerf::test::InFolder {
     return folder / name;
   }
 
-  pid_t start(std::vector<std::string> arguments) const {
+  int kerf(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), KERF_PROGRAM);
-    std::vector<char*> words;
-    for (std::string& a : arguments) words.push_back(a.data());
-    words.push_back(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      const fs::path out = folder / "stdout", error = folder / "stderr";
-      if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) || !freopen(error.c_str(), "w", stderr))
-        _exit(99);
-      execv(KERF_PROGRAM, words.data());
-      _exit(98);
-    }
-    return child;
-  }
-  static int wait_for(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  int kerf(const std::vector<std::string>& arguments) const {
-    return wait_for(start(arguments));
+    return kerf::test::Running(folder, arguments).code();
   }
   std::string error() const {
     return read_all(folder / "stderr");
   }
 
   /// Sends a signal as soon as a file is there (or the program has ended).
-  int interrupt(const std::vector<std::string>& arguments, const fs::path& at, int signal) const {
-    const pid_t child = start(arguments);
-    int status = 0;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      if (fs::exists(at)) {
-        kill(child, signal);
-        return wait_for(child);
-      }
-      usleep(500);
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  int interrupt(std::vector<std::string> arguments, const fs::path& at, int signal) const {
+    arguments.insert(arguments.begin(), KERF_PROGRAM);
+    kerf::test::Running program(folder, arguments);
+    program.reaches([&] { return fs::exists(at); });
+    program.signal(signal);
+    return program.code();
   }
 
   json result(const std::string& name) const {
@@ -312,7 +289,7 @@ TEST_F(Optimize, KillsChangeNothing) {
       if (resumed) arguments.emplace_back("--resume");
       const int code = interrupt(arguments, folder / cut / at, SIGKILL);
       // Little is left to do after the state is written: the run may end before the kill comes.
-      EXPECT_TRUE(code == -1 || (code == 0 && at == "state.vtu")) << at << error();
+      EXPECT_TRUE(code == 128 + SIGKILL || (code == 0 && at == "state.vtu")) << at << error();
       resumed = true;
     }
     ASSERT_EQ(kerf({"optimize", file, "-o", cut, "--quiet", "--resume"}), 0) << error();

@@ -1,6 +1,7 @@
 // backend = "petsc" on one, two and four processes: the same numbers as by the factor of one.
 
 #include "tests/support/folder.hpp"
+#include "tests/support/running.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -18,9 +18,9 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace kerf::petsc_run_test {
@@ -753,7 +753,7 @@ start = { center = [0.5, 0.5], radius = 0.13 }
 /// A run that somebody interferes with.
 class DisturbedRun : public PetscRun {
  protected:
-  /// Four processes of a large body, once the first has begun.
+  /// Four processes of a large body, once they solve.
   void start(const std::string& name) {
     write(square + material("0.3") + solver("bdms", 1) + R"([[crack]]
 name = "c"
@@ -761,40 +761,24 @@ path = [[0.1, 0.3], [0.9, 0.62]]
 )");
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    kerf = fork();
-    if (kerf == 0) {
-      if (chdir(folder.c_str()) != 0 || !std::freopen("said", "w", stderr) || !std::freopen("out", "w", stdout))
-        _exit(99);
-      execl(KERF_PROGRAM, "kerf", "solve", "a.toml", "-o", name.c_str(), "--processes", "4", "--threads", "1", "--set",
-            "solver.backend=\"petsc\"", "--set", "mesh.size=0.01", nullptr);
-      _exit(99);
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    while (std::chrono::steady_clock::now() - begin < std::chrono::seconds(60)) {
-      if (const auto launchers = children(kerf); !launchers.empty()) started = children(launchers[0]);
-      if (started.size() == 4 && !text(name + "/case.toml").empty()) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    ASSERT_EQ(started.size(), 4u) << text("said");
-    std::this_thread::sleep_for(std::chrono::seconds(2));
+    run.emplace(folder,
+                std::vector<std::string>{KERF_PROGRAM, "solve", "a.toml", "-o", name, "--processes", "4", "--threads",
+                                         "1", "--set", "solver.backend=\"petsc\"", "--set", "mesh.size=0.01"});
+    ASSERT_TRUE(run->reaches([&] {
+      if (const auto launchers = children(run->id()); !launchers.empty()) started = children(launchers[0]);
+      return started.size() == 4 && text("stderr").find("factorize") != std::string::npos;
+    })) << text("stderr");
   }
 
   /// Sends the signal: the run ends with this code, and nobody is left.
   void expect_end(pid_t to, int signal, int code) {
-    using namespace std::chrono;
-    ASSERT_EQ(kill(to, signal), 0) << text("said");
-    const auto sent = steady_clock::now();
-    int status = 0;
-    ASSERT_EQ(waitpid(kerf, &status, 0), kerf);
-    EXPECT_LT(steady_clock::now() - sent, 30s);
-    EXPECT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), code) << text("said");
-    const auto some_left = [&] { return std::ranges::any_of(started, [](pid_t one) { return ::kill(one, 0) == 0; }); };
-    while (some_left() && steady_clock::now() - sent < 30s) std::this_thread::sleep_for(20ms);
-    EXPECT_FALSE(some_left());
+    ASSERT_EQ(kill(to, signal), 0) << text("stderr");
+    EXPECT_EQ(run->code(), code) << text("stderr");
+    EXPECT_TRUE(kerf::test::eventually(
+        [&] { return std::ranges::none_of(started, [](pid_t one) { return ::kill(one, 0) == 0; }); }));
   }
 
-  pid_t kerf = 0;
+  std::optional<kerf::test::Running> run;
   std::vector<pid_t> started;
 };
 
@@ -803,16 +787,16 @@ TEST_F(DisturbedRun, AKilledProcessEndsTheRunAndLeavesWhatIsWritten) {
   start("results");
   if (HasFatalFailure()) return;
   expect_end(started[2], SIGKILL, 5);
-  EXPECT_NE(text("said").find("one of 4 processes was killed (signal 9)"), std::string::npos) << text("said");
+  EXPECT_NE(text("stderr").find("one of 4 processes was killed (signal 9)"), std::string::npos) << text("stderr");
   EXPECT_FALSE(text("results/case.toml").empty());
 }
 
 TEST_F(DisturbedRun, AStopEndsAllProcesses) {
   start("results");
   if (HasFatalFailure()) return;
-  expect_end(kerf, SIGINT, 4);
-  EXPECT_NE(text("said").find("stopped"), std::string::npos) << text("said");
-  EXPECT_EQ(text("said").find("did not start"), std::string::npos) << text("said");
+  expect_end(run->id(), SIGINT, 4);
+  EXPECT_NE(text("stderr").find("stopped"), std::string::npos) << text("stderr");
+  EXPECT_EQ(text("stderr").find("did not start"), std::string::npos) << text("stderr");
   EXPECT_FALSE(text("results/case.toml").empty());
 }
 

@@ -3,11 +3,12 @@
 #include "app/watchdog.hpp"
 
 #include "kerf/stop.hpp"
+#include "tests/support/running.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <thread>
+#include <optional>
 
 namespace kerf::watchdog_test {
 namespace {
@@ -19,32 +20,41 @@ class WatchdogTest : public testing::Test {
   void TearDown() override {
     forget_stop();
   }
-  /// As long as it may take on a busy machine.
-  static bool stops_soon() {
-    for (int k = 0; k < 400 && !stop_requested(); ++k) std::this_thread::sleep_for(milliseconds(25));
-    return stop_requested();
-  }
 };
 
 TEST_F(WatchdogTest, AsksWhatTakesTooLongToStopAndSaysWhy) {
   const Watchdog dog({.memory_mb = {}, .seconds = 0.1});
-  EXPECT_TRUE(stops_soon());
+  EXPECT_TRUE(test::eventually(stop_requested));
   EXPECT_EQ(dog.why(), "stopped: it took longer than --max-seconds 0.1");
 }
 
+// Another one, which looks as often, says when the time is over.
 TEST_F(WatchdogTest, LooksAwayWhilePaused) {
-  Watchdog dog({.memory_mb = {}, .seconds = 0.2});
-  dog.pause();
-  std::this_thread::sleep_for(milliseconds(600));
-  EXPECT_FALSE(stop_requested());
-  dog.resume();
-  EXPECT_TRUE(stops_soon());
+  std::optional<Watchdog> paused;
+  std::chrono::steady_clock::time_point begin;
+  do {  // until the pause comes before its time is over
+    paused.reset();
+    forget_stop();
+    begin = std::chrono::steady_clock::now();
+    paused.emplace(Allowed{.memory_mb = {}, .seconds = 0.2});
+    paused->pause();
+  } while (std::chrono::steady_clock::now() - begin > milliseconds(100));
+  {
+    const Watchdog awake({.memory_mb = {}, .seconds = 0.5});
+    EXPECT_TRUE(test::eventually(stop_requested));
+    EXPECT_TRUE(awake.why());
+    EXPECT_FALSE(paused->why());
+  }
+  forget_stop();
+  paused->resume();
+  EXPECT_TRUE(test::eventually(stop_requested));
+  EXPECT_TRUE(paused->why());
 }
 
 TEST_F(WatchdogTest, LeavesAloneWhatHasNoLimitOrKeepsIt) {
-  const Watchdog none({}), wide({.memory_mb = 1e6, .seconds = 1e6});
-  std::this_thread::sleep_for(milliseconds(200));
-  EXPECT_FALSE(stop_requested());
+  const Watchdog none({}), wide({.memory_mb = 1e6, .seconds = 1e6}), narrow({.memory_mb = {}, .seconds = 0.2});
+  EXPECT_TRUE(test::eventually(stop_requested));
+  EXPECT_TRUE(narrow.why());
   EXPECT_FALSE(none.why() || wide.why());
 }
 
@@ -53,7 +63,7 @@ TEST_F(WatchdogTest, EndsWhatSwells) {
   EXPECT_EXIT(
       {
         const Watchdog dog({.memory_mb = 1, .seconds = {}});
-        std::this_thread::sleep_for(std::chrono::seconds(20));
+        test::eventually([] { return false; });
       },
       testing::ExitedWithCode(4), "stopped: it took more memory than --max-memory 1MB");
 }

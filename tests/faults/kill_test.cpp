@@ -1,14 +1,12 @@
 // kill -9 at any moment: the folder says of no unfinished run that it is ok, and the next run goes through.
 
 #include "tests/faults/faults.hpp"
+#include "tests/support/running.hpp"
 
-#include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
+#include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 
@@ -23,28 +21,10 @@ class Kill : public Faults {
     Faults::SetUp();
     std::ofstream(folder / "case.toml") << small_case() << "[[probe]]\nname = \"q\"\npoints = [[0.3, 0.2]]\n";
   }
-  /// `kerf ARGUMENTS` in the folder, killed after so many seconds (none: never); its status as of waitpid.
-  int start(std::vector<std::string> words, double seconds = -1) const {
+  test::Running start(std::vector<std::string> words) const {
     words.insert(words.begin(), KERF_PROGRAM);
     words.insert(words.end(), {"--threads", "1", "--quiet"});
-    std::vector<char*> argv;
-    for (std::string& w : words) argv.push_back(w.data());
-    argv.push_back(nullptr);
-    const std::string in = folder.string();
-    const pid_t child = fork();
-    if (child == 0) {
-      const int nothing = open("/dev/null", O_WRONLY);
-      dup2(nothing, 1), dup2(nothing, 2);
-      if (chdir(in.c_str()) == 0) execv(argv[0], argv.data());
-      _exit(126);
-    }
-    if (seconds >= 0) {
-      usleep(static_cast<useconds_t>(1e6 * seconds));
-      kill(child, SIGKILL);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return status;
+    return {folder, words};
   }
   nlohmann::json result(const std::string& name) const {
     std::ifstream in(folder / name / "result.json");
@@ -60,12 +40,10 @@ class Kill : public Faults {
   void expect_survives(const std::string& command, const std::vector<std::string>& more, const char* again, int times) {
     std::vector<std::string> words = {command, "case.toml", "-o", "whole"};
     words.insert(words.end(), more.begin(), more.end());
-    const auto now = [] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-    };
-    const double begin = now();
-    ASSERT_EQ(start(words), 0) << command;
-    const double length = now() - begin;
+    double length = 0;  // in processor time, which a busy machine does not change
+    test::Running undisturbed = start(words);
+    while (!undisturbed.ended()) length = std::max(length, undisturbed.processor_seconds()), usleep(100);
+    ASSERT_EQ(undisturbed.code(), 0) << command;
     const nlohmann::json whole = result("whole");
     ASSERT_EQ(whole["status"], "ok");
     words[3] = "cut";
@@ -74,18 +52,20 @@ class Kill : public Faults {
       std::vector<std::string> these = words;
       if (k > 0) these.emplace_back(again);
       const double at = length * dice.between(0, 1);
-      const int status = start(these, at);
+      test::Running program = start(these);
+      program.reaches([&] { return program.processor_seconds() >= at; });
+      program.signal(SIGKILL);
+      const int code = program.code();
       SCOPED_TRACE(command + " killed after " + std::to_string(at) + " s of " + std::to_string(length));
       const nlohmann::json left = result("cut");
-      if (WIFEXITED(status)) {
-        EXPECT_EQ(WEXITSTATUS(status), 0);
-      } else if (!left.is_null()) {
+      EXPECT_TRUE(code == 0 || code == 128 + SIGKILL) << code;
+      if (code != 0 && !left.is_null()) {
         // Only the page could have been missing: then the numbers are all there.
         EXPECT_TRUE(left["status"] != "ok" || left == whole) << left.dump().substr(0, 200);
       }
     }
     words.emplace_back(again);
-    ASSERT_EQ(start(words), 0) << command << " after the kills";
+    ASSERT_EQ(start(words).code(), 0) << command << " after the kills";
     EXPECT_EQ(result("cut"), whole);
     for (const auto& entry : fs::recursive_directory_iterator(folder / "cut"))
       EXPECT_NE(entry.path().extension(), ".part") << entry.path();

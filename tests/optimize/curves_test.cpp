@@ -208,8 +208,8 @@ TEST(Curves, ArcsAreNoTighterThanAsked) {
     }
 }
 
-TEST(Curves, AResumedRunEndsWithTheSameBits) {
-  const Problem p = scenes::quarter_plate(2, 0.2);
+TEST(Curves, ResumingThreadsAndUnitsChangeNothing) {
+  Problem p = scenes::quarter_plate(2, 0.2);
   const Carved carved = scenes::quarter_hole(p, 0.5, 8);
   const OptimizeRequest r = stiffest(p, carved);
   const FinishedCurves whole = finish_curves(p, r, carved, {.evaluations = 9}, {});
@@ -224,27 +224,15 @@ TEST(Curves, AResumedRunEndsWithTheSameBits) {
     EXPECT_EQ(rest.rows.back().knots, whole.rows.back().knots);
     EXPECT_LE(shown, int(whole.rows.size() - done));
   }
-}
-
-TEST(Curves, ThreadsDoNotChangeTheBits) {
-  Problem p = scenes::quarter_plate(2, 0.2);
-  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
-  const FinishedCurves one = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 5}, {});
   p.threads = 2;
-  const FinishedCurves two = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 5}, {});
-  EXPECT_EQ(one.rows.back().knots, two.rows.back().knots);
-}
-
-TEST(Curves, UnitsDoNotMatter) {
-  const Problem p = scenes::quarter_plate(2, 0.2);
-  const Carved carved = scenes::quarter_hole(p, 0.5, 8);
-  const FinishedCurves one = finish_curves(p, stiffest(p, carved), carved, {.evaluations = 6}, {});
+  const FinishedCurves two = finish_curves(p, r, carved, {.evaluations = 9}, {});
+  EXPECT_EQ(two.rows.back().knots, whole.rows.back().knots);
   const double unit = 1024;  // a power of two: the same bits
   Problem q = scenes::quarter_plate(2 * unit, 0.2 * unit);
   const Carved large = scenes::quarter_hole(q, 0.5 * unit, 8);
-  const FinishedCurves other = finish_curves(q, stiffest(q, large), large, {.evaluations = 6}, {});
-  EXPECT_NEAR(other.rows[0].J / (unit * unit), one.rows[0].J, 1e-9 * one.J);
-  EXPECT_NEAR(other.J / (unit * unit), one.J, 1e-4 * one.J);
+  const FinishedCurves other = finish_curves(q, stiffest(q, large), large, {.evaluations = 9}, {});
+  EXPECT_NEAR(other.rows[0].J / (unit * unit), whole.rows[0].J, 1e-9 * whole.J);
+  EXPECT_NEAR(other.J / (unit * unit), whole.J, 1e-4 * whole.J);
 }
 
 TEST(Curves, WhatCannotBeMovedStaysAsCarved) {

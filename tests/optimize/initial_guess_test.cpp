@@ -1,3 +1,6 @@
+// Where a search begins. Of one hole, through noise, and of a crack that opens: inverse_test.cpp, which goes on from
+// there.
+
 #include "kerf/inverse.hpp"
 
 #include "kerf/analysis.hpp"
@@ -44,21 +47,6 @@ TEST(Responses, AreTheDerivativesOfReadings) {
   EXPECT_FALSE(response_at(r, {2, 2}).has_value());
 }
 
-TEST(InitialGuess, FindsAHole) {
-  Plate plate;
-  plate.holes = {{{0.62, 0.57}, 0.08}};
-  const Problem p = plate.problem();
-  Design d;
-  d.drawn = {plate.circle("h")};
-  const InitialGuess found = initial_guess(p, d, 0.02);
-  ASSERT_EQ(found.guesses.size(), 1u);
-  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.002);
-  EXPECT_NEAR(found.guesses[0].size, 0.08, 0.001);
-  EXPECT_EQ(found.design.drawn[0].start,
-            Eigen::Vector3d(found.guesses[0].at.x(), found.guesses[0].at.y(), found.guesses[0].size));
-  EXPECT_GT(found.explained, 0.99);
-}
-
 TEST(InitialGuess, IsSaidInWords) {
   const Plate plate;
   const Design d{{plate.circle("h"), plate.crack("c"), plate.region("r", 0.2, 20)}};
@@ -100,28 +88,6 @@ TEST(InitialGuess, FindsAnInclusion) {
   EXPECT_GT(found.guesses[0].young, 1.5);
   EXPECT_NEAR(found.guesses[0].size, 0.1, 0.05);
   EXPECT_GT(found.explained, 0.999);
-}
-
-TEST(InitialGuess, FindsACrackThatOpens) {
-  Plate plate;
-  plate.cracks = {{Vec2(0.45, 0.45), Vec2(0.62, 0.52)}};
-  const Problem p = plate.problem();
-  Design d;
-  d.drawn = {plate.crack("c")};
-  const InitialGuess found = initial_guess(p, d, 0.02);
-  const Eigen::Vector4d start = found.design.drawn[0].start;
-  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.002);
-}
-
-// Noise of 1 %.
-TEST(InitialGuess, StandsNoise) {
-  Plate plate;
-  plate.holes = {{{0.62, 0.57}, 0.08}};
-  plate.noise = 0.01;
-  Design d;
-  d.drawn = {plate.circle("h")};
-  const InitialGuess found = initial_guess(plate.problem(), d, 0.02);
-  EXPECT_LT((found.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.02);
 }
 
 TEST(InitialGuess, LeavesWhatIsGivenAndSaysWhereThereIsNoRoom) {

@@ -18,6 +18,7 @@ namespace {
 using inverse::Plate;
 
 struct Search {
+  InitialGuess start;
   std::vector<Identified> guess, found;
   OptimizeResult result;
 };
@@ -26,19 +27,26 @@ Search search(const Plate& plate, const Design& design) {
   const Synthetic truth = plate.truth();
   OptimizeRequest r{
       .method = OptimizeMethod::Slsqp, .max_iterations = 40, .tolerance = 0.01, .min_distance = 0.02, .design = design};
-  r.design = initial_guess(p, design, r.min_distance).design;
   Search s;
+  s.start = initial_guess(p, design, r.min_distance);
+  r.design = s.start.design;
   s.guess = identified(r.design, start_of(r.design), p, truth);
   s.result = optimize_parameters(p, r, {}, {});
   s.found = identified(r.design, s.result.variables, p, truth);
   return s;
 }
 
-// Without noise what is left is the discretization: a hundredth of the mesh size.
+// Without noise what is left is the discretization: a hundredth of the mesh size. The map alone starts it near there.
 TEST(Inverse, FindsAHoleToASmallPartOfTheMeshSize) {
   Plate plate;
   plate.holes = {{{0.62, 0.57}, 0.08}};
   const Search s = search(plate, {{plate.circle("h")}});
+  ASSERT_EQ(s.start.guesses.size(), 1u);
+  const Guess& guess = s.start.guesses[0];
+  EXPECT_LT((guess.at - Vec2(0.62, 0.57)).norm(), 0.002);
+  EXPECT_NEAR(guess.size, 0.08, 0.001);
+  EXPECT_EQ(s.start.design.drawn[0].start, Eigen::Vector3d(guess.at.x(), guess.at.y(), guess.size));
+  EXPECT_GT(s.start.explained, 0.99);
   ASSERT_EQ(s.found.size(), 1u);
   EXPECT_LT(s.found[0].position_error, 0.01 * plate.size);
   EXPECT_LT(std::abs(s.found[0].size_error), 0.005 * plate.size);
@@ -52,6 +60,7 @@ TEST(Inverse, FindsAHoleThroughNoise) {
   plate.holes = {{{0.62, 0.57}, 0.08}};
   plate.noise = 0.01;
   const Search s = search(plate, {{plate.circle("h")}});
+  EXPECT_LT((s.start.guesses[0].at - Vec2(0.62, 0.57)).norm(), 0.02);
   EXPECT_LT(s.found[0].position_error, 0.3 * plate.size);
   EXPECT_LT(std::abs(s.found[0].size_error), 0.1 * plate.size);
 }
@@ -61,6 +70,8 @@ TEST(Inverse, FindsTheEndsOfACrack) {
   Plate plate;
   plate.cracks = {{Vec2(0.45, 0.45), Vec2(0.62, 0.52)}};
   const Search s = search(plate, {{plate.crack("c")}});
+  const Eigen::Vector4d start = s.start.design.drawn[0].start;
+  EXPECT_LT((start - Eigen::Vector4d(0.45, 0.45, 0.62, 0.52)).norm(), 0.002);
   ASSERT_EQ(s.found.size(), 1u);
   EXPECT_LT(s.found[0].position_error, 0.02 * plate.size);
   EXPECT_LT(std::abs(s.found[0].size_error), 0.02 * plate.size);

@@ -90,19 +90,46 @@ struct Driven {
   }
 };
 
-TEST(Upper, BoundsLeaveRoomForWhatAFinerMeshProves) {
+// Resumed from before the bounds were made to leave room, and from after, it ends alike.
+TEST(Upper, BoundsLeaveRoomForWhatAFinerMeshProvesAlsoResumed) {
+  const test::Folder made;
   const Driven d;
-  const OptimizeResult found = optimize_parameters(d.p, d.r, {}, {});
+  const CheckpointPlace place{made.path / "checkpoint", "case", false};
+  const auto leaves_room = [](const Iteration& i) { return i.note.find("leave room") != std::string::npos; };
+  int shown = 0;
+  std::vector<std::filesystem::path> copies;
+  bool room = false;
+  const OptimizeResult found = optimize_parameters(
+      d.p, d.r,
+      [&](const Iterate& i) {
+        // What a run leaves that is stopped at the row before.
+        if (++shown == 3 || room) {
+          copies.push_back(made.path / std::to_string(shown));
+          std::filesystem::copy_file(place.path, copies.back());
+        }
+        room = copies.size() < 2 && leaves_room(i.row);
+        return true;
+      },
+      place);
   EXPECT_TRUE(found.feasible) << found.stopped;
   const Bounded& least = found.finer.intervals.at(0);
   EXPECT_TRUE(least.guaranteed) << least.note;
   EXPECT_LE(least.upper, -0.9 * (1 - feasible_violation));
   EXPECT_GE(least.upper, -0.9 * 1.05);  // and little more than that
-  const auto rooms = std::ranges::count_if(
-      found.history, [](const Iteration& i) { return i.note.find("leave room") != std::string::npos; });
+  const auto rooms = std::ranges::count_if(found.history, leaves_room);
   EXPECT_GE(rooms, 1);
   EXPECT_LE(rooms, 2);
   EXPECT_LT(found.history.back().bounds[0], -0.9 * (1 + feasible_violation));  // on its own mesh
+  ASSERT_EQ(copies.size(), 2u);
+  for (const std::filesystem::path& copy : copies) {
+    const OptimizeResult resumed = optimize_parameters(d.p, d.r, {}, {copy, "case", true});
+    EXPECT_EQ(resumed.variables, found.variables);
+    EXPECT_EQ(resumed.stopped, found.stopped);
+    EXPECT_EQ(resumed.notes, found.notes);
+    EXPECT_EQ(resumed.state_solves, found.state_solves);
+    EXPECT_EQ(resumed.finer.intervals[0].upper, found.finer.intervals[0].upper);
+    EXPECT_EQ(resumed.history.size(), found.history.size());
+  }
 }
 
 TEST(Upper, WhatFailsByTheUpperEndAloneIsNoDesign) {
@@ -196,29 +223,6 @@ TEST(Upper, SumsAndLoadCases) {
   const std::vector<Bounded> two = intervals_of(evaluate_design(p, r, p.frame, {0}), 1);
   EXPECT_NEAR(two[0].upper, one[0].upper, 1e-9);
   EXPECT_NEAR(two[0].lower, one[0].lower, 1e-9);
-}
-
-// Stopped after the bounds had been made to leave room, and before.
-TEST(Upper, RoomInBoundsIsPartOfTheCheckpoint) {
-  const test::Folder made;
-  const Driven d;
-  const OptimizeResult whole = optimize_parameters(d.p, d.r, {}, {});
-  const auto room = std::ranges::find_if(
-      whole.history, [](const Iteration& i) { return i.note.find("leave room") != std::string::npos; });
-  ASSERT_NE(room, whole.history.end());
-  for (const int rows : {2, static_cast<int>(room - whole.history.begin()) + 1}) {
-    const CheckpointPlace place{made.path / fmt::format("checkpoint{}", rows), "case", true};
-    int shown = 0;
-    optimize_parameters(
-        d.p, d.r, [&](const Iterate&) { return ++shown < rows; }, place);
-    const OptimizeResult resumed = optimize_parameters(d.p, d.r, {}, place);
-    EXPECT_EQ(resumed.variables, whole.variables);
-    EXPECT_EQ(resumed.stopped, whole.stopped);
-    EXPECT_EQ(resumed.notes, whole.notes);
-    EXPECT_EQ(resumed.state_solves, whole.state_solves);
-    EXPECT_EQ(resumed.finer.intervals[0].upper, whole.finer.intervals[0].upper);
-    EXPECT_EQ(resumed.history.size(), whole.history.size());
-  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "solver/factor.hpp"
 
 #include "solver/system/generator.hpp"
+#include "tests/support/running.hpp"
 
 #include <gtest/gtest.h>
 
@@ -157,9 +158,12 @@ TEST(Factor, DissectionLeavesSignalsToTheProgram) {
         std::this_thread::sleep_for(std::chrono::microseconds(500));
       }
     });
-    for (const int threads : {1, 2, 2}) EXPECT_EQ(dissection(start, neighbors, threads), undisturbed) << threads;
+    // On a busy machine the first orderings may see few signals.
+    EXPECT_TRUE(test::eventually([&] {
+      for (const int threads : {1, 2, 2}) EXPECT_EQ(dissection(start, neighbors, threads), undisturbed) << threads;
+      return seen > 10;
+    }));
   }
-  EXPECT_GT(seen, 10);
   struct sigaction now = {};
   sigaction(SIGTERM, &before, &now);
   EXPECT_EQ(now.sa_handler, count.sa_handler);

@@ -9,7 +9,6 @@ namespace kerf::exact {
 
 namespace {
 
-
 struct Arc {
   double p, R;
   Complex tip;  // at +half_angle on the unit circle

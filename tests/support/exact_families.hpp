@@ -1,6 +1,6 @@
 #pragma once
-// Exact fields beside those of exact.hpp: collinear cracks, friction, a crack along an arc, corners, holes, an inclusion. Each sets
-// `ExactField::side`.
+// Exact fields beside those of exact.hpp: collinear cracks, friction, a crack along an arc, corners, holes, an
+// inclusion. Each sets `ExactField::side`.
 
 #include "tests/support/exact_field.hpp"
 

@@ -8,7 +8,6 @@ namespace kerf::exact {
 
 namespace {
 
-
 struct Term {
   double l;
   Complex A, B;

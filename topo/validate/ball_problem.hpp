@@ -59,7 +59,7 @@ struct BodyOperator {
 
  private:
   Eigen::MatrixXd rest_;  // the lower factor of the other balls' block of W
-  Eigen::MatrixXd half_;              // the inverse of its factor times what couples it with (ball, contact)
+  Eigen::MatrixXd half_;  // the inverse of its factor times what couples it with (ball, contact)
 };
 
 /// What changes in one body.

@@ -50,8 +50,10 @@ class Ender {
       : thread_([this, signal] {
           while (!stop_) {
             std::ifstream children(fmt::format("/proc/self/task/{0}/children", own_));
-            for (pid_t child = 0; children >> child;)
-              if (ended_.insert(child).second) kill(child, signal);
+            for (pid_t child = 0; children >> child;) {
+              ended_.insert(child);
+              kill(child, signal);  // again, should it come before the child can take it
+            }
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
           }
         }) {}

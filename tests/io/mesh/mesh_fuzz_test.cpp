@@ -2,8 +2,8 @@
 
 #include "tests/io/mesh/meshes.hpp"
 
-#include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <random>
 
 namespace kerf::mesh_fuzz_test {
@@ -58,7 +58,7 @@ TEST(MeshFuzz, DamagedMeshesAreReadOrRefused) {
   double slowest = 0;
   for (int k = 0; k < count; ++k) {
     const std::string bytes = damaged(seeds[std::size_t(k) % seeds.size()], random);
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();  // of this process: others may keep the machine busy
     try {
       const MeshFile body = parse_mesh("a.msh", bytes, {.materials = {"stiff"}});
       ++read;
@@ -70,7 +70,7 @@ TEST(MeshFuzz, DamagedMeshesAreReadOrRefused) {
       ASSERT_TRUE(e.fault == Fault::Geometry) << e.what();
       ASSERT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
     }
-    slowest = std::max(slowest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    slowest = std::max(slowest, double(std::clock() - start) / CLOCKS_PER_SEC);
   }
   EXPECT_GT(read, count / 50);
   EXPECT_LT(read, count);

@@ -1,0 +1,221 @@
+// Every command and every verdict as a user meets them, in a second each, with truths in closed form.
+
+#include "tests/support/folder.hpp"
+#include "tests/support/running.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace {
+
+using nlohmann::json;
+
+constexpr double pi = 3.14159265358979323846;
+
+// A square of Young's modulus 2 in plane stress.
+const std::string square = R"([domain]
+outline = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 2
+poisson = 0.3
+state = "plane stress"
+[mesh]
+size = 0.2
+)";
+// On rollers at the left and at the bottom; the top is pulled by 1: a uniform stress, and the energy -1/2 1^2/E.
+const std::string pulled = square + R"([[boundary]]
+on = "left"
+displacement_x = 0
+[[boundary]]
+on = "bottom"
+displacement_y = 0
+[[boundary]]
+on = "top"
+traction = [0, 1]
+)";
+// Pressed by 1 from all sides: the energy is -(1 - nu)/E.
+const std::string pressed = pulled + R"([[boundary]]
+on = "right"
+traction = [-1, 0]
+)";
+const std::string crack = "[[crack]]\nname = \"c\"\npath = [[0.3, 0.5], [0.7, 0.5]]\n";
+const std::string no_files = "[output]\nvtk = false\npng = false\nhtml = false\n";
+
+class Commands : public kerf::test::InFolder {
+ protected:
+  /// The exit code of `kerf WORDS`.
+  int kerf(std::vector<std::string> words) const {
+    words.insert(words.begin(), KERF_PROGRAM);
+    return kerf::test::Running(folder, words).code();
+  }
+  void write(const std::string& text) const {
+    std::ofstream(folder / "a.toml") << text;
+  }
+  /// result.json of a command on this case, which ends with this code.
+  json result(const std::string& command, const std::string& text, const std::vector<std::string>& settings = {},
+              int code = 0) const {
+    write(text + no_files);
+    std::vector<std::string> words = {command, "a.toml", "-o", "out", "--force", "--quiet"};
+    for (const std::string& s : settings) words.insert(words.end(), {"--set", s});
+    EXPECT_EQ(kerf(words), code) << this->text("stderr");
+    return json::parse(std::ifstream(folder / "out" / "result.json"), nullptr, false);
+  }
+};
+
+TEST_F(Commands, SolveGivesTheStressOfABar) {
+  const json r = result("solve", pulled);
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_NEAR(r["state"]["energy"], -0.25, 1e-12);
+  EXPECT_NEAR(r["state"]["compliance"], 0.5, 1e-12);
+  EXPECT_LE(r["state"]["energy_bounds"][0], -0.25 + 1e-12);
+  EXPECT_GE(r["state"]["energy_bounds"][1], -0.25 - 1e-12);
+  EXPECT_NEAR(r["state"]["max_von_mises"]["value"], 1, 1e-10);
+  EXPECT_FALSE(r["state"]["max_von_mises"]["singular"]);
+  EXPECT_LT(r["state"]["work_error"], 1e-8);
+  for (const char* absent : {"map", "validate", "optimize", "contact"}) EXPECT_FALSE(r.contains(absent)) << absent;
+}
+
+// Pressed, the faces touch everywhere and carry the pressure as if they were whole.
+TEST_F(Commands, SolveClosesACrackThatIsPressed) {
+  const json r = result("solve", pulled + crack, {"boundary[2].traction=[0,-1]"});
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_NEAR(r["state"]["energy"], -0.25, 1e-10);
+  EXPECT_NEAR(r["contact"]["closed_length"], 0.4, 1e-12);
+  EXPECT_NEAR(r["cracks"][0]["max_pressure"], 1, 1e-8);
+  EXPECT_NEAR(r["cracks"][0]["tips"][0]["K_I"], 0, 1e-8);
+  EXPECT_LT(r["contact"]["kkt"], 1e-8);
+}
+
+TEST_F(Commands, SolveNamesASingularPeak) {
+  const json r = result("solve", pulled + crack);
+  EXPECT_TRUE(r["state"]["max_von_mises"]["singular"]);
+  EXPECT_NEAR(std::abs(r["state"]["max_von_mises"]["at"][0].get<double>() - 0.5), 0.2, 0.05);
+  EXPECT_TRUE(r["state"]["max_von_mises"]["regular"].is_object());
+}
+
+// By a mesh of its own of degree 3.
+TEST_F(Commands, SolveReachesTheErrorThatIsAsked) {
+  const std::string uneven = pulled + "[solver]\ndegree = 1\n";
+  const std::string load = "boundary[2].traction=[0,\"exp(x)\"]";
+  const json fine = result("solve", uneven, {load, "solver.degree=3", "mesh.size=0.1"});
+  const json r = result("solve", uneven, {load, "mesh.adapt={ error = 0.02, max_triangles = 20000 }"});
+  EXPECT_EQ(r["mesh"]["adapt"]["stopped"].get<std::string>().rfind("reached", 0), 0u) << r["mesh"]["adapt"];
+  // The energy of the error is at most the square of what is asked.
+  EXPECT_NEAR(r["state"]["energy"].get<double>() / fine["state"]["energy"].get<double>(), 1, 0.02 * 0.02);
+}
+
+// Few holes of area f soften a plate as E (1 - 3 f) along the pull.
+TEST_F(Commands, MapGivesTheCostOfAHoleInABar) {
+  const json r = result("map", pulled + "[map]\npoints = [[0.5, 0.5], [0.3, 0.6]]\n");
+  ASSERT_EQ(r["map"]["points"].size(), 2u);
+  for (const json& p : r["map"]["points"]) EXPECT_NEAR(p["value"], -0.75, 1e-9);
+  EXPECT_EQ(r["map"]["perturbation"], "hole");
+  EXPECT_FALSE(r.contains("validate"));
+}
+
+TEST_F(Commands, ValidateSaysThatItHolds) {
+  const json r = result("validate", pulled + "[validate]\npoints = [[0.5, 0.5]]\nradii = [0.08, 0.04, 0.02, 0.01]\n");
+  ASSERT_EQ(r["validate"].size(), 1u);
+  EXPECT_EQ(r["validate"][0]["verdict"], "holds") << r["validate"][0]["reason"];
+  EXPECT_NEAR(r["validate"][0]["coefficient"], -0.75, 1e-9);
+  for (const json& row : r["validate"][0]["rows"]) {
+    const double radius = row["radius"];
+    EXPECT_NEAR(row["difference"].get<double>() / (-0.75 * pi * radius * radius), 1, 30 * radius * radius) << radius;
+  }
+}
+
+// A small crack that is pressed from all sides changes nothing.
+TEST_F(Commands, ValidateSaysThatItVanishes) {
+  const json r =
+      result("validate",
+             pressed + "[map]\nperturbation = \"crack\"\n[validate]\npoints = [[0.5, 0.5]]\nradii = [0.08, 0.04]\n",
+             {"boundary[2].traction=[0,-1]", "mesh.size=0.4"});
+  EXPECT_NEAR(r["state"]["energy"], -0.35, 1e-12);
+  EXPECT_EQ(r["validate"][0]["verdict"], "vanishes") << r["validate"][0]["reason"];
+  EXPECT_NEAR(r["validate"][0]["coefficient"], 0, 1e-12);
+}
+
+TEST_F(Commands, ValidateSaysWhatIsOutOfRange) {
+  const json r = result("validate", pulled + "[validate]\npoints = [[0.5, 0.5]]\nradii = [0.44, 0.4, 0.36]\n");
+  EXPECT_EQ(r["validate"][0]["verdict"], "out of range") << r["validate"][0]["reason"];
+}
+
+/// A hole in the middle takes at least a tenth of the plate.
+const std::string drilled = pulled + R"([functional]
+kind = "compliance"
+[optimize]
+method = "mma"
+volume = { at_most = 0.9 }
+max_iterations = 30
+[[optimize.hole]]
+circle = { center = [[0.5, 0.5], [0.5, 0.5]], radius = [0.1, 0.3] }
+start = { center = [0.5, 0.5], radius = 0.2 }
+)";
+
+TEST_F(Commands, OptimizeEndsAtTheOnlyOptimum) {
+  const json r = result("optimize", drilled);
+  EXPECT_EQ(r["optimize"]["ending"], "optimal") << r["optimize"]["stopped"];
+  EXPECT_NEAR(r["optimize"]["variables"][2]["value"], std::sqrt(0.1 / pi), 1e-4);
+  EXPECT_NEAR(r["optimize"]["volume_fraction"], 0.9, 1e-4);
+  EXPECT_GT(r["optimize"]["objective"],
+            0.5 + 3 * 0.1 / 2);  // a hole in a finite plate costs more than in an infinite one
+  EXPECT_TRUE(r["optimize"]["feasible"]);
+}
+
+TEST_F(Commands, OptimizeSaysWhyItEndsOtherwise) {
+  const json used = result("optimize", drilled, {"optimize.max_iterations=1"});
+  EXPECT_EQ(used["optimize"]["ending"], "budget used") << used["optimize"]["stopped"];
+  const std::string bound = "[[optimize.bound]]\nkind = \"compliance\"\nat_most = 0.4\n";  // the whole plate has 0.5
+  const json bad = result("optimize", drilled + bound, {"optimize.max_iterations=3"}, 4);
+  EXPECT_EQ(bad["optimize"]["ending"], "infeasible") << bad["optimize"]["stopped"];
+  EXPECT_EQ(bad["status"], "infeasible");
+}
+
+TEST_F(Commands, RunDoesEveryJobThatTheCaseNames) {
+  const json r = result(
+      "run", pulled + "[map]\npoints = [[0.5, 0.5]]\n[validate]\npoints = [[0.5, 0.5]]\nradii = [0.04, 0.02, 0.01]\n");
+  EXPECT_EQ(r["status"], "ok");
+  EXPECT_NEAR(r["map"]["points"][0]["value"], -0.75, 1e-9);
+  EXPECT_EQ(r["validate"][0]["verdict"], "holds") << r["validate"][0]["reason"];
+  EXPECT_FALSE(r.contains("optimize"));
+}
+
+TEST_F(Commands, MeshWritesTheBodyThatIsReadAgain) {
+  write(pulled + no_files);
+  ASSERT_EQ(kerf({"mesh", "a.toml", "-o", "x.msh"}), 0) << text("stderr");
+  const json drawn = result("solve", pulled);
+  const std::size_t outline = pulled.find("outline"), end = pulled.find("[material]");
+  const json read = result("solve", std::string(pulled).replace(outline, end - outline, "file = \"x.msh\"\n"));
+  EXPECT_EQ(read["mesh"]["triangles"], drawn["mesh"]["triangles"]);
+  EXPECT_NEAR(read["state"]["area"], 1, 1e-12);
+  EXPECT_NEAR(read["state"]["energy"], -0.25, 1e-12);
+}
+
+TEST_F(Commands, InitWritesACaseThatIsRight) {
+  ASSERT_EQ(kerf({"init", "plate"}), 0) << text("stderr");
+  EXPECT_EQ(kerf({"check", "plate.toml"}), 0) << text("stderr");
+  EXPECT_EQ(kerf({"init", "plate"}), 5);  // what is there stays
+  EXPECT_EQ(kerf({"init", "plat"}), 2);
+}
+
+TEST_F(Commands, SweepRunsACasePerValue) {
+  write(pulled + no_files);
+  ASSERT_EQ(kerf({"sweep", "a.toml", "--over", "material.young=[1, 2, 4]", "-o", "s", "--quiet"}), 0) << text("stderr");
+  int found = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "s"))
+    if (entry.path().filename() == "result.json") {
+      const json r = json::parse(std::ifstream(entry.path()));
+      ++found;
+      const double young = -0.5 / r["state"]["energy"].get<double>();
+      EXPECT_NEAR(std::log2(young), std::round(std::log2(young)), 1e-10);
+    }
+  EXPECT_EQ(found, 3);
+}
+
+}  // namespace
