@@ -99,11 +99,14 @@ void open_junction(const std::vector<Index>& copies, const std::vector<Opening>&
       within -= inverse * equal;
     }
     if (!free.empty()) {
-      const Eigen::MatrixXd open = rows(free, Eigen::all) * within;
+      const Eigen::MatrixXd seen = rows(free, Eigen::all);
+      Eigen::VectorXd closing(seen.rows());
+      for (Eigen::Index i = 0; i < seen.rows(); ++i) closing[i] = -seen.row(i).dot(x);
+      const Eigen::MatrixXd open = seen * within;
       constexpr double regular = 1e-12;
       const Eigen::MatrixXd gram =
           open * open.transpose() + regular * Eigen::MatrixXd::Identity(open.rows(), open.rows());
-      x += open.transpose() * solve_unilateral(gram, -rows(free, Eigen::all) * x).jump;
+      x += open.transpose() * solve_unilateral(gram, closing).jump;
     }
     changed = false;
     for (const Index i : free)
