@@ -41,6 +41,8 @@ def package(build):
     """The files of a wheel by their names in it: the package out of a build folder, and the program."""
     files = {f"kerf/{path.name}": path.resolve() for path in sorted((build / "python" / "kerf").iterdir())
              if path.name != "__pycache__"}
+    if not any(name.startswith("kerf/_kerf.") for name in files):
+        sys.exit(f"{build} has no Python module; ./dev python says what it needs")
     files["kerf/kerf"] = build / "kerf"
     return files
 

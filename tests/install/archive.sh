@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# archive.sh SOURCE BUILD: the archive of a build, unpacked, takes no library from elsewhere but glibc; in a bare Debian 13,
+# archive.sh SOURCE BUILD [SUITE]: the archive of a build, unpacked, takes no library from elsewhere but glibc; in a bare Debian 13,
 # where nothing was installed (debootstrap, as root), it gives the showcase to the bit, with letters in its pictures.
 # Without root or debootstrap the second part is skipped (exit 77).
 set -euo pipefail
@@ -17,7 +17,7 @@ done
 "$build/kerf" run "$source/cases/cracked_plate.toml" -o "$folder/expected" --quiet
 can_make_bare || { echo "skipped in a bare Debian: it needs root and debootstrap"; exit 77; }
 
-make_bare trixie
+make_bare "${3:-trixie}"
 mkdir "$root/opt/kerf"
 tar -C "$root/opt/kerf" --strip-components=1 -xf "$folder"/made/kerf-*.tar.xz
 kerf=/opt/kerf/bin/kerf
