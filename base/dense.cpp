@@ -15,6 +15,10 @@ VectorXd multiply(const ConstMatrix& a, const ConstVector& x) {
   return a * x;
 }
 
+Eigen::Matrix2Xd multiply(const ConstPoints& a, const ConstMatrix& b) {
+  return a * b;
+}
+
 MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b, const ConstMatrix& c) {
   return multiply(multiply(a, b), c);
 }
@@ -28,6 +32,10 @@ VectorXd transposed_multiply(const ConstMatrix& a, const ConstVector& x) {
 }
 
 MatrixXd multiply_transposed(const ConstMatrix& a, const ConstMatrix& b) {
+  return a * b.transpose();
+}
+
+Eigen::Matrix2Xd multiply_transposed(const ConstPoints& a, const ConstMatrix& b) {
   return a * b.transpose();
 }
 
@@ -51,12 +59,16 @@ VectorXd solve(const Eigen::LLT<MatrixXd>& a, const ConstVector& b) {
   return a.solve(b);
 }
 
-MatrixXd solve_upper(const Eigen::LLT<MatrixXd>& a, const ConstMatrix& b) {
-  return a.matrixU().solve(b);
+MatrixXd solve_lower(const Eigen::LLT<MatrixXd>& a, const ConstMatrix& b) {
+  return a.matrixL().solve(b);
 }
 
-MatrixXd solve_upper_from_right(const ConstMatrix& b, const Eigen::LLT<MatrixXd>& a) {
-  return a.matrixL().solve(b.transpose()).transpose();
+VectorXd solve_lower(const Eigen::LLT<MatrixXd>& a, const ConstVector& b) {
+  return a.matrixL().solve(b);
+}
+
+MatrixXd solve_upper(const Eigen::LLT<MatrixXd>& a, const ConstMatrix& b) {
+  return a.matrixU().solve(b);
 }
 
 MatrixXd solve_spd(const ConstMatrix& a, const ConstMatrix& b) {
@@ -111,6 +123,14 @@ MatrixXd orthonormal(const Eigen::ColPivHouseholderQR<MatrixXd>& a, Eigen::Index
   return a.householderQ() * MatrixXd::Identity(a.rows(), columns);
 }
 
+MatrixXd full_q(const Eigen::ColPivHouseholderQR<MatrixXd>& a) {
+  return a.householderQ();
+}
+
+MatrixXd solve_upper_transposed(const ConstMatrix& r, const ConstMatrix& b) {
+  return r.triangularView<Eigen::Upper>().transpose().solve(b);
+}
+
 MatrixXd orthogonal_complement(const ConstMatrix& a) {
   const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(a).householderQ();
   return q.rightCols(a.rows() - a.cols());
@@ -118,8 +138,7 @@ MatrixXd orthogonal_complement(const ConstMatrix& a) {
 
 MatrixXd null_space(const ConstMatrix& a) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(a.transpose());
-  const MatrixXd q = qr.householderQ();
-  return q.rightCols(q.cols() - qr.rank());
+  return full_q(qr).rightCols(a.cols() - qr.rank());
 }
 
 MatrixXd solve(const Eigen::ColPivHouseholderQR<MatrixXd>& a, const ConstMatrix& b) {
@@ -141,12 +160,21 @@ MatrixXd solve_least_norm(const ConstMatrix& a, const ConstMatrix& b, double thr
   return decomposition.solve(b);
 }
 
+VectorXd solve_least_norm(const ConstMatrix& a, const ConstVector& b) {
+  return a.completeOrthogonalDecomposition().solve(b);
+}
+
 MatrixXd pseudo_inverse(const ConstMatrix& a) {
   return a.completeOrthogonalDecomposition().pseudoInverse();
 }
 
 Eigenpairs eigenpairs(const ConstMatrix& a) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(a);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigenpairs eigenpairs(const ConstMatrix& a, const ConstMatrix& b) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(a, b);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 

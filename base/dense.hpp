@@ -15,18 +15,31 @@
 namespace kerf {
 
 /// A matrix or a block of one, by columns. Anything else, as a transposed matrix or a sum, is evaluated into a copy.
+/// Sizes known at compile time have kernels of their own: such matrices do not fit here.
 struct ConstMatrix : Eigen::Ref<const Eigen::MatrixXd> {
   template <class Derived>
-  requires(Derived::ColsAtCompileTime != 1) ConstMatrix(const Eigen::DenseBase<Derived>& m) : Ref(m) {}
+  requires(Derived::RowsAtCompileTime == Eigen::Dynamic && Derived::ColsAtCompileTime == Eigen::Dynamic)
+      ConstMatrix(const Eigen::DenseBase<Derived>& m)
+      : Ref(m) {}
 };
 /// The same of what is a column by its type.
 struct ConstVector : Eigen::Ref<const Eigen::VectorXd> {
   template <class Derived>
-  requires(Derived::ColsAtCompileTime == 1) ConstVector(const Eigen::DenseBase<Derived>& v) : Ref(v) {}
+  requires(Derived::RowsAtCompileTime == Eigen::Dynamic && Derived::ColsAtCompileTime == 1)
+      ConstVector(const Eigen::DenseBase<Derived>& v)
+      : Ref(v) {}
+};
+/// Values at points: two rows, a column per point.
+struct ConstPoints : Eigen::Ref<const Eigen::Matrix2Xd> {
+  template <class Derived>
+  requires(Derived::RowsAtCompileTime == 2 && Derived::ColsAtCompileTime == Eigen::Dynamic)
+      ConstPoints(const Eigen::DenseBase<Derived>& p)
+      : Ref(p) {}
 };
 
 /// a b: m x k times k x n.
 Eigen::MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b);
+Eigen::Matrix2Xd multiply(const ConstPoints& a, const ConstMatrix& b);
 Eigen::VectorXd multiply(const ConstMatrix& a, const ConstVector& x);
 /// (a b) c.
 Eigen::MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b, const ConstMatrix& c);
@@ -35,6 +48,7 @@ Eigen::MatrixXd transposed_multiply(const ConstMatrix& a, const ConstMatrix& b);
 Eigen::VectorXd transposed_multiply(const ConstMatrix& a, const ConstVector& x);
 /// a b': m x k times n x k transposed.
 Eigen::MatrixXd multiply_transposed(const ConstMatrix& a, const ConstMatrix& b);
+Eigen::Matrix2Xd multiply_transposed(const ConstPoints& a, const ConstMatrix& b);
 /// c += factor a b. c may be no part of a or b.
 void add_product(Eigen::Ref<Eigen::MatrixXd> c, double factor, const ConstMatrix& a, const ConstMatrix& b);
 
@@ -45,9 +59,10 @@ Eigen::MatrixXd inverse(const ConstMatrix& a);
 Eigen::LLT<Eigen::MatrixXd> cholesky(const ConstMatrix& a);
 Eigen::MatrixXd solve(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
 Eigen::VectorXd solve(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstVector& b);
-/// L^-T b, and b L^-T.
+/// L^-1 b, and L^-T b.
+Eigen::MatrixXd solve_lower(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
+Eigen::VectorXd solve_lower(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstVector& b);
 Eigen::MatrixXd solve_upper(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
-Eigen::MatrixXd solve_upper_from_right(const ConstMatrix& b, const Eigen::LLT<Eigen::MatrixXd>& a);
 /// a^-1 b by Cholesky factors; numbers without meaning if a is not definite.
 Eigen::MatrixXd solve_spd(const ConstMatrix& a, const ConstMatrix& b);
 Eigen::VectorXd solve_spd(const ConstMatrix& a, const ConstVector& b);
@@ -71,8 +86,11 @@ ThinQr thin_qr(const ConstMatrix& a);
 /// a P = Q R, the longest remaining column next. Pivots below `threshold` times the largest do not count in rank();
 /// Eigen's own threshold if it is negative.
 Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted_qr(const ConstMatrix& a, double threshold = -1);
-/// The first `columns` columns of Q: with the rank, an orthonormal basis of the range.
+/// The first `columns` columns of Q: with the rank, an orthonormal basis of the range. All of Q, which is square.
 Eigen::MatrixXd orthonormal(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& a, Eigen::Index columns);
+Eigen::MatrixXd full_q(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& a);
+/// R^-T b for the upper triangle R of r.
+Eigen::MatrixXd solve_upper_transposed(const ConstMatrix& r, const ConstMatrix& b);
 /// Orthonormal bases of what is orthogonal to the columns of a, which are independent, and of { x : a x = 0 }.
 Eigen::MatrixXd orthogonal_complement(const ConstMatrix& a);
 Eigen::MatrixXd null_space(const ConstMatrix& a);
@@ -82,6 +100,7 @@ Eigen::VectorXd solve(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& a, cons
 Eigen::VectorXd solve_least_squares(const ConstMatrix& a, const ConstVector& b);
 /// Of these the x of least norm, by a complete orthogonal decomposition; `threshold` as of pivoted_qr.
 Eigen::MatrixXd solve_least_norm(const ConstMatrix& a, const ConstMatrix& b, double threshold = -1);
+Eigen::VectorXd solve_least_norm(const ConstMatrix& a, const ConstVector& b);
 /// The pseudo-inverse, in the same way.
 Eigen::MatrixXd pseudo_inverse(const ConstMatrix& a);
 
@@ -91,5 +110,7 @@ struct Eigenpairs {
   Eigen::MatrixXd vectors;
 };
 Eigenpairs eigenpairs(const ConstMatrix& a);
+/// Of a x = lambda b x, b symmetric positive definite; the vectors are orthonormal in b.
+Eigenpairs eigenpairs(const ConstMatrix& a, const ConstMatrix& b);
 
 }  // namespace kerf
